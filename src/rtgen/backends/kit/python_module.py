@@ -70,7 +70,10 @@ def python_module(
     pragmas: Iterable[str] = (),
     plain: bool = False,
 ) -> PythonModule:
-    """A module, or a part of one. `origin` are the keys of its inputs, which its header names."""
+    """A module, or a part of one. `origin` are the keys of its inputs, which its header names.
+
+    Long statements of the body are split, as in all of the module.
+    """
     return _printed(
         PythonModule(
             path=path,
@@ -80,7 +83,7 @@ def python_module(
             version=version,
             title=title,
             imports=tuple(imports),
-            body=body.strip("\n"),
+            body=fit_text(body.strip("\n")),
             defines=frozenset(defines),
             pragmas=tuple(pragmas),
             plain=plain,
@@ -111,10 +114,12 @@ def composed(parts: Sequence[PythonModule]) -> PythonModule:
 def _in_order(parts: Sequence[PythonModule]) -> list[PythonModule]:
     """The parts, each after those that define what it imports from the module."""
     ordered: list[PythonModule] = []
+    seen: set[int] = set()
 
     def add(part: PythonModule) -> None:
-        if part in ordered:
+        if id(part) in seen:
             return
+        seen.add(id(part))
         needed = {each.name for each in part.imports if each.module == part.name}
         for other in parts:
             if other is not part and not needed.isdisjoint(other.defines):
@@ -136,10 +141,11 @@ def _printed(module: PythonModule) -> PythonModule:
     if not module.plain:
         blocks.insert(0, ["from __future__ import annotations"])
     text += "".join(f"\n{lines}\n" for lines in map("\n".join, blocks))
+    text = fit_text(text)
     if module.body:
         wide = module.body.startswith(("@", "class ", "def "))
         text += ("\n\n" if wide else "\n") + module.body + "\n"
-    return msgspec.structs.replace(module, text=fit_text(text))
+    return msgspec.structs.replace(module, text=text)
 
 
 def imports_of(names: Mapping[tuple[str, str], str]) -> list[Import]:
