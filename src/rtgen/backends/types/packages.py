@@ -145,10 +145,8 @@ def _lazy(package: Package, options: Options, path: str, exported: str) -> str:
     )
     return render(
         "types/lazy_names.py.j2",
-        statements=[
-            *chain(*import_blocks(shown, options.package, path)),
-            *constants,
-        ],
+        imports=list(chain(*import_blocks(shown, options.package, path))),
+        constants=constants,
         homes=", ".join(
             f"{string_literal(relative_name(module, options.package, path))}: "
             f"({', '.join(map(string_literal, names))}{',' * (len(names) == 1)})"

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         SdoAbort,
         ValueKind,
     )
+
     VALUE_BOOLEAN = ValueKind.VALUE_BOOLEAN
     VALUE_INTEGER = ValueKind.VALUE_INTEGER
     VALUE_UNSIGNED = ValueKind.VALUE_UNSIGNED

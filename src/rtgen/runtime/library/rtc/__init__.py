@@ -187,6 +187,7 @@ if TYPE_CHECKING:
         Waypoint3DList,
         Waypoint3DListCodec,
     )
+
     ACTUATOR_STATUS_IDLE = ActArrayActuatorStatus.ACTUATOR_STATUS_IDLE
     ACTUATOR_STATUS_MOVING = ActArrayActuatorStatus.ACTUATOR_STATUS_MOVING
     ACTUATOR_STATUS_BRAKED = ActArrayActuatorStatus.ACTUATOR_STATUS_BRAKED
