@@ -5,6 +5,7 @@
 from typing import Final
 
 from .._idl.ui import (
+    VERSION as VERSION,
     ActiveSet as ActiveSet,
     AddComponent as AddComponent,
     AddedTypes as AddedTypes,
@@ -15,8 +16,8 @@ from .._idl.ui import (
     Bus as Bus,
     BusLoad as BusLoad,
     BusNode as BusNode,
-    Call__ as Call,
     CallBoard as CallBoard,
+    Call__ as Call,
     Channel as Channel,
     ClientMessage as ClientMessage,
     ClockKind as ClockKind,
@@ -79,10 +80,9 @@ from .._idl.ui import (
     TypeNode as TypeNode,
     TypeNodes as TypeNodes,
     TypeNodesCodec as TypeNodesCodec,
-    VERSION as VERSION,
-    Value__ as Value,
     ValueList as ValueList,
     ValueListCodec as ValueListCodec,
+    Value__ as Value,
 )
 
 TYPE_BOOLEAN: Final = TypeKind.TYPE_BOOLEAN
