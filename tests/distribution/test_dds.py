@@ -252,7 +252,7 @@ def test_big_samples(stack: ExitStack, partition: str) -> None:
     publisher = here.publisher(topic, Qos())
     wait_for(lambda: publisher.matched)
     value = rtc.TimedOctetSeq(data=os.urandom(10_000_000))
-    publisher.publish(encoder(rtc.TimedOctetSeq)(value), 1)
+    publisher.publish(encoder(rtc.TimedOctetSeq)(value))
     wait_for(lambda: got)
     assert xcdr.deserialize(rtc.TimedOctetSeq, got[0].octets) == value
 
@@ -277,7 +277,7 @@ def test_a_slow_reader_holds_up_a_writer_that_keeps_all(
 
     def has_room() -> bool:
         try:
-            publisher.publish(octets, sent + 1)
+            publisher.publish(octets)
         except PublishTimeoutError:
             return False
         return True
@@ -298,7 +298,7 @@ def test_partitions_are_systems(stack: ExitStack, partition: str) -> None:
     mine.subscribe(Topic("t", rtc.TimedLong), Qos(), got.append)
     publisher = here.publisher(Topic("t", rtc.TimedLong), Qos())
     wait_for(lambda: publisher.matched)
-    publisher.publish(encoder(rtc.TimedLong)(rtc.TimedLong()), 1)
+    publisher.publish(encoder(rtc.TimedLong)(rtc.TimedLong()))
     wait_for(lambda: got)
     assert len(got) == 1
 
@@ -312,8 +312,8 @@ def test_garbage_on_a_topic_is_counted(
     publisher = other.publisher(Topic("a/in/in", rtc.TimedDouble), Qos())
     wait_for(lambda: publisher.matched)
     with pytest.raises(MediumError):
-        publisher.publish(b"\0\1\0\0", 1)
-    publisher.publish(encoder(rtc.TimedDouble)(rtc.TimedDouble(data=4.0)), 2)
+        publisher.publish(b"\0\1\0\0")
+    publisher.publish(encoder(rtc.TimedDouble)(rtc.TimedDouble(data=4.0)))
     arrived(process.node("a"), [4])
 
 

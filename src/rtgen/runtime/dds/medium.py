@@ -228,13 +228,16 @@ class DdsPublisher:
         name = check_name(topic.name)
         self._patience = qos.patience if qos.depth is None else 0.0
         self._writer = made.writer(name, topic.type, qos)
+        self._sequence = 0
         self._closed = False
 
-    def publish(self, octets: bytes, sequence: int) -> None:
-        """See `medium.Publisher`."""
+    def publish(self, octets: bytes) -> None:
+        """See `medium.Publisher`. A sample that finds no room leaves its number to the next."""
         if self._closed:
             raise MediumError("the publisher is closed")
+        sequence = self._sequence + 1
         entities.write(self._writer, numbered(octets, sequence), self._patience)
+        self._sequence = sequence
 
     @property
     def matched(self) -> bool:

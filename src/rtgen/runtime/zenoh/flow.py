@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import struct
 import threading
+from typing import Any, TypeAlias
 
 import zenoh
 
-from rtgen.runtime.distribution.medium import PublishTimeoutError
+from rtgen.runtime.distribution.medium import SEQUENCES, PublishTimeoutError
 from rtgen.runtime.failures import log
 from rtgen.runtime.zenoh.declared import Declared
 from rtgen.runtime.zenoh.session import plain
@@ -21,7 +22,18 @@ WINDOW = 64
 """Samples that are under way to the slowest subscription at most."""
 
 _EVERY = WINDOW // 4
-_ACKNOWLEDGEMENT = struct.Struct("<16sQ")
+_PUBLISHER = struct.Struct("<16sI")
+_ACKNOWLEDGEMENT = struct.Struct(f"<{_PUBLISHER.size}sI")
+"""A publisher, and the number of a sample."""
+
+Source: TypeAlias = tuple[bytes, int]
+"""A publisher: the identity of its session, without trailing zeros, and its number there."""
+
+
+def source_of(identity: zenoh.EntityGlobalId) -> Source:
+    """A publisher of this identity."""
+    zid: Any = identity.zid
+    return bytes(zid), identity.eid
 
 
 class Acknowledging:
@@ -34,12 +46,13 @@ class Acknowledging:
         token = session.liveliness().declare_token(key)
         self._declared = Declared(session, self._publisher, token)
 
-    def handled(self, source: bytes, sequence: int) -> None:
+    def handled(self, source: Source, sequence: int) -> None:
         """Acknowledge a sample, with all before it; not each one causes a message."""
-        if sequence % _EVERY and sequence != 1:
+        if sequence % _EVERY:
             return
         try:
-            self._publisher.put(_ACKNOWLEDGEMENT.pack(source, sequence))
+            publisher = _PUBLISHER.pack(*source)
+            self._publisher.put(_ACKNOWLEDGEMENT.pack(publisher, sequence))
         except zenoh.ZError as error:
             log.debug("zenoh: %s", plain(error))
 
@@ -52,9 +65,9 @@ class Window:
     """The sending end: waits until the slowest subscription is less than a window behind."""
 
     def __init__(
-        self, session: zenoh.Session, keys: str, identity: bytes, patience: float
+        self, session: zenoh.Session, keys: str, source: Source, patience: float
     ) -> None:
-        self._identity = identity
+        self._publisher = _PUBLISHER.pack(*source)
         self._patience = patience
         self._changed = threading.Condition()
         self._handled: dict[str, int] = {}
@@ -66,15 +79,15 @@ class Window:
             session.liveliness().declare_subscriber(keys, self._on_token, history=True),
         )
 
-    def wait(self, sequence: int, name: str) -> None:
-        """Wait for room for a sample. Raises PublishTimeoutError."""
+    def wait(self, name: str) -> None:
+        """Wait for room for a sample, which is sent then. Raises PublishTimeoutError."""
         with self._changed:
             if not self._changed.wait_for(self._has_room, self._patience):
                 raise PublishTimeoutError(
                     f"{name}: a subscription is {WINDOW} samples behind for "
                     f"{self._patience} s"
                 )
-            self._sent = sequence
+            self._sent += 1
 
     def close(self) -> None:
         """Wait no more."""
@@ -100,9 +113,11 @@ class Window:
         octets = sample.payload.to_bytes()
         if len(octets) != _ACKNOWLEDGEMENT.size:
             return
-        identity, sequence = _ACKNOWLEDGEMENT.unpack(octets)
+        publisher, sequence = _ACKNOWLEDGEMENT.unpack(octets)
         key = str(sample.key_expr)
         with self._changed:
-            if identity == self._identity and key in self._handled:
-                self._handled[key] = max(self._handled[key], min(sequence, self._sent))
+            if publisher == self._publisher and key in self._handled:
+                # The number of the first sample is 0.
+                behind = (self._sent - 1 - sequence) % SEQUENCES
+                self._handled[key] = max(self._handled[key], self._sent - behind)
                 self._changed.notify_all()

@@ -28,7 +28,7 @@ from rtgen.runtime.zenoh.declared import Declared
 from rtgen.runtime.zenoh.keys import Keys
 from rtgen.runtime.zenoh.services import ZenohClient, ZenohService
 from rtgen.runtime.zenoh.session import Endpoints, lease_of, open_session, reported
-from rtgen.runtime.zenoh.topics import ZenohPublisher, ZenohSubscription
+from rtgen.runtime.zenoh.topics import ZenohSubscription, publisher_of
 
 
 class ZenohMedium:
@@ -49,7 +49,7 @@ class ZenohMedium:
         if qos.lease is not None:
             check_lease(topic, qos, lease_of(self._endpoints))
         with reported(topic.name):
-            return ZenohPublisher(self._session, self._keys, topic, qos)
+            return publisher_of(self._session, self._keys, topic, qos)
 
     def subscribe(self, topic: Topic, qos: Qos, on_sample: OnSample) -> Subscription:
         """See `Medium`."""
