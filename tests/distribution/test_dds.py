@@ -31,6 +31,7 @@ from rtgen.cli.transports import await_others
 from rtgen.diagnostics import ToolError
 from rtgen.runtime import idl, xcdr
 from rtgen.runtime.cdr import Aggregated, CdrError
+from rtgen.runtime.dds import entities
 from rtgen.runtime.dds.medium import DdsMedium, configuration
 from rtgen.runtime.dds.numbers import DOUBLE, Numbers, numbered, plain
 from rtgen.runtime.dds.types import idl_class
@@ -315,6 +316,16 @@ def test_garbage_on_a_topic_is_counted(
         publisher.publish(b"\0\1\0\0")
     publisher.publish(encoder(rtc.TimedDouble)(rtc.TimedDouble(data=4.0)))
     arrived(process.node("a"), [4])
+
+
+def test_bare_exceptions_of_cyclonedds_are_reported() -> None:
+    with (
+        pytest.raises(MediumError, match="a service: Callfunc cqos errored"),
+        entities.reported("a service"),
+    ):
+        raise Exception("Callfunc cqos errored.")
+    with pytest.raises(KeyError), entities.reported("a service"):
+        raise KeyError("a defect")
 
 
 def test_a_domain_has_one_configuration(stack: ExitStack, partition: str) -> None:

@@ -307,9 +307,8 @@ class DdsSubscription:
 
     def _writer(self, handle: int) -> Hashable:
         """The identity of a writer, which gets a new handle when it is found again."""
-        reader: Any = self._reader
-        endpoint = reader.get_matched_publication_data(handle)
-        found: Hashable = handle if endpoint is None else endpoint.key.bytes
+        endpoint = entities.matched_writer(self._reader, handle)
+        found: Hashable = handle if endpoint is None else endpoint.guid
         self._writers[handle] = found
         if len(self._writers) > WRITERS:
             self._writers.popitem(last=False)
