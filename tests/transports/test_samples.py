@@ -257,6 +257,12 @@ def test_nothing_comes_after_close(join: Join) -> None:
         publisher.publish(payload(1))
     subscription.close()
     publisher.close()
+    for depth in (1, None):
+        last = here.publisher(TOPIC, Qos(depth=depth))
+        here.close()
+        with pytest.raises(MediumError):
+            last.publish(payload(1))
+        here = join()
 
 
 def test_wrong_names_are_refused(join: Join) -> None:

@@ -18,7 +18,6 @@ from rtgen.runtime.distribution.deadlines import Deadline
 from rtgen.runtime.distribution.medium import (
     MediumError,
     OnSample,
-    Publisher,
     Qos,
     Sample,
     Topic,
@@ -26,7 +25,7 @@ from rtgen.runtime.distribution.medium import (
 from rtgen.runtime.zenoh.declared import Declared, matches
 from rtgen.runtime.zenoh.flow import Acknowledging, Window, source_of
 from rtgen.runtime.zenoh.keys import Keys
-from rtgen.runtime.zenoh.session import plain
+from rtgen.runtime.zenoh.session import reported
 
 _MOST_KEPT = 4096
 """Samples kept for late joiners by a topic that keeps all."""
@@ -34,7 +33,7 @@ _MOST_KEPT = 4096
 
 def publisher_of(
     session: zenoh.Session, keys: Keys, topic: Topic, qos: Qos
-) -> Publisher:
+) -> ZenohPublisher:
     """A publisher of a topic. Raises zenoh.ZError."""
     kind = ZenohPublisher if qos.depth is not None else WaitingPublisher
     return kind(session, keys, topic, qos)
@@ -76,10 +75,8 @@ class ZenohPublisher:
     @property
     def matched(self) -> bool:
         """See `medium.Publisher`."""
-        try:
+        with reported(self._name):
             return matches(self._twin)
-        except zenoh.ZError as error:
-            raise MediumError(f"{self._name}: {plain(error)}") from error
 
     def close(self) -> None:
         """See `medium.Publisher`."""
@@ -103,7 +100,8 @@ class WaitingPublisher(ZenohPublisher):
 
         def publish(octets: bytes) -> None:
             window.wait(topic.name)
-            put(octets)
+            with reported(topic.name):
+                put(octets)
 
         self.publish = publish
 
