@@ -265,6 +265,36 @@ def test_nothing_comes_after_close(join: Join) -> None:
         here = join()
 
 
+def test_subscriptions_come_and_go_while_samples_flow(join: Join) -> None:
+    here, there = join(), join()
+    publisher = here.publisher(TOPIC, Qos(depth=None))
+    over = threading.Event()
+    failures: list[Exception] = []
+
+    def flood() -> None:
+        sender = Sender(publisher)
+        while not (over.is_set() or failures):
+            try:
+                sender.send(sender.sent)
+            except Exception as error:
+                failures.append(error)
+
+    thread = threading.Thread(target=flood)
+    thread.start()
+    try:
+        for _ in range(40):
+            got = Samples()
+            subscription = there.subscribe(TOPIC, Qos(depth=None), got.on_sample)
+            wait_for(lambda got=got: len(got) > 20)
+            subscription.close()
+            numbers = [number_of(sample) for sample in got]
+            assert numbers == sorted(set(numbers))
+    finally:
+        over.set()
+        thread.join()
+    assert not failures
+
+
 def test_wrong_names_are_refused(join: Join) -> None:
     medium = join()
     for name in ("", "/a", "a/", "a b", "a*", "ä", "a" * 201, "a?b#"):

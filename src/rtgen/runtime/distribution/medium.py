@@ -128,8 +128,8 @@ class Publisher(Protocol):
     def publish(self, octets: bytes, /) -> None:
         """Send a sample.
 
-        From any thread, one at a time. Waits only if `depth` is None: then it raises
-        PublishTimeoutError after `patience`. Raises MediumError.
+        From any thread, one at a time, and not during `close`. Waits only if `depth` is None: then
+        it raises PublishTimeoutError after `patience`. Raises MediumError.
         """
 
     @property

@@ -22,7 +22,7 @@ from rtgen.runtime.distribution.medium import (
     Sample,
     Topic,
 )
-from rtgen.runtime.zenoh.declared import Declared, matches
+from rtgen.runtime.zenoh.declared import Declared
 from rtgen.runtime.zenoh.flow import Acknowledging, Window, source_of
 from rtgen.runtime.zenoh.keys import Keys
 from rtgen.runtime.zenoh.session import reported
@@ -76,7 +76,7 @@ class ZenohPublisher:
     def matched(self) -> bool:
         """See `medium.Publisher`."""
         with reported(self._name):
-            return matches(self._twin)
+            return self._declared.matches(self._twin)
 
     def close(self) -> None:
         """See `medium.Publisher`."""
@@ -163,9 +163,12 @@ class ZenohSubscription:
             self._on_sample(Sample(octets, None))
             return
         source, sequence = source_of(info.source_id), info.source_sn
+        if self._acknowledging is None:
+            self._on_sample(Sample(octets, source, sequence))
+            return
+        self._acknowledging.begin(source)
         self._on_sample(Sample(octets, source, sequence))
-        if self._acknowledging is not None:
-            self._acknowledging.handled(source, sequence)
+        self._acknowledging.handled(source, sequence)
 
     def close(self) -> None:
         """See `medium.Subscription`."""
