@@ -46,8 +46,6 @@ class ZenohPublisher:
     around it that turned its errors into MediumError would take a twentieth of its time.
     """
 
-    publish: Callable[[bytes], None]
-
     def __init__(
         self, session: zenoh.Session, keys: Keys, topic: Topic, qos: Qos
     ) -> None:
@@ -69,7 +67,7 @@ class ZenohPublisher:
         self._source = source_of(publisher.id)
         # An advanced publisher does not say whether it is matched; one of the same key does.
         self._twin = session.declare_publisher(key)
-        self.publish = publisher.put
+        self.publish: Callable[[bytes], None] = publisher.put
         self._declared = Declared(session, self._twin, publisher)
 
     @property
