@@ -318,6 +318,35 @@ def test_garbage_on_a_topic_is_counted(
     arrived(process.node("a"), [4])
 
 
+def test_readers_come_and_go_while_a_publisher_looks(
+    stack: ExitStack, partition: str
+) -> None:
+    """cyclonedds's own list of matched readers fails if one comes while it is made."""
+    here, there = medium(stack, partition), medium(stack, partition)
+    topic = Topic("t", rtc.TimedLong)
+    publisher = here.publisher(topic, Qos())
+    over = threading.Event()
+    failures: list[Exception] = []
+
+    def look() -> None:
+        try:
+            while not over.is_set():
+                assert publisher.matched in (False, True)
+        except Exception as error:
+            failures.append(error)
+
+    looking = threading.Thread(target=look)
+    looking.start()
+    for _ in range(40):
+        opened = [there.subscribe(topic, Qos(), lambda _: None) for _ in range(10)]
+        wait_for(lambda: publisher.matched)
+        for each in opened:
+            each.close()
+    over.set()
+    looking.join()
+    assert not failures
+
+
 def test_bare_exceptions_of_cyclonedds_are_reported() -> None:
     with (
         pytest.raises(MediumError, match="a service: Callfunc cqos errored"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, NamedTuple
 
@@ -36,7 +36,7 @@ from rtgen.runtime.distribution.medium import (
 ANY = SampleState.Any | ViewState.Any | InstanceState.Any
 _SECOND = 1_000_000_000
 _AT_ONCE = 256
-"""Samples that are taken at a time."""
+"""Samples that are taken at a time, and handles that are asked for."""
 _MOST_UNREAD = 1024
 """Samples that a reader keeps at most before it slows its writers down."""
 _PAUSE = 0.0005
@@ -61,6 +61,33 @@ class Endpoint(NamedTuple):
 
     guid: bytes
     user_data: bytes
+
+
+def matched_readers(writer: Any) -> list[int]:
+    """The handles of the readers that are matched with a writer. Raises DDSException."""
+    return _handles(writer, writer._get_matched_subscriptions)
+
+
+def matched_writers(reader: Any) -> list[int]:
+    """The handles of the writers that are matched with a reader. Raises DDSException."""
+    return _handles(reader, reader._get_matched_publications)
+
+
+def _handles(entity: Any, get: Callable[..., int]) -> list[int]:
+    """What a function of C puts into an array of handles.
+
+    cyclonedds's own wrappers ask for the number first, and fail if it grows before they ask again.
+    """
+    room = _AT_ONCE
+    while True:
+        handles = (dds_c_t.instance_handle * room)()
+        first = ctypes.cast(handles, ctypes.POINTER(dds_c_t.instance_handle))
+        count = get(entity._ref, first, room)
+        if count < 0:
+            raise DDSException(count)
+        if count <= room:
+            return handles[:count]
+        room = count
 
 
 def matched_reader(writer: DataWriter[Any], handle: int) -> Endpoint | None:

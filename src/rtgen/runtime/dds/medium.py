@@ -225,7 +225,7 @@ class DdsPublisher:
     """See `medium.Publisher`: the writer of a topic."""
 
     def __init__(self, made: Entities, topic: Topic, qos: Qos) -> None:
-        name = check_name(topic.name)
+        name = self._name = check_name(topic.name)
         self._patience = qos.patience if qos.depth is None else 0.0
         self._writer = made.writer(name, topic.type, qos)
         self._sequence = 0
@@ -242,7 +242,10 @@ class DdsPublisher:
     @property
     def matched(self) -> bool:
         """See `medium.Publisher`."""
-        return not self._closed and bool(self._writer.get_matched_subscriptions())
+        if self._closed:
+            return False
+        with entities.reported(self._name):
+            return bool(entities.matched_readers(self._writer))
 
     def close(self) -> None:
         """See `medium.Publisher`."""

@@ -240,9 +240,9 @@ class DdsClient:
         with self._lock:
             if self._closed:
                 raise PeerLostError(f"the client of {self._service} is closed")
-            if not self._reader.get_matched_publications():
+            if not entities.matched_writers(self._reader):
                 return None
-            for server in sorted(self._writer.get_matched_subscriptions()):
+            for server in sorted(entities.matched_readers(self._writer)):
                 name = self._names.get(server)
                 if name is None and (name := self._name(server)) is not None:
                     self._names[server] = name
@@ -263,7 +263,7 @@ class DdsClient:
             if self._closed:
                 return
             writer.get_publication_matched_status()  # or the condition stays true
-            servers = set(self._writer.get_matched_subscriptions())
+            servers = set(entities.matched_readers(self._writer))
             self._names = {h: self._names[h] for h in self._names.keys() & servers}
         self._fail(f"the server of {self._service} was lost", servers)
 

@@ -280,7 +280,7 @@ def _octets(on_message: OnMessage) -> _OnSample:
 def _reads(reader: Any, handle: int, writer: Any) -> bool:
     """Whether the client of a request reads replies; one without an identity, if anyone does."""
     with entities.reported("the client of a request"):
-        known = writer.get_matched_subscriptions()
+        known = entities.matched_readers(writer)
         client = _client(entities.matched_writer(reader, handle))
         found = (entities.matched_reader(writer, each) for each in known)
         return bool(known) if client is None else client in map(_client, found)
@@ -294,7 +294,7 @@ def _client(endpoint: entities.Endpoint | None) -> str | None:
 def _is_served(writer: Any, reader: Any) -> bool:
     with entities.reported("the server of a client"):
         return bool(
-            writer.get_matched_subscriptions() and reader.get_matched_publications()
+            entities.matched_readers(writer) and entities.matched_writers(reader)
         )
 
 
