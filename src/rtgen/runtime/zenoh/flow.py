@@ -63,9 +63,9 @@ class Acknowledging:
         self._publisher = session.declare_publisher(
             key, congestion_control=zenoh.CongestionControl.BLOCK, express=True
         )
-        sent = session.declare_subscriber(_sent(key), self._on_report)
-        token = session.liveliness().declare_token(key)
-        self._declared = Declared(session, self._publisher, sent, token)
+        self._declared = Declared(session, self._publisher)
+        self._declared.add(session.declare_subscriber(_sent(key), self._on_report))
+        self._declared.add(session.liveliness().declare_token(key))
 
     def begin(self, source: Source) -> None:
         """A sample is being handled."""
