@@ -52,6 +52,8 @@ class ZenohPublisher:
         key = keys.topic(topic)
         self._name = topic.name
         kept = _MOST_KEPT if qos.depth is None else qos.depth
+        # An advanced publisher does not say whether it is matched; one of the same key does.
+        self._twin = session.declare_publisher(key)
         publisher = ext.declare_advanced_publisher(
             session,
             key,
@@ -65,8 +67,6 @@ class ZenohPublisher:
             publisher_detection=qos.durable,
         )
         self._source = source_of(publisher.id)
-        # An advanced publisher does not say whether it is matched; one of the same key does.
-        self._twin = session.declare_publisher(key)
         self.publish: Callable[[bytes], None] = publisher.put
         self._declared = Declared(session, self._twin, publisher)
 
