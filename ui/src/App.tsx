@@ -46,6 +46,7 @@ export function App() {
             connections={system.connections}
             full={full}
             statistics={page.statistics}
+            selected={selected}
             select={select}
             open={open}
           />

@@ -1,13 +1,22 @@
 /** Components that can be added, and what is done to all at once. */
 
 import { Naming } from "./Naming.tsx";
-import type { SystemState } from "./protocol/Ui.ts";
+import type { Command, SystemState } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
 
 /** What a system is chosen by: its name first, which is not cut then. */
 function named(file: string): string {
   const [, folder, name] = /^(?:(.*)\/)?([^/]*?)(?:\.xml)?$/.exec(file)!;
   return folder ? `${name} (${folder})` : name!;
+}
+
+/** A button that keeps the focus when there is nothing more to do. */
+function Edit({ name, title, enabled, act }: { name: string; title?: string; enabled: boolean; act: Command }) {
+  return (
+    <button type="button" title={title} aria-disabled={!enabled} onClick={() => enabled && store.order(act)}>
+      {name}
+    </button>
+  );
 }
 
 export function Palette(props: { system: SystemState; full: boolean; selected: string; select: (instance: string) => void }) {
@@ -25,15 +34,9 @@ export function Palette(props: { system: SystemState; full: boolean; selected: s
         <button type="button" disabled={!full} onClick={() => store.order({ case: "restored", value: [] })}>
           Reset all
         </button>
-        <button type="button" title={edits.undo} disabled={!full || !edits.undo} onClick={() => store.order({ case: "undone", value: true })}>
-          Undo
-        </button>
-        <button type="button" title={edits.redo} disabled={!full || !edits.redo} onClick={() => store.order({ case: "redone", value: true })}>
-          Redo
-        </button>
-        <button type="button" disabled={!full || edits.saved} onClick={() => store.order({ case: "file", value: "" })}>
-          Save
-        </button>
+        <Edit name="Undo" title={edits.undo} enabled={full && edits.undo !== ""} act={{ case: "undone", value: true }} />
+        <Edit name="Redo" title={edits.redo} enabled={full && edits.redo !== ""} act={{ case: "redone", value: true }} />
+        <Edit name="Save" enabled={full && !edits.saved} act={{ case: "file", value: "" }} />
       </section>
       {system.systems.length > 1 && (
         <label>

@@ -2,9 +2,11 @@
 
 import { Background, BaseEdge, ControlButton, Controls, Handle, Position, ReactFlow, getBezierPath, useNodesState } from "@xyflow/react";
 import type { Connection as Drawn, Edge, EdgeProps, Node, NodeProps, ReactFlowInstance } from "@xyflow/react";
-import { memo, useEffect, useMemo, useRef, useState } from "react";
+import { memo, useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { around, arrange, line, shown, stored, title, view, width } from "./layout.ts";
 import type { Arrangement, Point } from "./layout.ts";
+import { Menu } from "./Menu.tsx";
+import type { Item, Place } from "./Menu.tsx";
 import type { Tab } from "./Panel.tsx";
 import type { Component, Connection, Fit, Port } from "./protocol/Ui.ts";
 import type { Statistics } from "./store.ts";
@@ -85,12 +87,6 @@ const edgeTypes = { wire: WireLine };
 /** Whether this page shows boxes where the layout puts them, kept when it is loaded again. */
 const ARRANGED = "rtgen arranged";
 
-interface Menu {
-  instance: string;
-  x: number;
-  y: number;
-}
-
 /** What the time of the run changes is no property of the wiring, so that it is drawn again for its own changes alone. */
 export const Wiring = memo(function Wiring(props: {
   file: string;
@@ -98,10 +94,11 @@ export const Wiring = memo(function Wiring(props: {
   connections: readonly Connection[];
   full: boolean;
   statistics: ReadonlyMap<string, Statistics>;
+  selected: string;
   select: (instance: string) => void;
   open: (tab: Tab) => void;
 }) {
-  const { file, components, connections, full, statistics, select, open } = props;
+  const { file, components, connections, full, statistics, selected, select, open } = props;
   const [nodes, setNodes, onNodesChange] = useNodesState<Box>([]);
   const [arrangement, setArrangement] = useState<Arrangement & { shape: string }>();
   const [arranged, setArranged] = useState(() => sessionStorage.getItem(ARRANGED) !== "no");
@@ -112,9 +109,10 @@ export const Wiring = memo(function Wiring(props: {
   const moved = useRef(false);
   const [picked, pick] = useState<ReadonlySet<string>>(new Set());
   const [fits, setFits] = useState<ReadonlyMap<string, string>>();
-  const [menu, setMenu] = useState<Menu>();
+  const [menu, setMenu] = useState<Place & { edge: boolean }>();
   const drags = useRef(0);
-  const opened = useRef<HTMLButtonElement>(null);
+  /** Where arrow keys have moved boxes that are not stored yet. */
+  const steered = useRef(new Map<string, Point>());
   const shape = [file, ...components.map((each) => each.instance)].join("\n");
 
   const placed = (component: Component): Point =>
@@ -143,13 +141,23 @@ export const Wiring = memo(function Wiring(props: {
           ...old,
           id: component.instance,
           type: "component" as const,
-          position: old?.dragging ? old.position : placed(component),
+          position: old?.dragging ? old.position : (steered.current.get(component.instance) ?? placed(component)),
           ariaLabel: `${component.instance}, ${component.type}, ${component.silent ? "does not answer" : stateName(component.current)}`,
           data: { component, overruns: statistics.get(component.instance)?.overruns ?? 0n, fits },
         };
       });
     });
   }, [components, arrangement, arranged, statistics, fits, setNodes]);
+
+  // React Flow calls each new function with what is selected, as if it had just been selected.
+  const onSelectionChange = useCallback(({ nodes: chosen }: { nodes: Box[] }) => chosen[0] && select(chosen[0].id), [select]);
+  useEffect(
+    () =>
+      setNodes((before) =>
+        before.some((node) => node.selected && node.id === selected) ? before : before.map((node) => ({ ...node, selected: node.id === selected })),
+      ),
+    [selected, setNodes],
+  );
 
   useEffect(() => {
     const watching = new ResizeObserver(() => setSize(`${section.current!.clientWidth}x${section.current!.clientHeight}`));
@@ -168,10 +176,6 @@ export const Wiring = memo(function Wiring(props: {
   useEffect(() => {
     if (!moved.current) fit();
   }, [size]);
-
-  useEffect(() => {
-    if (menu) opened.current?.focus();
-  }, [menu]);
 
   const edges = useMemo(
     () =>
@@ -207,10 +211,22 @@ export const Wiring = memo(function Wiring(props: {
         properties: [],
       },
     });
-  const place = ({ id, position }: Box) => store.order({ case: "place", value: { instance: id, where: stored(position) } });
-  const act = (kind: "activated" | "deactivated" | "restored") => {
-    if (menu) void store.order({ case: kind, value: [menu.instance] });
-    setMenu(undefined);
+  const place = (instance: string, position: Point) =>
+    store.order({ case: "place", value: { instance, where: stored(position) } }).then(() => steered.current.delete(instance));
+  const items = ({ label, edge }: Place & { edge: boolean }): Item[] => {
+    const order = (name: string, kind: "activated" | "deactivated" | "restored") => ({ name, act: () => void store.order({ case: kind, value: [label] }) });
+    if (edge) return [{ name: "Cut", act: () => void store.order({ case: "connection", value: label }) }];
+    const connections = () => {
+      select(label);
+      open("Connections");
+    };
+    return [
+      order("Activate", "activated"),
+      order("Deactivate", "deactivated"),
+      order("Reset", "restored"),
+      { name: "Connections", act: connections },
+      { name: "Remove", act: () => void store.order({ case: "removed", value: label }) },
+    ];
   };
 
   return (
@@ -221,16 +237,14 @@ export const Wiring = memo(function Wiring(props: {
       aria-busy={arrangement?.shape !== shape}
       onKeyUp={(e) => {
         // Arrow keys have moved the selected boxes on this page; drags are stored when they end.
-        if (full && !arranged && e.key.startsWith("Arrow") && (e.target as HTMLElement).matches(".react-flow__node"))
-          for (const each of nodes) if (each.selected) void place(each);
+        if (full && !arranged && e.key.startsWith("Arrow")) for (const [instance, position] of steered.current) void place(instance, position);
       }}
       onKeyDown={(e) => {
-        if (e.key === "Escape") setMenu(undefined);
-        const node = (e.target as HTMLElement).closest<HTMLElement>(".react-flow__node");
-        if (node && full && (e.key === "ContextMenu" || (e.key === "F10" && e.shiftKey))) {
+        const target = (e.target as HTMLElement).closest<HTMLElement>(".react-flow__node, .react-flow__edge");
+        if (target && full && (e.key === "ContextMenu" || (e.key === "F10" && e.shiftKey))) {
           e.preventDefault();
-          const box = node.getBoundingClientRect();
-          setMenu({ instance: node.dataset["id"] ?? "", x: box.x + 20, y: box.y + 20 });
+          const box = target.getBoundingClientRect();
+          setMenu({ label: target.dataset["id"] ?? "", edge: target.matches(".react-flow__edge"), x: box.x + 20, y: box.y + 20 });
         }
       }}
     >
@@ -251,7 +265,10 @@ export const Wiring = memo(function Wiring(props: {
           nodesConnectable={full}
           nodesDraggable={full && !arranged}
           deleteKeyCode={full ? ["Delete", "Backspace"] : null}
-          onNodesChange={onNodesChange}
+          onNodesChange={(changes) => {
+            for (const each of changes) if (each.type === "position" && each.position && !each.dragging) steered.current.set(each.id, each.position);
+            onNodesChange(changes);
+          }}
           onEdgesChange={(changes) =>
             pick((before) => {
               const after = new Set(before);
@@ -279,13 +296,16 @@ export const Wiring = memo(function Wiring(props: {
             return !(refused(drawn.target, drawn.targetHandle) || refused(drawn.source, drawn.sourceHandle));
           }}
           onConnect={(drawn) => void connect(drawn)}
-          onNodeDragStop={(_, node) => void place(node)}
-          onSelectionChange={({ nodes: chosen }) => chosen[0] && select(chosen[0].id)}
+          onNodeDragStop={(_, node) => void place(node.id, node.position)}
+          onSelectionChange={onSelectionChange}
           onNodeContextMenu={(e, node) => {
             e.preventDefault();
-            if (full) setMenu({ instance: node.id, x: e.clientX, y: e.clientY });
+            if (full) setMenu({ label: node.id, edge: false, x: e.clientX, y: e.clientY });
           }}
-          onPaneClick={() => setMenu(undefined)}
+          onEdgeContextMenu={(e, edge) => {
+            e.preventDefault();
+            if (full) setMenu({ label: edge.id, edge: true, x: e.clientX, y: e.clientY });
+          }}
         >
           <Background />
           <Controls showInteractive={false}>
@@ -305,42 +325,7 @@ export const Wiring = memo(function Wiring(props: {
           </Controls>
         </ReactFlow>
       )}
-      {menu && (
-        <div
-          className="menu"
-          role="menu"
-          aria-label={menu.instance}
-          style={{ left: menu.x, top: menu.y }}
-          onKeyDown={(e) => {
-            const items = [...e.currentTarget.children] as HTMLElement[];
-            const step = { ArrowDown: 1, ArrowUp: items.length - 1 }[e.key];
-            if (!step) return;
-            e.preventDefault();
-            items[(items.indexOf(e.target as HTMLElement) + step) % items.length]?.focus();
-          }}
-        >
-          <button ref={opened} type="button" role="menuitem" onClick={() => act("activated")}>
-            Activate
-          </button>
-          <button type="button" role="menuitem" onClick={() => act("deactivated")}>
-            Deactivate
-          </button>
-          <button type="button" role="menuitem" onClick={() => act("restored")}>
-            Reset
-          </button>
-          <button
-            type="button"
-            role="menuitem"
-            onClick={() => {
-              select(menu.instance);
-              open("Connections");
-              setMenu(undefined);
-            }}
-          >
-            Connections
-          </button>
-        </div>
-      )}
+      {menu && <Menu place={menu} items={items(menu)} close={() => setMenu(undefined)} />}
     </section>
   );
 });

@@ -9,12 +9,15 @@ from typing import Any
 
 import pytest
 from patience import PATIENCE
+from ui_bench import GOAL, QUIET, serving
 from websockets.sync.client import ClientConnection, connect
 
+from rtgen.cli.ui import CommandProject
 from rtgen.ui.history import MOST_LINES, History
 from rtgen.ui.protocol import ui
 from rtgen.ui.protocol.ui import EventKind
 from rtgen.ui.serving import Server
+from rtgen.ui.session import Session
 
 PORT = "Odometry0.OdometryPosition"
 
@@ -96,6 +99,14 @@ class Page:
                 if f"{c.port.instance}.{c.port.port}" in ports
             ],
         )
+
+
+@pytest.fixture
+def server() -> Iterator[Server]:
+    """A server for each test: times count from the start of its run."""
+    project = CommandProject(QUIET, [str(GOAL)])
+    with serving(Server(Session(project, str(GOAL)), "127.0.0.1", 0)) as found:
+        yield found
 
 
 @pytest.fixture

@@ -15,7 +15,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.peer]
 BUS = ROOT / "specs/canopen/fourx.toml"
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def shown() -> tuple[Path, dict[str, Path]]:
     return ROOT / "specs/canopen/fourx.xml", {"": BUS}
 
@@ -53,6 +53,8 @@ def test_nodes_are_stopped_and_started(bus: Any, session: Session) -> None:
     control.select_option("stop")
     until(bus, lambda: state() == "stopped")
     bus.get_by_role("row", name="front_left stopped").wait_for()
+    control.select_option("start")
+    until(bus, lambda: state() == "operational")
 
 
 def test_objects_are_read_and_written(bus: Any) -> None:

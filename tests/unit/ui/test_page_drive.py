@@ -2,28 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import degrees, hypot
 from pathlib import Path
 from typing import Any
 
 import pytest
-from ui_bench import ROOT, until
+from ui_bench import NARROW, ROOT, WIDE, anew, until
 
 from rtgen.ui.session import Session
 
 pytestmark = [pytest.mark.slow, pytest.mark.peer]
 ROBOTS = ("OmniWheel0", "SegwayRmp0", "RefHard0", "BlackShip0")
-narrow_only = pytest.mark.parametrize("page", [(820, "dark")], indirect=True)
-wide_only = pytest.mark.parametrize("page", [(1440, "light")], indirect=True)
+narrow_only = pytest.mark.parametrize("look", [NARROW], indirect=True)
+wide_only = pytest.mark.parametrize("look", [WIDE], indirect=True)
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def shown() -> tuple[Path, None]:
     return ROOT / "specs/experiments/leader_exchange/system.xml", None
 
 
 @pytest.fixture
-def stick(page: Any, session: Session) -> Any:
+def stick(page: Any, session: Session) -> Iterator[Any]:
     """The page with its joystick; nobody else drives, and robots never stop by themselves."""
 
     def leave_alone() -> None:
@@ -36,7 +37,8 @@ def stick(page: Any, session: Session) -> Any:
     session.runner.submit(leave_alone)
     until(page, lambda: not session.system.connectors)
     page.get_by_role("tab", name="Drive").click()
-    return page
+    yield page
+    anew(page, session)
 
 
 def take(page: Any, robot: str) -> Any:
@@ -82,6 +84,7 @@ HIDE = """() => {
     Object.defineProperty(document, "hidden", { get: () => true, configurable: true });
     document.dispatchEvent(new Event("visibilitychange"));
 }"""
+SHOW = "() => delete document.hidden"
 BLUR = "() => window.dispatchEvent(new Event('blur'))"
 LEAVE = "() => document.activeElement.blur()"
 
@@ -96,6 +99,8 @@ def test_a_robot_stops_when_the_page_is_left(
     until(stick, lambda: speed(session, "RefHard0") > 0.15)
     stick.evaluate(ending)
     until(stick, lambda: speed(session, "RefHard0") < 0.01)
+    stick.evaluate(SHOW)
+    stick.keyboard.up("KeyW")
 
 
 @narrow_only
@@ -147,6 +152,7 @@ def test_the_map_shows_where_robots_are(page: Any, session: Session) -> None:
     for _ in range(6):
         page.keyboard.press("+")
     until(page, lambda: picture.get_attribute("aria-label") != before)
+    page.get_by_role("button", name="Play").click()
 
 
 def leader(session: Session, robot: str) -> list[int]:
@@ -182,6 +188,7 @@ def test_followers_exchange_their_leaders(page: Any, session: Session) -> None:
     until(page, lambda: leader(session, "BlackShip0") == [1])
     for robot in ROBOTS:
         until(page, lambda robot=robot: speed(session, robot) > 0.05)
+    anew(page, session)
 
 
 @wide_only

@@ -15,9 +15,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from patience import PATIENCE
 from PIL import Image
-from ui_bench import QUIET, ROOT, until
+from ui_bench import QUIET, ROOT, opened, until
 
 from rtgen.cli.ui import CommandProject
 from rtgen.runtime import SimulatedClock
@@ -66,23 +65,19 @@ LOOKS = (
 )
 
 
-@pytest.fixture
-def session(monkeypatch: pytest.MonkeyPatch) -> Session:
-    monkeypatch.chdir(ROOT)
-    project = CommandProject(QUIET, [look.file for look in LOOKS])
-    return Session(project, LOOKS[0].file, SimulatedClock)
+@pytest.fixture(scope="module")
+def session() -> Iterator[Session]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(ROOT)
+        project = CommandProject(QUIET, [look.file for look in LOOKS])
+        yield Session(project, LOOKS[0].file, SimulatedClock)
 
 
 @pytest.fixture
 def still(browser: Any, server: Any) -> Iterator[Any]:
     """A page whose time does not pass."""
-    page = browser.new_page(
-        viewport={"width": 1440, "height": 900}, color_scheme="light", locale="en"
-    )
-    page.set_default_timeout(PATIENCE * 1000)
-    page.goto(server.address(full=True))
-    yield page
-    page.close()
+    with opened(browser, server.address(full=True)) as page:
+        yield page
 
 
 def show(page: Any, session: Session, look: Look) -> None:

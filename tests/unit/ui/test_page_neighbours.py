@@ -28,15 +28,15 @@ def names() -> Iterator[str]:
         yield server.address
 
 
-@pytest.fixture
-def process(names: str) -> Iterator[Popen[bytes]]:
+@pytest.fixture(scope="module")
+def process(names: str, look: object) -> Iterator[Popen[bytes]]:
     found = started_over_corba(names)
     yield found
     found.kill()
     found.wait(PATIENCE)
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def session(names: str, process: Popen[bytes]) -> Session:
     """The page has a system of its own, too."""
     project = CommandProject(QUIET, [str(GOAL)])
