@@ -31,7 +31,7 @@ from rtgen.cli.failures import FailureOptions, FailureReport
 from rtgen.diagnostics import InputError, ToolError, has_errors, in_order
 from rtgen.model import System, SystemComponent
 from rtgen.project import load_around
-from rtgen.runtime.failures import Failure
+from rtgen.runtime.failures import Failure, log
 from rtgen.runtime.rtc.profiles import ComponentProfile
 from rtgen.systems import timeline
 from rtgen.systems.checks import check_properties
@@ -40,6 +40,7 @@ from rtgen.systems.reading import read_file
 if TYPE_CHECKING:
     from rtgen.cli.ui_bus import BusDescriber
     from rtgen.runtime.corba.transport import CorbaTransport
+    from rtgen.runtime.opaque_rpc.codecs import Codec
     from rtgen.ui.session import Session
 
 _LOOPBACK = "127.0.0.1"
@@ -164,6 +165,21 @@ def _describer(buses: Mapping[str, Path], bus: str) -> BusDescriber:
     return BusDescriber(buses.get(bus, buses.get("")))
 
 
+def codec_of(factories: Factories, type_: str) -> Codec | None:
+    """The codec of a type of marshallers; None for another type."""
+    from rtgen.ui import boards
+
+    if type_ not in factories:
+        return None
+    try:
+        component = factories[type_](type_)
+        component.on_initialize()
+    except Exception as error:  # A component of the project may raise anything.
+        log.warning("%s: calls to its board have no values: %s", type_, error)
+        return None
+    return boards.codec_of(component)
+
+
 def _session(
     project: CommandProject,
     clock: Callable[[], runtime.Clock],
@@ -285,7 +301,10 @@ def ui(
     if recordings:
         if len(recordings) < len(systems) or len(recordings) > 2 or name_servers:
             raise Refusal("either systems are shown, or one recording or two")
-        session = Recorded(recordings, partial(_describer, described))
+        factories = Factories(load_around(Path.cwd()))
+        session = Recorded(
+            recordings, partial(_describer, described), partial(codec_of, factories)
+        )
         if session.left_out:
             console.say(
                 f"shown from {session.history.first:.3f} s on: the rest is too much"

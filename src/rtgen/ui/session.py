@@ -16,6 +16,7 @@ from rtgen.model import System
 from rtgen.recording.recorder import cdr_encoder
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.failures import Failure, described
+from rtgen.runtime.opaque_rpc.codecs import Codec
 from rtgen.runtime.ports.data_ports import OutPort
 from rtgen.runtime.system.joining import Connector, instances_of
 from rtgen.runtime.system.json_printers import json_printer
@@ -28,7 +29,7 @@ from rtgen.runtime.timing.traffic import (
     ParameterChange,
 )
 from rtgen.runtime.timing.traffic import Event as Happening
-from rtgen.ui import description
+from rtgen.ui import boards, description
 from rtgen.ui.buses import Buses
 from rtgen.ui.description import STATES, Description, palette_entry
 from rtgen.ui.edits import Edits
@@ -87,6 +88,7 @@ class Session:
         self._watched: frozenset[int] = frozenset()
         self._numbers = itertools.count(1)
         self._counts: dict[str, ui.Statistics] = {}
+        self._codecs: dict[str, Codec | None] = {}
         self._palette = [palette_entry(each) for each in project.palette()]
         self.known_types = frozenset(each.type for each in self._palette)
         self.runner = Runner(self.made(file), self._report, self._ended)
@@ -132,6 +134,7 @@ class Session:
         """Go on with another system; all pages get its whole state."""
         self._channels.clear()
         self._counts.clear()
+        self._codecs.clear()
         self.runner.replace(system)
         self._watch()
         whole = ui.Event.of_whole(self.whole())
@@ -388,6 +391,7 @@ class Session:
                 )
                 self.tell(ui.Event.of_setting(change))
             case ConnectionChange(name, connected=True):
+                self._codecs.clear()
                 connector = self.system.connector(name)
                 if not self._is_within(connector):
                     self._across.add(name)
@@ -408,7 +412,22 @@ class Session:
                     round_trip=duration / SECOND,
                     error=error,
                 )
+                if codec := self._codec(instance):
+                    boards.describe(call, codec)
                 self.tell(ui.Event.of_call(call))
+
+    def _codec(self, communication: str) -> Codec | None:
+        """The codec of the marshaller that is connected to a communication RTC."""
+        if communication not in self._codecs:
+            ends = (
+                self.system.component(each)
+                for connector in self.connectors
+                if communication in (pair := instances_of(connector))
+                for each in pair
+            )
+            found = next(filter(None, map(boards.codec_of, ends)), None)
+            self._codecs[communication] = found
+        return self._codecs[communication]
 
     def notice(self, kind: str, instance: str, text: str) -> None:
         """Put something into the timeline."""

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-import asyncio
-import threading
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
-from patience import PATIENCE
 from test_looking_back import PORT, Page
-from ui_bench import GOAL, ROOT, until
+from ui_bench import GOAL, ROOT, opened, serving, until
 from websockets.sync.client import connect
 
 from rtgen.cli import run
+from rtgen.cli.factories import Factories
+from rtgen.cli.ui import codec_of
 from rtgen.cli.ui_bus import BusDescriber
 from rtgen.diagnostics import ToolError
+from rtgen.project import load_around
 from rtgen.ui.protocol.ui import EventKind
 from rtgen.ui.recorded import Recorded
 from rtgen.ui.serving import Server
@@ -33,17 +34,11 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     return found
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def recorded(files: list[str]) -> Iterator[Server]:
-    server = Server(Recorded(files, lambda _: BusDescriber(None)), "127.0.0.1", 0)
-    ready = threading.Event()
-    thread = threading.Thread(target=lambda: asyncio.run(server.run(ready.set)))
-    thread.start()
-    assert ready.wait(PATIENCE)
-    yield server
-    server.stop()
-    thread.join(PATIENCE)
-    assert not thread.is_alive()
+    session = Recorded(files, lambda _: BusDescriber(None))
+    with serving(Server(session, "127.0.0.1", 0)) as server:
+        yield server
 
 
 def test_two_recordings_are_scrubbed_beside_each_other(recorded: Server) -> None:
@@ -107,6 +102,23 @@ def test_frames_of_a_recording_are_decoded(tmp_path: Path) -> None:
     assert 0.0 < load.load < 1.0
 
 
+def test_calls_to_a_board_have_their_values(tmp_path: Path) -> None:
+    file = str(tmp_path / "board.mcap")
+    command = ["run", str(ROOT / "specs/tecs/rh3_board.xml"), "--until", "0.2"]
+    assert run([*command, "--record", file, "-q"]) == 0
+    codec = partial(codec_of, Factories(load_around(ROOT)))
+    history = Recorded([file], lambda _: BusDescriber(None), codec).history
+    calls = [
+        e.call
+        for e in history.at(history.last, [], ())
+        if e.discriminator is EventKind.EVENT_BOARD_CALL
+    ]
+    drive = next(c for c in calls if c.function == "sMotorBoard.drive")
+    assert [each.name for each in drive.request_values] == ["speed", "count"]
+    assert [each.name for each in drive.reply_values] == ["return", "state"]
+    assert codec("PathFollower") is codec("Nothing") is None
+
+
 def test_what_is_no_recording_is_reported(
     tmp_path: Path, files: list[str], capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -134,23 +146,16 @@ def test_of_a_long_recording_the_end_is_kept(files: list[str]) -> None:
 @pytest.mark.slow
 @pytest.mark.peer
 def test_the_page_overlays_both(browser: Any, recorded: Server) -> None:
-    page = browser.new_page(viewport={"width": 1440, "height": 900}, locale="en")
-    page.set_default_timeout(PATIENCE * 1000)
-    complaints: list[str] = []
-    page.on("pageerror", lambda error: complaints.append(str(error)))
-    page.on("console", lambda said: complaints.append(said.text))
-    page.goto(recorded.address(full=True))
-    page.get_by_role("combobox", name="Component").select_option("Odometry0")
-    values = page.get_by_role("region", name=PORT)
-    values.get_by_role("columnheader", name="beside", exact=True).wait_for()
-    assert values.get_by_text("data.position.x (beside)").count() == 1
-    slider = page.get_by_role("slider", name="Look at time")
-    slider.press("Home")
-    time = page.get_by_label("Time of the run")
-    until(page, lambda: time.inner_text() == "0.000 s")
-    page.get_by_role("button", name="Play").click()
-    until(page, lambda: float(time.inner_text().removesuffix(" s")) > 0.3)
-    page.get_by_role("button", name="Pause").press("Enter")
-    assert page.get_by_text("beside: ACTIVE").count() == 1
-    page.close()
-    assert complaints == []
+    with opened(browser, recorded.address(full=True)) as page:
+        page.get_by_role("combobox", name="Component").select_option("Odometry0")
+        values = page.get_by_role("region", name=PORT)
+        values.get_by_role("columnheader", name="beside", exact=True).wait_for()
+        assert values.get_by_text("data.position.x (beside)").count() == 1
+        slider = page.get_by_role("slider", name="Look at time")
+        slider.press("Home")
+        time = page.get_by_label("Time of the run")
+        until(page, lambda: time.inner_text() == "0.000 s")
+        page.get_by_role("button", name="Play").click()
+        until(page, lambda: float(time.inner_text().removesuffix(" s")) > 0.3)
+        page.get_by_role("button", name="Pause").press("Enter")
+        assert page.get_by_text("beside: ACTIVE").count() == 1

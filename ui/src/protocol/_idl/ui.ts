@@ -4,7 +4,7 @@
 import { type CdrType, boolean, branch, double, enumeration, field, long, longlong, octets, sequence, string, struct, ulong, ulonglong, union } from "../_cdr.ts";
 
 /** Version of the protocol; a page of another one reloads. */
-export const Ui$VERSION = 3;
+export const Ui$VERSION = 4;
 
 export type Ui$Octets = Uint8Array;
 export const Ui$Octets: CdrType<Ui$Octets> = octets();
@@ -444,28 +444,17 @@ export const Ui$BusLoad: CdrType<Ui$BusLoad> = struct("Ui::BusLoad", [
   field("frames", ulong),
 ]);
 
-export interface Ui$Board {
-  /** Of the communication component. */
-  instance: string;
-  signature: string;
-  functions: Ui$Strings;
-}
-export const Ui$Board: CdrType<Ui$Board> = struct("Ui::Board", [
-  field("instance", string()),
-  field("signature", string()),
-  field("functions", Ui$Strings),
-]);
-
 export interface Ui$BoardCall {
   time: number;
   instance: string;
-  /** `signature.function`; empty: unknown. */
+  /** `signature.function`; empty: unknown, and the values, too. */
   function: string;
   request: Ui$Octets;
   reply: Ui$Octets;
   request_values: Ui$ValueList;
+  /** `return` first. */
   reply_values: Ui$ValueList;
-  /** [s]; negative: not measured. */
+  /** [s] of the machine's time; negative: not measured. */
   round_trip: number;
   error: string;
 }
@@ -526,7 +515,6 @@ export interface Ui$SystemState {
   time: Ui$ClockState;
   edits: Ui$EditState;
   buses: Ui$Bus[];
-  boards: Ui$Board[];
   /** Files that `open` takes. */
   systems: Ui$Strings;
   /** Name of the run that is beside this one; empty: none. */
@@ -543,7 +531,6 @@ export const Ui$SystemState: CdrType<Ui$SystemState> = struct("Ui::SystemState",
   field("time", Ui$ClockState),
   field("edits", Ui$EditState),
   field("buses", sequence(Ui$Bus)),
-  field("boards", sequence(Ui$Board)),
   field("systems", Ui$Strings),
   field("beside", string()),
   field("naming", Ui$NamingServices),
@@ -701,7 +688,7 @@ export interface Ui$Result {
   hint: string;
   /** Of a call: XCDR1 with its encapsulation header. */
   reply: Ui$Octets;
-  /** Of an SDO: the value. Of a board's call: the JSON. */
+  /** Of an SDO: the value. */
   text: string;
   fits: Ui$Fit[];
   objects: Ui$ObjectEntry[];
@@ -915,19 +902,6 @@ export const Ui$NodeAddress: CdrType<Ui$NodeAddress> = struct("Ui::NodeAddress",
   field("node_id", ulong),
 ]);
 
-export interface Ui$CallBoard {
-  instance: string;
-  /** `signature.function` */
-  function: string;
-  /** JSON, as `rtgen rpc call` takes it. */
-  arguments: string;
-}
-export const Ui$CallBoard: CdrType<Ui$CallBoard> = struct("Ui::CallBoard", [
-  field("instance", string()),
-  field("function", string()),
-  field("arguments", string()),
-]);
-
 /** A sample for an InPort, as if a connection had brought it. */
 export interface Ui$Inject {
   port: Ui$PortAddress;
@@ -939,8 +913,8 @@ export const Ui$Inject: CdrType<Ui$Inject> = struct("Ui::Inject", [
   field("data", Ui$Octets),
 ]);
 
-export type Ui$CommandKind = "COMMAND_WATCH" | "COMMAND_FITS" | "COMMAND_CONNECT" | "COMMAND_CUT" | "COMMAND_ACTIVATE" | "COMMAND_DEACTIVATE" | "COMMAND_RESET" | "COMMAND_SET" | "COMMAND_ACTIVATE_SET" | "COMMAND_CALL" | "COMMAND_ADD" | "COMMAND_REMOVE" | "COMMAND_MOVE" | "COMMAND_SAVE" | "COMMAND_UNDO" | "COMMAND_REDO" | "COMMAND_PLAY" | "COMMAND_PAUSE" | "COMMAND_STEP" | "COMMAND_SPEED" | "COMMAND_SEEK" | "COMMAND_OPEN" | "COMMAND_SEND_FRAME" | "COMMAND_NMT" | "COMMAND_SDO_READ" | "COMMAND_SDO_WRITE" | "COMMAND_OBJECTS" | "COMMAND_CALL_BOARD" | "COMMAND_INJECT" | "COMMAND_LOOK";
-export const Ui$CommandKind: CdrType<Ui$CommandKind> = enumeration("Ui::CommandKind", { COMMAND_WATCH: 0, COMMAND_FITS: 1, COMMAND_CONNECT: 2, COMMAND_CUT: 3, COMMAND_ACTIVATE: 4, COMMAND_DEACTIVATE: 5, COMMAND_RESET: 6, COMMAND_SET: 7, COMMAND_ACTIVATE_SET: 8, COMMAND_CALL: 9, COMMAND_ADD: 10, COMMAND_REMOVE: 11, COMMAND_MOVE: 12, COMMAND_SAVE: 13, COMMAND_UNDO: 14, COMMAND_REDO: 15, COMMAND_PLAY: 16, COMMAND_PAUSE: 17, COMMAND_STEP: 18, COMMAND_SPEED: 19, COMMAND_SEEK: 20, COMMAND_OPEN: 21, COMMAND_SEND_FRAME: 22, COMMAND_NMT: 23, COMMAND_SDO_READ: 24, COMMAND_SDO_WRITE: 25, COMMAND_OBJECTS: 26, COMMAND_CALL_BOARD: 27, COMMAND_INJECT: 28, COMMAND_LOOK: 29 });
+export type Ui$CommandKind = "COMMAND_WATCH" | "COMMAND_FITS" | "COMMAND_CONNECT" | "COMMAND_CUT" | "COMMAND_ACTIVATE" | "COMMAND_DEACTIVATE" | "COMMAND_RESET" | "COMMAND_SET" | "COMMAND_ACTIVATE_SET" | "COMMAND_CALL" | "COMMAND_ADD" | "COMMAND_REMOVE" | "COMMAND_MOVE" | "COMMAND_SAVE" | "COMMAND_UNDO" | "COMMAND_REDO" | "COMMAND_PLAY" | "COMMAND_PAUSE" | "COMMAND_STEP" | "COMMAND_SPEED" | "COMMAND_SEEK" | "COMMAND_OPEN" | "COMMAND_SEND_FRAME" | "COMMAND_NMT" | "COMMAND_SDO_READ" | "COMMAND_SDO_WRITE" | "COMMAND_OBJECTS" | "COMMAND_INJECT" | "COMMAND_LOOK";
+export const Ui$CommandKind: CdrType<Ui$CommandKind> = enumeration("Ui::CommandKind", { COMMAND_WATCH: 0, COMMAND_FITS: 1, COMMAND_CONNECT: 2, COMMAND_CUT: 3, COMMAND_ACTIVATE: 4, COMMAND_DEACTIVATE: 5, COMMAND_RESET: 6, COMMAND_SET: 7, COMMAND_ACTIVATE_SET: 8, COMMAND_CALL: 9, COMMAND_ADD: 10, COMMAND_REMOVE: 11, COMMAND_MOVE: 12, COMMAND_SAVE: 13, COMMAND_UNDO: 14, COMMAND_REDO: 15, COMMAND_PLAY: 16, COMMAND_PAUSE: 17, COMMAND_STEP: 18, COMMAND_SPEED: 19, COMMAND_SEEK: 20, COMMAND_OPEN: 21, COMMAND_SEND_FRAME: 22, COMMAND_NMT: 23, COMMAND_SDO_READ: 24, COMMAND_SDO_WRITE: 25, COMMAND_OBJECTS: 26, COMMAND_INJECT: 27, COMMAND_LOOK: 28 });
 
 export type Ui$Command =
   /** All whose samples the page wants. */
@@ -976,7 +950,6 @@ export type Ui$Command =
   | { case: "read"; value: Ui$SdoAccess; discriminator?: Ui$CommandKind }
   | { case: "written"; value: Ui$SdoAccess; discriminator?: Ui$CommandKind }
   | { case: "node"; value: Ui$NodeAddress; discriminator?: Ui$CommandKind }
-  | { case: "board_call"; value: Ui$CallBoard; discriminator?: Ui$CommandKind }
   | { case: "injected"; value: Ui$Inject; discriminator?: Ui$CommandKind }
   /** The time that this page shows; negative: the newest. */
   | { case: "looked"; value: number; discriminator?: Ui$CommandKind }
@@ -1009,7 +982,6 @@ export const Ui$Command: CdrType<Ui$Command> = union("Ui::Command", Ui$CommandKi
   branch("read", Ui$SdoAccess, ["COMMAND_SDO_READ"]),
   branch("written", Ui$SdoAccess, ["COMMAND_SDO_WRITE"]),
   branch("node", Ui$NodeAddress, ["COMMAND_OBJECTS"]),
-  branch("board_call", Ui$CallBoard, ["COMMAND_CALL_BOARD"]),
   branch("injected", Ui$Inject, ["COMMAND_INJECT"]),
   branch("looked", double, ["COMMAND_LOOK"]),
 ]);

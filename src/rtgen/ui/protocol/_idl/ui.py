@@ -9,7 +9,7 @@ from typing import ClassVar, Final, Self, TypeAlias
 from rtgen.runtime import idl
 from rtgen.runtime.cdr import Aggregated, AliasCodec, Enumeration, Union, field
 
-VERSION: Final = 3
+VERSION: Final = 4
 """Version of the protocol; a page of another one reloads."""
 Octets: TypeAlias = bytes
 _Octets_alias = idl.alias("Ui::Octets", idl.sequence(idl.OCTET))
@@ -610,22 +610,6 @@ class BusLoad(Aggregated):
     """In that second."""
 
 
-class Board(Aggregated):
-    """`Ui::Board`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "Ui::Board",
-        instance=idl.STRING,
-        signature=idl.STRING,
-        functions=_Strings_alias,
-    )
-
-    instance: str = ""
-    """Of the communication component."""
-    signature: str = ""
-    functions: Strings = field(default_factory=list)
-
-
 class BoardCall(Aggregated):
     """`Ui::BoardCall`."""
 
@@ -645,13 +629,14 @@ class BoardCall(Aggregated):
     time: float = 0.0
     instance: str = ""
     function: str = ""
-    """`signature.function`; empty: unknown."""
+    """`signature.function`; empty: unknown, and the values, too."""
     request: Octets = b""
     reply: Octets = b""
     request_values: ValueList = field(default_factory=list)
     reply_values: ValueList = field(default_factory=list)
+    """`return` first."""
     round_trip: float = 0.0
-    """[s]; negative: not measured."""
+    """[s] of the machine's time; negative: not measured."""
     error: str = ""
 
 
@@ -727,7 +712,6 @@ class SystemState(Aggregated):
         time=ClockState,
         edits=EditState,
         buses=idl.sequence(Bus),
-        boards=idl.sequence(Board),
         systems=_Strings_alias,
         beside=idl.STRING,
         naming=_NamingServices_alias,
@@ -742,7 +726,6 @@ class SystemState(Aggregated):
     time: ClockState = field(default_factory=ClockState)
     edits: EditState = field(default_factory=EditState)
     buses: list[Bus] = field(default_factory=list)
-    boards: list[Board] = field(default_factory=list)
     systems: Strings = field(default_factory=list)
     """Files that `open` takes."""
     beside: str = ""
@@ -955,7 +938,7 @@ class Result(Aggregated):
     reply: Octets = b""
     """Of a call: XCDR1 with its encapsulation header."""
     text: str = ""
-    """Of an SDO: the value. Of a board's call: the JSON."""
+    """Of an SDO: the value."""
     fits: list[Fit] = field(default_factory=list)
     objects: list[ObjectEntry] = field(default_factory=list)
 
@@ -1501,23 +1484,6 @@ class NodeAddress(Aggregated):
     node_id: int = 0
 
 
-class CallBoard(Aggregated):
-    """`Ui::CallBoard`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "Ui::CallBoard",
-        instance=idl.STRING,
-        function=idl.STRING,
-        arguments=idl.STRING,
-    )
-
-    instance: str = ""
-    function: str = ""
-    """`signature.function`"""
-    arguments: str = ""
-    """JSON, as `rtgen rpc call` takes it."""
-
-
 class Inject(Aggregated):
     """A sample for an InPort, as if a connection had brought it."""
 
@@ -1562,9 +1528,8 @@ class CommandKind(Enumeration):
     COMMAND_SDO_READ = 24
     COMMAND_SDO_WRITE = 25
     COMMAND_OBJECTS = 26
-    COMMAND_CALL_BOARD = 27
-    COMMAND_INJECT = 28
-    COMMAND_LOOK = 29
+    COMMAND_INJECT = 27
+    COMMAND_LOOK = 28
 
 
 idl.enum(CommandKind, "Ui::CommandKind")
@@ -1603,13 +1568,12 @@ class Command(Union):
         read=idl.case(SdoAccess, CommandKind.COMMAND_SDO_READ),
         written=idl.case(SdoAccess, CommandKind.COMMAND_SDO_WRITE),
         node=idl.case(NodeAddress, CommandKind.COMMAND_OBJECTS),
-        board_call=idl.case(CallBoard, CommandKind.COMMAND_CALL_BOARD),
         injected=idl.case(Inject, CommandKind.COMMAND_INJECT),
         looked=idl.case(idl.DOUBLE, CommandKind.COMMAND_LOOK),
     )
 
     discriminator: CommandKind = CommandKind.COMMAND_WATCH
-    value: list[int] | PortAddress | Connect | str | Strings | SetParameter | ActiveSet | Call__ | AddComponent | Moved | bool | float | SendFrame | NmtCommand | SdoAccess | NodeAddress | CallBoard | Inject = field(default_factory=list)  # fmt: skip
+    value: list[int] | PortAddress | Connect | str | Strings | SetParameter | ActiveSet | Call__ | AddComponent | Moved | bool | float | SendFrame | NmtCommand | SdoAccess | NodeAddress | Inject = field(default_factory=list)  # fmt: skip
 
     @classmethod
     def of_channels(cls, value: list[int]) -> Self:
@@ -1906,17 +1870,6 @@ class Command(Union):
     def node(self) -> NodeAddress:
         """The value, if the branch `node` is selected."""
         value: NodeAddress = self._selected_("node")
-        return value
-
-    @classmethod
-    def of_board_call(cls, value: CallBoard) -> Self:
-        """A value of the branch `board_call`."""
-        return cls(CommandKind.COMMAND_CALL_BOARD, value)
-
-    @property
-    def board_call(self) -> CallBoard:
-        """The value, if the branch `board_call` is selected."""
-        value: CallBoard = self._selected_("board_call")
         return value
 
     @classmethod

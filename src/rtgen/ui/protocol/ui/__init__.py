@@ -10,13 +10,11 @@ from .._idl.ui import (
     AddedTypes as AddedTypes,
     Binding as Binding,
     BindingKind as BindingKind,
-    Board as Board,
     BoardCall as BoardCall,
     Bus as Bus,
     BusLoad as BusLoad,
     BusNode as BusNode,
     Call__ as Call,
-    CallBoard as CallBoard,
     Channel as Channel,
     ClientMessage as ClientMessage,
     ClockKind as ClockKind,
@@ -174,7 +172,6 @@ COMMAND_NMT: Final = CommandKind.COMMAND_NMT
 COMMAND_SDO_READ: Final = CommandKind.COMMAND_SDO_READ
 COMMAND_SDO_WRITE: Final = CommandKind.COMMAND_SDO_WRITE
 COMMAND_OBJECTS: Final = CommandKind.COMMAND_OBJECTS
-COMMAND_CALL_BOARD: Final = CommandKind.COMMAND_CALL_BOARD
 COMMAND_INJECT: Final = CommandKind.COMMAND_INJECT
 COMMAND_LOOK: Final = CommandKind.COMMAND_LOOK
 
@@ -188,7 +185,6 @@ __all__ = [
     "BINDING_OBJECT",
     "Binding",
     "BindingKind",
-    "Board",
     "BoardCall",
     "Bus",
     "BusLoad",
@@ -200,7 +196,6 @@ __all__ = [
     "COMMAND_ACTIVATE_SET",
     "COMMAND_ADD",
     "COMMAND_CALL",
-    "COMMAND_CALL_BOARD",
     "COMMAND_CONNECT",
     "COMMAND_CUT",
     "COMMAND_DEACTIVATE",
@@ -227,7 +222,6 @@ __all__ = [
     "COMMAND_UNDO",
     "COMMAND_WATCH",
     "Call",
-    "CallBoard",
     "Channel",
     "ClientMessage",
     "ClockKind",
