@@ -1,13 +1,14 @@
 /** The selected component: its values, configuration and history. */
 
-import { useEffect, useMemo, useState } from "react";
+import { useEffect, useMemo } from "react";
 import { Board } from "./Board.tsx";
 import { BusView } from "./Bus.tsx";
+import { Configuration } from "./Configuration.tsx";
 import { Connections } from "./Connections.tsx";
 import { Drive } from "./Drive.tsx";
 import { MapView } from "./MapView.tsx";
 import { Plot, curvesOf, overlaid } from "./Plot.tsx";
-import type { Channel, Component, Parameter, SystemState } from "./protocol/Ui.ts";
+import type { Channel, Component, SystemState } from "./protocol/Ui.ts";
 import { Services } from "./Services.tsx";
 import type { Line, Statistics } from "./store.ts";
 import { leaves, stateName, store } from "./store.ts";
@@ -90,115 +91,6 @@ function Values({ system, component }: Selection) {
 }
 
 const written = (value: unknown) => (typeof value === "number" ? String(Number(value.toPrecision(7))) : String(value));
-
-/** The limits of a constraint `a<=x<=b`, and the choices of `(a,b)`. */
-export function limits(constraint: string): { min?: number; max?: number; choices?: string[] } {
-  const choices = /^\((.*)\)$/.exec(constraint.trim());
-  if (choices) return { choices: choices[1]!.split(",").map((each) => each.trim()) };
-  const range = /^(?:([-+.\deE]+)\s*<=?\s*)?x(?:\s*<=?\s*([-+.\deE]+))?$/.exec(constraint.trim());
-  const least = /^x\s*>=?\s*([-+.\deE]+)$/.exec(constraint.trim());
-  const [min, max] = [range?.[1] ?? least?.[1], range?.[2]];
-  return { ...(min && { min: Number(min) }), ...(max && { max: Number(max) }) };
-}
-
-function Field(props: { parameter: Parameter; text: string; full: boolean; label: string; set: (text: string) => Promise<unknown> }) {
-  const { parameter, text, full, label, set } = props;
-  const [edited, edit] = useState<string>();
-  const { min, max, choices } = limits(parameter.constraint);
-  const commit = () => {
-    if (edited !== undefined && edited !== text) void set(edited).then(() => edit(undefined));
-    else edit(undefined);
-  };
-  const common = { "aria-label": label, title: parameter.doc, disabled: !full };
-  if (choices && parameter.widget !== "checkbox" && parameter.widget !== "ordered_list")
-    return (
-      <select {...common} value={text} onChange={(e) => void set(e.target.value)}>
-        {[...new Set([text, ...choices])].map((each) => (
-          <option key={each}>{each}</option>
-        ))}
-      </select>
-    );
-  const range = parameter.widget.startsWith("slider") && min !== undefined && max !== undefined;
-  return (
-    <>
-      <input
-        {...common}
-        type={range ? "range" : parameter.widget.startsWith("spin") ? "number" : "text"}
-        min={min}
-        max={max}
-        step={range ? (max - min) / 100 : "any"}
-        value={edited ?? text}
-        onChange={(e) => edit(e.target.value)}
-        onBlur={commit}
-        onPointerUp={range ? commit : undefined}
-        onKeyDown={(e) => {
-          if (e.key === "Enter") commit();
-          if (e.key === "Escape") edit(undefined);
-        }}
-      />
-      {range && <output>{edited ?? text}</output>}
-    </>
-  );
-}
-
-function Configuration({ component, full }: Selection) {
-  const [shown, show] = useState("");
-  const name = component.configuration_sets.some((each) => each.name === shown) ? shown : component.active_set;
-  const set = component.configuration_sets.find((each) => each.name === name);
-  if (!component.parameters.length) return <p>This component has no parameters.</p>;
-  return (
-    <>
-      <div className="sets">
-        <label>
-          Set
-          <select value={name} onChange={(e) => show(e.target.value)}>
-            {component.configuration_sets.map((each) => (
-              <option key={each.name} value={each.name}>
-                {each.name}
-                {each.name === component.active_set ? " (active)" : ""}
-              </option>
-            ))}
-          </select>
-        </label>
-        <button
-          type="button"
-          disabled={!full || name === component.active_set}
-          onClick={() => store.order({ case: "chosen", value: { instance: component.instance, set: name } })}
-        >
-          Use this set
-        </button>
-      </div>
-      <table className="parameters">
-        <tbody>
-          {component.parameters.map((parameter) => (
-            <tr key={`${name} ${parameter.name}`}>
-              <th scope="row" title={parameter.doc}>
-                {parameter.name}
-              </th>
-              <td>
-                <Field
-                  parameter={parameter}
-                  full={full}
-                  label={`${component.instance}.${parameter.name}`}
-                  text={set?.values.find((each) => each.name === parameter.name)?.text ?? parameter.default_value}
-                  set={(text) =>
-                    store.order({
-                      case: "setting",
-                      value: { instance: component.instance, set: name, parameter: parameter.name, text },
-                    })
-                  }
-                />
-              </td>
-              <td>
-                {parameter.unit} <small>{parameter.constraint}</small>
-              </td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
-    </>
-  );
-}
 
 function Timeline({ lines }: { lines: readonly Line[] }) {
   return (
@@ -286,7 +178,7 @@ export function Panel(props: {
         ) : tab === "Services" ? (
           <Services key={component.instance} component={component} full={full} />
         ) : (
-          <Configuration key={component.instance} system={system} component={component} full={full} />
+          <Configuration key={component.instance} component={component} full={full} />
         )}
       </div>
     </aside>

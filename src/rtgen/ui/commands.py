@@ -350,7 +350,6 @@ class Commands:
         sets = self._session.system.component(instance).configuration_sets
         set_id = wanted.set or sets.active
         sets.check(name, wanted.text)
-        before = sets.texts(set_id)[name] if set_id in sets.ids else ""
 
         def put(text: str) -> None:
             self._session.system.configure(instance, name, text, set_id)
@@ -359,11 +358,18 @@ class Commands:
             )
             self._session.tell(ui.Event.of_setting(change))
 
-        self._edit(
-            f"{instance}.{name} = {wanted.text}"[:200],
-            lambda: put(wanted.text),
-            lambda: put(before),
-        )
+        def describe(change: Callable[[], None]) -> None:
+            change()
+            component = self._session.component(instance)
+            self._session.tell(ui.Event.of_described(component))
+
+        redo = partial(put, wanted.text)
+        if set_id in sets.ids:
+            undo = partial(put, sets.texts(set_id)[name])
+        else:
+            redo = partial(describe, redo)
+            undo = partial(describe, partial(sets.remove, set_id))
+        self._edit(f"{instance}.{name} = {wanted.text}"[:200], redo, undo)
 
     def _activate_set(self, wanted: ui.ActiveSet) -> None:
         instance = wanted.instance
