@@ -4,7 +4,7 @@ import { useState } from "react";
 import uPlot from "uplot";
 import { Objects } from "./Objects.tsx";
 import type { Curves } from "./Plot.tsx";
-import { Plot } from "./Plot.tsx";
+import { Plot, Span } from "./Plot.tsx";
 import { Send } from "./Send.tsx";
 import type { Bus, Frame } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
@@ -168,6 +168,7 @@ export function BusView({ buses, full }: { buses: readonly Bus[]; full: boolean 
           ))}
         </select>
       </label>
+      <Span />
       <Load bus={bus} />
       <Nodes bus={bus} full={full} />
       <Send key={`send ${bus.name}`} bus={bus.name} full={full} />

@@ -1,5 +1,6 @@
 /** Components that can be added, and what is done to all at once. */
 
+import { useState } from "react";
 import { Naming } from "./Naming.tsx";
 import type { Command, SystemState } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
@@ -22,6 +23,8 @@ function Edit({ name, title, enabled, act }: { name: string; title?: string; ena
 export function Palette(props: { system: SystemState; full: boolean; selected: string; select: (instance: string) => void }) {
   const { system, full, selected, select } = props;
   const { edits } = system;
+  // It is the user's, once the page is shown.
+  const [roomy] = useState(() => matchMedia("(min-width: 1001px)").matches);
   return (
     <nav className="palette" aria-label="Palette">
       <section className="buttons" aria-label="All components">
@@ -52,27 +55,31 @@ export function Palette(props: { system: SystemState; full: boolean; selected: s
         </label>
       )}
       <Naming services={system.naming} components={system.components} selected={selected} select={select} />
-      {system.palette.length > 0 && <h2>Components</h2>}
-      <ul>
-        {system.palette.map((entry) => (
-          <li key={entry.type}>
-            <button
-              type="button"
-              disabled={!full}
-              title={entry.doc}
-              aria-label={`Add ${entry.type}`}
-              onClick={() =>
-                store.order({
-                  case: "added",
-                  value: { type: entry.type, instance: "", placed: false, where: { x: 0, y: 0 } },
-                })
-              }
-            >
-              {entry.type}
-            </button>
-          </li>
-        ))}
-      </ul>
+      {system.palette.length > 0 && (
+        <details open={roomy}>
+          <summary>Components</summary>
+          <ul>
+            {system.palette.map((entry) => (
+              <li key={entry.type}>
+                <button
+                  type="button"
+                  disabled={!full}
+                  title={entry.doc}
+                  aria-label={`Add ${entry.type}`}
+                  onClick={() =>
+                    store.order({
+                      case: "added",
+                      value: { type: entry.type, instance: "", placed: false, where: { x: 0, y: 0 } },
+                    })
+                  }
+                >
+                  {entry.type}
+                </button>
+              </li>
+            ))}
+          </ul>
+        </details>
+      )}
     </nav>
   );
 }

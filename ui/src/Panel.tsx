@@ -7,7 +7,7 @@ import { Configuration } from "./Configuration.tsx";
 import { Connections } from "./Connections.tsx";
 import { Drive } from "./Drive.tsx";
 import { MapView } from "./MapView.tsx";
-import { Plot, curvesOf, overlaid } from "./Plot.tsx";
+import { Plot, Span, curvesOf, overlaid } from "./Plot.tsx";
 import type { Channel, Component, SystemState } from "./protocol/Ui.ts";
 import { Services } from "./Services.tsx";
 import type { Line, Statistics } from "./store.ts";
@@ -43,7 +43,7 @@ function Values({ system, component }: Selection) {
     return () => store.watch([]);
   }, [wanted]);
   if (!shown.length) return <p>No port of this component has values.</p>;
-  return shown.filter((each) => !each.beside).map((channel) => {
+  const sections = shown.filter((each) => !each.beside).map((channel) => {
     const name = `${channel.port.instance}.${channel.port.port}`;
     const owner = system.components.find((each) => each.instance === channel.port.instance);
     const unit = owner?.ports.find((each) => each.name === channel.port.port)?.unit ?? "";
@@ -59,6 +59,7 @@ function Values({ system, component }: Selection) {
         {rows ? (
           <>
             {rows.numbers.size > 0 && <Plot source={String(channel.id)} read={curves} unit={unit} label="Values over time" />}
+            {rows.thinned && <p className="thinned">Of older samples some are left out of the plot.</p>}
             <table>
               {other && (
                 <thead>
@@ -88,14 +89,22 @@ function Values({ system, component }: Selection) {
       </section>
     );
   });
+  return (
+    <>
+      <Span />
+      {sections}
+    </>
+  );
 }
 
 const written = (value: unknown) => (typeof value === "number" ? String(Number(value.toPrecision(7))) : String(value));
 
 function Timeline({ lines }: { lines: readonly Line[] }) {
+  // Those of a run beside this one come a little later than they happened.
+  const sorted = [...lines].sort((a, b) => a.time - b.time).reverse();
   return (
     <ol className="timeline">
-      {[...lines].reverse().map((line, i) => (
+      {sorted.map((line, i) => (
         <li key={lines.length - i}>
           <time>{line.time.toFixed(3)} s</time> {line.instance} {line.text}
         </li>

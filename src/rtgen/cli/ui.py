@@ -28,6 +28,7 @@ from rtgen.cli.common import (
 )
 from rtgen.cli.factories import Factories, FactoryImportError
 from rtgen.cli.failures import FailureOptions, FailureReport
+from rtgen.cli.recording_options import RecordingOptions, with_recording
 from rtgen.diagnostics import InputError, ToolError, has_errors, in_order
 from rtgen.model import System, SystemComponent
 from rtgen.project import load_around
@@ -56,8 +57,11 @@ class CommandProject:
         files: Sequence[str],
         buses: Mapping[str, Path] | None = None,
         transport: CorbaTransport | None = None,
+        recording: RecordingOptions | None = None,
     ) -> None:
         self._console = console
+        self._recording = recording or RecordingOptions(None, None)
+        self._runs = 0
         self._buses = buses or {}
         self._transport = transport
         self._files = [*files]
@@ -142,6 +146,25 @@ class CommandProject:
         report = FailureReport(self._console, FailureOptions())
         add_component(system, component, self._factories, Path.cwd(), report)
 
+    def record(self, system: runtime.System) -> Callable[[], None]:
+        """Record a run, each into a file of its own: `FILE.mcap`, `FILE-2.mcap`, ..."""
+        self._runs += 1
+        options = self._recording
+        if options.file is not None and self._runs > 1:
+            path = Path(options.file)
+            file = path.with_name(f"{path.stem}-{self._runs}{path.suffix}")
+            options = replace(options, file=str(file))
+        files = ExitStack()
+        recorder = options.begin(files, system)
+
+        def end() -> None:
+            if recorder is not None:
+                recorder.end(through=True)
+            options.tell(self._console, recorder)
+            files.close()
+
+        return end
+
     def describer(self, bus: str) -> BusDescriber:
         """The description of a bus: the file for its channel, else the one for all."""
         return _describer(self._buses, bus)
@@ -185,6 +208,7 @@ def _session(
     clock: Callable[[], runtime.Clock],
     name_servers: tuple[str, ...],
     transport: CorbaTransport | None,
+    recording: str,
 ) -> Session:
     """The session of the first system. Raises InputError, ToolError."""
     from rtgen.ui.session import Session
@@ -192,7 +216,7 @@ def _session(
     file = next(iter(project.systems), "")
     own = None if transport is None else transport.rt_objects
     try:
-        return Session(project, file, clock, name_servers, own)
+        return Session(project, file, clock, name_servers, own, recording)
     except runtime.TransportError as error:
         raise ToolError(str(error)) from error
 
@@ -243,6 +267,7 @@ def _opened(name_server: str, closing: ExitStack) -> CorbaTransport:
     default="direct",
     help="corba: the naming service gets the components of this system, too (real time).",
 )
+@with_recording
 @click.option("--read-only", is_flag=True, help="Print the address to look only, too.")
 @click.option("--open/--no-open", "opened", default=True, help="Open a browser.")
 @click.option("--play/--pause", "playing", default=True, help="Let time pass at once.")
@@ -255,6 +280,7 @@ def ui(
     buses: tuple[str, ...],
     name_servers: tuple[str, ...],
     transport: str,
+    recording: RecordingOptions,
     read_only: bool,
     opened: bool,
     playing: bool,
@@ -263,6 +289,7 @@ def ui(
 
     SYSTEM is an RtsProfile, or a folder with system.xml; the page can change to the others. In
     place of systems a recording (FILE.mcap) is shown, or two beside each other: nothing runs. With
+    systems, one recording is shown beside what runs. With
     --nameserver no SYSTEM is needed. The page is at 127.0.0.1 only; its address has a token that
     others do not know.
     """
@@ -298,9 +325,12 @@ def ui(
     recordings = [each for each in systems if Path(each).suffix.lower() == ".mcap"]
     session: Session | Recorded
     closing = ExitStack()
-    if recordings:
-        if len(recordings) < len(systems) or len(recordings) > 2 or name_servers:
-            raise Refusal("either systems are shown, or one recording or two")
+    others = [each for each in systems if each not in recordings]
+    if recordings and (len(recordings) > (1 if others else 2)):
+        raise Refusal("a recording is shown beside a system or beside another one")
+    if recordings and not others:
+        if name_servers or recording.file is not None:
+            raise Refusal("a recording is shown alone: there is nothing that runs")
         factories = Factories(load_around(Path.cwd()))
         session = Recorded(
             recordings, partial(_describer, described), partial(codec_of, factories)
@@ -311,16 +341,17 @@ def ui(
             )
         server = Server(session, _LOOPBACK, port)
     else:
-        kind = clock if systems else "real"
+        kind = clock if others else "real"
         carrier = None
         if transport == "corba":
-            if not name_servers or kind != "real" or len(systems) > 1:
+            if not name_servers or kind != "real" or len(others) > 1:
                 raise Refusal(
                     "--transport corba needs --nameserver, --clock real and one system"
                 )
             carrier = _opened(name_servers[0], closing)
-        project = CommandProject(console, systems, described, carrier)
-        session = _session(project, clocks[kind], name_servers, carrier)
+        project = CommandProject(console, others, described, carrier, recording)
+        beside = next(iter(recordings), "")
+        session = _session(project, clocks[kind], name_servers, carrier, beside)
         server = Server(session, _LOOPBACK, port)
         if playing:
             session.runner.submit(session.runner.play)

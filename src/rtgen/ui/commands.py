@@ -78,6 +78,7 @@ class Commands:
             kinds.COMMAND_SPEED: self._speed,
             kinds.COMMAND_SEEK: self._seek,
             kinds.COMMAND_OPEN: self._open,
+            kinds.COMMAND_BESIDE: self._keep,
             kinds.COMMAND_INJECT: self._inject,
             kinds.COMMAND_SEND_FRAME: lambda frame: session.buses.send(frame),
             kinds.COMMAND_NMT: lambda command: session.buses.manage(command),
@@ -442,13 +443,17 @@ class Commands:
         profile = saving.profile_now(session)
         system = session.assembled(profile)
         session.profile = profile
-        session.change_system(system)
+        session.run_again(system)
         session.edits.forget()
         if time:
             session.runner.step(round(time * SECOND))
         if was_playing:
             session.runner.play()
         self._tell_time()
+
+    def _keep(self, kept: bool) -> None:
+        self._require_simulated()
+        self._session.keep(kept=kept)
 
     def _require_simulated(self) -> None:
         if not self._session.runner.is_simulated:

@@ -33,6 +33,9 @@ class Project(Protocol):
     def add(self, system: runtime.System, component: SystemComponent) -> None:
         """Add a component to a running system. Raises InputError, ToolError."""
 
+    def record(self, system: runtime.System) -> Callable[[], None]:
+        """Record a system from now on, if runs are recorded; returns what ends that."""
+
     def palette(self) -> Sequence[ComponentProfile]:
         """The types of components of which instances can be added."""
 

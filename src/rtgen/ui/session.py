@@ -6,6 +6,7 @@ import itertools
 import threading
 import uuid
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 from msgspec.structs import replace
@@ -29,7 +30,8 @@ from rtgen.runtime.timing.traffic import (
     ParameterChange,
 )
 from rtgen.runtime.timing.traffic import Event as Happening
-from rtgen.ui import boards, description
+from rtgen.ui import beside, boards, description
+from rtgen.ui.beside import Beside
 from rtgen.ui.buses import Buses
 from rtgen.ui.description import STATES, Description, palette_entry
 from rtgen.ui.edits import Edits
@@ -48,6 +50,8 @@ if TYPE_CHECKING:
 
 Place = tuple[float, float]
 _LONGEST_NOTICE: Final = 2000
+_BEFORE: Final = "the run before"
+"""How a run is called that is kept beside the next one."""
 
 
 class Session:
@@ -55,8 +59,9 @@ class Session:
 
     Everything that looks at the system or changes it is done in the thread of the runner; pages
     come and go, and put commands, by `Runner.submit`. `clock` makes the clock of a system.
-    `name_servers`: the addresses of naming services whose components are shown, too. `own`: the
-    components of the system as they are there; None if it does not run over CORBA.
+    `recording`: a file that is shown beside the system. `name_servers`: the addresses of naming
+    services whose components are shown, too. `own`: the components of the system as they are
+    there; None if it does not run over CORBA.
     """
 
     def __init__(
@@ -66,8 +71,9 @@ class Session:
         clock: Callable[[], runtime.Clock] = runtime.SimulatedClock,
         name_servers: Sequence[str] = (),
         own: RtObjects | None = None,
+        recording: str = "",
     ) -> None:
-        """Raises InputError or ToolError if the system cannot be assembled.
+        """Raises InputError or ToolError if the system cannot be assembled, or recorded.
 
         Raises TransportError if there are `name_servers` and omniORB cannot start.
         """
@@ -89,6 +95,17 @@ class Session:
         self._numbers = itertools.count(1)
         self._counts: dict[str, ui.Statistics] = {}
         self._codecs: dict[str, Codec | None] = {}
+        self._recorded: Beside | None = None
+        if recording:
+            describer = project.describer
+            self._recorded = beside.read(
+                recording, self.types, self._numbers, describer
+            )
+        self.beside: Beside | None = self._recorded
+        """The run that pages see beside this one."""
+        self.keeps = False
+        """Whether this run will be beside the one that begins when time is set back."""
+        self._end_recording: Callable[[], None] = lambda: None
         self._palette = [palette_entry(each) for each in project.palette()]
         self.known_types = frozenset(each.type for each in self._palette)
         self.runner = Runner(self.made(file), self._report, self._ended)
@@ -132,6 +149,7 @@ class Session:
 
     def change_system(self, system: runtime.System) -> None:
         """Go on with another system; all pages get its whole state."""
+        self._end_recording()
         self._channels.clear()
         self._counts.clear()
         self._codecs.clear()
@@ -148,17 +166,35 @@ class Session:
         except (InputError, ToolError, OSError) as error:
             raise CommandError(FILE, str(error)) from error
         self.edits = Edits()
+        self.keeps, self.beside = False, self._recorded
         self.change_system(system)
+
+    def run_again(self, system: runtime.System) -> None:
+        """Go on with the system of the start of this run, which is beside it if it is kept."""
+        if self.keeps and self.beside is None:
+            channels = [*self._channels.values()]
+            self.beside = beside.kept(_BEFORE, self.history, channels, self._numbers)
+        self.change_system(system)
+
+    def keep(self, *, kept: bool) -> None:
+        """Keep this run beside those that begin when time is set back, or none."""
+        self.keeps = kept
+        if not kept or self.beside is self._recorded:
+            self.beside = None
+        self._to_all(ui.Event.of_whole(self.whole()))
 
     def _watch(self) -> None:
         system = self.system
+        self._end_recording = self.project.record(system)
         self.history = History()
+        if self.beside is not None:
+            self.beside.begin()
         self.buses = Buses(system, self.project.describer, self.tell)
         for instance in system.instances:
             self.channels_of(instance)
         self.history.begin(self.whole())
-        system.clock.traffic.watch(self._on_traffic)
-        system.add_listener(_Listener(self))
+        system.clock.traffic.watch(partial(self._on_traffic, system))
+        system.add_listener(_Listener(self, system))
 
     # Pages.
 
@@ -166,7 +202,7 @@ class Session:
         """Greet a page and give it the whole state."""
         hello = ui.Hello(version=ui.VERSION, server=self.name, full=page.full)
         page.put(ui.Event.of_greeting(hello))
-        page.put(ui.Event.of_whole(self.whole()))
+        self.look(page, -1.0)
         with self._lock:
             self._pages = (*self._pages, page)
 
@@ -231,13 +267,19 @@ class Session:
                 *outside.connections.values(),
             ],
             palette=self._palette,
-            channels=[*self._channels.values()],
+            channels=[*self._channels.values(), *self._channels_beside],
             time=self.time(),
             edits=self.edit_state(),
             buses=self.buses.states,
             systems=[*self.project.systems],
+            beside="" if self.beside is None else self.beside.name,
+            keeps=self.keeps,
             naming=[*outside.services],
         )
+
+    @property
+    def _channels_beside(self) -> list[ui.Channel]:
+        return [] if self.beside is None else [*self.beside.channels.values()]
 
     @property
     def connectors(self) -> list[Connector]:
@@ -353,15 +395,18 @@ class Session:
                 data = encode(value)
             except CdrError:
                 return  # The recorder counts them; a page cannot show what has no octets.
-            sample = ui.Sample(channel=number, time=elapsed() / SECOND, data=data)
-            self.history.sample(sample)
-            if number not in self._watched:
-                return
-            for page in self._pages:
-                if number in page.watched:
-                    page.sample(sample)
+            self.sample(ui.Sample(number, elapsed() / SECOND, data))
 
         return write
+
+    def sample(self, sample: ui.Sample) -> None:
+        """Keep a sample and give it to the pages that watch its channel; from any thread."""
+        self.history.sample(sample)
+        if sample.channel not in self._watched:
+            return
+        for page in self._pages:
+            if sample.channel in page.watched:
+                page.sample(sample)
 
     def on_state(self, record: StateRecord) -> None:
         """A component has changed its state."""
@@ -378,7 +423,9 @@ class Session:
             )
         )
 
-    def _on_traffic(self, happening: Happening) -> None:
+    def _on_traffic(self, system: runtime.System, happening: Happening) -> None:
+        if system is not self.system:
+            return  # It is being closed.
         match happening:
             case ParameterChange(instance, parameter, value):
                 sets = self.system.component(instance).configuration_sets
@@ -445,7 +492,12 @@ class Session:
         self.tell(ui.Event.of_clock(self.time()))
 
     def _report(self) -> None:
-        """Tell pages the time and the counts that have changed."""
+        """Tell pages the time, the run beside, and the counts that have changed."""
+        if self.beside is not None:
+            events, samples = self.beside.until(self.now)
+            self.tell(*events)
+            for sample in samples:
+                self.sample(sample)
         if not self._pages:
             return
         if self.runner.playing:
@@ -469,6 +521,7 @@ class Session:
     def close(self) -> None:
         """Tell the pages, and end the run."""
         self._to_all(ui.Event.of_reason("the server has ended"))
+        self._end_recording()
         if self.neighbours is not None:
             self.neighbours.close()
         self.runner.close()
@@ -477,10 +530,12 @@ class Session:
 class _Listener:
     """What the system notifies."""
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, session: Session, system: runtime.System) -> None:
         self.sample_writer = session.sample_writer
         self._session = session
+        self._system = system
 
     def __call__(self, record: Record) -> None:
-        if isinstance(record, StateRecord):
+        # A system that is being closed is shown no more.
+        if isinstance(record, StateRecord) and self._session.system is self._system:
             self._session.on_state(record)

@@ -129,11 +129,14 @@ def test_what_is_no_recording_is_reported(
     empty = tmp_path / "empty.mcap"
     empty.touch()
     assert run(["ui", str(empty), "--no-open"]) == 3
+    assert run(["ui", str(GOAL), str(empty), "--no-open"]) == 3
     assert run(["ui", *files, files[0], "--no-open"]) == 2
-    assert run(["ui", str(GOAL), files[0], "--no-open"]) == 2
+    assert run(["ui", str(GOAL), *files, "--no-open"]) == 2
+    assert run(["ui", files[0], "--record", str(empty), "--no-open"]) == 2
     err = capfd.readouterr().err
     assert "is empty" in err
-    assert "one recording or two" in err
+    assert "beside a system or beside another one" in err
+    assert "nothing that runs" in err
     assert "Traceback" not in err
 
 

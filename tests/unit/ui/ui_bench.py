@@ -16,6 +16,7 @@ from patience import PATIENCE
 
 from rtgen import runtime
 from rtgen.cli.common import Console
+from rtgen.cli.recording_options import RecordingOptions
 from rtgen.cli.ui import CommandProject
 from rtgen.ui.commands import Commands
 from rtgen.ui.outbox import Outbox
@@ -78,10 +79,13 @@ class Bench:
         *files: Path | str,
         clock: Any = runtime.SimulatedClock,
         buses: dict[str, Path] | None = None,
+        record: Path | None = None,
+        beside: str = "",
     ) -> None:
         names = [str(file) for file in files] or [str(GOAL)]
-        project = CommandProject(QUIET, names, buses)
-        self.session = Session(project, names[0], clock)
+        options = RecordingOptions(None if record is None else str(record), None)
+        project = CommandProject(QUIET, names, buses, recording=options)
+        self.session = Session(project, names[0], clock, recording=beside)
         self.commands = Commands(self.session)
 
     def page(self, *, full: bool = True) -> Page:

@@ -11,6 +11,8 @@ from rtgen.runtime.cdr import Aggregated, AliasCodec, Enumeration, Union, field
 
 VERSION: Final = 4
 """Version of the protocol; a page of another one reloads."""
+MOST_SAMPLES: Final = 2000
+"""Most samples of a channel that a page is given at once: the newest half, and some of those before."""
 Octets: TypeAlias = bytes
 _Octets_alias = idl.alias("Ui::Octets", idl.sequence(idl.OCTET))
 
@@ -714,6 +716,7 @@ class SystemState(Aggregated):
         buses=idl.sequence(Bus),
         systems=_Strings_alias,
         beside=idl.STRING,
+        keeps=idl.BOOLEAN,
         naming=_NamingServices_alias,
     )
 
@@ -730,6 +733,8 @@ class SystemState(Aggregated):
     """Files that `open` takes."""
     beside: str = ""
     """Name of the run that is beside this one; empty: none."""
+    keeps: bool = False
+    """Whether this run will be beside the one that begins when time is set back."""
     naming: NamingServices = field(default_factory=list)
 
 
@@ -1530,6 +1535,7 @@ class CommandKind(Enumeration):
     COMMAND_OBJECTS = 26
     COMMAND_INJECT = 27
     COMMAND_LOOK = 28
+    COMMAND_BESIDE = 29
 
 
 idl.enum(CommandKind, "Ui::CommandKind")
@@ -1569,6 +1575,7 @@ class Command(Union):
         written=idl.case(SdoAccess, CommandKind.COMMAND_SDO_WRITE),
         node=idl.case(NodeAddress, CommandKind.COMMAND_OBJECTS),
         injected=idl.case(Inject, CommandKind.COMMAND_INJECT),
+        kept=idl.case(idl.BOOLEAN, CommandKind.COMMAND_BESIDE),
         looked=idl.case(idl.DOUBLE, CommandKind.COMMAND_LOOK),
     )
 
@@ -1881,6 +1888,17 @@ class Command(Union):
     def injected(self) -> Inject:
         """The value, if the branch `injected` is selected."""
         value: Inject = self._selected_("injected")
+        return value
+
+    @classmethod
+    def of_kept(cls, value: bool) -> Self:
+        """A value of the branch `kept`."""
+        return cls(CommandKind.COMMAND_BESIDE, value)
+
+    @property
+    def kept(self) -> bool:
+        """Keep this run beside those that begin when time is set back; FALSE: forget it."""
+        value: bool = self._selected_("kept")
         return value
 
     @classmethod

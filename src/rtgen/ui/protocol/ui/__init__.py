@@ -37,6 +37,7 @@ from .._idl.ui import (
     Hello as Hello,
     Inject as Inject,
     Location as Location,
+    MOST_SAMPLES as MOST_SAMPLES,
     Moved as Moved,
     NamingService as NamingService,
     NamingServices as NamingServices,
@@ -174,6 +175,7 @@ COMMAND_SDO_WRITE: Final = CommandKind.COMMAND_SDO_WRITE
 COMMAND_OBJECTS: Final = CommandKind.COMMAND_OBJECTS
 COMMAND_INJECT: Final = CommandKind.COMMAND_INJECT
 COMMAND_LOOK: Final = CommandKind.COMMAND_LOOK
+COMMAND_BESIDE: Final = CommandKind.COMMAND_BESIDE
 
 __all__ = [
     "ActiveSet",
@@ -195,6 +197,7 @@ __all__ = [
     "COMMAND_ACTIVATE",
     "COMMAND_ACTIVATE_SET",
     "COMMAND_ADD",
+    "COMMAND_BESIDE",
     "COMMAND_CALL",
     "COMMAND_CONNECT",
     "COMMAND_CUT",
@@ -270,6 +273,7 @@ __all__ = [
     "Hello",
     "Inject",
     "Location",
+    "MOST_SAMPLES",
     "Moved",
     "NamingService",
     "NamingServices",
