@@ -44,6 +44,7 @@ export function App() {
             file={system.edits.file}
             components={system.components}
             connections={system.connections}
+            buses={system.buses}
             full={full}
             statistics={page.statistics}
             selected={selected}

@@ -175,7 +175,7 @@ export function Panel(props: {
         ) : tab === "Drive" ? (
           <Drive system={system} full={full} />
         ) : tab === "Buses" ? (
-          <BusView buses={system.buses} full={full} />
+          <BusView system={system} full={full} />
         ) : tab === "Boards" ? (
           <Board />
         ) : !component ? (

@@ -8,7 +8,6 @@ import webbrowser
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
-from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -31,7 +30,7 @@ from rtgen.cli.failures import FailureOptions, FailureReport
 from rtgen.cli.recording_options import RecordingOptions, with_recording
 from rtgen.diagnostics import InputError, ToolError, has_errors, in_order
 from rtgen.model import System, SystemComponent
-from rtgen.project import load_around
+from rtgen.project import is_bus_file, load_around
 from rtgen.runtime.failures import Failure, log
 from rtgen.runtime.rtc.profiles import ComponentProfile
 from rtgen.systems import timeline
@@ -165,9 +164,37 @@ class CommandProject:
 
         return end
 
-    def describer(self, bus: str) -> BusDescriber:
-        """The description of a bus: the file for its channel, else the one for all."""
-        return _describer(self._buses, bus)
+    def describer(self, bus: str, network: str) -> BusDescriber:
+        """The description of a bus.
+
+        The file for its channel, else the one for all, else that of its network in the project.
+        """
+        from rtgen.cli.ui_bus import BusDescriber
+
+        named = self._buses.get(bus, self._buses.get(""))
+        if named is None and network:
+            for path in filter(is_bus_file, self._project.sources):
+                try:
+                    found = BusDescriber(path)
+                except InputError:
+                    continue  # `rtgen lint` reports what is wrong with it.
+                if found.network == network:
+                    return found
+        return BusDescriber(named)
+
+    def codec(self, type_: str) -> Codec | None:
+        """The codec of a type of marshallers; None for another type."""
+        from rtgen.ui import boards
+
+        if type_ not in self._factories:
+            return None
+        try:
+            component = self._factories[type_](type_)
+            component.on_initialize()
+        except Exception as error:  # A component of the project may raise anything.
+            log.warning("%s: calls to its board have no values: %s", type_, error)
+            return None
+        return boards.codec_of(component)
 
     def palette(self) -> Sequence[ComponentProfile]:
         """The types whose factories are classes that can be imported."""
@@ -180,27 +207,6 @@ class CommandProject:
             if isinstance(profile, ComponentProfile):
                 found.append(replace(profile, type_name=name))
         return found
-
-
-def _describer(buses: Mapping[str, Path], bus: str) -> BusDescriber:
-    from rtgen.cli.ui_bus import BusDescriber
-
-    return BusDescriber(buses.get(bus, buses.get("")))
-
-
-def codec_of(factories: Factories, type_: str) -> Codec | None:
-    """The codec of a type of marshallers; None for another type."""
-    from rtgen.ui import boards
-
-    if type_ not in factories:
-        return None
-    try:
-        component = factories[type_](type_)
-        component.on_initialize()
-    except Exception as error:  # A component of the project may raise anything.
-        log.warning("%s: calls to its board have no values: %s", type_, error)
-        return None
-    return boards.codec_of(component)
 
 
 def _session(
@@ -307,6 +313,7 @@ def ui(
             f"the page needs {', '.join(missing)}, which is not installed",
             hint="pip install 'rtgen[ui]'",
         )
+    from rtgen.cli.ui_bus import BusDescriber
     from rtgen.ui.recorded import Recorded
     from rtgen.ui.serving import Server
 
@@ -315,8 +322,8 @@ def ui(
     for each in buses:
         channel, _, file = each.rpartition("=")
         described[channel] = Path(file)
-    for channel in described:
-        _describer(described, channel)  # Raises InputError before anything runs.
+    for path in described.values():
+        BusDescriber(path)  # Raises InputError before anything runs.
     if name_servers and find_spec("omniORB") is None:
         raise ToolError(
             "--nameserver needs omniORBpy, which is not installed",
@@ -331,10 +338,8 @@ def ui(
     if recordings and not others:
         if name_servers or recording.file is not None:
             raise Refusal("a recording is shown alone: there is nothing that runs")
-        factories = Factories(load_around(Path.cwd()))
-        session = Recorded(
-            recordings, partial(_describer, described), partial(codec_of, factories)
-        )
+        project = CommandProject(console, [], described)
+        session = Recorded(recordings, project.describer, project.codec)
         if session.left_out:
             console.say(
                 f"shown from {session.history.first:.3f} s on: the rest is too much"

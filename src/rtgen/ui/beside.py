@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from rtgen.diagnostics import ToolError
 from rtgen.recording.errors import RecordingError
-from rtgen.ui.buses import Describer
+from rtgen.ui.buses import DescriberOf
 from rtgen.ui.history import History
 from rtgen.ui.protocol import ui
 from rtgen.ui.reading import MOST_OCTETS, Reading
@@ -54,7 +54,7 @@ def read(
     file: str,
     types: TypeTable,
     numbers: Iterator[int],
-    describer: Callable[[str], Describer],
+    describer: DescriberOf,
 ) -> Beside:
     """A recording. Raises ToolError."""
     reading = Reading(History(MOST_OCTETS), types, numbers, describer, lambda _: None)

@@ -39,5 +39,5 @@ class Project(Protocol):
     def palette(self) -> Sequence[ComponentProfile]:
         """The types of components of which instances can be added."""
 
-    def describer(self, bus: str) -> Describer:
-        """What is known of a CAN bus, by the name of its channel."""
+    def describer(self, bus: str, network: str) -> Describer:
+        """What is known of a CAN bus, by the names of its channel and of its network."""

@@ -19,7 +19,7 @@ from rtgen.runtime.timing.clocks import SECOND
 from rtgen.runtime.timing.traffic import BusFrame
 from rtgen.runtime.xcdr import deserialize
 from rtgen.ui import boards
-from rtgen.ui.buses import Describer, SeenBuses
+from rtgen.ui.buses import DescriberOf, SeenBuses
 from rtgen.ui.description import STATES
 from rtgen.ui.history import History
 from rtgen.ui.protocol import ui
@@ -52,7 +52,7 @@ class Reading:
         history: History,
         types: TypeTable,
         numbers: Iterator[int],
-        describer: Callable[[str], Describer],
+        describer: DescriberOf,
         codec: Callable[[str], Codec | None],
     ) -> None:
         self.history = history
@@ -65,7 +65,8 @@ class Reading:
         self._known: list[Any] = []
         self._decoders = Decoders()
         self._now = 0.0
-        self._buses = SeenBuses(describer, self._tell)
+        self._settings: dict[str, dict[str, str]] = {}
+        self._buses = SeenBuses(describer, self._settings.values, self._tell)
         self._codec_of = codec
         self._codecs: dict[str, Codec | None] = {}
         self._changed: set[str] = set()
@@ -168,6 +169,7 @@ class Reading:
                 component = self._component(instance)
                 if all(each.name != name for each in component.parameters):
                     component.parameters.append(ui.Parameter(name=name))
+                self._settings.setdefault(instance, {})[name] = text
                 change = ui.ParameterChange(instance, _SET, name, text, True)
                 self._tell(ui.Event.of_setting(change))
             case messages.Connection(name=name, connected=True):

@@ -12,7 +12,7 @@ from typing import Any
 from rtgen.diagnostics import ToolError
 from rtgen.recording.errors import RecordingError
 from rtgen.runtime.opaque_rpc.codecs import Codec
-from rtgen.ui.buses import Describer
+from rtgen.ui.buses import DescriberOf
 from rtgen.ui.errors import IMPOSSIBLE, CommandError
 from rtgen.ui.history import History
 from rtgen.ui.outbox import Outbox
@@ -44,7 +44,7 @@ class Recorded:
     def __init__(
         self,
         files: Sequence[str],
-        describer: Callable[[str], Describer],
+        describer: DescriberOf,
         codec: Callable[[str], Codec | None] = lambda _: None,
         most_octets: int = MOST_OCTETS,
     ) -> None:

@@ -127,7 +127,7 @@ def test_each_run_is_recorded_in_a_file(tmp_path: Path) -> None:
     assert [each.name for each in files] == ["run-2.mcap", "run.mcap"]
     ends = []
     for file in files:
-        recorded = Recorded([str(file)], lambda _: BusDescriber(None))
+        recorded = Recorded([str(file)], lambda *_: BusDescriber(None))
         ends.append(recorded.history.last)
         [first, *events] = recorded.history.at(recorded.history.last, [], ())
         types = {each.instance: each.type for each in first.whole.components}

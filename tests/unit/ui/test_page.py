@@ -135,9 +135,7 @@ def test_an_answer_after_the_end_of_a_drag_marks_nothing(
 
 
 def test_values_and_configuration(page: Any, session: Session) -> None:
-    page.get_by_label("Component", exact=True).locator("select").select_option(
-        "PathFollower0"
-    )
+    page.get_by_role("combobox", name="Component").select_option("PathFollower0")
     page.get_by_role("img", name="Values over time").first.wait_for()
     page.get_by_role("tab", name="Configuration").focus()
     page.keyboard.press("Enter")

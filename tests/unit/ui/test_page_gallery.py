@@ -27,6 +27,10 @@ PICTURES = ROOT / "docs" / "images" / "ui"
 WIRINGS = ROOT / "docs" / "images" / "gallery"
 TEXT_PX = 9
 """The least height of the letters of a port's name."""
+RECTANGLES = (
+    "all => all.map(each => { const r = each.getBoundingClientRect();"
+    " return [r.left, r.top, r.right, r.bottom]; })"
+)
 Point = tuple[float, float]
 
 
@@ -108,18 +112,18 @@ def picture(page: Any, session: Session, look: Look) -> None:
 def test_systems_of_the_gallery_can_be_read(still: Any, session: Session) -> None:
     for look in LOOKS:
         show(still, session, look)
-        boxes = still.locator(".box").evaluate_all(
-            "all => all.map(each => { const r = each.getBoundingClientRect();"
-            " return [r.left, r.top, r.right, r.bottom]; })"
-        )
+        boxes = still.locator(".box").evaluate_all(RECTANGLES)
         assert len(boxes) == len(session.system.instances), look.name
-        for one, other in itertools.combinations(boxes, 2):
+        nodes = still.locator(".bus-node").evaluate_all(RECTANGLES)
+        for one, other in itertools.combinations([*boxes, *nodes], 2):
             assert not overlap(one, other), look.name
         scale = (boxes[0][2] - boxes[0][0]) / still.locator(".box").first.evaluate(
             "each => each.offsetWidth"
         )
         assert 12 * scale >= TEXT_PX, look.name
-        cut = still.locator(".box span, .head, .head strong").evaluate_all(
+        cut = still.locator(
+            ".box span, .head, .head strong, .bus-node strong"
+        ).evaluate_all(
             "all => all.filter(each => each.scrollWidth > each.clientWidth)"
             ".map(each => each.textContent)"
         )

@@ -20,7 +20,7 @@ def shown() -> tuple[Path, None]:
 @pytest.fixture
 def services(page: Any) -> Any:
     """The page with the operations of the board's marshaller."""
-    chooser = page.get_by_label("Component", exact=True).locator("select")
+    chooser = page.get_by_role("combobox", name="Component")
     chooser.select_option("MotorBoardMarshaller0")
     page.get_by_role("tab", name="Services").click()
     return page

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
 from test_looking_back import PORT, Page
-from ui_bench import GOAL, ROOT, opened, serving, until
+from ui_bench import GOAL, QUIET, ROOT, opened, serving, until
 from websockets.sync.client import connect
 
 from rtgen.cli import run
-from rtgen.cli.factories import Factories
-from rtgen.cli.ui import codec_of
+from rtgen.cli.ui import CommandProject
 from rtgen.cli.ui_bus import BusDescriber
 from rtgen.diagnostics import ToolError
-from rtgen.project import load_around
 from rtgen.ui.protocol.ui import EventKind
 from rtgen.ui.recorded import Recorded
 from rtgen.ui.serving import Server
@@ -36,7 +33,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
 
 @pytest.fixture(scope="module")
 def recorded(files: list[str]) -> Iterator[Server]:
-    session = Recorded(files, lambda _: BusDescriber(None))
+    session = Recorded(files, lambda *_: BusDescriber(None))
     with serving(Server(session, "127.0.0.1", 0)) as server:
         yield server
 
@@ -89,7 +86,7 @@ def test_frames_of_a_recording_are_decoded(tmp_path: Path) -> None:
     file = str(tmp_path / "bus.mcap")
     system = str(ROOT / "specs/canopen/fourx.xml")
     assert run(["run", system, "--until", "1.5", "--record", file, "-q"]) == 0
-    history = Recorded([file], lambda _: BusDescriber(BUS)).history
+    history = Recorded([file], lambda *_: BusDescriber(BUS)).history
     events = history.at(history.nearest(1.4), [], ())
     [buses] = [
         e.described_bus for e in events if e.discriminator is EventKind.EVENT_BUS
@@ -106,8 +103,8 @@ def test_calls_to_a_board_have_their_values(tmp_path: Path) -> None:
     file = str(tmp_path / "board.mcap")
     command = ["run", str(ROOT / "specs/tecs/rh3_board.xml"), "--until", "0.2"]
     assert run([*command, "--record", file, "-q"]) == 0
-    codec = partial(codec_of, Factories(load_around(ROOT)))
-    history = Recorded([file], lambda _: BusDescriber(None), codec).history
+    codec = CommandProject(QUIET, [str(GOAL)]).codec
+    history = Recorded([file], lambda *_: BusDescriber(None), codec).history
     calls = [
         e.call
         for e in history.at(history.last, [], ())
@@ -125,7 +122,7 @@ def test_what_is_no_recording_is_reported(
     log = tmp_path / "run.log"
     log.write_text('{"t": 0, "event": "state"}\n')
     with pytest.raises(ToolError, match="log in JSON lines"):
-        Recorded([str(log)], lambda _: BusDescriber(None))
+        Recorded([str(log)], lambda *_: BusDescriber(None))
     empty = tmp_path / "empty.mcap"
     empty.touch()
     assert run(["ui", str(empty), "--no-open"]) == 3
@@ -141,7 +138,7 @@ def test_what_is_no_recording_is_reported(
 
 
 def test_of_a_long_recording_the_end_is_kept(files: list[str]) -> None:
-    session = Recorded(files[1:], lambda _: BusDescriber(None), most_octets=200_000)
+    session = Recorded(files[1:], lambda *_: BusDescriber(None), most_octets=200_000)
     assert session.left_out
     assert 0.0 < session.history.first < session.history.last
 

@@ -344,15 +344,12 @@ export interface Ui$BusNode {
   device: string;
   /** As CiA 301 names it; empty: unknown. */
   nmt_state: string;
-  /** Of the proxy or device; empty: none in this system. */
-  instance: string;
 }
 export const Ui$BusNode: CdrType<Ui$BusNode> = struct("Ui::BusNode", [
   field("node_id", ulong),
   field("name", string()),
   field("device", string()),
   field("nmt_state", string()),
-  field("instance", string()),
 ]);
 
 export interface Ui$Bus {

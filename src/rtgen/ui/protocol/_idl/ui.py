@@ -488,7 +488,6 @@ class BusNode(Aggregated):
         name=idl.STRING,
         device=idl.STRING,
         nmt_state=idl.STRING,
-        instance=idl.STRING,
     )
 
     node_id: int = 0
@@ -496,8 +495,6 @@ class BusNode(Aggregated):
     device: str = ""
     nmt_state: str = ""
     """As CiA 301 names it; empty: unknown."""
-    instance: str = ""
-    """Of the proxy or device; empty: none in this system."""
 
 
 class Bus(Aggregated):
