@@ -96,6 +96,12 @@ class Network:
         """Nothing is recorded."""
         return lambda: None
 
+    def data_type(self, name: str) -> None:
+        """No other process is looked at."""
+
+    def interface(self, name: str) -> None:
+        """No other process is looked at."""
+
     def palette(self) -> Sequence[ComponentProfile]:
         """No types."""
         return ()

@@ -2,7 +2,7 @@
 
 import { useState } from "react";
 import { Naming } from "./Naming.tsx";
-import type { Command, SystemState } from "./protocol/Ui.ts";
+import type { Command, EditState, SystemState } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
 
 /** What a system is chosen by: its name first, which is not cut then. */
@@ -17,6 +17,27 @@ function Edit({ name, title, enabled, act }: { name: string; title?: string; ena
     <button type="button" title={title} aria-disabled={!enabled} onClick={() => enabled && store.order(act)}>
       {name}
     </button>
+  );
+}
+
+/** Saves the system, under another name, too, which it then has. */
+function Save({ edits, full }: { edits: EditState; full: boolean }) {
+  const [edited, edit] = useState<string>();
+  const name = edited ?? edits.file;
+  const enabled = full && name.trim() !== "" && (!edits.saved || name !== edits.file);
+  return (
+    <form
+      className="save"
+      onSubmit={(e) => {
+        e.preventDefault();
+        if (enabled) void store.order({ case: "file", value: name.trim() }).then((result) => result.done && edit(undefined));
+      }}
+    >
+      <input aria-label="File of the system" placeholder="system.xml" title={name} disabled={!full} value={name} onChange={(e) => edit(e.target.value)} />
+      <button type="submit" aria-disabled={!enabled}>
+        Save
+      </button>
+    </form>
   );
 }
 
@@ -39,8 +60,8 @@ export function Palette(props: { system: SystemState; full: boolean; selected: s
         </button>
         <Edit name="Undo" title={edits.undo} enabled={full && edits.undo !== ""} act={{ case: "undone", value: true }} />
         <Edit name="Redo" title={edits.redo} enabled={full && edits.redo !== ""} act={{ case: "redone", value: true }} />
-        <Edit name="Save" enabled={full && !edits.saved} act={{ case: "file", value: "" }} />
       </section>
+      <Save edits={edits} full={full} />
       {system.systems.length > 1 && (
         <label>
           System
@@ -54,7 +75,7 @@ export function Palette(props: { system: SystemState; full: boolean; selected: s
           </select>
         </label>
       )}
-      <Naming services={system.naming} components={system.components} selected={selected} select={select} />
+      <Naming system={system} full={full} selected={selected} select={select} />
       {system.palette.length > 0 && (
         <details open={roomy}>
           <summary>Components</summary>

@@ -42,7 +42,8 @@ function Values({ system, component }: Selection) {
     store.watch(wanted ? wanted.split(",").map(Number) : []);
     return () => store.watch([]);
   }, [wanted]);
-  if (!shown.length) return <p>No port of this component has values.</p>;
+  const unknown = component.ports.filter((each) => component.place && each.kind === "PORT_OUT" && each.type_number < 0);
+  if (!shown.length && !unknown.length) return <p>No port of this component has values.</p>;
   const sections = shown.filter((each) => !each.beside).map((channel) => {
     const name = `${channel.port.instance}.${channel.port.port}`;
     const owner = system.components.find((each) => each.instance === channel.port.instance);
@@ -93,6 +94,11 @@ function Values({ system, component }: Selection) {
     <>
       <Span />
       {sections}
+      {unknown.map((each) => (
+        <p key={each.name}>
+          {each.name}: the project does not define {each.type}, so its samples cannot be read.
+        </p>
+      ))}
     </>
   );
 }

@@ -116,6 +116,7 @@ export function Services({ component, full }: { component: Component; full: bool
       <h2>
         {port.name}: {each.type}
       </h2>
+      {component.place && !each.operations.length && <p>The project does not define {each.type}, so its operations are unknown.</p>}
       {each.operations.map((operation) => (
         <OperationForm key={operation.name} port={{ instance: component.instance, port: port.name }} interfaceName={each.name} operation={operation} full={full} />
       ))}

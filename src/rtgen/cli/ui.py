@@ -27,12 +27,17 @@ from rtgen.cli.common import (
 )
 from rtgen.cli.factories import Factories, FactoryImportError
 from rtgen.cli.failures import FailureOptions, FailureReport
+from rtgen.cli.foreign import named
+from rtgen.cli.known_types import KnownTypes
+from rtgen.cli.partition import alone, steps_here
 from rtgen.cli.recording_options import RecordingOptions, with_recording
 from rtgen.diagnostics import InputError, ToolError, has_errors, in_order
 from rtgen.model import System, SystemComponent
 from rtgen.project import is_bus_file, load_around
 from rtgen.runtime.failures import Failure, log
+from rtgen.runtime.marshalling.descriptors import DataType
 from rtgen.runtime.rtc.profiles import ComponentProfile
+from rtgen.runtime.services.servants import Servant
 from rtgen.systems import timeline
 from rtgen.systems.checks import check_properties
 from rtgen.systems.reading import read_file
@@ -66,6 +71,7 @@ class CommandProject:
         self._files = [*files]
         self._project = load_around(Path(files[0]) if files else Path.cwd())
         self._factories = Factories(self._project)
+        self._types = KnownTypes(self._project)
 
     @property
     def systems(self) -> Sequence[str]:
@@ -123,12 +129,19 @@ class CommandProject:
     def assemble(
         self, profile: System, clock: runtime.Clock, failed: Callable[[Failure], None]
     ) -> runtime.System:
-        """A system with its timeline; nothing is activated before time passes."""
+        """A system with its timeline; nothing is activated before time passes.
+
+        Foreign components are left out, with their connections.
+        """
         simulated = isinstance(clock, runtime.SimulatedClock)
         report = FailureReport(self._console, FailureOptions(), simulated=simulated)
         path = Path(profile.file)
         folder = path.parent if path.name == "system.xml" else path
         steps = timeline.of_system(folder, None, profile).steps
+        if outside := named(profile, None, self._factories.foreign):
+            here = {c.instance for c in profile.components} - outside
+            steps = steps_here(steps, profile, here, data=True)
+            profile = alone(profile, here)
         system = assemble(
             profile, self._factories, clock, (), steps, self._transport, report=report
         )
@@ -181,6 +194,14 @@ class CommandProject:
                 if found.network == network:
                     return found
         return BusDescriber(named)
+
+    def data_type(self, name: str) -> type[DataType] | None:
+        """A type that the project declares, or OpenRTM."""
+        return self._types.data_type(name)
+
+    def interface(self, name: str) -> type[Servant] | None:
+        """An interface that the project declares."""
+        return self._types.interface(name)
 
     def codec(self, type_: str) -> Codec | None:
         """The codec of a type of marshallers; None for another type."""

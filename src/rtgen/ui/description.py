@@ -114,6 +114,15 @@ class Description:
     def _interface(
         self, name: str, interface: Any, *, provided: bool
     ) -> ui.ServiceInterface:
+        return ui.ServiceInterface(
+            name=name,
+            type=interface._descriptor_.name,
+            provided=provided,
+            operations=self.operations(interface),
+        )
+
+    def operations(self, interface: Any) -> list[ui.Operation]:
+        """The operations of an interface, with the reasons of those that pages cannot call."""
         try:
             calls = calls_of(interface)
         except ServiceError:
@@ -137,12 +146,7 @@ class Description:
                     refused=refused,
                 )
             )
-        return ui.ServiceInterface(
-            name=name,
-            type=interface._descriptor_.name,
-            provided=provided,
-            operations=operations,
-        )
+        return operations
 
 
 def connection(connector: Connector) -> ui.Connection:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import threading
 import uuid
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
@@ -13,7 +13,8 @@ from msgspec.structs import replace
 
 from rtgen import runtime
 from rtgen.diagnostics import InputError, ToolError
-from rtgen.model import System
+from rtgen.facts.openrtm_ports import KIND, foreign_instances
+from rtgen.model import System, SystemComponent
 from rtgen.recording.recorder import cdr_encoder
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.failures import Failure, described
@@ -42,11 +43,12 @@ from rtgen.ui.outbox import Outbox
 from rtgen.ui.project import Project
 from rtgen.ui.protocol import ui
 from rtgen.ui.runner import Runner
-from rtgen.ui.type_table import TypeTable
+from rtgen.ui.type_table import NO_TYPE, TypeTable
 
 if TYPE_CHECKING:
     from rtgen.runtime.corba.rt_objects.publishing import RtObjects
     from rtgen.ui.neighbours import Neighbours
+    from rtgen.ui.taps import Key
 
 Place = tuple[float, float]
 _LONGEST_NOTICE: Final = 2000
@@ -86,6 +88,8 @@ class Session:
         self.edits = Edits()
         self.places: dict[str, Place] = {}
         self.profile: System
+        self.foreign: Mapping[str, SystemComponent]
+        """The components of other processes that the file has, by their paths."""
         self._clock = clock
         self._sent_types = 0
         self._lock = threading.Lock()
@@ -116,12 +120,14 @@ class Session:
         """The names of connections to other processes, which `outside` tells."""
         self.outside = Neighbourhood()
         """What naming services have of other processes."""
-        self._watch()
         self.neighbours: Neighbours | None = None
+        self._watch()
         if name_servers:
             from rtgen.ui.neighbours import Neighbours
 
-            self.neighbours = Neighbours(name_servers, self._look_outside, own)
+            self.neighbours = Neighbours(
+                name_servers, self._look_outside, self._notice_outside, own
+            )
 
     # Systems.
 
@@ -135,13 +141,23 @@ class Session:
         profile = self.project.read(file)
         system = self.assembled(profile)
         self.file = file
-        self.profile = profile
+        self.take_over(profile)
         self.places = {
             each.instance: (float(each.location[0]), float(each.location[1]))
             for each in profile.components
-            if each.location is not None
+            if each.location is not None and each.path_uri not in self.foreign
         }
         return system
+
+    def take_over(self, profile: System) -> None:
+        """The system is from now on as a profile has it."""
+        foreign = foreign_instances(profile.properties)
+        self.profile = profile
+        self.foreign = {
+            each.path_uri: each
+            for each in profile.components
+            if each.instance in foreign
+        }
 
     def assembled(self, profile: System) -> runtime.System:
         """A system of a profile. Raises InputError or ToolError."""
@@ -192,6 +208,7 @@ class Session:
         self.buses = Buses(system, self.project.describer, self.tell)
         for instance in system.instances:
             self.channels_of(instance)
+        self._open_outside()
         self.history.begin(self.whole())
         system.clock.traffic.watch(partial(self._on_traffic, system))
         system.add_listener(_Listener(self, system))
@@ -215,6 +232,29 @@ class Session:
     def watch_changed(self) -> None:
         """Take over what pages watch now; from any thread."""
         self._watched = frozenset().union(*(page.watched for page in self._pages))
+        if self.neighbours is not None:
+            watched = (
+                e for e in self._channels.copy().values() if e.id in self._watched
+            )
+            self.neighbours.watch(
+                {
+                    key: partial(self._take, each.id)
+                    for each in watched
+                    if (key := self._key(each.port)) is not None
+                }
+            )
+
+    def _key(self, address: ui.PortAddress) -> Key | None:
+        """The connection that takes the samples of a port of another process."""
+        if address.instance not in self.outside.components:
+            return None
+        from rtgen.ui.taps import Key, Use
+
+        return Key(Use.LISTEN, address.instance, address.port)
+
+    def _take(self, channel: int, data: bytes) -> None:
+        """A sample of a component of another process has come."""
+        self.sample(ui.Sample(channel, self.now, data))
 
     def watch(self, page: Outbox, channels: Sequence[int]) -> None:
         """Give a page the samples of other channels than before, and what they had until now."""
@@ -275,6 +315,7 @@ class Session:
             beside="" if self.beside is None else self.beside.name,
             keeps=self.keeps,
             naming=[*outside.services],
+            foreign=[*self.foreign],
         )
 
     @property
@@ -302,10 +343,52 @@ class Session:
         """Have pages told what naming services have now; from any thread."""
 
         def tell() -> None:
-            before, self.outside = self.outside, found
-            self.tell(*map(self._placed, found.changes(before, self.now)))
+            before, self.outside = self.outside, found.known(self._known)
+            for instance in before.components.keys() - self.outside.components.keys():
+                self.forget(instance)
+            for instance in self.outside.components.keys() - before.components.keys():
+                known = self.foreign.get(f"{instance}.{KIND}")
+                if known is not None and known.location is not None:
+                    x, y = known.location[:2]
+                    self.places.setdefault(instance, (float(x), float(y)))
+            opened = self._open_outside()
+            changes = self.outside.changes(before, self.now)
+            self.tell(*map(self._placed, changes), *map(ui.Event.of_opened, opened))
+            self.watch_changed()
 
         return self.runner.submit(tell)
+
+    def _notice_outside(self, instance: str, text: str) -> None:
+        self.runner.submit(lambda: self.notice("error", instance, text))
+
+    def _known(self, port: ui.Port) -> ui.Port:
+        """A port of another process, with what the project knows of its types."""
+        number = NO_TYPE
+        if port.type and (type_ := self.project.data_type(port.type)) is not None:
+            number = self.describe.type_number(type_)
+        interfaces = [
+            (
+                replace(each, operations=self.describe.operations(interface))
+                if each.provided and (interface := self.project.interface(each.type))
+                else each
+            )
+            for each in port.interfaces
+        ]
+        return replace(port, type_number=number, interfaces=interfaces)
+
+    def _open_outside(self) -> list[ui.Channel]:
+        """The channels of OutPorts of other processes that are new."""
+        found = []
+        for instance, component in self.outside.components.items():
+            for port in component.ports:
+                key = instance, port.name
+                is_open = port.kind is ui.PortKind.PORT_OUT and port.type_number >= 0
+                if is_open and key not in self._channels:
+                    address = ui.PortAddress(instance=instance, port=port.name)
+                    channel = ui.Channel(next(self._numbers), address, port.type_number)
+                    self._channels[key] = channel
+                    found.append(channel)
+        return found
 
     def _placed(self, event: ui.Event) -> ui.Event:
         """An event about a component of another process, with the place of its box."""
@@ -340,6 +423,10 @@ class Session:
             saved=self.edits.saved,
             file=self.file,
         )
+
+    def tell_edits(self) -> None:
+        """Tell pages what can be undone now."""
+        self.tell(ui.Event.of_edited(self.edit_state()))
 
     # What happens in the system.
 

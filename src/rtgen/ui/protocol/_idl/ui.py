@@ -715,6 +715,7 @@ class SystemState(Aggregated):
         beside=idl.STRING,
         keeps=idl.BOOLEAN,
         naming=_NamingServices_alias,
+        foreign=_Strings_alias,
     )
 
     name: str = ""
@@ -733,6 +734,8 @@ class SystemState(Aggregated):
     keeps: bool = False
     """Whether this run will be beside the one that begins when time is set back."""
     naming: NamingServices = field(default_factory=list)
+    foreign: Strings = field(default_factory=list)
+    """Paths of the components of other processes that the file has."""
 
 
 class Hello(Aggregated):
@@ -1533,6 +1536,7 @@ class CommandKind(Enumeration):
     COMMAND_INJECT = 27
     COMMAND_LOOK = 28
     COMMAND_BESIDE = 29
+    COMMAND_RESTORE = 30
 
 
 idl.enum(CommandKind, "Ui::CommandKind")
@@ -1572,6 +1576,7 @@ class Command(Union):
         written=idl.case(SdoAccess, CommandKind.COMMAND_SDO_WRITE),
         node=idl.case(NodeAddress, CommandKind.COMMAND_OBJECTS),
         injected=idl.case(Inject, CommandKind.COMMAND_INJECT),
+        reset=idl.case(idl.BOOLEAN, CommandKind.COMMAND_RESTORE),
         kept=idl.case(idl.BOOLEAN, CommandKind.COMMAND_BESIDE),
         looked=idl.case(idl.DOUBLE, CommandKind.COMMAND_LOOK),
     )
@@ -1885,6 +1890,17 @@ class Command(Union):
     def injected(self) -> Inject:
         """The value, if the branch `injected` is selected."""
         value: Inject = self._selected_("injected")
+        return value
+
+    @classmethod
+    def of_reset(cls, value: bool) -> Self:
+        """A value of the branch `reset`."""
+        return cls(CommandKind.COMMAND_RESTORE, value)
+
+    @property
+    def reset(self) -> bool:
+        """Have components of other processes wired and configured as the file has it."""
+        value: bool = self._selected_("reset")
         return value
 
     @classmethod

@@ -176,6 +176,7 @@ COMMAND_OBJECTS: Final = CommandKind.COMMAND_OBJECTS
 COMMAND_INJECT: Final = CommandKind.COMMAND_INJECT
 COMMAND_LOOK: Final = CommandKind.COMMAND_LOOK
 COMMAND_BESIDE: Final = CommandKind.COMMAND_BESIDE
+COMMAND_RESTORE: Final = CommandKind.COMMAND_RESTORE
 
 __all__ = [
     "ActiveSet",
@@ -214,6 +215,7 @@ __all__ = [
     "COMMAND_REDO",
     "COMMAND_REMOVE",
     "COMMAND_RESET",
+    "COMMAND_RESTORE",
     "COMMAND_SAVE",
     "COMMAND_SDO_READ",
     "COMMAND_SDO_WRITE",
