@@ -271,7 +271,7 @@ def _opened(name_server: str, closing: ExitStack) -> CorbaTransport:
     "--port",
     type=WholeRange(0, 65535),
     default=0,
-    help="The port on 127.0.0.1; by default any that is free.",
+    help="The port on 127.0.0.1, where pages find the command again; by default any that is free.",
 )
 @click.option(
     "--bus",
@@ -335,6 +335,7 @@ def ui(
             hint="pip install 'rtgen[ui]'",
         )
     from rtgen.cli.ui_bus import BusDescriber
+    from rtgen.cli.ui_tokens import tokens_of
     from rtgen.ui.recorded import Recorded
     from rtgen.ui.serving import Server
 
@@ -353,6 +354,7 @@ def ui(
     recordings = [each for each in systems if Path(each).suffix.lower() == ".mcap"]
     session: Session | Recorded
     closing = ExitStack()
+    tokens = tokens_of(port) if port else None
     others = [each for each in systems if each not in recordings]
     if recordings and (len(recordings) > (1 if others else 2)):
         raise Refusal("a recording is shown beside a system or beside another one")
@@ -365,7 +367,7 @@ def ui(
             console.say(
                 f"shown from {session.history.first:.3f} s on: the rest is too much"
             )
-        server = Server(session, _LOOPBACK, port)
+        server = Server(session, _LOOPBACK, port, tokens=tokens)
     else:
         kind = clock if others else "real"
         carrier = None
@@ -378,7 +380,7 @@ def ui(
         project = CommandProject(console, others, described, carrier, recording)
         beside = next(iter(recordings), "")
         session = _session(project, clocks[kind], name_servers, carrier, beside)
-        server = Server(session, _LOOPBACK, port)
+        server = Server(session, _LOOPBACK, port, tokens=tokens)
         if playing:
             session.runner.submit(session.runner.play)
 
