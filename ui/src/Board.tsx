@@ -16,7 +16,7 @@ const listed = (values: BoardCall["request_values"]): string => values.map((each
 /** Calls with their octets, and beside them what these mean. */
 export function CallTable({ calls }: { calls: readonly BoardCall[] }) {
   return (
-    <div className="rows">
+    <div className="rows" tabIndex={0}>
       <table aria-label="Calls to the board">
         <thead>
           <tr>

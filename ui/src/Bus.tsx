@@ -82,7 +82,7 @@ function Load({ bus }: { bus: Bus }) {
 
 function Frames({ frames, caption }: { frames: readonly Frame[]; caption: string }) {
   return (
-    <div className="rows">
+    <div className="rows" tabIndex={0}>
       <table aria-label={caption}>
         <thead>
           <tr>
@@ -123,7 +123,7 @@ function Signals({ bus }: { bus: string }) {
   const units = new Set(chosen.map((name) => signals.get(name)?.unit ?? ""));
   return (
     <section aria-label="Signals">
-      <h3>Signals</h3>
+      <h2>Signals</h2>
       <label>
         Plot
         <select value="" onChange={(e) => e.target.value && choose([...chosen, e.target.value].slice(-8))}>
@@ -177,11 +177,11 @@ export function BusView({ system: { buses, components }, full }: { system: Syste
       <Objects key={`objects ${bus.name}`} bus={bus} full={full} />
       <Signals key={`signals ${bus.name}`} bus={bus.name} />
       <section aria-label="Emergencies">
-        <h3>Emergencies</h3>
+        <h2>Emergencies</h2>
         {emergencies.length ? <Frames frames={emergencies} caption="Emergencies" /> : <p>none</p>}
       </section>
       <section aria-label="Frames">
-        <h3>Frames</h3>
+        <h2>Frames</h2>
         <label>
           Filter
           <input value={filter} placeholder="tpdo1 node1" onChange={(e) => setFilter(e.target.value)} />

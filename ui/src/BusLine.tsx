@@ -50,13 +50,13 @@ export function BusLine({ data: { line, width, nodes } }: NodeProps<BusNode>) {
           type="button"
           className={`bus-node nodrag nopan state ${COLOURS[node.nmtState] ?? "STATE_CREATED"}`}
           style={{ left: nodes[i]!.x - NODE.width / 2, width: NODE.width, height: NODE.height }}
-          aria-label={`Node ${node.id} of ${line.name}, ${node.name}, ${node.nmtState || "state unknown"}`}
+          aria-label={`${node.id} ${node.name} ${node.nmtState || "unknown"}, node of ${line.name}`}
           title={[...node.proxies.map((each) => `proxy ${each}`), ...node.devices.map((each) => `device ${each}`)].join("\n")}
           onClick={open}
         >
           <strong>
             {node.id} {node.name}
-          </strong>
+          </strong>{" "}
           <small>{node.nmtState || "unknown"}</small>
         </button>
       ))}

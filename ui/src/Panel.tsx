@@ -56,7 +56,7 @@ function Values({ system, component }: Selection) {
     const rows = track ?? beside;
     return (
       <section key={channel.id} aria-label={name}>
-        <h3>{name}</h3>
+        <h2>{name}</h2>
         {rows ? (
           <>
             {rows.numbers.size > 0 && <Plot source={String(channel.id)} read={curves} unit={unit} label="Values over time" />}
@@ -145,7 +145,7 @@ export function Panel(props: {
         <>
           <p>
             <span className={`state ${component.current}`}>{stateName(component.current)}</span> {component.type}
-            {component.contexts.map((each) => `, ${each.rate} Hz`)}
+            {component.contexts.map((each) => `, ${each.rate} Hz ${each.kind.toLowerCase()}${each.running ? "" : ", stopped"}`)}
             {statistics && `, ${statistics.ticks} ticks, ${statistics.overruns} overruns, ${statistics.lost} lost`}
           </p>
           {system.beside && store.page.beside.has(component.instance) && <p>beside: {store.page.beside.get(component.instance)}</p>}
@@ -166,9 +166,21 @@ export function Panel(props: {
           </div>
         </>
       )}
-      <div role="tablist" aria-label="Views" className="tabs">
+      <div
+        role="tablist"
+        aria-label="Views"
+        className="tabs"
+        onKeyDown={(e) => {
+          const at = TABS.indexOf(tab);
+          const next = { ArrowRight: at + 1, ArrowLeft: at - 1, Home: 0, End: -1 }[e.key];
+          if (next === undefined) return;
+          e.preventDefault();
+          open(TABS.at(next % TABS.length)!);
+          ([...e.currentTarget.children].at(next % TABS.length) as HTMLElement).focus();
+        }}
+      >
         {TABS.map((each) => (
-          <button key={each} type="button" role="tab" aria-selected={tab === each} onClick={() => open(each)}>
+          <button key={each} type="button" role="tab" aria-selected={tab === each} tabIndex={tab === each ? 0 : -1} onClick={() => open(each)}>
             {each}
           </button>
         ))}

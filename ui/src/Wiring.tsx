@@ -43,9 +43,9 @@ function PortRow({ component, port, fits }: { component: Component; port: Port; 
   const mark = fits ? (refused === undefined ? "other" : refused ? "refused" : "fits") : "";
   const provided = port.interfaces.some((each) => each.provided);
   const style = { background: service && !provided ? "var(--box)" : `hsl(${hue(type)} 65% 50%)` };
-  const names = { id: port.name, "aria-label": `${kind} port ${component.instance}.${port.name}`, title, style };
+  const names = { id: port.name, role: "img", "aria-label": `${kind} port ${component.instance}.${port.name}`, title, style };
   return (
-    <div className={`port ${kind} ${mark}`} title={title}>
+    <div className={`port ${kind} ${mark} ${service && !provided ? "socket" : ""}`} title={title}>
       {kind !== "out" && <Handle type="target" position={Position.Left} {...names} />}
       <span>{port.name}</span>
       {kind === "out" && <Handle type="source" position={Position.Right} {...names} />}

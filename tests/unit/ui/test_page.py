@@ -134,6 +134,37 @@ def test_an_answer_after_the_end_of_a_drag_marks_nothing(
     assert page.locator(".port.refused, .port.fits, .port.other").count() == 0
 
 
+def test_a_component_is_removed_and_comes_back(page: Any, session: Session) -> None:
+    def connections() -> int:
+        return len(session.whole().connections)
+
+    before = connections()
+    box = page.get_by_label(f"{ODOMETRY}, Odometry, ACTIVE")
+    box.locator(".head").click(button="right")
+    page.get_by_role("menuitem", name="Remove").click()
+    until(page, lambda: ODOMETRY not in session.system.instances)
+    assert connections() < before
+    page.locator("body").press("Control+z")
+    until(page, lambda: connections() == before)
+    page.locator("body").press("Control+Shift+z")
+    until(page, lambda: ODOMETRY not in session.system.instances)
+    page.locator("body").press("Control+z")
+    until(page, lambda: connections() == before)
+    activate_all(page, session)
+
+
+def test_views_are_changed_by_arrow_keys(page: Any) -> None:
+    page.get_by_role("tab", name="Values").click()
+    for key, name in (
+        *(("ArrowRight", "Connections"), ("ArrowLeft", "Values")),
+        *(("ArrowLeft", "Timeline"), ("ArrowRight", "Values")),
+        *(("End", "Timeline"), ("Home", "Values")),
+    ):
+        page.keyboard.press(key)
+        page.get_by_role("tab", name=name, selected=True).wait_for()
+        page.get_by_role("tabpanel", name=name).wait_for()
+
+
 def test_values_and_configuration(page: Any, session: Session) -> None:
     page.get_by_role("combobox", name="Component").select_option("PathFollower0")
     page.get_by_role("img", name="Values over time").first.wait_for()

@@ -32,7 +32,7 @@ def test_the_bus_is_a_line_below_the_boxes(bus: Any, session: Session) -> None:
     line = bus.get_by_role("region", name="Bus can0")
     names = ["front_left", "front_right", "rear_left", "rear_right", "manager"]
     for number, name in zip([1, 2, 3, 4, 127], names, strict=True):
-        label = f"Node {number} of can0, {name}, operational"
+        label = f"{number} {name} operational, node of can0"
         line.get_by_role("button", name=label, exact=True).wait_for()
     # Each node has a device or the manager, and all but that have a proxy.
     assert line.locator(".drop").count() == 9
@@ -45,7 +45,7 @@ def test_the_bus_is_a_line_below_the_boxes(bus: Any, session: Session) -> None:
     row = bus.get_by_role("row", name="front_left")
     assert "FrontLeftWheel0, FrontLeftDrive0" in row.inner_text()
     bus.get_by_role("tab", name="Values").click()
-    bus.get_by_role("button", name="Node 127 of can0").press("Enter")
+    bus.get_by_role("button", name="127 manager").press("Enter")
     bus.get_by_role("table", name="Nodes").wait_for()
 
 
@@ -74,7 +74,7 @@ def test_nodes_are_stopped_and_started(bus: Any, session: Session) -> None:
     control.select_option("stop")
     until(bus, lambda: state() == "stopped")
     bus.get_by_role("row", name="front_left stopped").wait_for()
-    bus.get_by_role("button", name="Node 1 of can0, front_left, stopped").wait_for()
+    bus.get_by_role("button", name="1 front_left stopped, node of can0").wait_for()
     control.select_option("start")
     until(bus, lambda: state() == "operational")
 
@@ -101,6 +101,10 @@ def test_frames_are_sent(bus: Any, session: Session) -> None:
     frame.fill("7a0#0102")
     frame.press("Enter")
     until(bus, lambda: seen.count(0x7A0) == 1)
+    frame.fill("089#1081010000000000")
+    frame.press("Enter")
+    history = bus.get_by_role("table", name="Emergencies")
+    history.get_by_text("8110h CAN overrun").wait_for()
     frame.fill("7a1#")
     bus.get_by_role("button", name="Send cyclically").click()
     until(bus, lambda: seen.count(0x7A1) > 2)

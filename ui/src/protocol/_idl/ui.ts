@@ -28,8 +28,6 @@ export interface Ui$TypeMember {
   /** Whether the branch is that of `default`. */
   is_default: boolean;
   optional: boolean;
-  unit: string;
-  doc: string;
 }
 export const Ui$TypeMember: CdrType<Ui$TypeMember> = struct("Ui::TypeMember", [
   field("name", string()),
@@ -37,8 +35,6 @@ export const Ui$TypeMember: CdrType<Ui$TypeMember> = struct("Ui::TypeMember", [
   field("labels", sequence(longlong)),
   field("is_default", boolean),
   field("optional", boolean),
-  field("unit", string()),
-  field("doc", string()),
 ]);
 
 /** A node of the table of types: nodes refer to each other by their numbers in the table. */

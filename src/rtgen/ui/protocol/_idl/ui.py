@@ -73,8 +73,6 @@ class TypeMember(Aggregated):
         labels=idl.sequence(idl.LONG_LONG),
         is_default=idl.BOOLEAN,
         optional=idl.BOOLEAN,
-        unit=idl.STRING,
-        doc=idl.STRING,
     )
 
     name: str = ""
@@ -85,8 +83,6 @@ class TypeMember(Aggregated):
     is_default: bool = False
     """Whether the branch is that of `default`."""
     optional: bool = False
-    unit: str = ""
-    doc: str = ""
 
 
 class TypeNode(Aggregated):
