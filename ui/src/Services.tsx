@@ -5,12 +5,14 @@ import { CallTable, Histogram } from "./Board.tsx";
 import { Form } from "./Form.tsx";
 import type { Draft } from "./draft.ts";
 import { DraftError, draft, finish } from "./draft.ts";
-import type { BoardCall, Component, Operation, PortAddress } from "./protocol/Ui.ts";
+import type { BoardCall, Component, Operation, PortAddress, Result } from "./protocol/Ui.ts";
 import { CdrError, deserialize, serialize } from "./protocol/_cdr.ts";
 import { leaves, store } from "./store.ts";
 
 /** How often a form calls its operation at once. */
 const MOST_CALLS = 500;
+/** Calls that wait for their results. */
+const AT_ONCE = 100;
 const SHOWN = 20;
 
 interface Outcome {
@@ -49,8 +51,12 @@ function OperationForm(props: { port: PortAddress; interfaceName: string; operat
     }
     const before = store.traffic.callCount;
     const one = () => store.ask({ case: "called", value: { port, interface_name: interfaceName, operation: operation.name, arguments: octets } });
-    const results = await Promise.all(Array.from({ length: times }, one));
-    const result = results.find((each) => !each.done) ?? results.at(-1)!;
+    let result: Result | undefined;
+    for (let left = times; left > 0 && (result?.done ?? true); left -= AT_ONCE) {
+      const results = await Promise.all(Array.from({ length: Math.min(left, AT_ONCE) }, one));
+      result = results.find((each) => !each.done) ?? results.at(-1)!;
+    }
+    if (!result) return undefined;
     if (!result.done) return failed([result.message, result.hint].filter(Boolean).join(": "));
     const reply = operation.reply >= 0 ? deserialize(store.types.codec(operation.reply), result.reply) : {};
     const calls = store.traffic.callsSince(before);

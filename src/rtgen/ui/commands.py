@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, Final
 
+from msgspec.structs import replace
+
 from rtgen.diagnostics import InputError, ToolError
 from rtgen.model import SystemComponent
 from rtgen.runtime.errors import (
@@ -377,6 +379,9 @@ class Commands:
     def _save(self, file: str) -> None:
         session = self._session
         target = file or session.file
+        if not session.profile.name:
+            name = target.rpartition("/")[2].partition(".")[0]
+            session.take_over(replace(session.profile, name=name))
         session.project.write(target, saving.text(session, target))
         session.take_over(saving.profile_now(session))
         session.file = target

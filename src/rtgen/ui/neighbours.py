@@ -111,6 +111,8 @@ class Neighbours:
         self._exported = Exported(self._orb)
         self._taps = Taps(self._orb, self._exported)
         self._wanted: Mapping[Key, Take] = {}
+        self._listened: Mapping[Key, Take] = self._wanted
+        """What was wanted when connections were made last."""
         self._refused: dict[Key, Any] = {}
         """Ports that have refused to be listened to, by the connections to them."""
         self._services = [_Service(each) for each in addresses]
@@ -134,7 +136,7 @@ class Neighbours:
             self._requests.put_nowait(lambda: None)
         self._thread.join()
         with suppress(*FAULTS):
-            self._taps.close()
+            self._taps.close(2 * self._timeout)
         self._orb.close()
 
     def submit(self, request: Callable[[], None]) -> bool:
@@ -158,6 +160,8 @@ class Neighbours:
                     break
                 if self._closing.is_set():
                     return
+                if self._wanted is not self._listened:
+                    self._listen()
                 self._publish()
 
     def _look_around(self) -> None:
@@ -179,11 +183,14 @@ class Neighbours:
         self._publish()
         self._listen()
 
-    def _look(self, component: Outside) -> None:
-        """Carry out what waits, then ask a component."""
+    def _carry_out_waiting(self) -> None:
         with suppress(queue.Empty):
             while not self._closing.is_set():
                 self._requests.get_nowait()()
+
+    def _look(self, component: Outside) -> None:
+        """Carry out what waits, then ask a component."""
+        self._carry_out_waiting()
         if not self._closing.is_set() and not component.look():
             self._publish()
 
@@ -292,22 +299,27 @@ class Neighbours:
     def watch(self, wanted: Mapping[Key, Take]) -> None:
         """Have the samples of these OutPorts taken from now on, and no others; from any thread."""
         self._wanted = wanted
-        self.submit(self._listen)
+        self.submit(lambda: None)
 
     def _listen(self) -> None:
         """Make and end the connections of pages, by what they need and what there is."""
-        wanted = self._wanted
-        self._taps.tidy(wanted, self._seen)
-        for key, take in wanted.items():
+        self._listened = self._wanted
+        self._taps.tidy(self._wanted, self._seen)
+        failed: set[str] = set()
+        for key, take in self._wanted.items():
+            self._carry_out_waiting()
             port, _ = self._seen(key.instance, key.port)
             if port is None or self._found[key.instance].component.silent:
+                self._refused.pop(key, None)
                 continue
             refused = self._refused.get(key)
-            if refused is not None and refused._is_equivalent(port.port_ref):
+            is_refused = refused is not None and refused._is_equivalent(port.port_ref)
+            if is_refused or key.instance in failed or self._closing.is_set():
                 continue
             try:
                 self._taps.listen(key, port, take)
             except (*FAULTS, CommandError) as error:
+                failed.add(key.instance)
                 self._refused[key] = port.port_ref
                 self._report(key.instance, f"{key.port} gives no samples: {error}")
 

@@ -274,6 +274,12 @@ class Session:
         events = self.history.at(now, self.types.nodes, page.watched)
         if time < 0:
             events[0] = ui.Event.of_whole(self.whole())
+        else:
+            whole = events[0].whole
+            beside = self._channels_beside
+            own = [each for each in whole.channels if not each.beside]
+            whole.beside, whole.keeps = self._name_beside, self.keeps
+            whole.channels = [*own, *beside]
         page.show(events, None if time < 0 else now)
 
     def tell(self, *events: ui.Event) -> None:
@@ -312,11 +318,15 @@ class Session:
             edits=self.edit_state(),
             buses=self.buses.states,
             systems=[*self.project.systems],
-            beside="" if self.beside is None else self.beside.name,
+            beside=self._name_beside,
             keeps=self.keeps,
             naming=[*outside.services],
             foreign=[*self.foreign],
         )
+
+    @property
+    def _name_beside(self) -> str:
+        return "" if self.beside is None else self.beside.name
 
     @property
     def _channels_beside(self) -> list[ui.Channel]:

@@ -148,10 +148,11 @@ class Taps:
         """See `Ports`; connections of pages end at one of them alone."""
         return []
 
-    def close(self) -> None:
-        """End all connections."""
-        for key in [*self._lines]:
-            self.end(key)
+    def close(self, patience: float) -> None:
+        """End the connections, as far as other processes answer within that time [s]."""
+        end = time.monotonic() + patience
+        while self._lines and time.monotonic() < end:
+            self.end(next(iter(self._lines)))
         if self.system is not None:
             self.system.close()
 
