@@ -204,17 +204,20 @@ class CommandProject:
         return self._types.interface(name)
 
     def codec(self, type_: str) -> Codec | None:
-        """The codec of a type of marshallers; None for another type."""
+        """The codec of a type of marshallers; None for another type, of which nothing is run."""
         from rtgen.ui import boards
 
         if type_ not in self._factories:
             return None
         try:
-            component = self._factories[type_](type_)
-            component.on_initialize()
-        except Exception as error:  # A component of the project may raise anything.
-            log.warning("%s: calls to its board have no values: %s", type_, error)
+            factory = self._factories[type_]
+        except ToolError as error:
+            log.warning("calls to boards have no values: %s", error)
             return None
+        if not boards.is_marshaller(factory):
+            return None
+        component = factory(type_)
+        component.on_initialize()
         return boards.codec_of(component)
 
     def palette(self) -> Sequence[ComponentProfile]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any, Final
@@ -28,6 +29,17 @@ def codec_of(component: Component) -> Codec | None:
         if isinstance(provider.servant, ProxyServant):
             return provider.servant.codec
     return None
+
+
+def is_marshaller(factory: object) -> bool:
+    """Whether a factory is the class of a generated marshaller RTC."""
+    module = sys.modules.get(getattr(factory, "__module__", ""))
+    return isinstance(factory, type) and any(
+        isinstance(each, type)
+        and issubclass(each, ProxyServant)
+        and each.__module__ == factory.__module__
+        for each in vars(module).values()
+    )
 
 
 def describe(call: ui.BoardCall, codec: Codec) -> None:

@@ -15,6 +15,7 @@ from rtgen.cli import run
 from rtgen.cli.ui import CommandProject
 from rtgen.cli.ui_bus import BusDescriber
 from rtgen.diagnostics import ToolError
+from rtgen.runtime import Component
 from rtgen.ui.protocol.ui import EventKind
 from rtgen.ui.recorded import Recorded
 from rtgen.ui.serving import Server
@@ -113,7 +114,11 @@ def test_calls_to_a_board_have_their_values(tmp_path: Path) -> None:
     drive = next(c for c in calls if c.function == "sMotorBoard.drive")
     assert [each.name for each in drive.request_values] == ["speed", "count"]
     assert [each.name for each in drive.reply_values] == ["return", "state"]
-    assert codec("PathFollower") is codec("Nothing") is None
+    made: list[str] = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Component, "__init__", lambda _, name: made.append(name))
+        assert codec("PathFollower") is codec("Nothing") is None
+    assert made == []
 
 
 def test_what_is_no_recording_is_reported(
