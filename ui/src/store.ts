@@ -26,8 +26,8 @@ export interface Track {
   value: unknown;
   times: number[];
   numbers: Map<string, number[]>;
-  /** The values that had come before, as the server has told them when the page began to look at a time. */
-  told: unknown[];
+  /** The values that have come since the map took them for its trails. */
+  fresh: unknown[];
   /** Whether some of the older values are left out. */
   thinned: boolean;
 }
@@ -335,14 +335,15 @@ export class Store {
     if (!channel) return;
     let track = this.tracks.get(id);
     if (!track || time < (track.times.at(-1) ?? 0)) {
-      track = { value: undefined, times: [], numbers: new Map(), told: [], thinned: false };
+      track = { value: undefined, times: [], numbers: new Map(), fresh: [], thinned: false };
       this.tracks.set(id, track);
     }
     track.value =
       channel.type_number < 0
         ? JSON.parse(new TextDecoder().decode(data))
         : deserialize(this.types.codec(channel.type_number), data);
-    if (this.retelling || this.page.system?.time.past) track.told.push(track.value);
+    if (isFull(track.fresh)) thin(track.fresh);
+    track.fresh.push(track.value);
     if (isFull(track.times)) {
       track.thinned = true;
       for (const row of [track.times, ...track.numbers.values()]) thin(row);

@@ -134,6 +134,17 @@ def test_a_gamepad_drives_sideways(stick: Any, session: Session) -> None:
     until(stick, lambda: speed(session, "OmniWheel0") < 0.01)
 
 
+COLOURED = """canvas => {
+    const { width, height } = canvas;
+    const { data } = canvas.getContext("2d").getImageData(0, 0, width, height);
+    let count = 0;
+    for (let i = 0; i < data.length; i += 4)
+        if (Math.max(data[i], data[i + 1], data[i + 2]) > data[i] + 60
+            || data[i] > Math.max(data[i + 1], data[i + 2]) + 60) count += 1;
+    return count;
+}"""
+
+
 def test_the_map_shows_where_robots_are(page: Any, session: Session) -> None:
     page.get_by_role("tab", name="Map").focus()
     page.keyboard.press("Enter")
@@ -147,6 +158,10 @@ def test_the_map_shows_where_robots_are(page: Any, session: Session) -> None:
         line = page.get_by_role("status", name=f"{robot}.self_position on the map")
         line.get_by_text(text.replace("-0.000", "0.000")).wait_for()
     picture = page.get_by_role("img", name="Map, scale bar")
+    # What was before the map was opened has left its trails.
+    with_trails = picture.evaluate(COLOURED)
+    page.get_by_role("button", name="Clear trails").click()
+    until(page, lambda: picture.evaluate(COLOURED) < with_trails)
     before = picture.get_attribute("aria-label")
     picture.focus()
     for _ in range(6):
