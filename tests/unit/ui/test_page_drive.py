@@ -136,7 +136,10 @@ def test_a_gamepad_drives_sideways(stick: Any, session: Session) -> None:
 
 COLOURED = """canvas => {
     const { width, height } = canvas;
-    const { data } = canvas.getContext("2d").getImageData(0, 0, width, height);
+    const copy = new OffscreenCanvas(width, height);
+    const context = copy.getContext("2d", { willReadFrequently: true });
+    context.drawImage(canvas, 0, 0);
+    const { data } = context.getImageData(0, 0, width, height);
     let count = 0;
     for (let i = 0; i < data.length; i += 4)
         if (Math.max(data[i], data[i + 1], data[i + 2]) > data[i] + 60
@@ -148,7 +151,10 @@ COLOURED = """canvas => {
 def test_the_map_shows_where_robots_are(page: Any, session: Session) -> None:
     page.get_by_role("tab", name="Map").focus()
     page.keyboard.press("Enter")
-    until(page, lambda: speed(session, "OmniWheel0") > 0.05)
+    goal = page.get_by_label("Go to time in seconds")
+    goal.fill("6")
+    goal.press("Enter")
+    until(page, lambda: session.now > 6.0 and speed(session, "OmniWheel0") > 0.05)
     page.get_by_role("button", name="Pause").click()
     page.get_by_role("button", name="Play").wait_for()
     for robot in ROBOTS:
