@@ -182,14 +182,19 @@ class Cache:
                 file.unlink(missing_ok=True)
 
 
-def default() -> Cache:
-    """The user's cache: `RTGEN_CACHE_DIR`, or the system's cache folder."""
+def user_folder() -> Path:
+    """The folder of what is kept for the user: `RTGEN_CACHE_DIR`, or the system's cache folder."""
     folder = os.environ.get("RTGEN_CACHE_DIR")
     if not folder:
         from platformdirs import user_cache_dir
 
         folder = user_cache_dir("rtgen", appauthor=False)
-    return Cache(Path(folder).absolute() / "runs")
+    return Path(folder).absolute()
+
+
+def default() -> Cache:
+    """The user's cache."""
+    return Cache(user_folder() / "runs")
 
 
 def _is_own(path: Path, *, sole_writer: bool = True) -> bool:

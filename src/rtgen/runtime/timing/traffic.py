@@ -41,7 +41,8 @@ class BusFrame(NamedTuple):
 class BoardCall(NamedTuple):
     """A call that a communication RTC has carried to a board; `error` is empty if it succeeded.
 
-    `duration` is the time from the request to the end of the reply [ns], by the system's clock.
+    `duration` is the time from the request to the end of the reply [ns], that of the machine in
+    simulated time, too.
     """
 
     instance: str

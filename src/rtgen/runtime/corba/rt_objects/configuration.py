@@ -74,8 +74,12 @@ class Configuration:
         return True
 
     def remove_configuration_set(self, config_id: str) -> bool:
-        """False: sets are not removed."""
-        return False
+        """Remove a set; False for `default`, the active one and one that is not there."""
+        try:
+            self._sets.remove(config_id)
+        except RtcError:
+            return False
+        return True
 
     def set_device_profile(self, profile: object) -> bool:
         """False: there are no devices."""
