@@ -17,6 +17,7 @@ from rtgen.cli.can.node_index import read_node_index
 from rtgen.cli.conformance.canopen.checks import CHECKS
 from rtgen.cli.conformance.canopen.node import NodeUnderTest
 from rtgen.cli.conformance.canopen.testing import checked
+from rtgen.cli.conformance.check import Permission
 from rtgen.cli.conformance.report import (
     Report,
     Verdict,
@@ -75,7 +76,8 @@ def unaltered(cause: Frame, frames: list[Frame]) -> list[Frame]:
 def report_of(eds: Path, alter: Alter = unaltered, *, actuate: bool = True) -> Report:
     (described,) = read_node_index(None, [(ID, eds)]).nodes.values()
     line = SimulatedLine(DeviceNode(description(eds), ID, serial_number=1), alter)
-    return checked(NodeUnderTest(described, line), eds.name, actuate)
+    permissions = [Permission.ACTUATE, Permission.DEFAULTS] if actuate else []
+    return checked(NodeUnderTest(described, line), eds.name, permissions)
 
 
 def failed(report: Report) -> set[str]:
@@ -142,7 +144,7 @@ def test_without_actuate_the_node_stays_as_it_was(tmp_path: Path) -> None:
     report = report_of(eds, alter, actuate=False)
     assert report.passed
     skipped = {o.check for o in report.outcomes if o.verdict is Verdict.SKIPPED}
-    assert skipped >= {check.name for check in CHECKS if check.actuates}
+    assert skipped >= {check.name for check in CHECKS if check.needs is not None}
     assert Frame(0, bytes((1, ID))) not in sent
     written = {
         int.from_bytes(f.data[1:3], "little")

@@ -18,6 +18,7 @@ from rtgen.cli import run
 from rtgen.cli.conformance.board.board import BoardUnderTest
 from rtgen.cli.conformance.board.checks import CHECKS
 from rtgen.cli.conformance.board.testing import checked
+from rtgen.cli.conformance.check import Permission
 from rtgen.cli.conformance.report import Report, Verdict
 from rtgen.cli.rpc.board import MockBoard
 from rtgen.cli.rpc.codecs import Service
@@ -143,7 +144,9 @@ def report_of(address: tuple[str, int], expected: Service, *, actuate: bool) -> 
     board = BoardUnderTest(
         expected, expected.functions, address, None, 115200, ANSWER, QUIET
     )
-    return checked(board, "sBench", "bench.cdl", actuate=actuate)
+    return checked(
+        board, "sBench", "bench.cdl", [Permission.ACTUATE] if actuate else []
+    )
 
 
 def failed(report: Report) -> list[str]:
@@ -167,7 +170,7 @@ def test_no_function_is_called_without_permission(tmp_path: Path) -> None:
     assert called == []
     assert report.passed
     assert [o.check for o in report.outcomes if o.verdict is Verdict.SKIPPED] == [
-        check.name for check in CHECKS if check.actuates
+        check.name for check in CHECKS if check.needs is not None
     ]
 
 

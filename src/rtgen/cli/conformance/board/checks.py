@@ -16,7 +16,7 @@ from rtgen.cli.conformance.board.arguments import (
     scalars,
 )
 from rtgen.cli.conformance.board.board import BoardUnderTest
-from rtgen.cli.conformance.check import Check, Problems, SkipError
+from rtgen.cli.conformance.check import Check, Permission, Problems, SkipError
 from rtgen.cli.rpc.codecs import Function
 from rtgen.cli.rpc.values import Json
 from rtgen.layouts.tdr import Role, Run, String
@@ -262,6 +262,8 @@ def repeated(board: BoardUnderTest) -> Problems:
         channel.close()
 
 
+ACTUATE: Final = Permission.ACTUATE
+
 CHECKS: Final = (
     Check(
         "connections", "connections are served, one after another", _WIRE, connections
@@ -289,49 +291,45 @@ CHECKS: Final = (
         "a request with a wrong end is refused",
         _WIRE,
         wrong_ends,
-        actuates=True,
+        ACTUATE,
     ),
     Check(
         "request.segments",
         "requests are taken in pieces",
         _WIRE,
         segments,
-        actuates=True,
+        ACTUATE,
     ),
-    Check(
-        "call.reply", "each function answers as declared", _WIRE, answers, actuates=True
-    ),
+    Check("call.reply", "each function answers as declared", _WIRE, answers, ACTUATE),
     Check(
         "call.limits",
         "numbers are taken at both ends of their types",
         _WIRE,
         limits,
-        actuates=True,
+        ACTUATE,
     ),
-    Check(
-        "call.arrays", "arrays are taken empty and full", _WIRE, arrays, actuates=True
-    ),
+    Check("call.arrays", "arrays are taken empty and full", _WIRE, arrays, ACTUATE),
     Check(
         "call.long-arrays",
         "arrays beyond their bound are refused",
         _WIRE,
         long_arrays,
-        actuates=True,
+        ACTUATE,
     ),
-    Check("call.texts", "texts are taken empty and full", _WIRE, texts, actuates=True),
+    Check("call.texts", "texts are taken empty and full", _WIRE, texts, ACTUATE),
     Check(
         "call.null",
         "nullable parameters are taken as NULL",
         _WIRE,
         nulls,
-        actuates=True,
+        ACTUATE,
     ),
-    Check("call.oneway", "oneway calls have no answer", _WIRE, oneway, actuates=True),
+    Check("call.oneway", "oneway calls have no answer", _WIRE, oneway, ACTUATE),
     Check(
         "call.repeated",
         "calls are answered one after another",
         _WIRE,
         repeated,
-        actuates=True,
+        ACTUATE,
     ),
 )

@@ -14,7 +14,7 @@ from rtgen.cli.conformance.canopen.pdo_checks import (
     short_reception,
     synchronous,
 )
-from rtgen.cli.conformance.check import Check, Problems, SkipError
+from rtgen.cli.conformance.check import Check, Permission, Problems, SkipError
 from rtgen.model.canopen import Access, NodeRelative, resolved
 from rtgen.runtime.canopen.description import ObjectNumber
 from rtgen.runtime.canopen.values import ObjectValueError, decode, encode, size
@@ -375,6 +375,8 @@ def _long(node: NodeUnderTest) -> ObjectNumber:
 _SDO = "CiA 301, 7.2.4.3"
 _EDS = "CiA 306, 4.6"
 
+ACTUATE: Final = Permission.ACTUATE
+
 CHECKS: Final = (
     Check("sdo.read", "every readable object is read", _SDO, readable),
     Check("object.type", "values have the length of their types", _EDS, types),
@@ -418,38 +420,42 @@ CHECKS: Final = (
         "NMT commands lead to their states",
         "CiA 301, 7.3.2",
         states,
-        True,
+        ACTUATE,
     ),
     Check(
-        "sdo.range", "values beyond the limits are refused", _SDO, range_of_writes, True
+        "sdo.range",
+        "values beyond the limits are refused",
+        _SDO,
+        range_of_writes,
+        ACTUATE,
     ),
     Check(
         "sdo.same-value",
         "objects take the values that they have",
         _SDO,
         same_value,
-        True,
+        ACTUATE,
     ),
     Check(
         "pdo.synchronous",
         "synchronous TPDOs follow SYNC",
         "CiA 301, 7.5.2.37",
         synchronous,
-        True,
+        ACTUATE,
     ),
     Check(
         "pdo.reception",
         "objects have what an RPDO carries",
         "CiA 301, 7.2.2.2",
         reception,
-        True,
+        ACTUATE,
     ),
     Check(
         "pdo.length",
         "an RPDO that is too short is reported and changes nothing",
         "CiA 301, 7.2.7.1",
         short_reception,
-        True,
+        ACTUATE,
     ),
     Check(
         "lss.address", "selected by its LSS address alone", "CiA 305, 3.7", lss_address

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, Final
 
-from rtgen.cli.conformance.check import Check, Problems, SkipError
+from rtgen.cli.conformance.check import Check, Permission, Problems, SkipError
 from rtgen.cli.conformance.rtc import connections
 from rtgen.cli.conformance.rtc.component import RtcUnderTest
 from rtgen.cli.conformance.rtc.expected import ExpectedParameter, ExpectedPort
@@ -24,6 +24,7 @@ from rtgen.runtime.return_codes import (
     INACTIVE_STATE,
     PRECONDITION_NOT_MET,
     RTC_OK,
+    UNSUPPORTED,
     ExecutionKind,
     ReturnCode_t,
 )
@@ -130,7 +131,8 @@ def interfaces(rtc: RtcUnderTest) -> Problems:
             (i.instance_name, i.polarity == PortInterfacePolarity.PROVIDED): i.type_name
             for i in port.interfaces
         }
-        for key, types in expected.interfaces.items():
+        for key, interface in expected.interfaces.items():
+            types = interface.names
             what = f"{name}: {'provided' if key[1] else 'required'} {key[0]}"
             if key not in found:
                 yield f"{what} is missing"
@@ -182,6 +184,18 @@ def parameter_values(rtc: RtcUnderTest) -> Problems:
             if name in rtc.expected.parameters:
                 problem = rtc.expected.parameters[name].problem(text)
                 yield None if problem is None else f"set {set_id}: {problem}"
+
+
+def default_values(rtc: RtcUnderTest) -> Problems:
+    """The active set has the values that the definition states as defaults."""
+    active = rtc.active_set()
+    values = rtc.sets().get(active, {})
+    for name, parameter in rtc.expected.parameters.items():
+        if name in values and parameter.problem(values[name]) is None:
+            told = (
+                f"set {active}: {name} is {values[name]!r}, not {parameter.default!r}"
+            )
+            yield None if parameter.is_default(values[name]) else told
 
 
 def active_set(rtc: RtcUnderTest) -> Problems:
@@ -427,6 +441,15 @@ def rates(rtc: RtcUnderTest) -> Problems:
         yield _unequal("the rate", rtc.ask(context, "get_rate"), after)
 
 
+def exits(rtc: RtcUnderTest) -> Problems:
+    """A component that exits is gone within its time."""
+    code = rtc.call("exit")
+    if code is UNSUPPORTED and rtc.call("is_alive", None):
+        raise SkipError("it ends with its process alone: exit returned UNSUPPORTED")
+    yield _unequal("exit", code.name, RTC_OK.name)
+    yield None if rtc.ends() else "it is still alive"
+
+
 def left(rtc: RtcUnderTest) -> Problems:
     """Values, active set, rate and state are those that were found."""
     yield from rtc.restore()
@@ -437,6 +460,8 @@ _PORTS: Final = f"{_RTC}PortService, PortProfile"
 _CONTEXTS: Final = f"{_RTC}5.2.2.6 (ExecutionContext)"
 _LIFE: Final = f"{_RTC}5.2.2.3 (LifeCycleState)"
 _SETS: Final = f"{_SDO}Configuration"
+
+ACTUATE: Final = Permission.ACTUATE
 
 CHECKS: Final = (
     Check("profile", "the profile is that of the definition", _PROFILE, profile),
@@ -480,6 +505,13 @@ CHECKS: Final = (
         _SETS,
         parameter_values,
     ),
+    Check(
+        "configuration.defaults",
+        "values are the defaults of the definition",
+        _SETS,
+        default_values,
+        Permission.DEFAULTS,
+    ),
     Check("configuration.active", "the active set is there", _SETS, active_set),
     Check(
         "configuration.unknown",
@@ -501,105 +533,113 @@ CHECKS: Final = (
         "in ERROR it is neither activated nor deactivated",
         _LIFE,
         refused_in_error,
-        actuates=True,
+        ACTUATE,
     ),
     Check(
         "life-cycle.inactive",
         "while INACTIVE it is neither deactivated nor reset",
         _LIFE,
         refused_inactive,
-        actuates=True,
+        ACTUATE,
     ),
     Check(
         "life-cycle.activation",
         "it becomes ACTIVE, and INACTIVE again",
         _LIFE,
         activation,
-        actuates=True,
+        ACTUATE,
     ),
     Check(
         "life-cycle.active",
         "while ACTIVE it is neither activated nor reset",
         _LIFE,
         refused_active,
-        actuates=True,
+        ACTUATE,
     ),
     Check(
         "life-cycle.initialization",
         "it is neither initialized again nor finalized",
         _LIFE,
         initialization,
-        actuates=True,
+        ACTUATE,
     ),
     Check(
         "contexts.strangers",
         "requests for other components are refused",
         _CONTEXTS,
         strangers,
-        actuates=True,
+        ACTUATE,
     ),
     Check(
         "contexts.running",
         "its context starts and stops",
         _CONTEXTS,
         running,
-        actuates=True,
+        ACTUATE,
     ),
     Check(
         "contexts.rate",
         "its context takes rates above 0 alone",
         _CONTEXTS,
         rates,
-        actuates=True,
+        ACTUATE,
     ),
     Check(
         "configuration.set",
         "parameters take other values",
         _SETS,
         set_values,
-        actuates=True,
+        ACTUATE,
     ),
     Check(
         "configuration.limits",
         "values beyond their limits are refused",
         _SETS,
         values_beyond,
-        actuates=True,
+        ACTUATE,
     ),
     Check(
         "configuration.types",
         "values of other types are refused",
         _SETS,
         values_of_no_type,
-        actuates=True,
+        ACTUATE,
     ),
     Check(
         "configuration.sets",
         "each set becomes the active one",
         _SETS,
         activated_sets,
-        actuates=True,
+        ACTUATE,
     ),
     Check(
         "connections",
         "ports are connected and disconnected",
         _PORTS,
         connections.connected,
-        actuates=True,
+        ACTUATE,
+    ),
+    Check(
+        "connections.services",
+        "provided interfaces are of their types, and so must be those for required ones",
+        _PORTS,
+        connections.services,
+        ACTUATE,
     ),
     Check(
         "connections.types",
         "samples of other types are refused",
         "docs/openrtm.md",
         connections.other_types,
-        actuates=True,
+        ACTUATE,
     ),
     Check(
         "connections.interfaces",
         "unknown interface types are refused",
         "docs/openrtm.md",
         connections.other_interfaces,
-        actuates=True,
+        ACTUATE,
     ),
-    Check("left", "it is as it was found", "docs/conformance.md", left, actuates=True),
+    Check("left", "it is as it was found", "docs/conformance.md", left, ACTUATE),
+    Check("exit", "it exits, and is gone", _PROFILE, exits, Permission.EXIT),
 )

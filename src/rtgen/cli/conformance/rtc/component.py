@@ -89,6 +89,16 @@ class RtcUnderTest(RemoteRtc):
             sleep(_LOOK_AGAIN)
         return True
 
+    def ends(self) -> bool:
+        """Whether it is gone in time: its reference leads nowhere, or it is not alive."""
+        return self._until(self._is_gone)
+
+    def _is_gone(self) -> bool:
+        try:
+            return not self.call("is_alive", None)
+        except CORBA.SystemException:
+            return True
+
     def inactive(self) -> Any:
         """The context in which the component is INACTIVE now. Raises SkipError."""
         context = self.context
