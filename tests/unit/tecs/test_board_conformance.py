@@ -58,11 +58,11 @@ def service(folder: Path, text: str = CDL) -> Service:
 
 
 @contextmanager
-def served(board: MockBoard) -> Iterator[tuple[str, int]]:
-    """A board at a port, whose log is silent."""
+def served(board: MockBoard, patience: float = 4 * ANSWER) -> Iterator[tuple[str, int]]:
+    """A board at a port, whose log is silent; `patience` for the rest of a request."""
     logging.disable()
     try:
-        with TcpServer(board, "127.0.0.1", 0, 4 * ANSWER) as server:
+        with TcpServer(board, "127.0.0.1", 0, patience) as server:
             yield server.address
     finally:
         logging.disable(logging.NOTSET)
@@ -140,9 +140,15 @@ def shut(end: socket.socket) -> None:
         return
 
 
-def report_of(address: tuple[str, int], expected: Service, *, actuate: bool) -> Report:
+def report_of(
+    address: tuple[str, int],
+    expected: Service,
+    *,
+    actuate: bool,
+    stall: float | None = None,
+) -> Report:
     board = BoardUnderTest(
-        expected, expected.functions, address, None, 115200, ANSWER, QUIET
+        expected, expected.functions, address, None, 115200, ANSWER, QUIET, stall
     )
     return checked(
         board, "sBench", "bench.cdl", [Permission.ACTUATE] if actuate else []
@@ -155,8 +161,8 @@ def failed(report: Report) -> list[str]:
 
 def test_a_board_of_ours_passes_every_check(tmp_path: Path) -> None:
     expected = service(tmp_path)
-    with served(MockBoard(expected)) as address:
-        report = report_of(address, expected, actuate=True)
+    with served(MockBoard(expected), 1.0) as address:
+        report = report_of(address, expected, actuate=True, stall=4 * ANSWER)
     assert [(o.check, o.verdict, o.problems) for o in report.outcomes] == [
         (check.name, Verdict.PASSED, ()) for check in CHECKS
     ]
@@ -170,7 +176,9 @@ def test_no_function_is_called_without_permission(tmp_path: Path) -> None:
     assert called == []
     assert report.passed
     assert [o.check for o in report.outcomes if o.verdict is Verdict.SKIPPED] == [
-        check.name for check in CHECKS if check.needs is not None
+        check.name
+        for check in CHECKS
+        if check.needs is not None or check.name == "request.stalled"
     ]
 
 
@@ -287,6 +295,13 @@ def test_a_check_fails_for_a_board_that_breaks_just_it(
         finally:
             proxy.close()
     assert failed(report) == [name]
+
+
+def test_a_silent_client_that_keeps_others_out(tmp_path: Path) -> None:
+    expected = service(tmp_path)
+    with served(MockBoard(expected), 600.0) as address:
+        report = report_of(address, expected, actuate=False, stall=QUIET)
+    assert failed(report) == ["request.stalled"]
 
 
 def test_calls_that_end_after_many(tmp_path: Path) -> None:

@@ -126,6 +126,12 @@ _COMPONENTS = (".idl", ".xml", ".yaml", ".yml")
     metavar="S",
     help="Seconds within which the node must boot.",
 )
+@click.option(
+    "--stall",
+    type=FiniteRange(min=0.01),
+    metavar="S",
+    help="Seconds within which the board must give up a client that is silent within a request.",
+)
 @with_bus
 @with_representation
 @with_console
@@ -149,6 +155,7 @@ def conformance(
     html: Path | None,
     timeout: float,
     boot: float,
+    stall: float | None,
 ) -> int:
     """Test a CANopen node against its EDS or DCF, a TECS board against its CDL, or a running RT
     component against its IDL or RTC.xml.
@@ -177,6 +184,7 @@ def conformance(
             functions,
             peer,
             baud=baud,
+            stall=stall,
             permissions=permissions,
         )
     elif suffix in _COMPONENTS:

@@ -109,6 +109,19 @@ def cut_requests(board: BoardUnderTest) -> Problems:
             )
 
 
+def stalled_requests(board: BoardUnderTest) -> Problems:
+    """A client that falls silent within a request is given up in time."""
+    if board.stall is None:
+        raise SkipError("no bound is stated: --stall")
+    for function in board.functions.values():
+        request = _request(function, arguments(function, Values()))
+        what = f"a client silent within {function.name}"
+        with board.stalled(request[:-1]):
+            answer = board.raw([_unknown(board)], wanted=1, within=board.stall)
+        served = answer.closed and not answer.data
+        yield None if served else f"{what}: another one is not served in time"
+
+
 def answers(board: BoardUnderTest) -> Problems:
     """Each function answers with a reply of its form, and with no octet more."""
     for function in board.functions.values():
@@ -285,6 +298,12 @@ CHECKS: Final = (
         "a client that leaves within a request does not keep others out",
         _WIRE,
         cut_requests,
+    ),
+    Check(
+        "request.stalled",
+        "a client that falls silent within a request is given up",
+        _WIRE,
+        stalled_requests,
     ),
     Check(
         "request.end",

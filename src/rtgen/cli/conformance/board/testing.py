@@ -23,6 +23,7 @@ def tested(
     peer: Peer,
     *,
     baud: int,
+    stall: float | None,
     permissions: Collection[Permission],
 ) -> Report:
     """The report of all checks. Raises InputError, Refusal and ToolError.
@@ -52,6 +53,7 @@ def tested(
         rest if kind == "serial" else None,
         baud,
         peer.timeout,
+        stall=stall,
     )
     return checked(board, f"{signature} at {rest}", file.as_posix(), permissions)
 
