@@ -35,10 +35,11 @@ _ARGUMENTS = ("-p", "no:cacheprovider", "--tb=no", "-m", "not slow and not peer"
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """Files below `src/rtgen`, and tests below `tests/unit`."""
+    """Files below `src/rtgen`, and tests below `tests/unit`; `conftest` is one for mutmut."""
 
     sources: tuple[str, ...]
     tests: tuple[str, ...]
+    conftest: str = ""
 
 
 PARTS: Mapping[str, Part] = {
@@ -112,6 +113,7 @@ PARTS: Mapping[str, Part] = {
             "runtime/marshalling/octet_reader.py",
         ),
         ("types",),
+        "fresh_codecs.py",
     ),
 }
 
@@ -127,6 +129,9 @@ def _prepare(name: str) -> Path:
             link.symlink_to(entry)
     if not (folder / "src").is_symlink():
         (folder / "src").symlink_to(ROOT / "src")
+    conftest = folder / "mutants/conftest.py"
+    if part.conftest and not conftest.is_symlink():
+        conftest.symlink_to(ROOT / "tests" / part.conftest)
     lists = {
         "source_paths": ["src"],
         "only_mutate": [f"src/rtgen/{source}" for source in part.sources],
