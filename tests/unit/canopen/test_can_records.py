@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import os
 import signal
 import subprocess
 import sys
+import tracemalloc
 from pathlib import Path
 from typing import Any
 
@@ -28,9 +30,11 @@ from patience import PATIENCE
 from rich.console import Console as Terminal
 
 from rtgen.cli import run
+from rtgen.cli.can import logs
 from rtgen.cli.can.frame_printing import MessageDecoder, Wanted
 from rtgen.cli.can.live_table import show
 from rtgen.cli.can.node_index import NodeIndex, read_node_index
+from rtgen.cli.common import Refusal
 
 SPECS = Path(__file__).parents[3] / "specs" / "canopen"
 LINKED = str(SPECS / "pdo_linking.toml")
@@ -257,3 +261,20 @@ def test_a_record_is_complete_when_it_is_ended(
     assert "0 frames in" in err
     with can.LogReader(path) as reader:
         assert list(reader) == []
+
+
+@pytest.mark.parametrize("place", [4, 152], ids=["header", "object"])
+def test_a_size_in_a_blf_file_takes_no_memory(place: int, tmp_path: Path) -> None:
+    path = tmp_path / "large.blf"
+    with logs.writer(path) as made:
+        made.on_message_received(can.Message(arbitration_id=1, data=b"\1"))
+    octets = bytearray(path.read_bytes())
+    octets[place : place + 4] = (1 << 29).to_bytes(4, "little")
+    path.write_bytes(octets)
+    tracemalloc.start()
+    try:
+        with contextlib.suppress(Refusal):
+            list(logs.read(path))
+        assert tracemalloc.get_traced_memory()[1] < 1 << 26
+    finally:
+        tracemalloc.stop()

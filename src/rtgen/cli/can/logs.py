@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import IO, TYPE_CHECKING, Any, cast
 
 from rtgen.cli.can.common import require_python_can
 from rtgen.cli.common import Refusal
@@ -51,6 +51,31 @@ def read(path: Path) -> Iterator[Message]:
     return _read(path)
 
 
+class _Bounded:
+    """A file of which a read takes no more memory than there are octets, whatever its size.
+
+    Sizes in a log are what whoever wrote it says.
+    """
+
+    _PIECE = 1 << 20
+
+    def __init__(self, stream: IO[Any]) -> None:
+        self._stream = stream
+
+    def read(self, size: int = -1) -> bytes:
+        """As of a file."""
+        if size <= self._PIECE:
+            return bytes(self._stream.read(size))
+        parts = []
+        while size > 0 and (part := self._stream.read(min(size, self._PIECE))):
+            parts.append(part)
+            size -= len(part)
+        return b"".join(parts)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+
 def _read(path: Path) -> Iterator[Message]:
     import struct
     import zlib
@@ -65,7 +90,7 @@ def _read(path: Path) -> Iterator[Message]:
     found = 0
     try:
         with path.open("rb") if binary else path.open(errors="replace") as stream:
-            for message in kind(cast(Any, stream)):
+            for message in kind(cast(Any, _Bounded(stream) if binary else stream)):
                 found += 1
                 yield message
     except OSError as error:
