@@ -16,7 +16,7 @@ from rtgen.runtime.marshalling import compiler
 _function = compiler._function
 _get = cdr._Compiled.__get__
 _codecs: list[dict[Any, Any]] = []
-_methods: list[tuple[type[Any], str]] = []
+_methods: list[tuple[type[Any], cdr._Compiled]] = []
 
 
 def _noted_function(kind: str, descriptor: Any, format_: Any) -> Any:
@@ -27,7 +27,7 @@ def _noted_function(kind: str, descriptor: Any, format_: Any) -> Any:
 def _noted_method(self: Any, instance: object, owner: type[Any]) -> Any:
     found = _get(self, instance, owner)
     homes = (c for c in owner.__mro__ if self._kind in vars(c))
-    _methods.append((next(homes), self._kind))
+    _methods.append((next(homes), self))
     return found
 
 
@@ -40,8 +40,7 @@ def fresh_codecs() -> None:
     """Forget what was compiled by the tests before."""
     for codecs in _codecs:
         codecs.clear()
-    for home, kind in _methods:
-        if kind in vars(home) and not isinstance(vars(home)[kind], cdr._Compiled):
-            delattr(home, kind)
+    for home, method in _methods:
+        setattr(home, method._kind, method)
     _codecs.clear()
     _methods.clear()
