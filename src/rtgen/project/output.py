@@ -410,8 +410,10 @@ def _write_whole(path: Path, data: bytes, *, lasting: bool) -> None:
             # Who may read a script may run it.
             temporary.chmod(mode | (mode & _READABLE) >> 2)
         temporary.replace(path)
-    except BaseException:
+    except BaseException as error:
         temporary.unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.filename is None:
+            error.filename = str(path)  # What fails while it is open names no file.
         raise
 
 

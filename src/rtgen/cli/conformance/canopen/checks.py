@@ -139,7 +139,11 @@ def defaults(node: NodeUnderTest) -> Problems:
         thing = node.described.objects[number]
         variable = node.described.device.find(*number)
         wanted = None if variable is None else resolved(variable.default, node.id)
-        if not thing.access.writable or wanted is None or not size(thing.kind):
+        if (
+            not thing.access.writable
+            or isinstance(wanted, bytes | NodeRelative | None)
+            or not size(thing.kind)
+        ):
             continue
         try:
             fits = octets == encode(thing.kind, wanted)

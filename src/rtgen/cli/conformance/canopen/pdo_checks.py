@@ -93,10 +93,10 @@ def receptions(
 
 def reception(node: NodeUnderTest) -> Problems:
     """What an RPDO carries is in its objects then."""
-    found = list(receptions(node))
+    acting = list(receptions(node))
     node.command(NmtCommand.START)
     try:
-        for pdo, can_id, mapped in found:
+        for pdo, can_id, mapped in acting:
             before = [node.upload(thing.number) for thing in mapped]
             # The lowest bit of each value changes, and changes back.
             other = [bytes((value[0] ^ 1,)) + value[1:] for value in before]
@@ -116,10 +116,10 @@ def reception(node: NodeUnderTest) -> Problems:
 
 def short_reception(node: NodeUnderTest) -> Problems:
     """An RPDO that is too short changes nothing, and is reported by an emergency."""
-    found = list(receptions(node))
+    acting = list(receptions(node))
     node.command(NmtCommand.START)
     try:
-        for pdo, can_id, mapped in found:
+        for pdo, can_id, mapped in acting:
             before = [node.upload(thing.number) for thing in mapped]
             sent = b"".join(before)[:-1]
             if not sent:
