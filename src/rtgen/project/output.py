@@ -13,6 +13,7 @@ import os
 import shutil
 import stat
 import sys
+import unicodedata
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
 from hashlib import sha256
@@ -233,7 +234,8 @@ def _check_paths(artifacts: Iterable[Artifact]) -> Iterator[Diagnostic]:
             artifact.text.encode()
         except UnicodeEncodeError:
             yield ENCODING.at(None, f"{origin}: {artifact.path} holds a lone surrogate")
-        path = artifact.path.casefold()
+        # As file systems compare names that look at neither case nor composition.
+        path = unicodedata.normalize("NFD", artifact.path.casefold())
         key = (artifact.owner, path)
         other = files.get(key) or folders.get(key)
         for parent in _folders_above(path):
