@@ -432,3 +432,22 @@ def test_every_component_has_a_module(reference: Path) -> None:
     """What the other tests go through is all there is."""
     found = {file.stem for file in reference.glob("openrtm/*/*.py")} - {"connect"}
     assert found == set(BEHAVIOURS)
+
+
+@pytest.mark.skipif(not middleware.REAL, reason="OpenRTM-aist-Python is not installed")
+def test_rtgen_conformance_has_nothing_to_complain_of(
+    module: Module, naming_service: str, output_of: Callable[[str], Path]
+) -> None:
+    """Before it exits, and that it does so: rtgen's command, on OpenRTM's side of a module."""
+    profile = output_of(module.name) / "openrtm" / module.name / "RTC.xml"
+    command = [sys.executable, "-m", "rtgen", "conformance", str(profile), "--json"]
+    command += ["--connect", f"{naming_service}/conformance/{module.name}0.rtc"]
+    command += ["--actuate", "--defaults", "--exit", "--timeout", "20"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.stdout, done.stderr
+    report = json.loads(done.stdout)
+    problems = {o["check"]: o["problems"] for o in report["outcomes"]}
+    failed = {o["check"] for o in report["outcomes"] if o["verdict"] == "failed"}
+    assert not failed, {name: problems[name] for name in failed}
+    assert report["outcomes"][-1]["check"] == "exit"
+    assert report["outcomes"][-1]["verdict"] == "passed"

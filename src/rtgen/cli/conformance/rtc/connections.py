@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any, Final
 
-from rtgen.cli.conformance.check import Problems
+from rtgen.cli.conformance.check import Problems, SkipError
 from rtgen.cli.conformance.rtc.component import CONNECTOR, RtcUnderTest
 from rtgen.cli.conformance.rtc.expected import ExpectedInterface
 from rtgen.facts.connector_properties import STRICTNESS
@@ -158,13 +158,23 @@ def _refused(rtc: RtcUnderTest, properties: Mapping[str, str]) -> Problems:
             asked = _profile(port, partner, properties)
             code, _ = rtc.at_port(port, "connect", asked)
             yield f"{name}: it was not refused" if code is RTC_OK else None
-            found = rtc.at_port(port, "get_connector_profiles")
-            kept = asked.connector_id in [each.connector_id for each in found]
+            kept = _dropped(rtc, port, asked.connector_id)
             yield f"{name}: its connector is listed" if kept else None
+
+
+def _dropped(rtc: RtcUnderTest, port: Any, connector_id: str) -> bool:
+    """Whether a connection that should not be stood; it is ended."""
+    found = rtc.at_port(port, "get_connector_profiles")
+    stood = connector_id in [each.connector_id for each in found]
+    if stood:
+        rtc.at_port(port, "disconnect", connector_id)
+    return stood
 
 
 def other_types(rtc: RtcUnderTest) -> Problems:
     """Data ports refuse samples of another type."""
+    if not rtc.is_of_rtgen:
+        raise SkipError("OpenRTM does not compare types of data")
     yield from _refused(rtc, _NO_TYPE)
 
 
@@ -218,7 +228,5 @@ def _required(
     with _partner(rtc, [instance]) as partner:
         asked = _profile(port, partner, _STRICT)
         code, _ = rtc.at_port(port, "connect", asked)
-        found = rtc.at_port(port, "get_connector_profiles")
-        if asked.connector_id in [each.connector_id for each in found]:
-            rtc.at_port(port, "disconnect", asked.connector_id)
+        _dropped(rtc, port, asked.connector_id)
         return "it takes another type" if code is RTC_OK else None

@@ -146,8 +146,9 @@ class Expected:
             "description": summary(component),
         }
         self.properties = {
-            "activity_type": component.activity,
-            "max_instance": str(component.max_instances),
+            # Many modules of OpenRTM state the kind of component there.
+            "activity_type": (component.activity, component.component_type),
+            "max_instance": (str(component.max_instances),),
         }
         self.is_periodic = component.execution.startswith("Periodic")
         self.parameters = {
