@@ -49,7 +49,11 @@ PARTS: Mapping[str, Part] = {
             "runtime/canopen/wire/sdo_client.py",
             "runtime/canopen/wire/sdo_server.py",
         ),
-        ("canopen/test_sdo.py",),
+        (
+            "canopen/test_sdo.py",
+            "canopen/test_sdo_bounds.py",
+            "canopen/test_sdo_codes.py",
+        ),
     ),
     "life-cycle": Part(
         (

@@ -25,15 +25,14 @@ _LEFT_OUT = ("__all__", "__slots__")
 
 @dataclass(frozen=True, slots=True)
 class Mutant:
-    """A changed source; `line` has what was `before`, and `after` instead."""
+    """A changed source, and what is different in a line."""
 
     line: int
-    before: str
-    after: str
+    change: str
     source: str
 
     def __str__(self) -> str:
-        return f"{self.line}: {self.before} -> {self.after}"
+        return f"{self.line}: {self.change}"
 
 
 def mutants(source: str) -> Iterator[Mutant]:
@@ -43,14 +42,18 @@ def mutants(source: str) -> Iterator[Mutant]:
     for line in text.splitlines(keepends=True):
         starts.append(starts[-1] + len(line))
     for value in _values(ast.parse(source).body):
-        for node, other in _changes(value):
+        for node, other, left_out in _changes(value):
             assert node.end_lineno is not None
             assert node.end_col_offset is not None
             start = starts[node.lineno - 1] + node.col_offset
             end = starts[node.end_lineno - 1] + node.end_col_offset
-            before, after = text[start:end].decode(), ast.unparse(other)
+            after = ast.unparse(other)
             changed = text[:start] + after.encode() + text[end:]
-            yield Mutant(node.lineno, before, after, changed.decode())
+            what = f"{text[start:end].decode()} -> {after}"
+            if left_out is not None:
+                what = f"without {ast.unparse(left_out)}"
+            line = node.lineno if left_out is None else left_out.lineno
+            yield Mutant(line, what, changed.decode())
 
 
 def _values(body: Sequence[ast.stmt]) -> Iterator[ast.expr]:
@@ -66,8 +69,10 @@ def _values(body: Sequence[ast.stmt]) -> Iterator[ast.expr]:
                 yield statement.value
 
 
-def _changes(value: ast.expr) -> Iterator[tuple[ast.expr, ast.expr]]:
-    """Parts of an expression, and what stands in their place."""
+def _changes(
+    value: ast.expr,
+) -> Iterator[tuple[ast.expr, ast.expr, ast.expr | None]]:
+    """Parts of an expression, what stands in their place, and the element that is left out."""
     nodes = [node for node in ast.walk(value) if isinstance(node, ast.expr)]
     names = _distinct(n.id for n in nodes if isinstance(n, ast.Name) and n.id.isupper())
     members = _distinct(n.attr for n in nodes if isinstance(n, ast.Attribute))
@@ -78,14 +83,14 @@ def _changes(value: ast.expr) -> Iterator[tuple[ast.expr, ast.expr]]:
         match node:
             case ast.Constant() if node not in parts_of_texts:
                 if (other := _other(node.value)) is not None:
-                    yield node, ast.Constant(other)
+                    yield node, ast.Constant(other), None
             case ast.Name() if node.id in names and len(names) > 1:
-                yield node, ast.Name(_following(names, node.id))
+                yield node, ast.Name(_following(names, node.id)), None
             case ast.Attribute() if len(members) > 1:
                 other_name = _following(members, node.attr)
-                yield node, ast.Attribute(node.value, other_name, node.ctx)
+                yield node, ast.Attribute(node.value, other_name, node.ctx), None
             case ast.Dict() | ast.Tuple() | ast.List() | ast.Set():
-                yield from ((node, rest) for rest in _without_one(node))
+                yield from ((node, rest, one) for rest, one in _without_one(node))
 
 
 def _distinct(names: Iterator[str]) -> list[str]:
@@ -109,15 +114,19 @@ def _other(value: object) -> object:
     return None
 
 
-def _without_one(node: ast.Dict | ast.Tuple | ast.List | ast.Set) -> Iterator[ast.expr]:
+def _without_one(
+    node: ast.Dict | ast.Tuple | ast.List | ast.Set,
+) -> Iterator[tuple[ast.expr, ast.expr]]:
     count = len(node.values if isinstance(node, ast.Dict) else node.elts)
     for at in range(count if count > 1 else 0):
         rest = copy.deepcopy(node)
         if isinstance(rest, ast.Dict):
+            one = rest.keys[at] or rest.values[at]
             del rest.keys[at], rest.values[at]
         else:
+            one = rest.elts[at]
             del rest.elts[at]
-        yield rest
+        yield rest, one
 
 
 class _Changed(MetaPathFinder, SourceLoader):
