@@ -6,9 +6,11 @@ import contextlib
 import io
 import os
 import signal
+import struct
 import subprocess
 import sys
 import tracemalloc
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -276,5 +278,22 @@ def test_a_size_in_a_blf_file_takes_no_memory(place: int, tmp_path: Path) -> Non
         with contextlib.suppress(Refusal):
             list(logs.read(path))
         assert tracemalloc.get_traced_memory()[1] < 1 << 26
+    finally:
+        tracemalloc.stop()
+
+
+def test_a_container_that_inflates_without_end_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "bomb.blf"
+    with logs.writer(path) as made:
+        made.on_message_received(can.Message(arbitration_id=1, data=b"\1"))
+    head = path.read_bytes()[:144]
+    data = struct.pack("<H6xL4x", 2, 0) + zlib.compress(bytes(1 << 27), 9)
+    container = struct.pack("<4sHHLL", b"LOBJ", 16, 1, 16 + len(data), 10) + data
+    path.write_bytes(head + container)
+    tracemalloc.start()
+    try:
+        with pytest.raises(Refusal, match="a container of more than"):
+            list(logs.read(path))
+        assert tracemalloc.get_traced_memory()[1] < 1 << 27
     finally:
         tracemalloc.stop()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
     from can import Message
     from can.io.generic import MessageWriter
 
+_LARGEST = 1 << 25
+"""Octets of a container of a BLF file; Vector's tools write 128 KiB."""
 KINDS = {".log": "candump log", ".asc": "Vector ASC", ".blf": "Vector BLF"}
 """Suffix and name of each format."""
 
@@ -76,6 +79,35 @@ class _Bounded:
         return getattr(self._stream, name)
 
 
+def _check_containers(path: Path) -> None:
+    """Raise ValueError for a container of a BLF file that inflates to more than `_LARGEST`.
+
+    python-can inflates a container as a whole, whatever it becomes.
+    """
+    import zlib
+
+    from can.io import blf
+
+    with path.open("rb") as stream:
+        source = _Bounded(stream)
+        size = blf.FILE_HEADER_STRUCT.unpack(source.read(blf.FILE_HEADER_STRUCT.size))[
+            1
+        ]
+        stream.seek(size)
+        while head := source.read(blf.OBJ_HEADER_BASE_STRUCT.size):
+            _, _, _, size, kind = blf.OBJ_HEADER_BASE_STRUCT.unpack(head)
+            data = source.read(max(0, size - blf.OBJ_HEADER_BASE_STRUCT.size))
+            stream.seek(size % 4, os.SEEK_CUR)
+            if kind != blf.LOG_CONTAINER:
+                continue
+            method, _ = blf.LOG_CONTAINER_STRUCT.unpack_from(data)
+            if method == blf.ZLIB_DEFLATE:
+                inflater = zlib.decompressobj()
+                inflater.decompress(data[blf.LOG_CONTAINER_STRUCT.size :], _LARGEST)
+                if inflater.unconsumed_tail:
+                    raise ValueError(f"a container of more than {_LARGEST} octets")
+
+
 def _read(path: Path) -> Iterator[Message]:
     import struct
     import zlib
@@ -89,6 +121,8 @@ def _read(path: Path) -> Iterator[Message]:
     binary = issubclass(kind, BinaryIOMessageReader)
     found = 0
     try:
+        if suffix == ".blf":
+            _check_containers(path)
         with path.open("rb") if binary else path.open(errors="replace") as stream:
             for message in kind(cast(Any, _Bounded(stream) if binary else stream)):
                 found += 1
