@@ -235,6 +235,12 @@ def in_one_piece(data: bytes) -> bytes | None:
     return data if len(data) > 3 else None
 
 
+def backwards(data: bytes) -> bytes:
+    """Requests of several functions in one piece, the last one first."""
+    requests = [START + rest for rest in data.split(START)[1:]]
+    return b"".join(requests[::-1]) if len(requests) > 2 else data
+
+
 class AfterMany:
     """Ends a connection after many requests."""
 
@@ -261,6 +267,7 @@ MUTANTS: dict[str, tuple[Callable[[MockBoard, Service], None], dict[str, object]
     ),
     "request.end": (unchanged, {"request": mended}),
     "request.segments": (unchanged, {"request": in_one_piece}),
+    "call.order": (unchanged, {"request": backwards}),
     "call.reply": (
         unchanged,
         {"reply": lambda data: data + b"\0" if len(data) == FILLED else data},

@@ -20,7 +20,7 @@ from rtgen.cli.conformance.check import Check, Permission, Problems, SkipError
 from rtgen.cli.rpc.codecs import Function
 from rtgen.cli.rpc.values import Json
 from rtgen.layouts.tdr import Role, Run, String
-from rtgen.runtime.opaque_rpc import ArgumentError, ChannelError, peer_digest
+from rtgen.runtime.opaque_rpc import ArgumentError, ChannelError, RpcError, peer_digest
 from rtgen.runtime.opaque_rpc.digest import DIGEST
 from rtgen.runtime.opaque_rpc.tdr import SOP_REPLY, SOP_REQUEST, Tdr
 
@@ -135,10 +135,8 @@ def answers(board: BoardUnderTest) -> Problems:
 def _surplus(board: BoardUnderTest, function: Function, given: Json) -> str | None:
     values = function.arguments_from_json(given)
     reply = board.raw([function.encode_request(values)])
-    try:
-        function.decode_reply(reply.data, function.kept(values))
-    except ChannelError as error:
-        return f"{function.name}: {error}"
+    if wrong := _wrong_reply(function, values, reply.data):
+        return f"{function.name}: {wrong}"
     return None if not reply.closed else f"{function.name}: the connection is closed"
 
 
@@ -249,6 +247,48 @@ def segments(board: BoardUnderTest) -> Problems:
     yield None if both else f"{function.name}, two requests in one piece: {answer}"
 
 
+def order(board: BoardUnderTest) -> Problems:
+    """Requests of several functions in one piece are answered in their order.
+
+    Replies do not name their functions: they are known by their lengths, which ascend.
+    """
+    found = []
+    for function in board.functions.values():
+        if not function.oneway:
+            values = function.arguments_from_json(arguments(function, Values()))
+            request = function.encode_request(values)
+            lengths = {_reply_length(board, function, values) for _ in range(2)}
+            if len(lengths) == 1 and (length := lengths.pop()):
+                found.append((length, function, values, request))
+    found.sort(key=lambda each: each[0])
+    if len({length for length, *_ in found}) < 2:
+        raise SkipError("no two functions have replies of different, fixed lengths")
+    together = b"".join(request for *_, request in found)
+    replies = board.raw([together], wanted=sum(length for length, *_ in found)).data
+    for length, function, values, _ in found:
+        reply, replies = replies[:length], replies[length:]
+        wrong = _wrong_reply(function, values, reply)
+        yield f"{function.name} is not answered in its turn: {wrong}" if wrong else None
+
+
+def _reply_length(
+    board: BoardUnderTest, function: Function, values: tuple[object, ...]
+) -> int:
+    """The length of the reply to one request; 0 if it is none of this function."""
+    reply = board.raw([function.encode_request(values)]).data
+    return 0 if _wrong_reply(function, values, reply) else len(reply)
+
+
+def _wrong_reply(
+    function: Function, values: tuple[object, ...], reply: bytes
+) -> str | None:
+    try:
+        function.decode_reply(reply, function.kept(values))
+    except RpcError as error:
+        return str(error)
+    return None
+
+
 def oneway(board: BoardUnderTest) -> Problems:
     """A oneway call has no answer, and the next call has its own."""
     for function in board.functions.values():
@@ -317,6 +357,13 @@ CHECKS: Final = (
         "requests are taken in pieces",
         _WIRE,
         segments,
+        ACTUATE,
+    ),
+    Check(
+        "call.order",
+        "requests in one piece are answered in their order",
+        _WIRE,
+        order,
         ACTUATE,
     ),
     Check("call.reply", "each function answers as declared", _WIRE, answers, ACTUATE),
