@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from collections.abc import Sequence
@@ -53,6 +54,9 @@ def application() -> None:
     """
 
 
+_NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS)
+
+
 def run(arguments: Sequence[str], *, ends: bool = False) -> int:
     """Runs a command line and returns its exit code; nothing but that leaves it.
 
@@ -70,6 +74,8 @@ def run(arguments: Sequence[str], *, ends: bool = False) -> int:
         return _INTERRUPTED
     except BrokenPipeError as error:
         return _ended_by(error)
+    except OSError as error:
+        return _unwritable(error) if error.errno in _NO_ROOM else _internal(error)
     except Exception as error:
         return _internal(error)
     return code if isinstance(code, int) else 0
@@ -84,6 +90,18 @@ def _ended_by(error: BrokenPipeError) -> int:
         return _internal(error)
     discard_unread()
     return NO
+
+
+def _unwritable(error: OSError) -> int:
+    """The exit code where a disk is full or fails; standard output alone has no name."""
+    name = error.filename or "standard output"
+    click.echo(f"error[ENV0001]: cannot write {name}: {error.strerror}", err=True)
+    if error.filename is None:
+        # What is still buffered must not fail once more when the process ends.
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())
+        os.close(nowhere)
+    return 3
 
 
 def _internal(error: Exception) -> int:

@@ -13,6 +13,7 @@ import os
 import shutil
 import stat
 import sys
+import unicodedata
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
 from hashlib import sha256
@@ -250,7 +251,8 @@ def _check_paths(artifacts: Iterable[Artifact]) -> Iterator[Diagnostic]:
             artifact.text.encode()
         except UnicodeEncodeError:
             yield ENCODING.at(None, f"{origin}: {artifact.path} holds a lone surrogate")
-        path = artifact.path.casefold()
+        # As file systems compare names that look at neither case nor composition.
+        path = unicodedata.normalize("NFD", artifact.path.casefold())
         key = (artifact.owner, path)
         other = files.get(key) or folders.get(key)
         for parent in _folders_above(path):
@@ -427,8 +429,10 @@ def _write_whole(path: Path, data: bytes, *, lasting: bool) -> None:
             # Who may read a script may run it.
             temporary.chmod(mode | (mode & _READABLE) >> 2)
         temporary.replace(path)
-    except BaseException:
+    except BaseException as error:
         temporary.unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.filename is None:
+            error.filename = str(path)  # What fails while it is open names no file.
         raise
 
 

@@ -235,6 +235,7 @@ def test_a_lone_surrogate_is_refused(project: Project) -> None:
         ("p", "p/a.py"),
         ("p/a.py", "p"),
         ("p/q/r", "P"),
+        ("p/caf\u00e9", "p/Cafe\u0301"),
     ],
 )
 def test_two_artifacts_of_one_path_are_refused(

@@ -28,10 +28,15 @@ class tagWheelState(Aggregated):
     )
 
     time: int = 0
+    """When it was measured, by the board's clock [ms]."""
     count: list[int] = field(default_factory=lambda: [0] * 2)
+    """Encoder counts since the board was switched on."""
     speed: list[float] = field(default_factory=lambda: [0.0] * 2)
+    """Speeds [rad/s]."""
     stopped: bool = False
+    """Held by stop."""
     watchdog: bool = False
+    """Held because no speeds came in time."""
 
 
 def codec_tagWheelState(value: tagWheelState) -> _types.tagWheelState:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
+from enum import Enum
 from typing import ClassVar, Generic, Protocol, TypeAlias, TypeVar
 
 from rtgen.cli.conformance.report import Outcome, Verdict
@@ -28,23 +29,31 @@ class SkipError(Exception):
     """The check does not apply, or must not be made; the text says why."""
 
 
+class Permission(Enum):
+    """What a check may need from the user: the option, with why the check is skipped without."""
+
+    ACTUATE = "it may move something: --actuate"
+    DEFAULTS = "values may have been set on purpose: --defaults"
+    EXIT = "it ends the component: --exit"
+
+
 @dataclass(frozen=True, slots=True)
 class Check(Generic[S]):
     """A check: its name in reports, what it asserts, by which clause, and what makes it so.
 
-    One that `actuates` may move what the subject drives; it runs only if that is permitted.
+    One that needs a permission runs only if that is given.
     """
 
     name: str
     title: str
     clause: str
     run: Callable[[S], Problems]
-    actuates: bool = False
+    needs: Permission | None = None
 
-    def outcome(self, subject: S, *, actuate: bool) -> Outcome:
+    def outcome(self, subject: S, permissions: Collection[Permission]) -> Outcome:
         """Run the check on a subject."""
-        if self.actuates and not actuate:
-            return self.skipped("it may move something: --actuate")
+        if self.needs is not None and self.needs not in permissions:
+            return self.skipped(self.needs.value)
         tried = 0
         problems: list[str] = []
         try:

@@ -281,6 +281,7 @@ class _Builder:
                 name=names.add(member.name),
                 type=self._types.sized(member.type, member.sizes),
                 span=member.span,
+                doc=member.doc,
             )
             for member in declaration.members
         )

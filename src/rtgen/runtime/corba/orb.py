@@ -13,6 +13,8 @@ from omniORB import CORBA, PortableServer
 from rtgen.runtime.errors import TransportError
 
 _LOOK_AGAIN = 0.005
+_FAREWELL = 0.05
+"""Seconds for a thread that has left the list, to give the interpreter's lock back."""
 LOOPBACK = "127.0.0.1"
 LONGEST_MESSAGE = 64 << 20
 """Octets of a message in either direction; longer ones are refused."""
@@ -71,11 +73,13 @@ class Orb:
         # In this thread: another one might still be running when the interpreter ends.
         if self._owned and not self.busy:
             self.orb.destroy()
-            _await_workers(deadline)
+            await_workers(deadline)
 
 
-def _await_workers(deadline: float) -> None:
+def await_workers(deadline: float) -> None:
     """Wait for the threads of a destroyed ORB, which end on their own.
+
+    `deadline` is of `time.monotonic`.
 
     Each takes the interpreter's lock once more to free its state. One that asks for it while the
     interpreter ends is unwound through destructors of omniORB, which aborts the process.
@@ -86,5 +90,4 @@ def _await_workers(deadline: float) -> None:
 
     while remain() and time.monotonic() < deadline:
         time.sleep(_LOOK_AGAIN)
-    # The last one leaves the list before it gives the lock back.
-    time.sleep(_LOOK_AGAIN)
+    time.sleep(_FAREWELL)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import socket
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from time import monotonic, sleep
 from typing import ClassVar
@@ -50,8 +50,9 @@ class BoardUnderTest:
     """A board that serves a signature.
 
     `address` is that of a TCP port, None where `serial` is a device. `answer` is the time in
-    seconds that the board has, `quiet` that after which it has nothing to add. Methods raise
-    RpcError if the board does not answer as it must.
+    seconds that the board has, `quiet` that after which it has nothing to add, `stall` that after
+    which it gives up a silent client; None: no bound is stated. Methods raise RpcError if the
+    board does not answer as it must.
     """
 
     faults: ClassVar[tuple[type[Exception], ...]] = (RpcError, ConnectError)
@@ -63,6 +64,7 @@ class BoardUnderTest:
     baud: int
     answer: float
     quiet: float = 0.25
+    stall: float | None = None
 
     def explained(self, fault: Exception) -> str:
         """See `Subject`."""
@@ -99,10 +101,13 @@ class BoardUnderTest:
                 function.call(channel, ())
                 return
 
-    def raw(self, segments: Sequence[bytes], wanted: int = 0) -> Answer:
+    def raw(
+        self, segments: Sequence[bytes], wanted: int = 0, within: float | None = None
+    ) -> Answer:
         """What the board answers to octets, up to `wanted` ones, or until it closes.
 
-        Without `wanted`, what it answers until it is quiet.
+        Without `wanted`, what it answers until it is quiet. It has `within` seconds, else those
+        of any answer.
 
         Raises SkipError for a serial line, which has no connection that could be closed.
         """
@@ -115,7 +120,7 @@ class BoardUnderTest:
                     if number:
                         sleep(_PAUSE)
                     line.sendall(segment)
-                end = monotonic() + self.answer
+                end = monotonic() + (self.answer if within is None else within)
                 while not wanted or len(found) < wanted:
                     left = end - monotonic()
                     if found and not wanted:
@@ -147,6 +152,15 @@ class BoardUnderTest:
             except OSError:
                 found = b""
             return Answer(found, closed=not found)
+
+    @contextmanager
+    def stalled(self, octets: bytes) -> Iterator[None]:
+        """A client sends octets and is silent meanwhile. Raises as `leave`."""
+        if self.address is None:
+            raise SkipError("a serial line has no connection that could be closed")
+        with self._connected(self.address) as line:
+            line.sendall(octets)
+            yield
 
     def leave(self, octets: bytes) -> None:
         """Send octets and close the connection. Raises ConnectError, and SkipError as `raw`."""
