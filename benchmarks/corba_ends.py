@@ -111,7 +111,7 @@ class CorbaPublisher:
         self._reference = self._reference or self._find()
         return self._reference is not None
 
-    def publish(self, octets: bytes, sequence: int) -> None:
+    def publish(self, octets: bytes) -> None:
         """Call the reader, which was looked up before."""
         if self._reference is None:
             self._reference = self._find()

@@ -217,7 +217,7 @@ def generated(folder: Path) -> type[Component]:
         os.chdir(before)
     sys.path.insert(0, str(folder / "generated"))
     proxy: type[Component] = importlib.import_module(
-        "metered.canopen.meter.proxy"
+        "metered.components.meter_proxy"
     ).MeterProxy
     return proxy
 

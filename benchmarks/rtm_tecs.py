@@ -82,8 +82,7 @@ def main() -> int:
         folder = Path(name)
         rpc.prepare(folder)
         marshallers = rpc.generated(folder, "empty.empty_marshaller")
-        interface = rpc.generated(folder, "empty._idl.empty").Empty
-        clients = rpc.generated(folder, "empty.components.empty_client")
+        interface = marshallers.Empty
 
         class Servant(interface):  # type: ignore[misc, valid-type]
             def nothing(self) -> int:
@@ -93,7 +92,7 @@ def main() -> int:
             f"{'us for a call':<26}{'mean':>10}{'spread':>10}{'least':>10}{'most':>10}"
         )
         ends = [(("Client0", "empty"), ("Server0", "empty"))]
-        client, server = clients.EmptyClientBase("Client0"), provider(interface)
+        client, server = marshallers.EmptyClientBase("Client0"), provider(interface)
         server.empty.set_servant(Servant())
         with active(client, server, joined=ends):
             rtm = show("RTM to RTM, one process", client.empty.object.nothing)
@@ -105,7 +104,7 @@ def main() -> int:
             print(f"RTM to RTM between processes: left out, {error}")
         with rpc.server("rtgen", folder) as port:
             show("proxy to TECS", rpc.rtgen_call(port, folder))
-            client = clients.EmptyClientBase("Client0")
+            client = marshallers.EmptyClientBase("Client0")
             marshaller = marshallers.EmptyMarshaller("Marshaller0")
             link = OpaqueRpcCommunication("Communication0")
             link.configuration_sets.set("port", port)

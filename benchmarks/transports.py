@@ -6,13 +6,14 @@ Samples: the writer of one process, the reader of another, which counts them. `w
 writer's path alone, per sample: rtgen's (encoding, and the engine's publisher) compared with
 cyclonedds-python's `write` of its own class, and Zenoh's `put` of octets packed by `struct`, which
 is the minimum for a program; until it returned, and processor time of the writing thread, since a
-writer whose reader is slow waits for room in the queue of its link. `arrives` are samples per
-second until the last one is there, `of` the share that arrived; `alone` are the same samples by
-cyclonedds-python's class and its `write`, by omniORBpy's class and a call of omniidl's stub, and by
-`put` of ready octets, between the same processes, with readers that keep all. Over CORBA a write is
-a call, which the reader answers (`corba_ends.py`). Latency is half of a round trip by two topics,
-one sample at a time. Calls have no arguments (over CORBA: `corba.py`). Rounds of both alternate;
-figures are medians of rounds.
+writer whose reader is slow waits for room in the queue of its link. Over Zenoh, both are received
+by readers that use the library alone. `arrives` are samples per second until the last one is there,
+`of` the share that arrived; `alone` are the same samples by cyclonedds-python's class and its
+`write`, by omniORBpy's class and a call of omniidl's stub, and by `put` of ready octets, between
+the same processes, with readers that keep all. Over CORBA a write is a call, which the reader
+answers (`corba_ends.py`). Latency is half of a round trip by two topics, one sample at a time.
+Calls have no arguments (over CORBA: `corba.py`). Rounds of both alternate; figures are medians of
+rounds.
 """
 
 from __future__ import annotations
@@ -91,15 +92,14 @@ def serve(medium: Any) -> None:
         """Return a function that counts a round's samples, and sends the count after the last."""
         done = medium.publisher(Topic(name, rtc.TimedLong), Qos(depth=None))
         kept.append(done)
-        counted = [0, 0]
+        counted = 0
 
         def on_sample(last: bool) -> None:
-            counted[0] += 1
+            nonlocal counted
+            counted += 1
             if last:
-                counted[1] += 1
-                octets = encode(rtc.TimedLong(rtc.Time(0, 0), counted[0]))
-                done.publish(octets, counted[1])
-                counted[0] = 0
+                done.publish(encode(rtc.TimedLong(rtc.Time(0, 0), counted)))
+                counted = 0
 
         return on_sample
 
@@ -111,11 +111,9 @@ def serve(medium: Any) -> None:
 
         medium.subscribe(topic_of("data", size), Qos(depth=None), on_sample)
         back = medium.publisher(topic_of("pong", size), Qos(depth=None))
-        number = [0]
 
-        def on_ping(sample: Any, back: Any = back, number: Any = number) -> None:
-            number[0] += 1
-            back.publish(sample.octets, number[0])
+        def on_ping(sample: Any, back: Any = back) -> None:
+            back.publish(sample.octets)
 
         medium.subscribe(topic_of("ping", size), Qos(depth=None), on_ping)
         count = counter(f"done-alone/{size}")
@@ -124,10 +122,15 @@ def serve(medium: Any) -> None:
             bare_reader(medium, f"alone_{size}", type(value_of(size)), count),
         ]
     if not isinstance(medium, CorbaEnds):
-        medium.subscribe(topic_of("alone", 0), Qos(depth=8), lambda _: None)
-        kept.append(
-            bare_reader(medium, "pose", rtc.TimedPose2D, lambda _: None, depth=8)
-        )
+        names = ["pose"]
+        if hasattr(medium, "_keys"):
+            names.append(medium._keys.topic(topic_of("alone", 0)))
+        else:
+            medium.subscribe(topic_of("alone", 0), Qos(depth=8), lambda _: None)
+        kept += [
+            bare_reader(medium, name, rtc.TimedPose2D, lambda _: None, depth=8)
+            for name in names
+        ]
         serve_octets(medium, "empty", lambda octets, reply: reply(octets))
     print("ready", flush=True)
     sys.stdin.read()
@@ -143,7 +146,6 @@ class Pair:
 
     def __init__(self, medium: Any) -> None:
         self.medium = medium
-        self.sent: dict[int, int] = {}
         self.ports: dict[int, tuple[Any, Any]] = {}
         self.arrived: dict[int, Any] = {}
 
@@ -166,7 +168,6 @@ class Pair:
             time.sleep(0.01)
         time.sleep(0.3)
         self.ports[size] = publisher, (event, numbers)
-        self.sent[size] = 0
 
     def flood(self, size: int) -> tuple[float, float, int]:
         """Return seconds of a write, samples per second until the last, and their number."""
@@ -175,14 +176,12 @@ class Pair:
         value, count = value_of(size), count_of(size)
         event.clear()
         numbers.clear()
-        sent = self.sent[size]
         begun = time.perf_counter()
-        for number in range(sent + 1, sent + count):
-            publisher.publish(encode(value), number)
+        for _ in range(count - 1):
+            publisher.publish(encode(value))
         written = time.perf_counter() - begun
         value.tm.nsec = LAST_NUMBER
-        publisher.publish(encode(value), sent + count)
-        self.sent[size] = sent + count
+        publisher.publish(encode(value))
         if not event.wait(60):
             return written / count, 0.0, 0
         return (
@@ -240,10 +239,10 @@ class Pair:
         time.sleep(0.3)
         encode, value = encoder(type(value_of(size))), value_of(size)
         found = []
-        for number in range(1, TRIPS + 1):
+        for _ in range(TRIPS):
             event.clear()
             begun = time.perf_counter()
-            publisher.publish(encode(value), number)
+            publisher.publish(encode(value))
             if not event.wait(10):
                 break
             found.append((time.perf_counter() - begun) / 2)
@@ -360,10 +359,9 @@ def dds_writers(rounds: int) -> list[Cost]:
         del own
         await_match(lambda: publisher.matched)
         await_match(writer.get_matched_subscriptions)
-        number = iter(range(1, 1 << 30))
         return interleaved(
             rounds,
-            lambda: publisher.publish(encode(value), next(number)),
+            lambda: publisher.publish(encode(value)),
             lambda: writer.write(made),
         )
 
@@ -380,7 +378,9 @@ def zenoh_writers(rounds: int) -> list[Cost]:
         stack.enter_context(other(str(network.address)))
         publisher = medium.publisher(topic_of("alone", 0), Qos(depth=8))
         bare = medium._session.declare_publisher(
-            "pose", congestion_control=zenoh.CongestionControl.DROP
+            "pose",
+            congestion_control=zenoh.CongestionControl.DROP,
+            reliability=zenoh.Reliability.RELIABLE,
         )
         await_match(lambda: publisher.matched)
         await_match(lambda: bare.matching_status.matching)
@@ -391,10 +391,10 @@ def zenoh_writers(rounds: int) -> list[Cost]:
             return POSE.pack(HEAD, tm.sec, tm.nsec, place.x, place.y, pose.heading)
 
         assert pack() == encode(value)
-        octets, number = pack(), iter(range(1, 1 << 30))
+        octets = pack()
         return interleaved(
             rounds,
-            lambda: publisher.publish(encode(value), next(number)),
+            lambda: publisher.publish(encode(value)),
             lambda: bare.put(pack()),
             lambda: bare.put(octets),
         )

@@ -88,9 +88,19 @@ class Network:
     def add(self, system: runtime.System, component: SystemComponent) -> None:
         """Do nothing."""
 
-    def describer(self, bus: str) -> Describer:
+    def describer(self, bus: str, network: str) -> Describer:
         """Return nothing to describe: there is no bus."""
         raise LookupError(bus)
+
+    def record(self, system: runtime.System) -> Callable[[], None]:
+        """Record nothing."""
+        return lambda: None
+
+    def data_type(self, name: str) -> None:
+        """No other process is looked at."""
+
+    def interface(self, name: str) -> None:
+        """No other process is looked at."""
 
     def palette(self) -> Sequence[ComponentProfile]:
         """No types."""

@@ -7,6 +7,7 @@ import os
 import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Protocol
@@ -19,6 +20,9 @@ from rtgen.runtime.distribution.transport import DistributedTransport
 
 SYSTEM = "conformance"
 DOMAIN = 90
+_RESERVING_PORT = 21_000
+"""A domain is reserved by the port of this number plus its own."""
+_reservations: list[socket.socket] = []
 LEASE = 0.7
 """Seconds after which a process without signs of life is lost, in tests of that."""
 
@@ -203,6 +207,24 @@ def transports(name: str, lease: float | None = None) -> Iterator[Transports]:
 
 
 TRANSPORTS = (*ENGINES, "corba")
+
+
+@cache
+def own_domain() -> int:
+    """Return a domain of DDS that no other process of these tests uses until this one ends.
+
+    Topics of ROS 2 have no partition, so equal nodes of two processes would see each other.
+    """
+    for domain in range(100, 200):
+        held = socket.socket()
+        try:
+            held.bind(("127.0.0.1", _RESERVING_PORT + domain))
+        except OSError:
+            held.close()
+            continue
+        _reservations.append(held)
+        return domain
+    raise AssertionError("all domains are in use")
 
 
 def free_port() -> int:

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 from refnav.io_401 import INPUTS, Board
 from refrobots import rtc
-from refrobots.canopen.f_palette import FPaletteObjects
 from refrobots.components.f_palette_device import FPaletteDeviceBase
+from refrobots.fpalette import FPaletteObjects
 from rtgen.runtime import RTC_OK, ReturnCode_t
 from rtgen.runtime.canopen.description import ObjectNumber
 

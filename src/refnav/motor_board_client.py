@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from refrobots.tecs.board.components.motor_board_client import MotorBoardClientBase
+from refrobots.tecs.board.motor_board_marshaller import MotorBoardClientBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
 
 

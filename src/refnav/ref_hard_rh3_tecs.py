@@ -9,7 +9,7 @@ from refnav.base_control import BaseControl, TravelSwitch
 from refrobots import rtc
 from refrobots.components.ref_hard_rh3_tecs import RefHardRh3TecsBase
 from refrobots.tecs.board import WHEELS, tagWheelState
-from refrobots.tecs.board.components.motor_board_client import MotorBoardClientBase
+from refrobots.tecs.board.motor_board_marshaller import MotorBoardClientBase
 from rtgen.runtime import RTC_OK, ReturnCode_t, ServiceError
 from rtgen.runtime.opaque_rpc import E_OK, E_RPC, MERCD
 

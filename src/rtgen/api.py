@@ -97,8 +97,11 @@ def emit(
         raise ValueError(f"no back end is called {unknown[0]!r}; there are: {known}")
     chosen = [installed[b] if isinstance(b, str) else b for b in backends]
     settings = options or Options("robots", "", __version__)
-    found = [b.emit(model, settings) for b in chosen or installed.values()]
-    return Emission(
-        tuple(artifact for emission in found for artifact in emission.artifacts),
-        tuple(in_order(d for emission in found for d in emission.diagnostics)),
+    made = stage.together(
+        each.emit(model, settings) for each in chosen or installed.values()
+    )
+    return replace(
+        made,
+        artifacts=tuple(made.artifacts),
+        diagnostics=tuple(in_order(made.diagnostics)),
     )

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
 from msgspec.structs import replace
 
 from rtgen import stages
-from rtgen.backends import Artifact
+from rtgen.backends import Emission, Options
 from rtgen.backends import stage as backends
 from rtgen.diagnostics import has_errors, in_order
 from rtgen.facts.ros import INTERFACE_SUFFIXES
@@ -110,19 +110,13 @@ def emitted(project: Project, result: FrontendResult) -> Compilation:
         result = reading.added(
             result, project.emitted_systems, root=project.root, output=project.output
         )
-    diagnostics = list(result.diagnostics)
-    artifacts: list[Artifact] = []
-    if not has_errors(diagnostics):
-        for backend in backends.backends():
-            with stages.stage(f"back end {backend.name}"):
-                emission = backend.emit(result.model, project.options)
-                for artifact in emission.artifacts:
-                    stages.file(artifact.path)
-            artifacts += emission.artifacts
-            diagnostics += emission.diagnostics
+    made = Emission()
+    if not has_errors(result.diagnostics):
+        made = backends.together(_emissions(result.model, project.options))
+    diagnostics = [*result.diagnostics, *made.diagnostics]
     model = result.model
     return Compilation(
-        artifacts=() if has_errors(diagnostics) else tuple(artifacts),
+        artifacts=() if has_errors(diagnostics) else tuple(made.artifacts),
         inputs={file.key: file.sha256 for file in model.files}
         | {device.key: device.sha256 for device in model.devices}
         | {bus.key: bus.sha256 for bus in model.buses}
@@ -130,4 +124,14 @@ def emitted(project: Project, result: FrontendResult) -> Compilation:
         diagnostics=tuple(in_order(diagnostics)),
         dependencies=result.hashes,
         sources=result.sources,
+        components=made.components,
     )
+
+
+def _emissions(model: Model, options: Options) -> Iterator[Emission]:
+    for backend in backends.backends():
+        with stages.stage(f"back end {backend.name}"):
+            emission = backend.emit(model, options)
+            for artifact in emission.artifacts:
+                stages.file(artifact.path)
+        yield emission

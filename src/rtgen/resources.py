@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from functools import cache
 from pathlib import Path
 
@@ -63,6 +64,18 @@ def idl_file(name: str) -> Path:
 def idl_source(name: str) -> str:
     """Return the text of an IDL file that ships with rtgen. Raises FileNotFoundError."""
     return idl_file(name).read_text("utf-8")
+
+
+def idl_key(name: str) -> str:
+    """Return the key of an IDL file that ships with rtgen, its name in generated text."""
+    return f"rtgen/idl/{name}"
+
+
+@cache
+def implemented_idl() -> dict[str, str]:
+    """Return the keys of the IDL files with types in the runtime, and their digests."""
+    digests = json.loads(idl_source("implemented.json"))
+    return {idl_key(name): digest for name, digest in digests.items()}
 
 
 @cache

@@ -31,6 +31,7 @@ from rtgen.cli.transports import await_others
 from rtgen.diagnostics import ToolError
 from rtgen.runtime import idl, xcdr
 from rtgen.runtime.cdr import Aggregated, CdrError
+from rtgen.runtime.dds import entities
 from rtgen.runtime.dds.medium import DdsMedium, configuration
 from rtgen.runtime.dds.numbers import DOUBLE, Numbers, numbered, plain
 from rtgen.runtime.dds.types import idl_class
@@ -252,7 +253,7 @@ def test_big_samples(stack: ExitStack, partition: str) -> None:
     publisher = here.publisher(topic, Qos())
     wait_for(lambda: publisher.matched)
     value = rtc.TimedOctetSeq(data=os.urandom(10_000_000))
-    publisher.publish(encoder(rtc.TimedOctetSeq)(value), 1)
+    publisher.publish(encoder(rtc.TimedOctetSeq)(value))
     wait_for(lambda: got)
     assert xcdr.deserialize(rtc.TimedOctetSeq, got[0].octets) == value
 
@@ -277,7 +278,7 @@ def test_a_slow_reader_holds_up_a_writer_that_keeps_all(
 
     def has_room() -> bool:
         try:
-            publisher.publish(octets, sent + 1)
+            publisher.publish(octets)
         except PublishTimeoutError:
             return False
         return True
@@ -298,7 +299,7 @@ def test_partitions_are_systems(stack: ExitStack, partition: str) -> None:
     mine.subscribe(Topic("t", rtc.TimedLong), Qos(), got.append)
     publisher = here.publisher(Topic("t", rtc.TimedLong), Qos())
     wait_for(lambda: publisher.matched)
-    publisher.publish(encoder(rtc.TimedLong)(rtc.TimedLong()), 1)
+    publisher.publish(encoder(rtc.TimedLong)(rtc.TimedLong()))
     wait_for(lambda: got)
     assert len(got) == 1
 
@@ -312,9 +313,48 @@ def test_garbage_on_a_topic_is_counted(
     publisher = other.publisher(Topic("a/in/in", rtc.TimedDouble), Qos())
     wait_for(lambda: publisher.matched)
     with pytest.raises(MediumError):
-        publisher.publish(b"\0\1\0\0", 1)
-    publisher.publish(encoder(rtc.TimedDouble)(rtc.TimedDouble(data=4.0)), 2)
+        publisher.publish(b"\0\1\0\0")
+    publisher.publish(encoder(rtc.TimedDouble)(rtc.TimedDouble(data=4.0)))
     arrived(process.node("a"), [4])
+
+
+def test_readers_come_and_go_while_a_publisher_looks(
+    stack: ExitStack, partition: str
+) -> None:
+    """cyclonedds's own list of matched readers fails if a reader joins while it is made."""
+    here, there = medium(stack, partition), medium(stack, partition)
+    topic = Topic("t", rtc.TimedLong)
+    publisher = here.publisher(topic, Qos())
+    over = threading.Event()
+    failures: list[Exception] = []
+
+    def look() -> None:
+        try:
+            while not over.is_set():
+                assert publisher.matched in (False, True)
+        except Exception as error:
+            failures.append(error)
+
+    looking = threading.Thread(target=look)
+    looking.start()
+    for _ in range(40):
+        opened = [there.subscribe(topic, Qos(), lambda _: None) for _ in range(10)]
+        wait_for(lambda: publisher.matched)
+        for each in opened:
+            each.close()
+    over.set()
+    looking.join()
+    assert not failures
+
+
+def test_bare_exceptions_of_cyclonedds_are_reported() -> None:
+    with (
+        pytest.raises(MediumError, match="a service: Callfunc cqos errored"),
+        entities.reported("a service"),
+    ):
+        raise Exception("Callfunc cqos errored.")
+    with pytest.raises(KeyError), entities.reported("a service"):
+        raise KeyError("a defect")
 
 
 def test_a_domain_has_one_configuration(stack: ExitStack, partition: str) -> None:

@@ -17,6 +17,7 @@ from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.distribution.control import ControlError
 from rtgen.runtime.distribution.data import Arrivals, encoder
 from rtgen.runtime.distribution.medium import (
+    SEQUENCES,
     MediumError,
     Qos,
     Sample,
@@ -118,6 +119,15 @@ def test_what_is_lost_or_doubled_or_garbage_is_counted(
     assert caplog.text.count("cannot be decoded") == 1
 
 
+def test_numbers_of_samples_begin_again_after_the_highest() -> None:
+    arrivals = Arrivals("a connection", type(sample(0)))
+    octets = encoder(type(sample(0)))(sample(7))
+    for number in (SEQUENCES - 2, SEQUENCES - 1, 0, 3):
+        assert arrivals.taken(Sample(octets, "one", number)) == sample(7)
+    assert arrivals.taken(Sample(octets, "one", SEQUENCES - 1)) is None
+    assert (arrivals.missed, arrivals.doubles) == (2, 1)
+
+
 def test_programs_without_rtgen_read_and_write_ports(
     start: Start, network: Any
 ) -> None:
@@ -133,7 +143,7 @@ def test_programs_without_rtgen_read_and_write_ports(
     assert [deserialize(type_, each.octets) for each in read] == [sample(3)]
     writer = medium.publisher(in_topic("a", "in", type_), Qos())
     wait_for(lambda: writer.matched)
-    writer.publish(encoder(type_)(sample(4)), 1)
+    writer.publish(encoder(type_)(sample(4)))
     arrived(node, [4])
 
 

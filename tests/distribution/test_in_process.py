@@ -27,13 +27,13 @@ def test_a_durable_publisher_serves_late_subscriptions() -> None:
     here, there = network.medium(), network.medium()
     publisher = here.publisher(TOPIC, Qos(durable=True, depth=2))
     for number in (1, 2, 3):
-        publisher.publish(bytes([number]), number)
+        publisher.publish(bytes([number]))
     late: list[Sample] = []
     there.subscribe(TOPIC, Qos(durable=True), late.append)
     assert [sample.octets for sample in late] == [b"\2", b"\3"]
     volatile: list[Sample] = []
     there.subscribe(TOPIC, Qos(), volatile.append)
-    publisher.publish(b"\4", 4)
+    publisher.publish(b"\4")
     assert [sample.sequence for sample in late] == [2, 3, 4]
     assert [sample.sequence for sample in volatile] == [4]
 
@@ -43,7 +43,7 @@ def test_a_subscription_gets_no_less_than_it_asks_for() -> None:
     publisher = network.medium().publisher(TOPIC, Qos(reliable=False))
     got: list[Sample] = []
     network.medium().subscribe(TOPIC, Qos(reliable=True), got.append)
-    publisher.publish(b"", 1)
+    publisher.publish(b"")
     assert not publisher.matched
     assert not got
 

@@ -8,6 +8,7 @@ import shutil
 import signal
 import struct
 import subprocess
+import threading
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
@@ -27,8 +28,13 @@ from runs import CONSOLE, GOAL, ROBOT, SYSTEM, TO_GOAL, WAY, Run, Wheels, leased
 
 from refrobots._idl.basic_data_type import TimedDouble
 from rtgen.cli import run as rtgen
-from rtgen.runtime.distribution.medium import MediumError, Qos, Topic
-from rtgen.runtime.zenoh import session
+from rtgen.runtime.distribution.medium import (
+    MediumError,
+    PublishTimeoutError,
+    Qos,
+    Topic,
+)
+from rtgen.runtime.zenoh import flow, session
 from rtgen.runtime.zenoh.medium import ZenohMedium
 from rtgen.runtime.zenoh.services import ZenohService
 from rtgen.runtime.zenoh.session import Endpoints, open_session
@@ -87,6 +93,73 @@ def test_a_program_of_eclipse_zenoh_reads_and_drives_a_component(
     value = node.inward.read()
     assert (value.tm.sec, value.tm.nsec, value.data) == (3, 4, 7.5)
     subscriber.undeclare()
+
+
+def test_a_program_of_eclipse_zenoh_counts_what_it_misses(
+    stack: ExitStack, locator: str
+) -> None:
+    """Zenoh's own features count: source information, and a subscriber's miss listener."""
+    medium = ZenohMedium("plain", Endpoints(listen=(locator,)))
+    stack.callback(medium.close)
+    program = stack.enter_context(plain_session(locator))
+    publisher = medium.publisher(Topic("a/out/out", TimedDouble), Qos())
+    go = threading.Event()
+    numbers: list[int] = []
+    misses: list[int] = []
+
+    def on_sample(each: zenoh.Sample) -> None:
+        assert each.encoding == zenoh.Encoding.APPLICATION_CDR
+        numbers.append(each.source_info.source_sn)
+        go.wait(PATIENCE)
+
+    subscriber = zenoh.ext.declare_advanced_subscriber(
+        program, "plain/topic/a/out/out/RTC::TimedDouble", on_sample
+    )
+    subscriber.sample_miss_listener(lambda miss: misses.append(miss.nb))
+    wait_for(lambda: publisher.matched)
+    sent = 0
+
+    def send(octets: bytes = b"") -> None:
+        nonlocal sent
+        publisher.publish(octets)
+        sent += 1
+
+    wait_for(lambda: send() or numbers)
+    for _ in range(1000):
+        send(bytes(50_000))
+    flooded = sent
+    go.set()
+    wait_for(lambda: send() or numbers[-1] >= flooded)
+    assert sum(misses) > 0
+    assert sum(misses) == numbers[-1] - numbers[0] + 1 - len(numbers)
+    subscriber.undeclare()
+
+
+def test_the_window_opens_for_any_identity_and_beyond_the_highest_number(
+    stack: ExitStack, locator: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Zenoh leaves out trailing zeros of identities."""
+    monkeypatch.setattr(flow, "SEQUENCES", 2 * flow.WINDOW)
+    session = stack.enter_context(open_session(Endpoints(listen=(locator,))))
+    source = b"\7\1", 5
+    acknowledging = flow.Acknowledging(session, "s/flow/t/1")
+    stack.callback(acknowledging.close)
+    window = flow.Window(session, "s/flow/t/*", source, PATIENCE)
+    stack.callback(window.close)
+    for number in range(5 * flow.WINDOW):
+        window.wait("t")
+        acknowledging.handled(source, number % flow.SEQUENCES)
+    other = flow.Window(session, "s/flow/t/*", (b"\7", 5), 0.05)
+    stack.callback(other.close)
+
+    def flood() -> bool:
+        for number in range(2 * flow.WINDOW):
+            other.wait("t")
+            acknowledging.handled(source, number)
+        return False  # The subscription was still unknown.
+
+    with pytest.raises(PublishTimeoutError, match="t: a subscription is 64 samples"):
+        wait_for(flood)
 
 
 @pytest.mark.parametrize(
@@ -210,6 +283,7 @@ def test_routers_of_robots_join_at_a_site(stack: ExitStack, locator: str) -> Non
         ("{ mode: 'nothing' }", "nothing"),
         ("{ mode: ", "zenoh.json5: .*expected"),
         ("{ connect: { endpoints: ['here'] } }", "Endpoints must be of the form"),
+        ("{ id: 'abc' }", "zenoh.json5 has an `id`: .*leave it out"),
     ],
 )
 def test_a_wrong_configuration_file_is_reported(

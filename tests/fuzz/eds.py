@@ -163,7 +163,7 @@ class ComponentsTarget(EdsTarget):
             if run.failed:
                 yield "refused"
                 return
-            output.write(project, run.artifacts, run.inputs)
+            output.write(project, run)
             for factory in _factories(root, name):
                 factory("Fuzzed0")
         yield "made"
@@ -196,8 +196,7 @@ def _factories(root: Path, package: str) -> list[Callable[[str], object]]:
         found = import_module(package)
         for module in walk_packages(found.__path__, f"{package}."):
             import_module(module.name)
-        listed = (root / f"generated/{package}/components/entry_points.txt").read_text()
-        targets = [t for t in (e.partition(" = ")[2] for e in listed.splitlines()) if t]
+        targets = output.component_types(root / "generated").factories.values()
         return [
             getattr(import_module(module), name)
             for module, _, name in (target.partition(":") for target in targets)

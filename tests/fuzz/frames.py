@@ -10,12 +10,12 @@ from random import Random
 
 from fuzzing import ViolationError, log_uniform
 
-from refrobots.canopen.epos_drive import DESCRIPTION as DRIVE
-from refrobots.canopen.epos_drive.proxy import EposDriveProxy
-from refrobots.canopen.f_palette import DESCRIPTION as PALETTE
-from refrobots.canopen.ftmd import DESCRIPTION as FTMD
-from refrobots.canopen.motor_core_unit import DESCRIPTION as MOTOR
 from refrobots.canopen.networks.rh3_beego import NETWORK
+from refrobots.components.epos_drive_proxy import EposDriveProxy
+from refrobots.eposdrive import DESCRIPTION as DRIVE
+from refrobots.fpalette import DESCRIPTION as PALETTE
+from refrobots.ftmd import DESCRIPTION as FTMD
+from refrobots.motorcoreunit import DESCRIPTION as MOTOR
 from rtgen.cli.can.decoding import Decoder
 from rtgen.cli.can.node_index import NodeIndex, read_node_index
 from rtgen.runtime import System

@@ -84,6 +84,8 @@ class Report:
     slowest: tuple[float, int] = (0.0, -1)
     peak: int = 0
     seconds: float = 0.0
+    processor: float = 0.0
+    """Processor time of the workers, including their start."""
 
     def add(self, other: Report) -> None:
         """Add the figures of another run."""
@@ -93,6 +95,7 @@ class Report:
         self.failures += other.failures
         self.slowest = max(self.slowest, other.slowest)
         self.peak = max(self.peak, other.peak)
+        self.processor += other.processor
 
     def __str__(self) -> str:
         rate = self.cases / self.seconds if self.seconds else 0.0
@@ -172,15 +175,16 @@ def run(
     numbers: range,
     *,
     jobs: int = 1,
+    chunk: int = _CHUNK,
     progress: Callable[[Report], None] = lambda _report: None,
 ) -> Report:
-    """Run a range of cases, calling `progress` every few thousand.
+    """Run a range of cases, calling `progress` after each chunk, which has a worker of its own.
 
     An interrupt ends the run; the results so far are reported.
     """
     total = Report()
     start = time.monotonic()
-    pending = [numbers[i : i + _CHUNK] for i in range(0, len(numbers), _CHUNK)][::-1]
+    pending = [numbers[i : i + chunk] for i in range(0, len(numbers), chunk)][::-1]
     workers: dict[Connection, _Worker] = {}
     with tempfile.TemporaryDirectory(
         dir=_SHARED_MEMORY if _SHARED_MEMORY.is_dir() else None
@@ -274,6 +278,7 @@ def _work(
         if len(report.failures) >= MAX_FAILURES:
             break
     report.peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    report.processor = time.process_time()
     channel.send(report)
     channel.close()
 

@@ -15,7 +15,7 @@ from types import ModuleType
 from fuzzing import ViolationError
 
 from rtgen.backends import Options
-from rtgen.backends.stage import BUILT_IN
+from rtgen.backends.stage import BUILT_IN, together
 from rtgen.diagnostics import InputError, has_errors
 from rtgen.model import Model
 from rtgen.runtime.marshalling import descriptors
@@ -24,15 +24,15 @@ from rtgen.runtime.marshalling import descriptors
 def generate(model: Model) -> dict[str, str]:
     """Return the Python of all back ends by its paths. Raises InputError for errors."""
     options = Options("fuzzed", "skeletons", "0")
-    emissions = [backend.emit(model, options) for backend in BUILT_IN]
-    diagnostics = list(chain.from_iterable(e.diagnostics for e in emissions))
+    emission = together(backend.emit(model, options) for backend in BUILT_IN)
+    diagnostics = emission.diagnostics
     for d in diagnostics:
         if d.span is None or not d.message:
             raise ViolationError(f"{d.code} of a back end is nowhere")
     if has_errors(diagnostics):
         raise InputError(diagnostics)
     texts: dict[str, str] = {}
-    for artifact in chain.from_iterable(e.artifacts for e in emissions):
+    for artifact in emission.artifacts:
         if artifact.path.endswith(".py"):
             compile(artifact.text, artifact.path, "exec", dont_inherit=True)
             if artifact.path.startswith("fuzzed/"):

@@ -1,18 +1,25 @@
 """Explores doors: guided by coverage if atheris is installed, else by random inputs.
 
     python tests/fuzz/harness.py DOOR... [--seconds S] [--runs N] [--keep]
+    python tests/fuzz/harness.py DOOR... --total N [--seconds S]
 
 An input that takes over 10 s or 500 MB, or that raises an undocumented exception, is written to
 `build/fuzz/DOOR/` with its traceback; the exit code is then 1. A line for each door summarizes the
 run. `--keep` adds to `corpus/DOOR` the smallest inputs that reach lines which no other input
 reaches.
+
+`--total` gives each door N numbered random inputs, without instrumentation. The door with the
+fewest inputs so far is next. `build/fuzz/inputs.json` counts them, so that a stopped run continues
+there; the number of an input alone determines its octets.
 """
 
 from __future__ import annotations
 
 import argparse
 import hashlib
+import json
 import logging
+import os
 import re
 import shutil
 import subprocess
@@ -20,6 +27,7 @@ import sys
 import tempfile
 import time
 import traceback
+from collections.abc import Iterator, Sequence
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -28,8 +36,7 @@ from types import FrameType, TracebackType
 
 import fuzzing
 from doors import CORPUS, MODULES, Door, corpus, door
-from doors.mixing import ROOT
-from seeds import seed
+from doors.mixing import ROOT, mixing
 
 FOUND = ROOT / "build/fuzz"
 SECONDS_OF_INPUT = 10
@@ -43,25 +50,33 @@ _DEFECT_PREFIX = "defect-"
 """Prefix of the names of inputs that once showed a defect; they are kept."""
 _DRAWN_SHARE = 0.2
 """The share of inputs that are drawn by the grammar instead of mutated."""
+_FIRST_CHUNK = 1000
+_SECONDS_OF_CHUNK = 60
 _EXECUTED = re.compile(r"stat::number_of_executed_units:\s*(\d+)")
 _TIME = re.compile(r"stat::slowest_unit_time_sec:\s*(\d+)")
 _PEAK = re.compile(r"stat::peak_rss_mb:\s*(\d+)")
 
 
 class DoorTarget:
-    """A door for `fuzzing.run`: half of the inputs by its grammar, half by mutation."""
+    """A door for `fuzzing.run`: inputs by its grammar, and mutations of kept ones and of seeds."""
 
     def __init__(self, name: str, folder: Path) -> None:
+        logging.disable()
         self._door = door(name, folder)
-        self._known = [path.read_bytes() for path in corpus(name)]
-        self._known += self._door.seeds
+        known = [path.read_bytes() for path in corpus(name)]
+        known += (seed for seed in self._door.seeds if len(seed) <= _MAX_OCTETS)
+        self._known = sorted(known, key=len) or [b""]
+        self._mix = mixing(self._known)
 
     def make(self, number: int) -> bytes:
         """Return the input of a case."""
         chance = Random(number)
-        if not self._known or chance.random() < 0.5:
+        if chance.random() < _DRAWN_SHARE:
             return self._door.make(chance)
-        data = bytearray(chance.choice(self._known))
+        if chance.random() < 0.5:
+            return self._mix(chance)[:_MAX_OCTETS]
+        # Small inputs are chosen most often, since they are the fastest.
+        data = bytearray(self._known[int(len(self._known) * chance.random() ** 2)])
         for _ in range(chance.randrange(1, 6)):
             at = chance.randrange(len(data) + 1)
             data[at : at + chance.randrange(3)] = chance.randbytes(chance.randrange(4))
@@ -133,7 +148,7 @@ def _child(name: str, arguments: list[str]) -> str:
     return done.stdout + done.stderr
 
 
-def explored(name: str, seconds: float, runs: int) -> tuple[str, bool]:
+def explored(name: str, seconds: float, runs: int, seed: int) -> tuple[str, bool]:
     """Explore a door for a time or a number of inputs; return a summary and whether it passed."""
     folder = FOUND / name
     shutil.rmtree(folder, ignore_errors=True)
@@ -143,9 +158,9 @@ def explored(name: str, seconds: float, runs: int) -> tuple[str, bool]:
         for data in door(name, Path(scratch)).seeds:
             (found / hashlib.sha256(data).hexdigest()[:16]).write_bytes(data)
     if find_spec("atheris") is None:
-        line = _by_chance(name, folder, seconds, runs)
+        line = _by_chance(name, seconds, runs, seed)
     else:
-        line = _guided(name, folder, seconds, runs)
+        line = _guided(name, folder, seconds, runs, seed)
     bad = sorted(p for p in folder.iterdir() if p.is_file() and p.suffix != ".txt")
     for path in bad:
         line += f"\n  {path.relative_to(ROOT)}"
@@ -154,7 +169,7 @@ def explored(name: str, seconds: float, runs: int) -> tuple[str, bool]:
     return line, not bad
 
 
-def _guided(name: str, folder: Path, seconds: float, runs: int) -> str:
+def _guided(name: str, folder: Path, seconds: float, runs: int, seed: int) -> str:
     count, slowest, peak = 0, 0, 0
     end = time.monotonic() + seconds
     while (left := end - time.monotonic()) > 1 and (not runs or count < runs):
@@ -169,7 +184,7 @@ def _guided(name: str, folder: Path, seconds: float, runs: int) -> str:
                 f"-timeout={SECONDS_OF_INPUT}",
                 f"-rss_limit_mb={MEGABYTES + _BASE_MEGABYTES}",
                 f"-max_len={_MAX_OCTETS}",
-                f"-seed={seed() % 2**31}",
+                f"-seed={seed % 2**31}",
                 f"-artifact_prefix={folder}/",
                 "-print_final_stats=1",
                 "-verbosity=0",
@@ -189,19 +204,71 @@ def _guided(name: str, folder: Path, seconds: float, runs: int) -> str:
     return f"{name:<14} {count:>9} inputs, slowest {slowest} s, peak {peak} MB"
 
 
-def _by_chance(name: str, folder: Path, seconds: float, runs: int) -> str:
-    total, first = fuzzing.Report(), seed() * 10_000_000
+def _by_chance(name: str, seconds: float, runs: int, seed: int) -> str:
+    total, first = fuzzing.Report(), seed * 10_000_000
     end = time.monotonic() + seconds
     while time.monotonic() < end and (not runs or total.cases < runs):
         start = first + total.cases
         found = fuzzing.run(partial(DoorTarget, name), range(start, start + 10_000))
         total.add(found)
-        for failure in found.failures:
-            (folder / f"case-{failure.number}").write_text(failure.detail)
-    slowest, peak = total.slowest[0], total.peak // 2**20
+        _keep_failures(name, found)
+    return _line(name, total)
+
+
+def bulk(
+    names: Sequence[str], total: int, seconds: float
+) -> Iterator[tuple[str, bool]]:
+    """Give each door `total` inputs; yield a summary after each tenth, and whether it passed."""
+    file = FOUND / "inputs.json"
+    done: dict[str, int] = json.loads(file.read_text()) if file.exists() else {}
+    reports = {name: fuzzing.Report() for name in names}
+    sizes = dict.fromkeys(names, _FIRST_CHUNK)
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        name = min(names, key=lambda name: done.get(name, 0))
+        start = done.get(name, 0)
+        if start >= total:
+            break
+        numbers = range(start, min(start + sizes[name], total))
+        found = fuzzing.run(partial(DoorTarget, name), numbers, chunk=len(numbers))
+        _keep_failures(name, found)
+        if found.cases < len(numbers) and not found.failures:  # interrupted
+            break
+        done[name] = start + found.cases
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(json.dumps(done, indent=1, sort_keys=True) + "\n")
+        reports[name].add(found)
+        sizes[name] = _next_chunk(found)
+        if found.failures or start * 10 // total < done[name] * 10 // total:
+            yield f"{_line(name, reports[name])}, {done[name]} in all", not found.failures
+
+
+def _next_chunk(found: fuzzing.Report) -> int:
+    """Return the number of inputs that take about a minute."""
+    rate = found.cases / max(found.processor, 0.1)
+    return max(_FIRST_CHUNK, round(rate * _SECONDS_OF_CHUNK))
+
+
+def _line(name: str, found: fuzzing.Report) -> str:
+    slowest, peak = found.slowest[0], found.peak // 2**20
+    rate = found.cases / found.processor if found.processor else 0.0
     return (
-        f"{name:<14} {total.cases:>9} inputs, slowest {slowest:.1f} s, peak {peak} MB"
+        f"{name:<14} {found.cases:>9} inputs, {rate:.0f} per second of a processor,"
+        f" slowest {slowest:.1f} s, peak {peak} MB"
     )
+
+
+def _keep_failures(name: str, found: fuzzing.Report) -> None:
+    """Store the input and the traceback of each case that failed."""
+    folder = FOUND / name
+    with tempfile.TemporaryDirectory() as scratch:
+        target = DoorTarget(name, Path(scratch)) if found.failures else None
+        for failure in found.failures:
+            assert target is not None
+            folder.mkdir(parents=True, exist_ok=True)
+            file = folder / f"case-{failure.number}"
+            file.write_bytes(target.make(failure.number))
+            file.with_suffix(".txt").write_text(failure.detail)
 
 
 def keep(name: str) -> int:
@@ -261,13 +328,24 @@ def main() -> int:
     parser.add_argument("--seconds", type=float, default=60.0, help="for each door")
     parser.add_argument("--runs", type=int, default=0, help="at most so many inputs")
     parser.add_argument("--keep", action="store_true", help="renew the corpus")
+    parser.add_argument("--total", type=int, help="so many inputs of each by chance")
+    seed = int(os.environ.get("RTGEN_SEED", time.time()))
+    parser.add_argument(
+        "--seed", type=int, default=seed, help="[RTGEN_SEED, or the time]"
+    )
     given = parser.parse_args()
     unknown = sorted(set(given.doors).difference(MODULES))
     if unknown:
         parser.error(f"there is no door {', '.join(unknown)}: {', '.join(MODULES)}")
     good = True
+    if given.total is not None:
+        names = given.doors or list(MODULES)
+        for line, sound in bulk(names, given.total, given.seconds * len(names)):
+            print(line, flush=True)
+            good &= sound
+        return 0 if good else 1
     for name in given.doors or MODULES:
-        line, sound = explored(name, given.seconds, given.runs)
+        line, sound = explored(name, given.seconds, given.runs, given.seed)
         kept = f", {keep(name)} kept" if given.keep else ""
         print(line + kept, flush=True)
         good &= sound
@@ -275,7 +353,6 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.path.insert(1, str(ROOT / "tests"))
     if sys.argv[1:2] == ["--inside"]:
         _explore(sys.argv[2], sys.argv[4:])
     else:

@@ -83,7 +83,7 @@ def configured(component: Any, channel: str, **settings: object) -> Any:
 
 
 def proxy(channel: str, **settings: object) -> Any:
-    made = of("hand.canopen.hand_slave.proxy", "HandSlaveProxy")("Proxy0")
+    made = of("hand.components.hand_slave_proxy", "HandSlaveProxy")("Proxy0")
     return configured(made, channel, node_id=NODE, **settings)
 
 

@@ -64,7 +64,7 @@ def made(
         project = load()
         run = compile_project(project)
         assert not run.failed, [d for d in run.diagnostics if has_errors([d])]
-        output.write(project, run.artifacts, run.inputs)
+        output.write(project, run)
     return root, run, count
 
 
@@ -72,14 +72,13 @@ def test_every_component_is_made(made: tuple[Path, Compilation, int]) -> None:
     """All modules are imported, and a proxy and a device created of every description."""
     root, _, count = made
     code = (
-        "import importlib, pkgutil, mass\n"
+        "import importlib, json, pkgutil, mass\n"
         "for each in pkgutil.walk_packages(mass.__path__, 'mass.'):\n"
         "    importlib.import_module(each.name)\n"
-        "for line in open('generated/mass/components/entry_points.txt'):\n"
-        "    name, _, target = line.strip().partition(' = ')\n"
-        "    if target:\n"
-        "        module, _, made = target.partition(':')\n"
-        "        print(getattr(importlib.import_module(module), made)(name))\n"
+        "manifest = json.load(open('generated/.rtgen.json'))\n"
+        "for name, target in manifest['factories'].items():\n"
+        "    module, _, made = target.partition(':')\n"
+        "    print(getattr(importlib.import_module(module), made)(name))\n"
     )
     path = os.pathsep.join([str(root / "generated"), str(root / "src")])
     done = subprocess.run(

@@ -32,6 +32,7 @@ from rtgen.runtime import (
     System,
 )
 from rtgen.runtime.canopen.wire.sdo import SdoAbort
+from rtgen.runtime.library import canopen
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "canopen"))
 from hub_process import HubProcess
@@ -75,7 +76,7 @@ class Bench:
         """Initialize; with `own_slave` the test creates the slave."""
         self.channel = channel or f"hand{next(CHANNELS)}"
         self.system = System(RealClock())
-        self.proxy = of("hand.canopen.hand_slave.proxy", "HandSlaveProxy")("Proxy0")
+        self.proxy = of("hand.components.hand_slave_proxy", "HandSlaveProxy")("Proxy0")
         self.manager = of("hand.canopen.manager", "CanopenManager")("Manager0")
         parameters = self.proxy.configuration_sets
         for component in (self.proxy, self.manager):
@@ -220,7 +221,7 @@ def test_objects_by_name(bench: Bench) -> None:
     assert bench.call("get_Serial_number") == 4711
     bench.call("set_Target", -7)
     assert bench.slave.number(0x2003) == -7
-    aborted = of("hand.canopen", "SdoAbort")
+    aborted = canopen.SdoAbort
     with pytest.raises(aborted) as refused:
         bench.call("read", 0x2005, 0)
     assert refused.value.code == 0x06010001
@@ -294,7 +295,7 @@ def test_the_service_of_the_manager(bench: Bench) -> None:
         bench.until(ERROR_STATE)
         manager.call(reset, (NODE,))
         bench.wait(lambda: state().phase.name == "NODE_RUNNING")
-    refused = of("hand.canopen", "Refused")
+    refused = canopen.Refused
     with pytest.raises(refused) as raised:
         manager.call("start", (6,))
     assert raised.value.reason == "the network hand has no node 6"

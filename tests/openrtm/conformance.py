@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import configparser
 import os
 import re
 import shutil
@@ -12,27 +11,14 @@ from pathlib import Path
 from middleware import DATA_TYPES
 
 from rtgen.cli import run
+from rtgen.project.output import component_types
 from rtgen.runtime import Component
 
 GENERATED = Path(__file__).parents[2] / "generated"
 
 
-class EntryPoints(configparser.ConfigParser):
-    """A parser that keeps the case of names."""
-
-    def optionxform(self, optionstr: str) -> str:
-        return optionstr
-
-
-def behaviours() -> dict[str, str]:
-    """Return the factory of every component of the reference build, `module:name`."""
-    lists = EntryPoints()
-    lists.read(GENERATED / "refrobots/components/entry_points.txt")
-    return {n: v for section in lists.sections() for n, v in lists[section].items()}
-
-
-BEHAVIOURS = behaviours()
-
+BEHAVIOURS = component_types(GENERATED).factories
+"""The factory of every component of the reference build, `module:name`."""
 
 SETTINGS = """
 [sources]

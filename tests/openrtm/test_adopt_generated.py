@@ -40,7 +40,7 @@ def without_annotations(item: Any) -> Any:
 
 def folders(out: Path) -> list[Path]:
     """Return the folders of the IDL files of the reference build."""
-    device_files = sorted(path.parent for path in out.glob("refrobots/canopen/*/*.idl"))
+    device_files = sorted(path.parent for path in out.glob("refrobots/*/*.idl"))
     boards = [out / "refrobots/tecs/board", IDL.parent]
     own = [*boards, out / "refrobots/canopen", *device_files]
     return [ROOT / "specs/idl", *own]

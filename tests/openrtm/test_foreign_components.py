@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import struct
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -15,7 +16,15 @@ from logged_process import LoggedProcess
 from openrtm_lab import until
 from patience import PATIENCE
 
+from refrobots.iis import TimedPose2D, TimedState
 from rtgen.cli import run as rtgen
+from rtgen.cli.common import Console
+from rtgen.cli.ui import CommandProject
+from rtgen.runtime import RealClock, xcdr
+from rtgen.ui.commands import Commands
+from rtgen.ui.outbox import Outbox
+from rtgen.ui.protocol import ui
+from rtgen.ui.session import Session
 
 ROOT = Path(__file__).resolve().parents[2]
 GOAL = ROOT / "specs" / "navigation" / "rh3_goal.xml"
@@ -230,3 +239,129 @@ def test_a_foreign_component_provides_a_service(
     size = log.stat().st_size
     until(lambda: '"error": ""' in log.read_text()[size:], PATIENCE)
     assert ours.end() == 0
+
+
+class Page:
+    """Stands for a page of `rtgen ui --nameserver`, without a browser."""
+
+    def __init__(self, naming_service: str) -> None:
+        project = CommandProject(Console("text", False, True), [])
+        self.session = Session(project, "", RealClock, [naming_service])
+        self.session.runner.start()
+        self._commands = Commands(self.session)
+        self._outbox = Outbox(lambda: None)
+        self._results: list[ui.Result] = []
+        self.samples: list[bytes] = []
+        self.session.runner.submit(lambda: self.session.join(self._outbox))
+
+    def done(self, branch: str, value: object) -> ui.Result:
+        """Carry out a command, which succeeds."""
+        command = getattr(ui.Command, f"of_{branch}")(value)
+        message = ui.ClientMessage(request=1, asked=command)
+        self._results.clear()
+        self.session.runner.submit(
+            lambda: self._commands.carry_out(self._outbox, message)
+        )
+        until(lambda: self._follow() or self._results, PATIENCE)
+        [result] = self._results
+        assert result.done, result.message
+        return result
+
+    def _follow(self) -> None:
+        data = self._outbox.take()
+        for event in ui.ServerMessage.from_cdr(data).events if data else ():
+            if event.discriminator is ui.EventKind.EVENT_RESULT:
+                self._results.append(event.outcome)
+            elif event.discriminator is ui.EventKind.EVENT_SAMPLES:
+                self.samples += [each.data for each in event.samples]
+
+    def found(self, end: str) -> ui.Component:
+        """Wait for the component whose name has this end, and return it."""
+        components = self.session.outside.components
+
+        def names() -> list[str]:
+            components = self.session.outside.components
+            return [each for each in components if each.endswith(end)]
+
+        until(names, PATIENCE)
+        components = self.session.outside.components
+        return components[names()[0]]
+
+
+@pytest.fixture
+def page(naming_service: str) -> Iterator[Page]:
+    page = Page(naming_service)
+    yield page
+    page.session.close()
+
+
+def test_a_page_shows_and_steers_it(
+    launch: Callable[..., LoggedProcess], naming_service: str, page: Page
+) -> None:
+    operator = launch("operator", formats="%h.host_cxt/%n.rtc")
+    operator.says("ready")
+    name = page.found("host_cxt/PositionInput0").instance
+
+    def now() -> ui.Component:
+        return page.session.outside.components[name]
+
+    def values() -> dict[str, str]:
+        [found] = [s for s in now().configuration_sets if s.name == "default"]
+        return {each.name: each.text for each in found.values}
+
+    assert (now().type, now().current) == ("PositionInput", ui.State.STATE_INACTIVE)
+    page.done("setting", ui.SetParameter(name, "", "01_x", "0.5"))
+    until(lambda: values()["01_x"] == "0.5", PATIENCE)
+    page.done("undone", True)
+    until(lambda: values()["01_x"] == "0", PATIENCE)
+    page.done("redone", True)
+    until(lambda: values()["01_x"] == "0.5", PATIENCE)
+    [channel] = [
+        each
+        for each in page.session.whole().channels
+        if (each.port.instance, each.port.port) == (name, "positon")
+    ]
+    page.done("channels", [channel.id])
+    neighbours = page.session.neighbours
+    assert neighbours is not None
+    found = neighbours._found[name]
+    until(lambda: found.ports["positon"].connector_profiles, PATIENCE)
+    page.done("activated", [name])
+    until(lambda: now().current is ui.State.STATE_ACTIVE, PATIENCE)
+    operator.says("sent")
+    until(lambda: page._follow() or page.samples, PATIENCE)
+    pose = xcdr.deserialize(TimedPose2D, page.samples[0])
+    assert pose.data.position.x == 0.5
+    status = TimedState(data=0)
+    octets = xcdr.serialize(status, xcdr.representation_of(TimedState, 1))
+    page.done("injected", ui.Inject(ui.PortAddress(name, "status"), octets))
+    operator.says("FINISH")
+
+
+def test_a_page_calls_its_service(
+    launch: Callable[..., LoggedProcess],
+    naming_service: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for file in CALC.iterdir():
+        if file.is_file():
+            (tmp_path / file.name).write_bytes(file.read_bytes())
+    monkeypatch.chdir(tmp_path)
+    assert rtgen(["generate", "-q"]) == 0
+    launch("adder", formats="%h.host_cxt/%n.rtc").says("ready")
+    page = Page(naming_service)
+    try:
+        name = page.found("host_cxt/Counter0").instance
+        page.done("activated", [name])
+        [port] = page.session.outside.components[name].ports
+        [interface] = port.interfaces
+        assert (interface.name, interface.type) == ("adder", "Adder")
+        operations = {each.name for each in interface.operations}
+        assert operations == {"add", "nap", "_get_naps"}
+        arguments = b"\0\1\0\0" + struct.pack("<ii", 2, 40)
+        address = ui.PortAddress(name, port.name)
+        called = ui.Call(address, "adder", "add", arguments)
+        assert page.done("called", called).reply[4:] == struct.pack("<i", 42)
+    finally:
+        page.session.close()

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, get_type_hints
 
 import middleware
 
@@ -85,12 +85,11 @@ class Wires:
         self.types: dict[str, type[Any]] = {}
         self.kinds: list[Kind] = []
         for file in sorted((self.folder / "_corba").glob("[a-z]*.py")):
-            types = importlib.import_module(f"{package}._idl.{file.stem}")
             module = importlib.import_module(f"{package}._corba.{file.stem}")
-            for type_ in _declared(types):
-                self.types[type_._descriptor_.repository_id] = type_
-                if hasattr(module, f"to_{type_.__name__}"):
-                    self.kinds.append(Kind(type_, module))
+            for types in _modules(module):
+                for type_ in _declared(types):
+                    self.types[type_._descriptor_.repository_id] = type_
+            self.kinds += (Kind(type_, module) for type_ in _converted(module))
 
     def kind(self, scoped: str) -> Kind:
         """Return the type of that name."""
@@ -103,6 +102,21 @@ class Wires:
     def declared(self, name: str) -> Any:
         """Return a module of types and interfaces."""
         return importlib.import_module(f"{self.package}._idl.{name}")
+
+
+def _modules(module: ModuleType) -> Iterator[ModuleType]:
+    """Yield the modules of types that a module of conversions imports."""
+    for value in vars(module).values():
+        if isinstance(value, ModuleType):
+            yield value
+
+
+def _converted(module: ModuleType) -> Iterator[type[Any]]:
+    """Yield the types that a module converts to wire objects."""
+    for name, value in vars(module).items():
+        own = getattr(value, "__module__", "") == module.__name__
+        if own and name.startswith("to_"):
+            yield get_type_hints(value)["value"]
 
 
 def _declared(module: ModuleType) -> Iterator[type[Any]]:

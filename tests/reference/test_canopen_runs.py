@@ -15,8 +15,8 @@ import pytest
 from pipeline import MAX_DURATION, NAVIGATION, at_end, goal, profile
 
 from refnav.geometry import Pose, wrap
-from refrobots.canopen.f_palette import proxy as palette
-from refrobots.canopen.motor_core_unit import proxy as motor
+from refrobots.components import f_palette_proxy as palette
+from refrobots.components import motor_core_unit_proxy as motor
 from rtgen.cli import run
 from rtgen.cli.assembly import assemble
 from rtgen.cli.factories import Factories

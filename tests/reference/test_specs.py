@@ -26,6 +26,7 @@ from refrobots.components.ref_hard_rh3 import RefHardRh3Base
 from refrobots.components.switch_input_rtc import SwitchInputRTCBase
 from rtgen.cli.factories import Factories
 from rtgen.project import load
+from rtgen.project.output import component_types
 from rtgen.runtime import Component
 
 SPECS = Path(__file__).parents[2] / "specs"
@@ -300,9 +301,9 @@ def test_the_states_and_travel_modes_count_up_from_zero() -> None:
 
 
 def test_the_project_makes_every_component() -> None:
-    listed = SPECS.parent / "generated/refrobots/components/entry_points.txt"
-    lines = listed.read_text("utf-8").partition("[rtgen.components]\n")[2].split("\n")
+    listed = component_types(SPECS.parent / "generated").factories
+    assert len(listed) > 40
     factories = Factories(load(SPECS.parent))
-    for name, target in (line.split(" = ") for line in lines if line):
+    for name, target in listed.items():
         assert factories.types[name] == target
         assert callable(factories[name])

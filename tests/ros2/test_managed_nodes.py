@@ -473,7 +473,7 @@ def test_both_nodes_are_in_the_graph_of_zenoh(stack: ExitStack) -> None:
     stack.callback(nodes.close)
 
     def tokens() -> list[str]:
-        found = plain.liveliness().get("@ros2_lv/91/**")
+        found = plain.liveliness().get(f"@ros2_lv/{DOMAIN}/**")
         return sorted(str(reply.ok.key_expr) for reply in found if reply.ok)
 
     # A node each; 11 services and two publishers.

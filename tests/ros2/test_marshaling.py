@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import media
 import pytest
 
 from refrobots import rtc
@@ -210,7 +211,7 @@ def module(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> str:
     Path(f"{name}.py").write_text(MODULE)
     monkeypatch.syspath_prepend(tmp_path)
     Path("rtgen.toml").write_text(
-        f'[components]\nTwo = "{name}:Two"\n[ros2]\ndomain = 92\n'
+        f'[components]\nTwo = "{name}:Two"\n[ros2]\ndomain = {media.own_domain()}\n'
     )
     return name
 

@@ -12,6 +12,7 @@ from contextlib import ExitStack
 from types import ModuleType
 from typing import Any
 
+import media
 import pytest
 
 from rtgen.facts.ros_qos import PROFILES, History, Profile
@@ -24,7 +25,7 @@ cyclonedds = pytest.importorskip("cyclonedds", reason="cyclonedds is not install
 zenoh = pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")
 
 FLOAT32 = "RIHS01_7170d3d8f841f7be3172ce5f4f59f3a4d7f63b0447e8b33327601ad64d83d6e2"
-DOMAIN = 91
+DOMAIN = media.own_domain()
 WAIT = 20.0
 
 
@@ -197,8 +198,8 @@ def test_a_session_of_zenoh_that_finds_nobody_is_reported(
     assert "no router or peer of Zenoh was found" in caplog.messages[0]
 
 
-SPEED = f"91/robot/speed/std_msgs::msg::dds_::Float32_/{FLOAT32}"
-GOAL = f"91/robot/goal/std_msgs::msg::dds_::Float32_/{FLOAT32}"
+SPEED = f"{DOMAIN}/robot/speed/std_msgs::msg::dds_::Float32_/{FLOAT32}"
+GOAL = f"{DOMAIN}/robot/goal/std_msgs::msg::dds_::Float32_/{FLOAT32}"
 
 
 def test_zenoh(messages: dict[str, ModuleType], stack: ExitStack) -> None:
@@ -236,13 +237,13 @@ def test_zenoh_shows_its_tokens(
     zid = str(network._session.zid())
     entity = f"std_msgs::msg::dds_::Float32_/{FLOAT32}/2::,5:,:,:,,"
     expected = {
-        f"@ros2_lv/91/{zid}/0/0/NN/%/%robot/node",
-        f"@ros2_lv/91/{zid}/0/1/MP/%/%robot/node/%robot%speed/{entity}",
-        f"@ros2_lv/91/{zid}/0/2/MS/%/%robot/node/%robot%goal/{entity}",
+        f"@ros2_lv/{DOMAIN}/{zid}/0/0/NN/%/%robot/node",
+        f"@ros2_lv/{DOMAIN}/{zid}/0/1/MP/%/%robot/node/%robot%speed/{entity}",
+        f"@ros2_lv/{DOMAIN}/{zid}/0/2/MS/%/%robot/node/%robot%goal/{entity}",
     }
 
     def tokens() -> set[str]:
-        replies = plain.liveliness().get("@ros2_lv/91/**")
+        replies = plain.liveliness().get(f"@ros2_lv/{DOMAIN}/**")
         return {str(reply.ok.key_expr) for reply in replies if reply.ok is not None}
 
     assert await_(lambda: tokens() if len(tokens()) == 3 else None) == expected

@@ -26,7 +26,7 @@ from action_ends import (
 )
 from test_networks import DOMAIN, await_, zenoh_pair
 
-from rtgen.runtime.services.servants import CommunicationFailure
+from rtgen.runtime.services.servants import CommunicationFailure, ObjectNotExist
 
 zenoh = pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")
 
@@ -191,9 +191,15 @@ def test_a_server_of_zenoh(go: ModuleType, stack: ExitStack) -> None:
     uuid = go.unique_identifier_msgs.msg.UUID(UUID)
     done: list[Any] = []
 
-    def ask() -> None:
+    def sent() -> Any:
         request = action.Go_SendGoal_Request(uuid, action.Go_Goal(2.0))
-        done.append(asker.goals.send_goal(request).accepted)
+        try:
+            return asker.goals.send_goal(request)
+        except ObjectNotExist:
+            return None  # The server is still unknown.
+
+    def ask() -> None:
+        done.append(await_(sent).accepted)
         result = asker.goals.get_result(action.Go_GetResult_Request(uuid))
         done.append((result.status, result.result.done))
         try:

@@ -54,7 +54,7 @@ def number_of(sample: Sample) -> int:
 
 
 class Sender:
-    """Publishes numbers, as samples counted from 1."""
+    """Publishes numbers, and counts them."""
 
     def __init__(self, publisher: Publisher) -> None:
         self.publisher = publisher
@@ -62,7 +62,7 @@ class Sender:
 
     def send(self, number: int, size: int = 4) -> None:
         """Publish a number."""
-        self.publisher.publish(payload(number, size), self.sent + 1)
+        self.publisher.publish(payload(number, size))
         self.sent += 1
 
     def reach(self, number: int, *readers: Samples) -> None:

@@ -23,7 +23,7 @@ def publish(medium: Medium) -> None:
     while not pause.wait(0.001):
         if publisher.matched:
             number += 1
-            publisher.publish(payload(number), number)
+            publisher.publish(payload(number))
 
 
 def subscribe(medium: Medium) -> None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 
 import pytest
@@ -51,26 +52,48 @@ def served(client: OctetsClient, octets: bytes = b"probe") -> bytes:
     return reply
 
 
-def test_calls_return_the_reply_from_many_threads(join: Join) -> None:
-    here, there = join(), join()
-    server = Server()
-    serve_octets(there, "s/op", server.on_request)
+@pytest.fixture
+def hurried() -> Iterator[None]:
+    """Let Python switch between threads as often as possible."""
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    yield
+    sys.setswitchinterval(before)
+
+
+@pytest.mark.usefixtures("hurried")
+@pytest.mark.parametrize(("threads", "calls"), [(4, 500), (64, 30)])
+def test_calls_of_many_threads_are_carried_out_once_each(
+    join: Join, threads: int, calls: int
+) -> None:
+    here, *others = join(), join(), join()
+    servers = [Server() for _ in others]
+    for there, server in zip(others, servers, strict=True):
+        serve_octets(there, "s/op", server.on_request)
     client = OctetsClient(here, "s/op")
     assert served(client) == b"eborp"
-    found: list[bool] = []
+    wrong: list[object] = []
 
     def call(thread: int) -> None:
-        for number in range(25):
+        for number in range(calls):
             octets = f"{thread} {number}".encode()
-            found.append(client.call(octets, 30) == octets[::-1])
+            try:
+                reply = client.call(octets, 30)
+            except MediumError as error:
+                wrong.append(error)
+                return
+            if reply != octets[::-1]:
+                wrong.append((octets, reply))
 
-    threads = [threading.Thread(target=call, args=(n,)) for n in range(4)]
-    for thread in threads:
+    callers = [threading.Thread(target=call, args=(n,)) for n in range(threads)]
+    for thread in callers:
         thread.start()
-    for thread in threads:
+    for thread in callers:
         thread.join()
-    assert found == [True] * 100
-    assert len(server.requests) == len(set(server.requests)) == 101
+    requests = [octets for server in servers for octets in server.requests]
+    assert not wrong
+    assert len(set(requests)) == threads * calls + 1
+    assert len(requests) == threads * calls + 1
 
 
 def test_octets_of_any_length_travel(join: Join) -> None:

@@ -5,17 +5,21 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from functools import partial
+from itertools import pairwise
 
 import media
 import pytest
 from collecting import TOPIC, Samples, Sender, number_of, payload, wait_for
+from patience import PATIENCE
 
 from refrobots._idl.basic_data_type import TimedLong
 from rtgen.runtime.distribution.medium import (
+    SEQUENCES,
     Medium,
     MediumError,
     PublishTimeoutError,
     Qos,
+    Sample,
     Topic,
 )
 from rtgen.runtime.distribution.rpc_header import OctetsClient, serve_octets
@@ -54,7 +58,7 @@ def test_two_publishers_are_told_apart_and_each_keeps_its_order(join: Join) -> N
     def send(publisher_index: int) -> None:
         for number in range(1, 501):
             publishers[publisher_index].publish(
-                payload(publisher_index * 1000 + number), number
+                payload(publisher_index * 1000 + number)
             )
 
     threads = [threading.Thread(target=send, args=(index,)) for index in (0, 1)]
@@ -69,17 +73,37 @@ def test_two_publishers_are_told_apart_and_each_keeps_its_order(join: Join) -> N
         assert mine == [index * 1000 + number for number in range(1, 501)]
 
 
-def test_a_gap_in_the_numbers_shows_what_was_lost(join: Join) -> None:
+def test_a_gap_in_the_numbers_shows_what_was_lost(
+    join: Join, engine: media.Engine
+) -> None:
+    """A blocked subscription loses samples of a publisher that keeps few."""
     here, there = join(), join()
-    got = Samples()
-    there.subscribe(TOPIC, Qos(), got.on_sample)
-    publisher = here.publisher(TOPIC, Qos())
+    got, go = Samples(), threading.Event()
+    loses = engine.address is not None
+
+    def on_sample(sample: Sample) -> None:
+        got.on_sample(sample)
+        if loses:
+            go.wait(PATIENCE)
+
+    there.subscribe(TOPIC, Qos(depth=4), on_sample)
+    publisher = here.publisher(TOPIC, Qos(depth=4))
     wait_for(lambda: publisher.matched)
-    for number in (1, 2, 5):
-        publisher.publish(payload(number), number)
-    wait_for(lambda: len(got) == 3)
-    if None not in got.sequences:
-        assert got.sequences == [1, 2, 5]
+    sender = Sender(publisher)
+
+    def send(size: int = 4) -> None:
+        sender.send(sender.sent + 1, size)
+
+    wait_for(lambda: send() or got)
+    for _ in range(1000):
+        send(50_000)
+    flooded = sender.sent
+    go.set()
+    wait_for(lambda: send() or number_of(got[-1]) > flooded)
+    assert None not in got.sequences
+    gaps = [(b - a) % SEQUENCES for a, b in pairwise(got.sequences)]
+    assert gaps == [b - a for a, b in pairwise(map(number_of, got))]
+    assert (max(gaps) > 1) is loses
 
 
 def test_other_names_types_and_systems_are_not_received(join: Join) -> None:
@@ -95,8 +119,8 @@ def test_other_names_types_and_systems_are_not_received(join: Join) -> None:
     wait_for(lambda: publisher.matched)
     assert not any(stranger.matched for stranger in strangers)
     for stranger in strangers:
-        stranger.publish(payload(1), 1)
-    publisher.publish(payload(2), 1)
+        stranger.publish(payload(1))
+    publisher.publish(payload(2))
     wait_for(lambda: got)
     assert [number_of(sample) for sample in got] == [2]
 
@@ -124,7 +148,7 @@ def test_a_durable_subscription_finds_a_publisher_that_comes_later(join: Join) -
     there.subscribe(TOPIC, Qos(durable=True, depth=4), got.on_sample)
     publisher = here.publisher(TOPIC, Qos(durable=True, depth=4))
     for number in range(1, 5):
-        publisher.publish(payload(number), number)
+        publisher.publish(payload(number))
     wait_for(lambda: len(got) >= 4)
     assert [number_of(sample) for sample in got] == [1, 2, 3, 4]
 
@@ -138,8 +162,8 @@ def test_big_samples_arrive_whole(join: Join, megabytes: int) -> None:
     wait_for(lambda: publisher.matched)
     octets = bytes(range(256)) * (megabytes << 12)
     samples = [payload(n, len(octets))[: -len(octets)] + octets for n in (1, 2, 3)]
-    for sequence, sample in enumerate(samples, 1):
-        publisher.publish(sample, sequence)
+    for sample in samples:
+        publisher.publish(sample)
     wait_for(lambda: len(got) == 3)
     # Avoid a diff of megabytes.
     assert all(sample.octets == sent for sample, sent in zip(got, samples, strict=True))
@@ -230,9 +254,45 @@ def test_nothing_comes_after_close(join: Join) -> None:
     assert len(got) == before
     publisher.close()
     with pytest.raises(MediumError):
-        publisher.publish(payload(1), 1)
+        publisher.publish(payload(1))
     subscription.close()
     publisher.close()
+    for depth in (1, None):
+        last = here.publisher(TOPIC, Qos(depth=depth))
+        here.close()
+        with pytest.raises(MediumError):
+            last.publish(payload(1))
+        here = join()
+
+
+def test_subscriptions_come_and_go_while_samples_flow(join: Join) -> None:
+    here, there = join(), join()
+    publisher = here.publisher(TOPIC, Qos(depth=None))
+    over = threading.Event()
+    failures: list[Exception] = []
+
+    def flood() -> None:
+        sender = Sender(publisher)
+        while not (over.is_set() or failures):
+            try:
+                sender.send(sender.sent)
+            except Exception as error:
+                failures.append(error)
+
+    thread = threading.Thread(target=flood)
+    thread.start()
+    try:
+        for _ in range(40):
+            got = Samples()
+            subscription = there.subscribe(TOPIC, Qos(depth=None), got.on_sample)
+            wait_for(lambda got=got: len(got) > 20)
+            subscription.close()
+            numbers = [number_of(sample) for sample in got]
+            assert numbers == sorted(set(numbers))
+    finally:
+        over.set()
+        thread.join()
+    assert not failures
 
 
 def test_wrong_names_are_refused(join: Join) -> None:

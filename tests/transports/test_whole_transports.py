@@ -185,7 +185,7 @@ def _garble(pair: Pair, kind: str) -> None:
         topic = out_topic(NEAR, "many", type(sample(0)))
         publisher = medium.publisher(topic, Qos())
         wait_for(lambda: publisher.matched)
-        publisher.publish(b"\0\1\0\0garbage", 1)
+        publisher.publish(b"\0\1\0\0garbage")
         return
     from rtgen.runtime.corba.rt_objects import wire
 

@@ -1,6 +1,6 @@
 /** The page: palette, wiring, panel of the selected component, time. */
 
-import { useState, useSyncExternalStore } from "react";
+import { useEffect, useState, useSyncExternalStore } from "react";
 import { Palette } from "./Palette.tsx";
 import type { Tab } from "./Panel.tsx";
 import { Panel } from "./Panel.tsx";
@@ -15,6 +15,20 @@ export function App() {
   const { system } = page;
   const past = system?.time.past ?? false;
   const full = page.full && !past;
+  useEffect(() => {
+    if (!full) return undefined;
+    const onKeyDown = (e: KeyboardEvent) => {
+      // What is being typed has an undo of its own.
+      if (!(e.ctrlKey || e.metaKey) || e.altKey || (e.target as HTMLElement).matches("input, textarea, select")) return;
+      const key = e.key.toLowerCase();
+      const undo = key === "z" && !e.shiftKey;
+      if (!undo && key !== "y" && key !== "z") return;
+      e.preventDefault();
+      void store.order(undo ? { case: "undone", value: true } : { case: "redone", value: true });
+    };
+    window.addEventListener("keydown", onKeyDown);
+    return () => window.removeEventListener("keydown", onKeyDown);
+  }, [full]);
   const component = system?.components.find((each) => each.instance === selected);
   return (
     <div className="app">
@@ -44,8 +58,10 @@ export function App() {
             file={system.edits.file}
             components={system.components}
             connections={system.connections}
+            buses={system.buses}
             full={full}
             statistics={page.statistics}
+            selected={selected}
             select={select}
             open={open}
           />

@@ -1,18 +1,22 @@
 /** Calls to TECS boards: octets of request and reply, and a histogram of round trips. */
 
+import { useState } from "react";
 import type { BoardCall } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
 import { hexadecimal } from "./traffic.ts";
 
 const BINS = 12;
+/** The part of round trips that lies before the last bin. */
+const USUAL = 0.95;
 const SHOWN = 100;
 
 const printable = (octets: Uint8Array): string => [...octets].map((each) => (each > 31 && each < 127 ? String.fromCharCode(each) : "·")).join("");
 const listed = (values: BoardCall["request_values"]): string => values.map((each) => `${each.name} = ${each.text}`).join(", ");
 
+/** Calls with their octets, and beside them what these mean. */
 export function CallTable({ calls }: { calls: readonly BoardCall[] }) {
   return (
-    <div className="rows">
+    <div className="rows" tabIndex={0}>
       <table aria-label="Calls to the board">
         <thead>
           <tr>
@@ -21,82 +25,104 @@ export function CallTable({ calls }: { calls: readonly BoardCall[] }) {
             <th scope="col">meaning</th>
           </tr>
         </thead>
-        <tbody>
-          {calls.map((call, i) => (
-            <tr key={i}>
-              <td>{call.time.toFixed(3)}</td>
-              <td className="octets">
-                → {hexadecimal(call.request)}
-                <br />← {hexadecimal(call.reply)}
-              </td>
+        {calls.map((call, i) => (
+          <tbody key={i}>
+            <tr>
+              <th scope="rowgroup" rowSpan={2}>
+                {call.time.toFixed(3)}
+              </th>
+              <td className="octets">{hexadecimal(call.request)}</td>
               <td className="meaning">
-                {call.function} {listed(call.request_values)}
-                <br />
-                {call.error ? <span className="reason">{call.error}</span> : listed(call.reply_values) || printable(call.reply)}
+                {call.function ? <strong>{call.function}</strong> : "request"} {listed(call.request_values)}
               </td>
             </tr>
-          ))}
-        </tbody>
+            <tr>
+              <td className="octets">{hexadecimal(call.reply)}</td>
+              <td className="meaning">
+                {call.error ? <span className="reason">{call.error}</span> : listed(call.reply_values) || (call.function ? "no values" : printable(call.reply))}
+              </td>
+            </tr>
+          </tbody>
+        ))}
       </table>
     </div>
   );
 }
 
-/** Counts of round trips [s] in bins of equal width. */
-export function histogram(trips: readonly number[]): { least: number; width: number; counts: number[] } {
-  const least = Math.min(...trips);
-  const width = (Math.max(...trips) - least) / BINS;
-  const counts = Array<number>(width > 0 ? BINS : 1).fill(0);
-  for (const trip of trips) {
-    const bin = width > 0 ? Math.min(Math.floor((trip - least) / width), BINS - 1) : 0;
-    counts[bin] = (counts[bin] ?? 0) + 1;
-  }
-  return { least, width, counts };
+/** Counts of round trips [s] in bins of equal width, of which the last one has the few that took much longer, too. */
+export function histogram(trips: readonly number[]): { edges: number[]; counts: number[] } {
+  const sorted = [...trips].sort((a, b) => a - b);
+  const [least, usual, most] = [0, USUAL, 1].map((part) => sorted[Math.floor(part * (sorted.length - 1))]!) as [number, number, number];
+  if (least === most) return { edges: [least, most], counts: [trips.length] };
+  const width = (usual - least || most - least) / (BINS - 1);
+  const edges = [...Array.from({ length: BINS }, (_, i) => least + i * width), Math.max(most, least + BINS * width)];
+  const counts = Array<number>(BINS).fill(0);
+  for (const trip of trips) counts[Math.min(Math.floor((trip - least) / width), BINS - 1)]! += 1;
+  return { edges, counts };
 }
 
-const micro = (seconds: number): string => `${Number((seconds * 1e6).toPrecision(3))}`;
+const micro = (seconds: number): string => `${Number((seconds * 1e6).toPrecision(3))} µs`;
 
-function Histogram({ trips }: { trips: readonly number[] }) {
-  const { least, width, counts } = histogram(trips);
-  const most = Math.max(...counts);
+/** The round trips of calls, those of them that were measured. */
+export function Histogram({ calls }: { calls: readonly BoardCall[] }) {
+  const trips = calls.map((each) => each.round_trip).filter((each) => each >= 0);
+  if (!trips.length) return null;
+  const { edges, counts } = histogram(trips);
+  const highest = Math.max(...counts);
   const mean = trips.reduce((sum, each) => sum + each, 0) / trips.length;
+  const spread = Math.sqrt(trips.reduce((sum, each) => sum + (each - mean) ** 2, 0) / trips.length);
+  const width = 360 / counts.length;
   return (
     <figure>
-      <svg className="histogram" viewBox="0 0 360 130" role="img" aria-label={`Round trips of ${trips.length} calls, mean ${micro(mean)} µs`}>
+      <svg className="histogram" viewBox="0 0 360 130" role="img" aria-label={`Round trips of ${trips.length} calls, mean ${micro(mean)}`}>
         {counts.map((count, i) => {
-          const height = (count / most) * 100;
-          const x = (i * 360) / counts.length;
+          const height = (count / highest) * 100;
           return (
             <g key={i}>
-              <rect x={x + 1} y={112 - height} width={360 / counts.length - 2} height={height}>
-                <title>{`${micro(least + i * width)} to ${micro(least + (i + 1) * width)} µs: ${count}`}</title>
+              <rect x={i * width + 1} y={112 - height} width={width - 2} height={height}>
+                <title>{`${micro(edges[i]!)} to ${micro(edges[i + 1]!)}: ${count}`}</title>
               </rect>
               {count > 0 && (
-                <text x={x + 180 / counts.length} y={109 - height} textAnchor="middle">
+                <text x={(i + 0.5) * width} y={109 - height} textAnchor="middle">
                   {count}
                 </text>
               )}
             </g>
           );
         })}
-        <text x="0" y="126">{`${micro(least)} µs`}</text>
-        <text x="360" y="126" textAnchor="end">{`${micro(least + width * counts.length)} µs`}</text>
+        <text x="0" y="126">
+          {micro(edges[0]!)}
+        </text>
+        <text x="360" y="126" textAnchor="end">
+          {counts.length > 1 && `from ${micro(edges.at(-2)!)} to ${micro(edges.at(-1)!)}`}
+        </text>
       </svg>
       <figcaption>
-        Round trips of {trips.length} calls, mean {micro(mean)} µs
+        Round trips of {trips.length} calls: mean {micro(mean)}, spread {micro(spread)}, least {micro(edges[0]!)}, most {micro(edges.at(-1)!)}
       </figcaption>
     </figure>
   );
 }
 
 export function Board() {
+  const [chosen, choose] = useState("");
   const { calls } = store.traffic;
-  const trips = calls.map((each) => each.round_trip).filter((each) => each >= 0);
   if (!calls.length) return <p>No board has been called yet.</p>;
+  const functions = [...new Set(calls.map((each) => each.function))].filter(Boolean).sort();
+  const shown = functions.includes(chosen) ? calls.filter((each) => each.function === chosen) : calls;
   return (
     <>
-      {trips.length > 0 && <Histogram trips={trips} />}
-      <CallTable calls={calls.slice(-SHOWN).reverse()} />
+      <label>
+        Function
+        <select value={chosen} onChange={(e) => choose(e.target.value)}>
+          <option value="">all</option>
+          {functions.map((each) => (
+            <option key={each}>{each}</option>
+          ))}
+        </select>
+      </label>
+      <Histogram calls={shown} />
+      <CallTable calls={shown.slice(-SHOWN).reverse()} />
     </>
   );
 }

@@ -4,9 +4,11 @@ import { useState } from "react";
 import uPlot from "uplot";
 import { Objects } from "./Objects.tsx";
 import type { Curves } from "./Plot.tsx";
-import { Plot } from "./Plot.tsx";
+import { Plot, Span } from "./Plot.tsx";
 import { Send } from "./Send.tsx";
-import type { Bus, Frame } from "./protocol/Ui.ts";
+import type { Line } from "./lines.ts";
+import { linesOf } from "./lines.ts";
+import type { Bus, Frame, SystemState } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
 import { hexadecimal } from "./traffic.ts";
 
@@ -20,7 +22,7 @@ export function words(frame: Frame): string {
   return frame.text || frame.fields.map((each) => `${each.name} = ${each.text}`).join(", ");
 }
 
-function Nodes({ bus, full }: { bus: Bus; full: boolean }) {
+function Nodes({ bus, lines, full }: { bus: Bus; lines: readonly Line[]; full: boolean }) {
   const manage = (node_id: number, command: string) => store.order({ case: "managed", value: { bus: bus.name, node_id, command } });
   const control = (node_id: number, name: string) => (
     <select aria-label={`NMT command to ${name}`} disabled={!full} value="" onChange={(e) => void manage(node_id, e.target.value)}>
@@ -37,18 +39,18 @@ function Nodes({ bus, full }: { bus: Bus; full: boolean }) {
           <th scope="col">id</th>
           <th scope="col">node</th>
           <th scope="col">NMT state</th>
-          <th scope="col">component</th>
+          <th scope="col">components</th>
           <th scope="col">{control(0, "all nodes")}</th>
         </tr>
       </thead>
       <tbody>
-        {bus.nodes.map((node) => (
-          <tr key={node.node_id}>
-            <td>{node.node_id}</td>
-            <td title={node.device}>{node.name}</td>
-            <td>{node.nmt_state || "unknown"}</td>
-            <td>{node.instance}</td>
-            <td>{control(node.node_id, node.name)}</td>
+        {(lines.find((each) => each.name === bus.name)?.nodes ?? []).map((node) => (
+          <tr key={node.id}>
+            <td>{node.id}</td>
+            <td title={bus.nodes.find((each) => each.node_id === node.id)?.device}>{node.name}</td>
+            <td>{node.nmtState || "unknown"}</td>
+            <td>{[...node.proxies, ...node.devices].join(", ")}</td>
+            <td>{control(node.id, node.name)}</td>
           </tr>
         ))}
       </tbody>
@@ -80,7 +82,7 @@ function Load({ bus }: { bus: Bus }) {
 
 function Frames({ frames, caption }: { frames: readonly Frame[]; caption: string }) {
   return (
-    <div className="rows">
+    <div className="rows" tabIndex={0}>
       <table aria-label={caption}>
         <thead>
           <tr>
@@ -121,7 +123,7 @@ function Signals({ bus }: { bus: string }) {
   const units = new Set(chosen.map((name) => signals.get(name)?.unit ?? ""));
   return (
     <section aria-label="Signals">
-      <h3>Signals</h3>
+      <h2>Signals</h2>
       <label>
         Plot
         <select value="" onChange={(e) => e.target.value && choose([...chosen, e.target.value].slice(-8))}>
@@ -145,7 +147,7 @@ function Signals({ bus }: { bus: string }) {
   );
 }
 
-export function BusView({ buses, full }: { buses: readonly Bus[]; full: boolean }) {
+export function BusView({ system: { buses, components }, full }: { system: SystemState; full: boolean }) {
   const [name, open] = useState("");
   const [filter, setFilter] = useState("");
   const [held, hold] = useState<readonly Frame[]>();
@@ -168,17 +170,18 @@ export function BusView({ buses, full }: { buses: readonly Bus[]; full: boolean 
           ))}
         </select>
       </label>
+      <Span />
       <Load bus={bus} />
-      <Nodes bus={bus} full={full} />
+      <Nodes bus={bus} lines={linesOf(components, buses)} full={full} />
       <Send key={`send ${bus.name}`} bus={bus.name} full={full} />
       <Objects key={`objects ${bus.name}`} bus={bus} full={full} />
       <Signals key={`signals ${bus.name}`} bus={bus.name} />
       <section aria-label="Emergencies">
-        <h3>Emergencies</h3>
+        <h2>Emergencies</h2>
         {emergencies.length ? <Frames frames={emergencies} caption="Emergencies" /> : <p>none</p>}
       </section>
       <section aria-label="Frames">
-        <h3>Frames</h3>
+        <h2>Frames</h2>
         <label>
           Filter
           <input value={filter} placeholder="tpdo1 node1" onChange={(e) => setFilter(e.target.value)} />

@@ -67,7 +67,7 @@ export function Connections({ system, component, full }: { system: SystemState; 
       {!port && <p>Choose a port.</p>}
       {port && (
         <>
-          <h3>Connected</h3>
+          <h2>Connected</h2>
           {!own.length && <p>Not connected.</p>}
           <ul className="ends" aria-label={`Connections of ${named(here)}`}>
             {own.map((each) => {
@@ -82,7 +82,7 @@ export function Connections({ system, component, full }: { system: SystemState; 
               );
             })}
           </ul>
-          <h3>Fits</h3>
+          <h2>Fits</h2>
           {fits && !offered.length && <p>No other port fits.</p>}
           <ul className="ends" aria-label={`Ports that fit ${named(here)}`}>
             {offered.map(({ port: there }) => (

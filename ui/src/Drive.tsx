@@ -20,9 +20,11 @@ interface Target {
 
 /** The ports that take travel commands: InPorts first, then OutPorts, whose receivers all get them. */
 function targets(system: SystemState): Target[] {
-  const found = system.components.flatMap(({ instance, ports }) =>
+  const found = system.components.flatMap(({ instance, place, ports }) =>
     ports.flatMap((port) => {
-      const made = port.kind === "PORT_SERVICE" || port.type_number < 0 ? undefined : command(store.types, port.type_number);
+      // What another process sends is its own.
+      const takes = port.kind === "PORT_IN" || (port.kind === "PORT_OUT" && !place);
+      const made = takes && port.type_number >= 0 ? command(store.types, port.type_number) : undefined;
       const name = `${instance}.${port.name}`;
       return made ? [{ address: { instance, port: port.name }, name, command: made, sends: port.kind === "PORT_OUT" }] : [];
     }),

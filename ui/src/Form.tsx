@@ -11,14 +11,12 @@ interface Slot {
   /** The path of the value, which screen readers say. */
   label: string;
   change: (value: Draft) => void;
-  unit?: string;
-  doc?: string;
 }
 
 export function Form(slot: Slot) {
   const node = store.types.nodes[slot.type];
-  const { value, label, change, unit, doc } = slot;
-  const common = { "aria-label": label, ...(doc && { title: doc }) };
+  const { value, label, change } = slot;
+  const common = { "aria-label": label };
   if (!node) return null;
   switch (node.kind) {
     case "TYPE_BOOLEAN":
@@ -58,7 +56,7 @@ export function Form(slot: Slot) {
               <option key={each.name}>{each.name}</option>
             ))}
           </select>
-          {member && <Form type={member.type} value={chosen.value} label={`${label}.${member.name}`} unit={member.unit} doc={member.doc} change={(part) => change({ branch: member.name, value: part })} />}
+          {member && <Form type={member.type} value={chosen.value} label={`${label}.${member.name}`} change={(part) => change({ branch: member.name, value: part })} />}
         </div>
       );
     }
@@ -71,12 +69,7 @@ export function Form(slot: Slot) {
     default: {
       const limits = range(node);
       const hint = limits ? `${limits[0]} to ${limits[1]}` : undefined;
-      return (
-        <span className="scalar">
-          <input {...common} title={[doc, hint].filter(Boolean).join("\n")} type="text" inputMode={limits ? "numeric" : undefined} value={String(value)} onChange={(e) => change(e.target.value)} />
-          {unit}
-        </span>
-      );
+      return <input {...common} title={hint} type="text" inputMode={limits ? "numeric" : undefined} value={String(value)} onChange={(e) => change(e.target.value)} />;
     }
   }
 }
@@ -85,18 +78,18 @@ function Member({ member, value, label, change }: { member: TypeMember; value: D
   const path = label ? `${label}.${member.name}` : member.name;
   return (
     <div className="member">
-      <span title={member.doc}>{member.name}</span>
+      <span>{member.name}</span>
       {member.optional && (
         <input type="checkbox" aria-label={`${path} is given`} checked={value !== null} onChange={(e) => change(e.target.checked ? draft(store.types, member.type) : null)} />
       )}
-      {!(member.optional && value === null) && <Form type={member.type} value={value} label={path} unit={member.unit} doc={member.doc} change={change} />}
+      {!(member.optional && value === null) && <Form type={member.type} value={value} label={path} change={change} />}
     </div>
   );
 }
 
 /** Elements of an array, or of a sequence or map, which have a bound and can be added. */
 function Elements({ slot, type, keys, bound = 0, fresh }: { slot: Slot; type: number; keys?: number; bound?: number; fresh?: () => Draft }) {
-  const { label, change, unit } = slot;
+  const { label, change } = slot;
   const parts = slot.value as Draft[];
   const put = (i: number, part: Draft) => change(parts.map((each, at) => (at === i ? part : each)));
   return (
@@ -107,7 +100,7 @@ function Elements({ slot, type, keys, bound = 0, fresh }: { slot: Slot; type: nu
         return (
           <div key={i} className="member">
             {keys !== undefined && <Form type={keys} value={pair[0]} label={`${name}, key`} change={(key) => put(i, [key, pair[1]])} />}
-            <Form type={type} value={keys === undefined ? part : pair[1]} label={name} change={(next) => put(i, keys === undefined ? next : [pair[0], next])} {...(unit && { unit })} />
+            <Form type={type} value={keys === undefined ? part : pair[1]} label={name} change={(next) => put(i, keys === undefined ? next : [pair[0], next])} />
             {fresh && (
               <button type="button" aria-label={`Remove ${name}`} onClick={() => change(parts.filter((_, at) => at !== i))}>
                 −

@@ -68,7 +68,7 @@ class Scene {
   private readonly trails = new Map<number, Pose[]>();
   private readonly tracks = new Map<number, Track>();
 
-  private figure({ channel, reader: { read } }: Shown): Figure | undefined {
+  private figure({ channel, reader: { kind, read } }: Shown): Figure | undefined {
     const track = store.tracks.get(channel.id);
     if (!track) {
       // The time was set back, or there is another system.
@@ -79,16 +79,16 @@ class Scene {
     if (this.tracks.get(channel.id) !== track) {
       this.tracks.set(channel.id, track);
       this.trails.delete(channel.id);
-      for (const value of track.told.slice(-LONGEST_TRAIL)) {
-        const before = read(value);
-        if (before?.kind === "pose") this.extend(channel.id, before.pose);
-      }
+    }
+    for (const value of track.fresh.splice(0)) {
+      const passed = kind === "pose" ? read(value) : undefined;
+      if (passed?.kind === "pose") this.extend(channel.id, passed.pose);
     }
     const known = this.seen.get(channel.id);
-    if (known && known.value === track.value) return known.figure;
-    const figure = read(track.value);
+    const figure = known?.value === track.value ? known?.figure : read(track.value);
     this.seen.set(channel.id, { value: track.value, figure });
-    if (figure?.kind === "pose") this.extend(channel.id, figure.pose);
+    // Trails that were cleared begin where something is.
+    if (figure?.kind === "pose" && !this.trails.has(channel.id)) this.extend(channel.id, figure.pose);
     return figure;
   }
 

@@ -1,7 +1,7 @@
 /** The trees of naming services: contexts, components with their states, those that do not answer. */
 
-import type { Binding, Component, NamingService } from "./protocol/Ui.ts";
-import { stateName } from "./store.ts";
+import type { Binding, Component, SystemState } from "./protocol/Ui.ts";
+import { stateName, store } from "./store.ts";
 
 interface Branch {
   binding: Binding;
@@ -76,14 +76,19 @@ function Name({ binding, name, components, selected, select }: Shown & { binding
   );
 }
 
-export function Naming(props: { services: readonly NamingService[]; components: readonly Component[]; selected: string; select: (instance: string) => void }) {
-  const { services, components, selected, select } = props;
-  if (!services.length) return null;
-  const known = new Map(components.map((each) => [each.instance, each]));
+export function Naming(props: { system: SystemState; full: boolean; selected: string; select: (instance: string) => void }) {
+  const { system, full, selected, select } = props;
+  if (!system.naming.length) return null;
+  const known = new Map(system.components.map((each) => [each.instance, each]));
   return (
     <section className="naming" aria-label="Naming services">
       <h2>Naming services</h2>
-      {services.map((service) => (
+      {system.foreign.length > 0 && (
+        <button type="button" disabled={!full} title="Connections, parameters and active sets of other processes, as the file of the system has them" onClick={() => store.order({ case: "reset", value: true })}>
+          Restore from file
+        </button>
+      )}
+      {system.naming.map((service) => (
         <details open key={service.address}>
           <summary>{service.address}</summary>
           {service.silent && <p className="reason">{service.silent}</p>}

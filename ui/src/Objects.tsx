@@ -34,7 +34,7 @@ export function Objects({ bus, full }: { bus: Bus; full: boolean }) {
   const shown = entries.filter((each) => `${number(each)} ${each.name}`.toLowerCase().includes(wanted)).slice(0, SHOWN);
   return (
     <section aria-label="Object dictionary">
-      <h3>Object dictionary</h3>
+      <h2>Object dictionary</h2>
       <label>
         Node
         <select value={nodeId} onChange={(e) => void open(Number(e.target.value))}>
@@ -51,7 +51,7 @@ export function Objects({ bus, full }: { bus: Bus; full: boolean }) {
         <input value={filter} placeholder="6083 or a name" onChange={(e) => setFilter(e.target.value)} />
       </label>
       {nodeId > 0 && (
-        <div className="rows">
+        <div className="rows" tabIndex={0}>
           <table aria-label="Entries">
             <tbody>
               {shown.map((entry) => {

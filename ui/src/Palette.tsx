@@ -1,7 +1,8 @@
 /** Components that can be added, and what is done to all at once. */
 
+import { useState } from "react";
 import { Naming } from "./Naming.tsx";
-import type { SystemState } from "./protocol/Ui.ts";
+import type { Command, EditState, SystemState } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
 
 /** What a system is chosen by: its name first, which is not cut then. */
@@ -10,9 +11,41 @@ function named(file: string): string {
   return folder ? `${name} (${folder})` : name!;
 }
 
+/** A button that keeps the focus when there is nothing more to do. */
+function Edit({ name, title, enabled, act }: { name: string; title?: string; enabled: boolean; act: Command }) {
+  return (
+    <button type="button" title={title} aria-disabled={!enabled} onClick={() => enabled && store.order(act)}>
+      {name}
+    </button>
+  );
+}
+
+/** Saves the system, under another name, too, which it then has. */
+function Save({ edits, full }: { edits: EditState; full: boolean }) {
+  const [edited, edit] = useState<string>();
+  const name = edited ?? edits.file;
+  const enabled = full && name.trim() !== "" && (!edits.saved || name !== edits.file);
+  return (
+    <form
+      className="save"
+      onSubmit={(e) => {
+        e.preventDefault();
+        if (enabled) void store.order({ case: "file", value: name.trim() }).then((result) => result.done && edit(undefined));
+      }}
+    >
+      <input aria-label="File of the system" placeholder="system.xml" title={name} disabled={!full} value={name} onChange={(e) => edit(e.target.value)} />
+      <button type="submit" aria-disabled={!enabled}>
+        Save
+      </button>
+    </form>
+  );
+}
+
 export function Palette(props: { system: SystemState; full: boolean; selected: string; select: (instance: string) => void }) {
   const { system, full, selected, select } = props;
   const { edits } = system;
+  // It is the user's, once the page is shown.
+  const [roomy] = useState(() => matchMedia("(min-width: 1001px)").matches);
   return (
     <nav className="palette" aria-label="Palette">
       <section className="buttons" aria-label="All components">
@@ -25,16 +58,10 @@ export function Palette(props: { system: SystemState; full: boolean; selected: s
         <button type="button" disabled={!full} onClick={() => store.order({ case: "restored", value: [] })}>
           Reset all
         </button>
-        <button type="button" title={edits.undo} disabled={!full || !edits.undo} onClick={() => store.order({ case: "undone", value: true })}>
-          Undo
-        </button>
-        <button type="button" title={edits.redo} disabled={!full || !edits.redo} onClick={() => store.order({ case: "redone", value: true })}>
-          Redo
-        </button>
-        <button type="button" disabled={!full || edits.saved} onClick={() => store.order({ case: "file", value: "" })}>
-          Save
-        </button>
+        <Edit name="Undo" title={edits.undo} enabled={full && edits.undo !== ""} act={{ case: "undone", value: true }} />
+        <Edit name="Redo" title={edits.redo} enabled={full && edits.redo !== ""} act={{ case: "redone", value: true }} />
       </section>
+      <Save edits={edits} full={full} />
       {system.systems.length > 1 && (
         <label>
           System
@@ -48,28 +75,32 @@ export function Palette(props: { system: SystemState; full: boolean; selected: s
           </select>
         </label>
       )}
-      <Naming services={system.naming} components={system.components} selected={selected} select={select} />
-      {system.palette.length > 0 && <h2>Components</h2>}
-      <ul>
-        {system.palette.map((entry) => (
-          <li key={entry.type}>
-            <button
-              type="button"
-              disabled={!full}
-              title={entry.doc}
-              aria-label={`Add ${entry.type}`}
-              onClick={() =>
-                store.order({
-                  case: "added",
-                  value: { type: entry.type, instance: "", placed: false, where: { x: 0, y: 0 } },
-                })
-              }
-            >
-              {entry.type}
-            </button>
-          </li>
-        ))}
-      </ul>
+      <Naming system={system} full={full} selected={selected} select={select} />
+      {system.palette.length > 0 && (
+        <details open={roomy}>
+          <summary>Components</summary>
+          <ul>
+            {system.palette.map((entry) => (
+              <li key={entry.type}>
+                <button
+                  type="button"
+                  disabled={!full}
+                  title={entry.doc}
+                  aria-label={`Add ${entry.type}`}
+                  onClick={() =>
+                    store.order({
+                      case: "added",
+                      value: { type: entry.type, instance: "", placed: false, where: { x: 0, y: 0 } },
+                    })
+                  }
+                >
+                  {entry.type}
+                </button>
+              </li>
+            ))}
+          </ul>
+        </details>
+      )}
     </nav>
   );
 }

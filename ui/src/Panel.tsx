@@ -1,13 +1,14 @@
 /** The selected component: its values, configuration and history. */
 
-import { useEffect, useMemo, useState } from "react";
+import { useEffect, useMemo } from "react";
 import { Board } from "./Board.tsx";
 import { BusView } from "./Bus.tsx";
+import { Configuration } from "./Configuration.tsx";
 import { Connections } from "./Connections.tsx";
 import { Drive } from "./Drive.tsx";
 import { MapView } from "./MapView.tsx";
-import { Plot, curvesOf, overlaid } from "./Plot.tsx";
-import type { Channel, Component, Parameter, SystemState } from "./protocol/Ui.ts";
+import { Plot, Span, curvesOf, overlaid } from "./Plot.tsx";
+import type { Channel, Component, SystemState } from "./protocol/Ui.ts";
 import { Services } from "./Services.tsx";
 import type { Line, Statistics } from "./store.ts";
 import { leaves, stateName, store } from "./store.ts";
@@ -41,8 +42,9 @@ function Values({ system, component }: Selection) {
     store.watch(wanted ? wanted.split(",").map(Number) : []);
     return () => store.watch([]);
   }, [wanted]);
-  if (!shown.length) return <p>No port of this component has values.</p>;
-  return shown.filter((each) => !each.beside).map((channel) => {
+  const unknown = component.ports.filter((each) => component.place && each.kind === "PORT_OUT" && each.type_number < 0);
+  if (!shown.length && !unknown.length) return <p>No port of this component has values.</p>;
+  const sections = shown.filter((each) => !each.beside).map((channel) => {
     const name = `${channel.port.instance}.${channel.port.port}`;
     const owner = system.components.find((each) => each.instance === channel.port.instance);
     const unit = owner?.ports.find((each) => each.name === channel.port.port)?.unit ?? "";
@@ -54,10 +56,11 @@ function Values({ system, component }: Selection) {
     const rows = track ?? beside;
     return (
       <section key={channel.id} aria-label={name}>
-        <h3>{name}</h3>
+        <h2>{name}</h2>
         {rows ? (
           <>
             {rows.numbers.size > 0 && <Plot source={String(channel.id)} read={curves} unit={unit} label="Values over time" />}
+            {rows.thinned && <p className="thinned">Of older samples some are left out of the plot.</p>}
             <table>
               {other && (
                 <thead>
@@ -87,123 +90,27 @@ function Values({ system, component }: Selection) {
       </section>
     );
   });
+  return (
+    <>
+      <Span />
+      {sections}
+      {unknown.map((each) => (
+        <p key={each.name}>
+          {each.name}: the project does not define {each.type}, so its samples cannot be read.
+        </p>
+      ))}
+    </>
+  );
 }
 
 const written = (value: unknown) => (typeof value === "number" ? String(Number(value.toPrecision(7))) : String(value));
 
-/** The limits of a constraint `a<=x<=b`, and the choices of `(a,b)`. */
-export function limits(constraint: string): { min?: number; max?: number; choices?: string[] } {
-  const choices = /^\((.*)\)$/.exec(constraint.trim());
-  if (choices) return { choices: choices[1]!.split(",").map((each) => each.trim()) };
-  const range = /^(?:([-+.\deE]+)\s*<=?\s*)?x(?:\s*<=?\s*([-+.\deE]+))?$/.exec(constraint.trim());
-  const least = /^x\s*>=?\s*([-+.\deE]+)$/.exec(constraint.trim());
-  const [min, max] = [range?.[1] ?? least?.[1], range?.[2]];
-  return { ...(min && { min: Number(min) }), ...(max && { max: Number(max) }) };
-}
-
-function Field(props: { parameter: Parameter; text: string; full: boolean; label: string; set: (text: string) => Promise<unknown> }) {
-  const { parameter, text, full, label, set } = props;
-  const [edited, edit] = useState<string>();
-  const { min, max, choices } = limits(parameter.constraint);
-  const commit = () => {
-    if (edited !== undefined && edited !== text) void set(edited).then(() => edit(undefined));
-    else edit(undefined);
-  };
-  const common = { "aria-label": label, title: parameter.doc, disabled: !full };
-  if (choices && parameter.widget !== "checkbox" && parameter.widget !== "ordered_list")
-    return (
-      <select {...common} value={text} onChange={(e) => void set(e.target.value)}>
-        {[...new Set([text, ...choices])].map((each) => (
-          <option key={each}>{each}</option>
-        ))}
-      </select>
-    );
-  const range = parameter.widget.startsWith("slider") && min !== undefined && max !== undefined;
-  return (
-    <>
-      <input
-        {...common}
-        type={range ? "range" : parameter.widget.startsWith("spin") ? "number" : "text"}
-        min={min}
-        max={max}
-        step={range ? (max - min) / 100 : "any"}
-        value={edited ?? text}
-        onChange={(e) => edit(e.target.value)}
-        onBlur={commit}
-        onPointerUp={range ? commit : undefined}
-        onKeyDown={(e) => {
-          if (e.key === "Enter") commit();
-          if (e.key === "Escape") edit(undefined);
-        }}
-      />
-      {range && <output>{edited ?? text}</output>}
-    </>
-  );
-}
-
-function Configuration({ component, full }: Selection) {
-  const [shown, show] = useState("");
-  const name = component.configuration_sets.some((each) => each.name === shown) ? shown : component.active_set;
-  const set = component.configuration_sets.find((each) => each.name === name);
-  if (!component.parameters.length) return <p>This component has no parameters.</p>;
-  return (
-    <>
-      <div className="sets">
-        <label>
-          Set
-          <select value={name} onChange={(e) => show(e.target.value)}>
-            {component.configuration_sets.map((each) => (
-              <option key={each.name} value={each.name}>
-                {each.name}
-                {each.name === component.active_set ? " (active)" : ""}
-              </option>
-            ))}
-          </select>
-        </label>
-        <button
-          type="button"
-          disabled={!full || name === component.active_set}
-          onClick={() => store.order({ case: "chosen", value: { instance: component.instance, set: name } })}
-        >
-          Use this set
-        </button>
-      </div>
-      <table className="parameters">
-        <tbody>
-          {component.parameters.map((parameter) => (
-            <tr key={`${name} ${parameter.name}`}>
-              <th scope="row" title={parameter.doc}>
-                {parameter.name}
-              </th>
-              <td>
-                <Field
-                  parameter={parameter}
-                  full={full}
-                  label={`${component.instance}.${parameter.name}`}
-                  text={set?.values.find((each) => each.name === parameter.name)?.text ?? parameter.default_value}
-                  set={(text) =>
-                    store.order({
-                      case: "setting",
-                      value: { instance: component.instance, set: name, parameter: parameter.name, text },
-                    })
-                  }
-                />
-              </td>
-              <td>
-                {parameter.unit} <small>{parameter.constraint}</small>
-              </td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
-    </>
-  );
-}
-
 function Timeline({ lines }: { lines: readonly Line[] }) {
+  // Those of a run beside this one come a little later than they happened.
+  const sorted = [...lines].sort((a, b) => a.time - b.time).reverse();
   return (
     <ol className="timeline">
-      {[...lines].reverse().map((line, i) => (
+      {sorted.map((line, i) => (
         <li key={lines.length - i}>
           <time>{line.time.toFixed(3)} s</time> {line.instance} {line.text}
         </li>
@@ -238,7 +145,7 @@ export function Panel(props: {
         <>
           <p>
             <span className={`state ${component.current}`}>{stateName(component.current)}</span> {component.type}
-            {component.contexts.map((each) => `, ${each.rate} Hz`)}
+            {component.contexts.map((each) => `, ${each.rate} Hz ${each.kind.toLowerCase()}${each.running ? "" : ", stopped"}`)}
             {statistics && `, ${statistics.ticks} ticks, ${statistics.overruns} overruns, ${statistics.lost} lost`}
           </p>
           {system.beside && store.page.beside.has(component.instance) && <p>beside: {store.page.beside.get(component.instance)}</p>}
@@ -259,9 +166,21 @@ export function Panel(props: {
           </div>
         </>
       )}
-      <div role="tablist" aria-label="Views" className="tabs">
+      <div
+        role="tablist"
+        aria-label="Views"
+        className="tabs"
+        onKeyDown={(e) => {
+          const at = TABS.indexOf(tab);
+          const next = { ArrowRight: at + 1, ArrowLeft: at - 1, Home: 0, End: -1 }[e.key];
+          if (next === undefined) return;
+          e.preventDefault();
+          open(TABS.at(next % TABS.length)!);
+          ([...e.currentTarget.children].at(next % TABS.length) as HTMLElement).focus();
+        }}
+      >
         {TABS.map((each) => (
-          <button key={each} type="button" role="tab" aria-selected={tab === each} onClick={() => open(each)}>
+          <button key={each} type="button" role="tab" aria-selected={tab === each} tabIndex={tab === each ? 0 : -1} onClick={() => open(each)}>
             {each}
           </button>
         ))}
@@ -274,7 +193,7 @@ export function Panel(props: {
         ) : tab === "Drive" ? (
           <Drive system={system} full={full} />
         ) : tab === "Buses" ? (
-          <BusView buses={system.buses} full={full} />
+          <BusView system={system} full={full} />
         ) : tab === "Boards" ? (
           <Board />
         ) : !component ? (
@@ -286,7 +205,7 @@ export function Panel(props: {
         ) : tab === "Services" ? (
           <Services key={component.instance} component={component} full={full} />
         ) : (
-          <Configuration key={component.instance} system={system} component={component} full={full} />
+          <Configuration key={component.instance} component={component} full={full} />
         )}
       </div>
     </aside>

@@ -3,12 +3,18 @@
 import { useEffect, useRef } from "react";
 import uPlot from "uplot";
 import type { Track } from "./store.ts";
+import { store } from "./store.ts";
 
 const MOST_CURVES = 8;
+
+/** How much time plots show [s]; 0: the run. */
+const SPANS = [5, 30, 0];
 
 export interface Curves {
   names: string[];
   data: uPlot.AlignedData;
+  /** How many of them, the first ones, belong to this run; the rest, dashed, are the same of the run beside it. */
+  own?: number;
 }
 
 /** The curves of a track of samples. */
@@ -22,9 +28,36 @@ export function curvesOf(track: Track | undefined): Curves | undefined {
 export function overlaid(curves: Curves | undefined, beside: Curves | undefined): Curves | undefined {
   if (!beside) return curves;
   const names = beside.names.map((each) => `${each} (beside)`);
-  if (!curves) return { names, data: beside.data };
-  return { names: [...curves.names, ...names], data: uPlot.join([curves.data, beside.data]) };
+  if (!curves) return { names, data: beside.data, own: 0 };
+  return { names: [...curves.names, ...names], data: uPlot.join([curves.data, beside.data]), own: curves.names.length };
 }
+
+function series({ names, own = names.length }: Curves): uPlot.Series[] {
+  return names.map((label, i) => ({
+    label,
+    spanGaps: true,
+    stroke: `hsl(${((i < own ? i : i - own) * 137) % 360} 70% 50%)`,
+    ...(i >= own && { dash: [5, 4] }),
+  }));
+}
+
+/** The choice of the time that all plots show. */
+export function Span() {
+  return (
+    <label>
+      Plots show
+      <select value={store.page.span} onChange={(e) => store.span(Number(e.target.value))}>
+        {SPANS.map((each) => (
+          <option key={each} value={each}>
+            {each ? `the last ${each} s` : "the run"}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
+}
+
+const range = (_: unknown, first: number, last: number): [number, number] => [store.page.span ? Math.max(first, last - store.page.span) : first, last];
 
 /** `read` is called before each drawing; a plot with another `source` is a new one. */
 export function Plot({ source, read, unit, label }: { source: string; read: () => Curves | undefined; unit: string; label: string }) {
@@ -42,7 +75,7 @@ export function Plot({ source, read, unit, label }: { source: string; read: () =
       if (!curves || !place.current) return;
       const { data } = curves;
       const now = curves.names.join();
-      const stamp = `${data.length} ${data[0].length} ${data[0][0]} ${data[0].at(-1)}`;
+      const stamp = `${store.page.span} ${data.length} ${data[0].length} ${data[0][0]} ${data[0].at(-1)}`;
       if (!plot || now !== names) {
         plot?.destroy();
         names = now;
@@ -52,10 +85,10 @@ export function Plot({ source, read, unit, label }: { source: string; read: () =
           {
             width: place.current.clientWidth,
             height: 180,
-            scales: { x: { time: false } },
+            scales: { x: { time: false, range } },
             legend: { live: false },
-            axes: [{ ...axis, label: "time [s]" }, unit ? { ...axis, label: unit } : axis],
-            series: [{ label: "t" }, ...curves.names.map((name, i) => ({ label: name, spanGaps: true, stroke: `hsl(${(i * 137) % 360} 70% 50%)` }))],
+            axes: [{ ...axis, size: 30, label: "time [s]", labelSize: 16 }, unit ? { ...axis, label: unit } : axis],
+            series: [{ label: "t" }, ...series(curves)],
           },
           data,
           place.current,

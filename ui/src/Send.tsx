@@ -42,7 +42,7 @@ export function Send({ bus, full }: { bus: string; full: boolean }) {
   }, [waiting, bus]);
   return (
     <section aria-label="Send frames">
-      <h3>Send</h3>
+      <h2>Send</h2>
       <form
         className="buttons"
         onSubmit={(e) => {

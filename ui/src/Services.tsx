@@ -1,13 +1,19 @@
 /** Operations of the interfaces that a component provides, called from forms. */
 
 import { useState } from "react";
-import { CallTable } from "./Board.tsx";
+import { CallTable, Histogram } from "./Board.tsx";
 import { Form } from "./Form.tsx";
 import type { Draft } from "./draft.ts";
 import { DraftError, draft, finish } from "./draft.ts";
-import type { BoardCall, Component, Operation, PortAddress } from "./protocol/Ui.ts";
+import type { BoardCall, Component, Operation, PortAddress, Result } from "./protocol/Ui.ts";
 import { CdrError, deserialize, serialize } from "./protocol/_cdr.ts";
 import { leaves, store } from "./store.ts";
+
+/** How often a form calls its operation at once. */
+const MOST_CALLS = 500;
+/** Calls that wait for their results. */
+const AT_ONCE = 100;
+const SHOWN = 20;
 
 interface Outcome {
   error: string;
@@ -30,6 +36,7 @@ function OperationForm(props: { port: PortAddress; interfaceName: string; operat
   const { port, interfaceName, operation, full } = props;
   const [first] = useState(() => begin(operation));
   const [value, change] = useState(first.value);
+  const [times, setTimes] = useState(1);
   const [outcome, show] = useState<Outcome>();
   const name = `${port.instance}.${port.port} ${operation.name}`;
   const call = async () => {
@@ -43,10 +50,18 @@ function OperationForm(props: { port: PortAddress; interfaceName: string; operat
       throw error;
     }
     const before = store.traffic.callCount;
-    const result = await store.ask({ case: "called", value: { port, interface_name: interfaceName, operation: operation.name, arguments: octets } });
+    const one = () => store.ask({ case: "called", value: { port, interface_name: interfaceName, operation: operation.name, arguments: octets } });
+    let result: Result | undefined;
+    for (let left = times; left > 0 && (result?.done ?? true); left -= AT_ONCE) {
+      const results = await Promise.all(Array.from({ length: Math.min(left, AT_ONCE) }, one));
+      result = results.find((each) => !each.done) ?? results.at(-1)!;
+    }
+    if (!result) return undefined;
     if (!result.done) return failed([result.message, result.hint].filter(Boolean).join(": "));
     const reply = operation.reply >= 0 ? deserialize(store.types.codec(operation.reply), result.reply) : {};
-    return show({ error: "", values: leaves(reply), calls: store.traffic.callsSince(before) });
+    const calls = store.traffic.callsSince(before);
+    const own = calls.filter((each) => each.function.endsWith(`.${operation.name}`));
+    return show({ error: "", values: leaves(reply), calls: own.length ? own : calls.slice(-times) });
   };
   return (
     <form
@@ -66,7 +81,11 @@ function OperationForm(props: { port: PortAddress; interfaceName: string; operat
           {operation.request >= 0 && <Form type={operation.request} value={value} label="" change={change} />}
           <button type="submit" disabled={!full} aria-label={`Call ${operation.name} of ${port.instance}.${port.port}`}>
             Call
-          </button>
+          </button>{" "}
+          <label>
+            <input type="number" className="times" min={1} max={MOST_CALLS} disabled={!full} value={times} aria-label={`Times ${operation.name} is called`} onChange={(e) => setTimes(Math.min(Math.max(Math.trunc(e.target.valueAsNumber) || 1, 1), MOST_CALLS))} />
+            times
+          </label>
         </>
       )}
       {outcome && (
@@ -78,7 +97,7 @@ function OperationForm(props: { port: PortAddress; interfaceName: string; operat
               <tbody>
                 {outcome.values.map(([path, each]) => (
                   <tr key={path}>
-                    <th scope="row">{path}</th>
+                    <th scope="row">{path.replace(/^_result/, "result")}</th>
                     <td>{String(each)}</td>
                   </tr>
                 ))}
@@ -87,7 +106,8 @@ function OperationForm(props: { port: PortAddress; interfaceName: string; operat
           ) : (
             <p>done</p>
           )}
-          {outcome.calls.length > 0 && <CallTable calls={outcome.calls} />}
+          {outcome.calls.length > 1 && <Histogram calls={outcome.calls} />}
+          {outcome.calls.length > 0 && <CallTable calls={outcome.calls.slice(-SHOWN).reverse()} />}
         </div>
       )}
     </form>
@@ -102,6 +122,7 @@ export function Services({ component, full }: { component: Component; full: bool
       <h2>
         {port.name}: {each.type}
       </h2>
+      {component.place && !each.operations.length && <p>The project does not define {each.type}, so its operations are unknown.</p>}
       {each.operations.map((operation) => (
         <OperationForm key={operation.name} port={{ instance: component.instance, port: port.name }} interfaceName={each.name} operation={operation} full={full} />
       ))}

@@ -32,6 +32,7 @@ export function TimeBar({ system, full }: { system: SystemState; full: boolean }
   const [goal, setGoal] = useState("");
   const simulated = time.kind === "CLOCK_SIMULATED";
   const recording = time.kind === "CLOCK_RECORDING";
+  const kept = system.keeps || system.beside !== "";
   return (
     <div className="time" role="toolbar" aria-label="Time">
       <output aria-label="Time of the run">{time.now.toFixed(3)} s</output>
@@ -63,12 +64,23 @@ export function TimeBar({ system, full }: { system: SystemState; full: boolean }
               if (goal.trim() && Number.isFinite(Number(goal))) void store.order({ case: "time", value: Number(goal) });
             }}
           >
-            <input aria-label="Go to time in seconds" inputMode="decimal" size={6} value={goal} onChange={(e) => setGoal(e.target.value)} disabled={!full} />
+            <input aria-label="Go to time in seconds" placeholder="time [s]" inputMode="decimal" size={6} value={goal} onChange={(e) => setGoal(e.target.value)} disabled={!full} />
             <button type="submit" disabled={!full}>
               Go
             </button>
           </form>
         </>
+      )}
+      {simulated && (
+        <button
+          type="button"
+          aria-pressed={kept}
+          title="Show this run beside those that begin when time is set back"
+          disabled={!full}
+          onClick={() => store.order({ case: "kept", value: !kept })}
+        >
+          {system.beside ? `Beside: ${system.beside}` : "Keep beside"}
+        </button>
       )}
       {time.ended && !recording && <span>ended</span>}
       {recording && <Player now={time.now} last={time.last} />}
@@ -83,6 +95,7 @@ export function TimeBar({ system, full }: { system: SystemState; full: boolean }
         value={time.now}
         onChange={(e) => void store.look(Number(e.target.value))}
       />
+      {time.first > 0 && <small>kept from {time.first.toFixed(1)} s on</small>}
       {!recording && (
         <button type="button" disabled={!time.past} onClick={() => void store.look(-1)}>
           Live

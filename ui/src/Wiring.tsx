@@ -2,11 +2,16 @@
 
 import { Background, BaseEdge, ControlButton, Controls, Handle, Position, ReactFlow, getBezierPath, useNodesState } from "@xyflow/react";
 import type { Connection as Drawn, Edge, EdgeProps, Node, NodeProps, ReactFlowInstance } from "@xyflow/react";
-import { memo, useEffect, useMemo, useRef, useState } from "react";
-import { around, arrange, line, shown, stored, title, view, width } from "./layout.ts";
+import { memo, useCallback, useEffect, useMemo, useRef, useState } from "react";
+import { BusLine, OpenBuses } from "./BusLine.tsx";
+import type { BusNode, Drop } from "./BusLine.tsx";
+import { around, arrange, height, hung, line, rails, shown, size, stored, title, view, width } from "./layout.ts";
 import type { Arrangement, Point } from "./layout.ts";
+import { linesOf } from "./lines.ts";
+import { Menu } from "./Menu.tsx";
+import type { Item, Place } from "./Menu.tsx";
 import type { Tab } from "./Panel.tsx";
-import type { Component, Connection, Fit, Port } from "./protocol/Ui.ts";
+import type { Bus, Component, Connection, Fit, Port } from "./protocol/Ui.ts";
 import type { Statistics } from "./store.ts";
 import { stateName, store } from "./store.ts";
 
@@ -17,7 +22,9 @@ interface BoxData extends Record<string, unknown> {
 }
 
 type Box = Node<BoxData, "component">;
+type Shown = Box | BusNode;
 
+const byInstance = (components: readonly Component[]): Map<string, Component> => new Map(components.map((each) => [each.instance, each]));
 const address = (instance: string, port: string): string => `${instance} ${port}`;
 
 /** A hue for each type, the same on each page. */
@@ -36,9 +43,9 @@ function PortRow({ component, port, fits }: { component: Component; port: Port; 
   const mark = fits ? (refused === undefined ? "other" : refused ? "refused" : "fits") : "";
   const provided = port.interfaces.some((each) => each.provided);
   const style = { background: service && !provided ? "var(--box)" : `hsl(${hue(type)} 65% 50%)` };
-  const names = { id: port.name, "aria-label": `${kind} port ${component.instance}.${port.name}`, title, style };
+  const names = { id: port.name, role: "img", "aria-label": `${kind} port ${component.instance}.${port.name}`, title, style };
   return (
-    <div className={`port ${kind} ${mark}`} title={title}>
+    <div className={`port ${kind} ${mark} ${service && !provided ? "socket" : ""}`} title={title}>
       {kind !== "out" && <Handle type="target" position={Position.Left} {...names} />}
       <span>{port.name}</span>
       {kind === "out" && <Handle type="source" position={Position.Right} {...names} />}
@@ -72,7 +79,7 @@ function ComponentBox({ data, selected }: NodeProps<Box>) {
   );
 }
 
-const nodeTypes = { component: ComponentBox };
+const nodeTypes = { component: ComponentBox, bus: BusLine };
 
 type Wire = Edge<{ route: readonly Point[] | undefined }, "wire">;
 
@@ -82,48 +89,48 @@ function WireLine({ id, data, interactionWidth, ...ends }: EdgeProps<Wire>) {
 }
 
 const edgeTypes = { wire: WireLine };
+/** Between the lines of two nodes of a bus [px]. */
+const APART = 10;
 /** Whether this page shows boxes where the layout puts them, kept when it is loaded again. */
 const ARRANGED = "rtgen arranged";
-
-interface Menu {
-  instance: string;
-  x: number;
-  y: number;
-}
 
 /** What the time of the run changes is no property of the wiring, so that it is drawn again for its own changes alone. */
 export const Wiring = memo(function Wiring(props: {
   file: string;
   components: readonly Component[];
   connections: readonly Connection[];
+  buses: readonly Bus[];
   full: boolean;
   statistics: ReadonlyMap<string, Statistics>;
+  selected: string;
   select: (instance: string) => void;
   open: (tab: Tab) => void;
 }) {
-  const { file, components, connections, full, statistics, select, open } = props;
-  const [nodes, setNodes, onNodesChange] = useNodesState<Box>([]);
+  const { file, components, connections, buses, full, statistics, selected, select, open } = props;
+  const [nodes, setNodes, onNodesChange] = useNodesState<Shown>([]);
   const [arrangement, setArrangement] = useState<Arrangement & { shape: string }>();
   const [arranged, setArranged] = useState(() => sessionStorage.getItem(ARRANGED) !== "no");
-  const [flow, setFlow] = useState<ReactFlowInstance<Box, Wire>>();
+  const [flow, setFlow] = useState<ReactFlowInstance<Shown, Wire>>();
   const section = useRef<HTMLElement>(null);
-  const [size, setSize] = useState("");
+  const [room, setRoom] = useState("");
   /** Whether the view is the user's. */
   const moved = useRef(false);
   const [picked, pick] = useState<ReadonlySet<string>>(new Set());
   const [fits, setFits] = useState<ReadonlyMap<string, string>>();
-  const [menu, setMenu] = useState<Menu>();
+  const [menu, setMenu] = useState<Place & { edge: boolean }>();
   const drags = useRef(0);
-  const opened = useRef<HTMLButtonElement>(null);
+  /** Where arrow keys have moved boxes that are not stored yet. */
+  const steered = useRef(new Map<string, Point>());
   const shape = [file, ...components.map((each) => each.instance)].join("\n");
 
-  const placed = (component: Component): Point =>
-    (!arranged && component.placed ? shown(component.where) : arrangement?.places.get(component.instance)) ?? { x: 0, y: 0 };
+  const lines = useMemo(() => linesOf(components, buses), [components, buses]);
 
   useEffect(() => {
     let current = true;
     const { clientWidth, clientHeight } = section.current!;
-    arrange(components, connections, clientWidth / Math.max(clientHeight, 1)).then(
+    const free = hung(components, connections, lines);
+    const joined = components.filter((each) => !free.has(each.instance));
+    arrange(joined, connections, clientWidth, clientHeight, height(lines, byInstance(components))).then(
       (found) => current && setArrangement({ ...found, shape }),
       (error: unknown) => store.notify(`The layout failed: ${String(error)}`),
     );
@@ -133,45 +140,98 @@ export const Wiring = memo(function Wiring(props: {
     // Connections that are made later move no box.
   }, [shape]);
 
+  /** Where boxes and buses are, and the corners around all. */
+  const places = useMemo(() => {
+    if (!arrangement) return undefined;
+    const boxes = components.flatMap((component) => {
+      const place = !arranged && component.placed ? shown(component.where) : arrangement.places.get(component.instance);
+      return place ? [{ component, ...place }] : [];
+    });
+    const placed = new Set(boxes.map((each) => each.component));
+    const corners = (arranged || !boxes.length ? [{ x: 0, y: 0 }, arrangement.end] : around(boxes)) as [Point, Point];
+    const found = rails(lines, boxes, corners, byInstance(components.filter((each) => !placed.has(each))));
+    const of = new Map([...found.places, ...boxes.map(({ component, x, y }) => [component.instance, { x, y }] as const)]);
+    return { of, rails: found.rails, corners: [corners[0], found.end] as [Point, Point] };
+  }, [arrangement, arranged, components, lines]);
+
   useEffect(() => {
-    if (!arrangement) return;
+    if (!places) return;
     setNodes((before) => {
       const known = new Map(before.map((node) => [node.id, node]));
-      return components.map((component) => {
-        const old = known.get(component.instance);
+      const boxes = components.map((component): Box => {
+        const old = known.get(component.instance) as Box | undefined;
         return {
           ...old,
           id: component.instance,
           type: "component" as const,
-          position: old?.dragging ? old.position : placed(component),
+          position: old?.dragging ? old.position : (steered.current.get(component.instance) ?? places.of.get(component.instance) ?? { x: 0, y: 0 }),
           ariaLabel: `${component.instance}, ${component.type}, ${component.silent ? "does not answer" : stateName(component.current)}`,
           data: { component, overruns: statistics.get(component.instance)?.overruns ?? 0n, fits },
         };
       });
+      const sizes = new Map(components.map((each) => [each.instance, size(each)]));
+      const buses = lines.map((line, i): BusNode => {
+        const { at, width, middles } = places.rails[i]!;
+        const from = (instance: string, node: number): Drop[] => {
+          const [place, box] = [places.of.get(instance), sizes.get(instance)];
+          if (!place || !box) return [];
+          const isAbove = place.y < at.y;
+          // Lines of boxes above each other do not coincide.
+          const across = isAbove ? (node - (line.nodes.length - 1) / 2) * APART : 0;
+          return [{ x: place.x + box.width / 2 + across - at.x, y: place.y + (isAbove ? box.height : 0) - at.y, chosen: instance === selected }];
+        };
+        return {
+          ...(known.get(`bus ${line.name}`) as BusNode | undefined),
+          id: `bus ${line.name}`,
+          type: "bus",
+          position: at,
+          zIndex: -1,
+          draggable: false,
+          selectable: false,
+          connectable: false,
+          deletable: false,
+          focusable: false,
+          data: {
+            line,
+            width,
+            nodes: line.nodes.map((node, j) => ({
+              x: middles[j]!,
+              proxies: node.proxies.flatMap((each) => from(each, j)),
+              devices: node.devices.flatMap((each) => from(each, j)),
+            })),
+          },
+        };
+      });
+      return [...boxes, ...buses];
     });
-  }, [components, arrangement, arranged, statistics, fits, setNodes]);
+  }, [components, places, lines, statistics, fits, selected, setNodes]);
+
+  // React Flow calls each new function with what is selected, as if it had just been selected.
+  const onSelectionChange = useCallback(({ nodes: chosen }: { nodes: Shown[] }) => chosen[0] && select(chosen[0].id), [select]);
+  useEffect(
+    () =>
+      setNodes((before) =>
+        before.some((node) => node.selected && node.id === selected) ? before : before.map((node) => ({ ...node, selected: node.id === selected })),
+      ),
+    [selected, setNodes],
+  );
 
   useEffect(() => {
-    const watching = new ResizeObserver(() => setSize(`${section.current!.clientWidth}x${section.current!.clientHeight}`));
+    const watching = new ResizeObserver(() => setRoom(`${section.current!.clientWidth}x${section.current!.clientHeight}`));
     watching.observe(section.current!);
     return () => watching.disconnect();
   }, []);
 
   const fit = () => {
-    if (!flow || !arrangement || !components.length) return;
-    const corners = arranged ? ([{ x: 0, y: 0 }, arrangement.end] as [Point, Point]) : around(components.map((component) => ({ component, ...placed(component) })));
-    void flow.setViewport(view(corners, section.current!.clientWidth, section.current!.clientHeight));
+    if (!flow || !places || !components.length) return;
+    void flow.setViewport(view(places.corners, section.current!.clientWidth, section.current!.clientHeight));
     moved.current = false;
   };
   // Boxes that are moved do not move the view.
   useEffect(fit, [flow, arrangement, arranged]);
   useEffect(() => {
     if (!moved.current) fit();
-  }, [size]);
-
-  useEffect(() => {
-    if (menu) opened.current?.focus();
-  }, [menu]);
+  }, [room]);
 
   const edges = useMemo(
     () =>
@@ -207,10 +267,23 @@ export const Wiring = memo(function Wiring(props: {
         properties: [],
       },
     });
-  const place = ({ id, position }: Box) => store.order({ case: "place", value: { instance: id, where: stored(position) } });
-  const act = (kind: "activated" | "deactivated" | "restored") => {
-    if (menu) void store.order({ case: kind, value: [menu.instance] });
-    setMenu(undefined);
+  const place = (instance: string, position: Point) =>
+    store.order({ case: "place", value: { instance, where: stored(position) } }).then(() => steered.current.delete(instance));
+  const openBuses = useCallback(() => open("Buses"), [open]);
+  const items = ({ label, edge }: Place & { edge: boolean }): Item[] => {
+    const order = (name: string, kind: "activated" | "deactivated" | "restored") => ({ name, act: () => void store.order({ case: kind, value: [label] }) });
+    if (edge) return [{ name: "Cut", act: () => void store.order({ case: "connection", value: label }) }];
+    const connections = () => {
+      select(label);
+      open("Connections");
+    };
+    return [
+      order("Activate", "activated"),
+      order("Deactivate", "deactivated"),
+      order("Reset", "restored"),
+      { name: "Connections", act: connections },
+      { name: "Remove", act: () => void store.order({ case: "removed", value: label }) },
+    ];
   };
 
   return (
@@ -221,20 +294,19 @@ export const Wiring = memo(function Wiring(props: {
       aria-busy={arrangement?.shape !== shape}
       onKeyUp={(e) => {
         // Arrow keys have moved the selected boxes on this page; drags are stored when they end.
-        if (full && !arranged && e.key.startsWith("Arrow") && (e.target as HTMLElement).matches(".react-flow__node"))
-          for (const each of nodes) if (each.selected) void place(each);
+        if (full && !arranged && e.key.startsWith("Arrow")) for (const [instance, position] of steered.current) void place(instance, position);
       }}
       onKeyDown={(e) => {
-        if (e.key === "Escape") setMenu(undefined);
-        const node = (e.target as HTMLElement).closest<HTMLElement>(".react-flow__node");
-        if (node && full && (e.key === "ContextMenu" || (e.key === "F10" && e.shiftKey))) {
+        const target = (e.target as HTMLElement).closest<HTMLElement>(".react-flow__node, .react-flow__edge");
+        if (target && full && (e.key === "ContextMenu" || (e.key === "F10" && e.shiftKey))) {
           e.preventDefault();
-          const box = node.getBoundingClientRect();
-          setMenu({ instance: node.dataset["id"] ?? "", x: box.x + 20, y: box.y + 20 });
+          const box = target.getBoundingClientRect();
+          setMenu({ label: target.dataset["id"] ?? "", edge: target.matches(".react-flow__edge"), x: box.x + 20, y: box.y + 20 });
         }
       }}
     >
       {arrangement && (
+        <OpenBuses.Provider value={openBuses}>
         <ReactFlow
           nodes={nodes}
           edges={edges}
@@ -251,7 +323,10 @@ export const Wiring = memo(function Wiring(props: {
           nodesConnectable={full}
           nodesDraggable={full && !arranged}
           deleteKeyCode={full ? ["Delete", "Backspace"] : null}
-          onNodesChange={onNodesChange}
+          onNodesChange={(changes) => {
+            for (const each of changes) if (each.type === "position" && each.position && !each.dragging) steered.current.set(each.id, each.position);
+            onNodesChange(changes);
+          }}
           onEdgesChange={(changes) =>
             pick((before) => {
               const after = new Set(before);
@@ -279,13 +354,16 @@ export const Wiring = memo(function Wiring(props: {
             return !(refused(drawn.target, drawn.targetHandle) || refused(drawn.source, drawn.sourceHandle));
           }}
           onConnect={(drawn) => void connect(drawn)}
-          onNodeDragStop={(_, node) => void place(node)}
-          onSelectionChange={({ nodes: chosen }) => chosen[0] && select(chosen[0].id)}
+          onNodeDragStop={(_, node) => void place(node.id, node.position)}
+          onSelectionChange={onSelectionChange}
           onNodeContextMenu={(e, node) => {
             e.preventDefault();
-            if (full) setMenu({ instance: node.id, x: e.clientX, y: e.clientY });
+            if (full) setMenu({ label: node.id, edge: false, x: e.clientX, y: e.clientY });
           }}
-          onPaneClick={() => setMenu(undefined)}
+          onEdgeContextMenu={(e, edge) => {
+            e.preventDefault();
+            if (full) setMenu({ label: edge.id, edge: true, x: e.clientX, y: e.clientY });
+          }}
         >
           <Background />
           <Controls showInteractive={false}>
@@ -304,43 +382,9 @@ export const Wiring = memo(function Wiring(props: {
             </ControlButton>
           </Controls>
         </ReactFlow>
+        </OpenBuses.Provider>
       )}
-      {menu && (
-        <div
-          className="menu"
-          role="menu"
-          aria-label={menu.instance}
-          style={{ left: menu.x, top: menu.y }}
-          onKeyDown={(e) => {
-            const items = [...e.currentTarget.children] as HTMLElement[];
-            const step = { ArrowDown: 1, ArrowUp: items.length - 1 }[e.key];
-            if (!step) return;
-            e.preventDefault();
-            items[(items.indexOf(e.target as HTMLElement) + step) % items.length]?.focus();
-          }}
-        >
-          <button ref={opened} type="button" role="menuitem" onClick={() => act("activated")}>
-            Activate
-          </button>
-          <button type="button" role="menuitem" onClick={() => act("deactivated")}>
-            Deactivate
-          </button>
-          <button type="button" role="menuitem" onClick={() => act("restored")}>
-            Reset
-          </button>
-          <button
-            type="button"
-            role="menuitem"
-            onClick={() => {
-              select(menu.instance);
-              open("Connections");
-              setMenu(undefined);
-            }}
-          >
-            Connections
-          </button>
-        </div>
-      )}
+      {menu && <Menu place={menu} items={items(menu)} close={() => setMenu(undefined)} />}
     </section>
   );
 });

@@ -1,6 +1,7 @@
 /** Sizes of boxes, their places and the ways of connections, by the layered algorithm of ELK. */
 
 import type { ElkNode, ElkPort } from "elkjs/lib/elk-api";
+import type { Line } from "./lines.ts";
 import type { Component, Connection, Location, Port } from "./protocol/Ui.ts";
 
 const HEADER = 45;
@@ -17,6 +18,10 @@ const SMALLEST = 0.75;
 const MARGIN = 16;
 /** The buttons of the view stand there. */
 const LEFT = 52;
+/** Of a node of a bus [px]. */
+export const NODE = { width: 132, height: 40 };
+/** Between boxes and a bus, two boxes on it, two buses. */
+const GAP = 24;
 
 export type Point = { x: number; y: number };
 
@@ -26,6 +31,74 @@ export interface Arrangement {
   routes: ReadonlyMap<string, readonly Point[]>;
   /** Of all boxes and connections, from 0. */
   end: Point;
+}
+
+/** A bus below the boxes, with the middle of each of its nodes from its left end. */
+export interface Rail {
+  at: Point;
+  width: number;
+  middles: readonly number[];
+}
+
+/** The components that stand at their bus alone: no connection leads to them. */
+export function hung(components: readonly Component[], connections: readonly Connection[], lines: readonly Line[]): ReadonlySet<string> {
+  const joined = new Set(connections.flatMap((each) => [each.source.instance, each.target.instance]));
+  const onBus = new Set(lines.flatMap((line) => line.nodes.flatMap((node) => [...node.proxies, ...node.devices])));
+  return new Set(components.map((each) => each.instance).filter((each) => onBus.has(each) && !joined.has(each)));
+}
+
+const total = (lengths: readonly number[]): number => lengths.reduce((sum, each) => sum + each + GAP, -GAP);
+const tallest = (row: readonly Component[]): number => Math.max(0, ...row.map((each) => size(each).height + GAP));
+
+/** The height of buses with the components that stand at them. */
+export function height(lines: readonly Line[], free: ReadonlyMap<string, Component>): number {
+  const of = (instances: readonly string[]) => tallest(instances.flatMap((each) => free.get(each) ?? []));
+  return lines.reduce((sum, line) => sum + NODE.height + 2 * GAP + of(line.nodes.flatMap((each) => each.proxies)) + of(line.nodes.flatMap((each) => each.devices)), 0);
+}
+
+/** Where buses lie below boxes, which are between two corners; each node is below its proxies if it can, free components stand at their nodes. */
+export function rails(lines: readonly Line[], boxes: readonly (Point & { component: Component })[], [start, end]: [Point, Point], free: ReadonlyMap<string, Component>): { rails: Rail[]; places: Map<string, Point>; end: Point } {
+  const places = new Map<string, Point>();
+  const found: Rail[] = [];
+  let [right, y] = [end.x, end.y];
+  for (const line of lines) {
+    const slots = line.nodes.map((node) => {
+      const middles = boxes.filter(({ component }) => [...node.proxies, ...node.devices].includes(component.instance)).map((each) => each.x + width(each.component) / 2);
+      const [above, below] = [node.proxies, node.devices].map((row) => row.flatMap((each) => free.get(each) ?? [])) as [Component[], Component[]];
+      const wide = Math.max(NODE.width, total(above.map(width)), total(below.map(width)));
+      return { above, below, wide, wanted: middles.length ? total(middles.map((each) => each - GAP)) / middles.length - wide / 2 : Infinity, x: 0 };
+    });
+    const order = [...slots].sort((a, b) => a.wanted - b.wanted || 0);
+    let x = start.x;
+    for (const slot of order) {
+      slot.x = Number.isFinite(slot.wanted) ? Math.max(x, slot.wanted) : x;
+      x = slot.x + slot.wide + GAP;
+    }
+    // What stands too far to the right moves back as far as there is room.
+    let last = Math.max(end.x, start.x + total(order.map((each) => each.wide)));
+    right = Math.max(right, last);
+    for (const slot of order.reverse()) {
+      slot.x = Math.min(slot.x, last - slot.wide);
+      last = slot.x - GAP;
+    }
+    const top = y + GAP;
+    const at = top + Math.max(...slots.map((each) => tallest(each.above)), 0) + GAP;
+    const bottom = at + NODE.height + GAP;
+    const stand = (row: readonly Component[], { x, wide }: { x: number; wide: number }, level: (component: Component) => number) => {
+      let left = x + (wide - total(row.map(width))) / 2;
+      for (const each of row) {
+        places.set(each.instance, { x: left, y: level(each) });
+        left += width(each) + GAP;
+      }
+    };
+    for (const slot of slots) {
+      stand(slot.above, slot, (each) => at - GAP - size(each).height);
+      stand(slot.below, slot, () => bottom);
+    }
+    found.push({ at: { x: start.x, y: at }, width: 0, middles: slots.map((each) => each.x + each.wide / 2 - start.x) });
+    y = bottom - GAP + Math.max(...slots.map((each) => tallest(each.below)), 0);
+  }
+  return { rails: found.map((each) => ({ ...each, width: right - start.x })), places, end: { x: right, y } };
 }
 
 export const shown = ({ x, y }: Location): Location => ({ x: x * SPREAD, y });
@@ -55,7 +128,7 @@ export function width(component: Component): number {
   return Math.ceil(Math.max(...needed));
 }
 
-function size(component: Component): { width: number; height: number } {
+export function size(component: Component): { width: number; height: number } {
   const rows = Math.max(ports(component, "PORT_IN").length, ports(component, "PORT_OUT").length) + ports(component, "PORT_SERVICE").length;
   return { width: width(component), height: HEADER + ROW * rows + END };
 }
@@ -80,8 +153,20 @@ function ends(component: Component): ElkPort[] {
   ];
 }
 
+/** How large boxes are shown in a view. */
+const zoom = (across: number, down: number, wide: number, high: number): number => Math.min((wide - LEFT - MARGIN) / across, (high - 2 * MARGIN) / down);
+
+/** Boxes and connections as they are largest in a view, of which buses take a part below them. */
+export async function arrange(components: readonly Component[], connections: readonly Connection[], wide: number, high: number, buses: number): Promise<Arrangement> {
+  const all = await proportioned(components, connections, wide / Math.max(high, 1));
+  if (!buses) return all;
+  const wider = await proportioned(components, connections, wide / Math.max(high - buses, high / 2, 1));
+  const [first, second] = [all, wider].map(({ end }) => zoom(end.x, end.y + buses, wide, high)) as [number, number];
+  return second > first ? wider : all;
+}
+
 /** Boxes and connections in the proportion of a view; a chain that is too long for it is folded. */
-export async function arrange(components: readonly Component[], connections: readonly Connection[], aspect: number): Promise<Arrangement> {
+async function proportioned(components: readonly Component[], connections: readonly Connection[], aspect: number): Promise<Arrangement> {
   const { default: ELK } = await import("elkjs/lib/elk.bundled.js");
   const known = new Set(components.map((each) => each.instance));
   const graph: ElkNode = {
@@ -133,11 +218,11 @@ export function around(boxes: readonly (Point & { component: Component })[]): [P
 /** A view of all between two corners, as far as its text can be read then; else of the upper left of it. */
 export function view([start, end]: [Point, Point], wide: number, high: number): Point & { zoom: number } {
   const [across, down] = [end.x - start.x, end.y - start.y];
-  const zoom = Math.min(1, Math.max(SMALLEST, Math.min((wide - LEFT - MARGIN) / across, (high - 2 * MARGIN) / down)));
+  const scale = Math.min(1, Math.max(SMALLEST, zoom(across, down, wide, high)));
   return {
-    x: Math.max(LEFT, (wide - across * zoom) / 2) - start.x * zoom,
-    y: Math.max(MARGIN, (high - down * zoom) / 2) - start.y * zoom,
-    zoom,
+    x: Math.max(LEFT, (wide - across * scale) / 2) - start.x * scale,
+    y: Math.max(MARGIN, (high - down * scale) / 2) - start.y * scale,
+    zoom: scale,
   };
 }
 

@@ -1,9 +1,10 @@
 /** What the page knows: the system as the events of the server describe it. */
 
-import { ClientMessage, ServerMessage } from "./protocol/Ui.ts";
+import { ClientMessage, ServerMessage, VERSION } from "./protocol/Ui.ts";
 import type { Command, Component, Connection, Event, Result, SystemState } from "./protocol/Ui.ts";
 import { decode, deserialize, encode } from "./protocol/_cdr.ts";
 import { TypeTable } from "./protocol/table.ts";
+import { isFull, thin } from "./series.ts";
 import { Traffic } from "./traffic.ts";
 
 export interface Line {
@@ -25,8 +26,10 @@ export interface Track {
   value: unknown;
   times: number[];
   numbers: Map<string, number[]>;
-  /** The values that had come before, as the server has told them when the page began to look at a time. */
-  told: unknown[];
+  /** The values that have come since the map took them for its trails. */
+  fresh: unknown[];
+  /** Whether some of the older values are left out. */
+  thinned: boolean;
 }
 
 export interface Page {
@@ -40,10 +43,11 @@ export interface Page {
   notice: string;
   /** The last change of the wiring in words, for screen readers. */
   announced: string;
+  /** How much time plots show [s]; 0: the run. */
+  span: number;
 }
 
 const MOST_LINES = 500;
-const MOST_POINTS = 2000;
 const RECONNECT_AFTER = 1000;
 
 const unavailable: Page = {
@@ -55,6 +59,7 @@ const unavailable: Page = {
   beside: new Map(),
   notice: "",
   announced: "",
+  span: 0,
 };
 
 /** The first number of a channel, which each run has anew. */
@@ -156,6 +161,10 @@ export class Store {
     this.looking = false;
   }
 
+  span(seconds: number): void {
+    this.change({ span: seconds });
+  }
+
   notify(notice: string): void {
     this.change({ notice });
   }
@@ -193,8 +202,10 @@ export class Store {
           this.types = new TypeTable();
           this.tracks.clear();
         }
+        // A server of another version brings another page.
+        if (event.value.version !== VERSION && this.server) location.reload();
         this.server = event.value.server;
-        this.page = { ...unavailable, link: "live", full: event.value.full };
+        this.page = { ...unavailable, link: "live", full: event.value.full, span: this.page.span };
         break;
       case "whole":
         this.types.add(0, event.value.types);
@@ -273,6 +284,7 @@ export class Store {
       }
       case "samples":
         for (const { channel, time, data } of event.value) this.sample(channel, time, data);
+        for (const track of this.tracks.values()) track.thinned ||= isFull(track.times);
         break;
       case "clock":
         if (!this.looking) this.system(() => ({ time: event.value }));
@@ -323,17 +335,18 @@ export class Store {
     if (!channel) return;
     let track = this.tracks.get(id);
     if (!track || time < (track.times.at(-1) ?? 0)) {
-      track = { value: undefined, times: [], numbers: new Map(), told: [] };
+      track = { value: undefined, times: [], numbers: new Map(), fresh: [], thinned: false };
       this.tracks.set(id, track);
     }
     track.value =
       channel.type_number < 0
         ? JSON.parse(new TextDecoder().decode(data))
         : deserialize(this.types.codec(channel.type_number), data);
-    if (this.retelling || this.page.system?.time.past) track.told.push(track.value);
-    if (track.times.length >= MOST_POINTS) {
-      track.times.shift();
-      for (const row of track.numbers.values()) row.shift();
+    if (isFull(track.fresh)) thin(track.fresh);
+    track.fresh.push(track.value);
+    if (isFull(track.times)) {
+      track.thinned = true;
+      for (const row of [track.times, ...track.numbers.values()]) thin(row);
     }
     const before = track.times.push(time) - 1;
     const found = new Map(leaves(track.value).filter((leaf): leaf is [string, number] => typeof leaf[1] === "number"));

@@ -1,10 +1,10 @@
 /** What buses and boards have carried, the newest of it. */
 
 import type { BoardCall, BusLoad, Frame } from "./protocol/Ui.ts";
+import { isFull, thin } from "./series.ts";
 
 const MOST_FRAMES = 1000;
 const MOST_SIGNALS = 512;
-const MOST_POINTS = 2000;
 const MOST_EMERGENCIES = 200;
 const MOST_LOADS = 600;
 const MOST_CALLS = 1000;
@@ -39,8 +39,9 @@ export class Traffic {
         signal = { unit: field.unit, times: [], numbers: [] };
         this.signals.set(key, signal);
       }
-      append(signal.times, frame.time, MOST_POINTS);
-      append(signal.numbers, field.number, MOST_POINTS);
+      if (isFull(signal.times)) for (const row of [signal.times, signal.numbers]) thin(row);
+      signal.times.push(frame.time);
+      signal.numbers.push(field.number);
     }
   }
 

@@ -37,6 +37,7 @@ from .._idl.basic_data_type import (
     TimedWStringSeq as TimedWStringSeq,
 )
 from .._idl.extended_data_types import (
+    OAP as OAP,
     Acceleration2D as Acceleration2D,
     Acceleration3D as Acceleration3D,
     AngularAcceleration3D as AngularAcceleration3D,
@@ -46,7 +47,6 @@ from .._idl.extended_data_types import (
     Covariance3D as Covariance3D,
     Geometry2D as Geometry2D,
     Geometry3D as Geometry3D,
-    OAP as OAP,
     Orientation3D as Orientation3D,
     Point2D as Point2D,
     Point3D as Point3D,

@@ -13,7 +13,7 @@ from msgspec.structs import replace
 from rtgen.diagnostics import Diagnostic
 
 if TYPE_CHECKING:  # the cache reuses artifacts without a model
-    from rtgen.model import Model, Package
+    from rtgen.model import Declaration, Model, Package
 
 
 class Owner(StrEnum):
@@ -40,15 +40,14 @@ class Options(msgspec.Struct, frozen=True):
     """Options of back ends: the generated Python package, skeletons, representation.
 
     `representation` (`cdr` or `xcdr2`) is the format of `to_cdr`, `extensibility` (`final`,
-    `appendable`, `mutable`) the default for structs and unions without an annotation. `external`
-    maps the displayed path of a file to the Python package with its declarations, if that is not
-    the generated package. `factories` has `module:name` of the factories of component types set by
-    the project; `skeleton_path` is the path from the output folder to the one from which skeletons
-    are imported. `small` is the capacity of unbounded sequences and strings, and of InPorts, on the
-    target small. `marshalled`: whether calls of interfaces, and sequences by themselves, have
-    codecs; `tecs_corba`: whether those of TECS boards also have them without OpenRTM. `lazy`:
-    packages import their modules on demand. `ros_interfaces`: also write ROS 2 interface files.
-    `plugins` has the table `[plugin.NAME]` of rtgen.toml for each name.
+    `appendable`, `mutable`) the default for structs and unions without an annotation. `factories`
+    has `module:name` of the factories of component types set by the project; `skeleton_path` is the
+    path from the output folder to the one from which skeletons are imported. `small` is the
+    capacity of unbounded sequences and strings, and of InPorts, on the target small. `marshalled`:
+    whether calls of interfaces, and sequences by themselves, have codecs; `tecs_corba`: whether
+    those of TECS boards also have them without OpenRTM. `lazy`: packages import their modules on
+    demand. `ros_interfaces`: also write ROS 2 interface files. `plugins` has the table
+    `[plugin.NAME]` of rtgen.toml for each name.
     """
 
     package: str
@@ -57,7 +56,6 @@ class Options(msgspec.Struct, frozen=True):
     target: str = "embedded"
     representation: str = "cdr"
     extensibility: str = "final"
-    external: Mapping[str, str] = msgspec.field(default_factory=dict)
     factories: Mapping[str, str] = msgspec.field(default_factory=dict)
     skeleton_path: str = "../src"
     small: tuple[int, int, int] = (1024, 128, 2)
@@ -82,7 +80,6 @@ class Options(msgspec.Struct, frozen=True):
             package=f"{self.package}.{package.name}",
             lazy=True,
             marshalled=self.corba or package.any_values,
-            external=package.types,
         )
 
     @property
@@ -99,33 +96,59 @@ class Options(msgspec.Struct, frozen=True):
 class Part(msgspec.Struct, frozen=True):
     """A generated Python package: the project's own, or one below it.
 
-    `model` has everything that its declarations use, `own` what the package itself contains.
     `origin` are the keys of the inputs of a package below; None for the project's own, whose files
     have the origins of their declarations. `profiles` has the paths of profiles in the package's
     folder, by names of components; other profiles are beside their components.
     """
 
     model: Model
-    own: Model
     options: Options
     origin: tuple[str, ...] | None = None
     profiles: Mapping[str, str] = msgspec.field(default_factory=dict)
 
+    @property
+    def own(self) -> list[Declaration]:
+        """The declarations in the package itself, without those of other packages."""
+        elsewhere = {file.name for file in self.model.files if file.package}
+        return [d for d in self.model.declarations if d.file not in elsewhere]
+
 
 def parts(model: Model, options: Options) -> Iterator[Part]:
     """Yield the project's own package, and those that lowerings add below it."""
-    yield Part(model, model, options)
+    yield Part(model, options)
     for package in model.packages:
         origin = tuple(source.key for source in package.sources)
-        inside = options.inside(package)
-        yield Part(package.model, package.own, inside, origin, package.profiles)
+        yield Part(package.model, options.inside(package), origin, package.profiles)
+
+
+class ComponentTypes(msgspec.Struct, frozen=True):
+    """Factories of the components of a project, by the names of their types.
+
+    `factories` has `module:name` for each type, `languages` the language of those whose profiles
+    name a language other than Python.
+    """
+
+    factories: Mapping[str, str] = msgspec.field(default_factory=dict)
+    languages: Mapping[str, str] = msgspec.field(default_factory=dict)
+
+    def joined(self, others: ComponentTypes) -> ComponentTypes:
+        """Return these types, and those of `others` with other names."""
+        new = {
+            name: language
+            for name, language in others.languages.items()
+            if name not in self.factories
+        }
+        return ComponentTypes(
+            {**others.factories, **self.factories}, {**new, **self.languages}
+        )
 
 
 class Emission(msgspec.Struct, frozen=True):
-    """Result of a back end: artifacts and diagnostics."""
+    """Result of a back end: artifacts, diagnostics, and the component types that it knows."""
 
     artifacts: Sequence[Artifact] = ()
     diagnostics: Sequence[Diagnostic] = ()
+    components: ComponentTypes = ComponentTypes()
 
 
 class Backend(Protocol):

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from rtgen.backends import Artifact, Emission, Options
 from rtgen.backends.components.imports import Imports
-from rtgen.backends.components.locations import source_of
-from rtgen.backends.kit.python_text import fit_text, header_comment
+from rtgen.backends.components.locations import base_location, source_of
+from rtgen.backends.kit.python_module import (
+    PythonModule,
+    imports_from,
+    python_module,
+)
 from rtgen.backends.kit.quoting.python import docstring, number_literal, string_literal
 from rtgen.facts.adapter_constants import AdapterConstant
 from rtgen.model import (
@@ -47,21 +51,30 @@ def _artifacts(model: Model, options: Options) -> Iterator[Artifact]:
         component = model.find((adapter.name,))
         assert isinstance(component, Component)
         source = source_of(model, component)
-        header = header_comment(options.version, [source.key])
-        folder, origin = f"{options.folder}/adapters", (source.key,)
+        origin = [source.key]
         if number == 0:
-            text = f'{header}"""Adapters between data types."""\n'
-            yield Artifact(f"{folder}/__init__.py", text, origin)
-        text = _module(model, names, adapter, options, header)
-        yield Artifact(f"{folder}/{module_name(adapter.name)}.py", text, origin)
+            yield python_module(
+                f"{options.folder}/adapters/__init__.py",
+                options.package,
+                options.version,
+                origin,
+                "Adapters between data types.",
+                plain=True,
+            )
+        yield _module(model, names, adapter, component, options, origin)
 
 
 def _module(
-    model: Model, names: PythonNames, adapter: Adapter, options: Options, header: str
-) -> str:
+    model: Model,
+    names: PythonNames,
+    adapter: Adapter,
+    component: Component,
+    options: Options,
+    origin: Sequence[str],
+) -> PythonModule:
     base = f"{adapter.name}Base"
     taken = {adapter.name, base, *_METHODS, *_RUNTIME, adapter.conversion}
-    types = Imports(model, names, "..", taken, options.external)
+    types = Imports(model, names, taken)
     made = types.type_name(adapter.target)
     body = [
         f"class {adapter.name}({base}):",
@@ -80,21 +93,21 @@ def _module(
         "            self.output.write(made)",
         "        return RTC_OK",
     ]
-    folder = module_name(adapter.name)
-    imports = [*types.lines(), f"from ..components.{folder} import {base}"]
-    if adapter.conversion:
-        imports.append(f"from {_CONVERSIONS} import {adapter.conversion}")
-    head = [
-        "from __future__ import annotations",
-        "",
-        f"from rtgen.runtime import {', '.join(_RUNTIME)}",
-        "",
-        *sorted(imports, key=lambda line: line.split()[1].lower()),
-        "",
-        "",
-    ]
-    title = docstring(f"{adapter.name}: {_doc(adapter)}", 0)
-    return fit_text(f"{header}{title}\n" + "\n".join([*head, *body]) + "\n")
+    converting = [adapter.conversion] if adapter.conversion else []
+    return python_module(
+        f"{options.folder}/adapters/{module_name(adapter.name)}.py",
+        options.package,
+        options.version,
+        origin,
+        f"{adapter.name}: {_doc(adapter)}",
+        imports=[
+            *imports_from("rtgen.runtime", _RUNTIME),
+            *imports_from(_CONVERSIONS, converting),
+            *imports_from(base_location(options.package, component), [base]),
+            *types.imports(),
+        ],
+        body="\n".join(body),
+    )
 
 
 def _copied(model: Model, names: PythonNames, adapter: Adapter) -> Iterator[str]:

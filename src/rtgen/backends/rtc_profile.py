@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 import msgspec
 
 from rtgen.backends import Artifact, Emission, Options, Part, parts
-from rtgen.backends.components.checks import check, components_of
+from rtgen.backends.components.checks import check, own_components
 from rtgen.backends.components.locations import package_folder, source_of, summary
 from rtgen.backends.kit.python_text import header
 from rtgen.backends.kit.rendering import render
@@ -124,7 +124,9 @@ BACKEND = RtcProfileBackend()
 
 
 def _profiles(part: Part) -> Iterator[Artifact]:
-    for component in components_of(part.own):
+    for component in own_components(part.model):
+        if part.origin and component.factory and not part.options.tecs_corba:
+            continue  # only its own process sees it; OpenRTM has its own copy
         place = part.profiles.get(component.name[-1])
         folder = package_folder(part.options, component)
         yield Artifact(

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Final, cast
 
 from rtgen import plugins
-from rtgen.backends import Backend, DeferredBackend, Options
+from rtgen.backends import (
+    Artifact,
+    Backend,
+    ComponentTypes,
+    DeferredBackend,
+    Emission,
+    Options,
+)
+from rtgen.diagnostics import Diagnostic
 from rtgen.facts.ros import INTERFACE_SUFFIXES
 
 if TYPE_CHECKING:
@@ -68,6 +76,45 @@ def backends() -> Iterator[Backend]:
     yield from BUILT_IN
     for _, backend in plugins.loaded(plugins.Group.BACKENDS):
         yield cast("Backend", backend)
+
+
+def together(emissions: Iterable[Emission]) -> Emission:
+    """Return the combined results of several back ends, in their order.
+
+    The parts of a Python module from several back ends become one file.
+    """
+    found: list[Diagnostic] = []
+    components = ComponentTypes()
+    files: list[list[Artifact]] = []
+    known: dict[str, list[Artifact]] = {}
+    for emission in emissions:
+        found += emission.diagnostics
+        components = components.joined(emission.components)
+        own: dict[str, list[Artifact]] = {}
+        for artifact in emission.artifacts:
+            earlier = known.get(artifact.path)
+            if earlier and _are_parts(*earlier, artifact):
+                earlier.append(artifact)
+                continue
+            files.append([artifact])
+            own.setdefault(artifact.path, files[-1])
+        known = {**own, **known}
+    return Emission(list(map(_composed, files)), found, components)
+
+
+def _are_parts(*artifacts: Artifact) -> bool:
+    """Return whether files with the same path are parts of a Python module."""
+    from rtgen.backends.kit.python_module import PythonModule
+
+    return all(isinstance(each, PythonModule) for each in artifacts)
+
+
+def _composed(artifacts: list[Artifact]) -> Artifact:
+    if len(artifacts) == 1:
+        return artifacts[0]
+    from rtgen.backends.kit.python_module import PythonModule, composed
+
+    return composed([each for each in artifacts if isinstance(each, PythonModule)])
 
 
 def printed_idl(model: Model) -> dict[str, Callable[[], str]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from collections.abc import Sequence
@@ -53,6 +54,9 @@ def application() -> None:
     """
 
 
+_NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS)
+
+
 def run(arguments: Sequence[str], *, ends: bool = False) -> int:
     """Run a command line; return its exit code and raise nothing.
 
@@ -70,6 +74,8 @@ def run(arguments: Sequence[str], *, ends: bool = False) -> int:
         return _INTERRUPTED
     except BrokenPipeError as error:
         return _ended_by(error)
+    except OSError as error:
+        return _unwritable(error) if error.errno in _NO_ROOM else _internal(error)
     except Exception as error:
         return _internal(error)
     return code if isinstance(code, int) else 0
@@ -84,6 +90,18 @@ def _ended_by(error: BrokenPipeError) -> int:
         return _internal(error)
     discard_unread()
     return NO
+
+
+def _unwritable(error: OSError) -> int:
+    """Return the exit code if a disk is full or fails; only standard output has no file name."""
+    name = error.filename or "standard output"
+    click.echo(f"error[ENV0001]: cannot write {name}: {error.strerror}", err=True)
+    if error.filename is None:
+        # Buffered output must not fail again at process exit.
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())
+        os.close(nowhere)
+    return 3
 
 
 def _internal(error: Exception) -> int:

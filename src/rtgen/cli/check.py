@@ -55,7 +55,7 @@ def check(
     console.findings(run.diagnostics, run.sources)
     if run.failed:
         return BAD_INPUT
-    planned = writer.plan(project, run.artifacts, run.inputs)
+    planned = writer.plan(project, run)
     found = behaviours.check(project, run.artifacts)
     console.findings(found)
     strays = (*planned.strays, *planned.leftovers)

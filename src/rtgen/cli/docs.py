@@ -23,6 +23,7 @@ from rtgen.cli.common import (
 from rtgen.cli.stages import with_stages
 from rtgen.diagnostics import ToolError, has_errors, in_order
 from rtgen.project import is_system, output, shown
+from rtgen.project.compilation import Compilation
 
 _DEFAULT = "build/docs"
 
@@ -83,7 +84,7 @@ def docs(
     target = Path(folder)
     place = target.absolute()
     owned = replace(project, base=place, output=place, skeletons=place)
-    output.write(owned, [Artifact(f.path, f.text, ()) for f in files], {})
+    output.write(owned, Compilation([Artifact(f.path, f.text, ()) for f in files], {}))
     console.say(f"{shown(target)}: {len(files)} files")
     if building:
         with stages.stage("mkdocs build"):

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import configparser
 import sys
 from collections.abc import Callable, Mapping
 from difflib import get_close_matches
 from importlib import import_module, metadata
-from pathlib import Path
 from types import ModuleType
 
 from rtgen.diagnostics import ToolError
-from rtgen.project import Project
+from rtgen.project import Project, output
 from rtgen.runtime import Component
 from rtgen.runtime.failures import ends_run
 from rtgen.runtime.system.watchdog import calling
 
 GROUP = "rtgen.components"
-FOREIGN = "rtgen.foreign"
-"""The group of component types whose profiles name another language."""
 
 Factory = Callable[[str], Component]
 
@@ -26,21 +22,21 @@ Factory = Callable[[str], Component]
 class Factories:
     """The factories of component types by name.
 
-    Precedence: `[components]` of rtgen.toml, entry points generated in the project, installed
-    entry points.
+    Precedence: `[components]` of rtgen.toml, the manifest of the project's output folder,
+    installed entry points.
     """
 
     def __init__(self, project: Project) -> None:
-        listed = project.output / project.package / "components" / "entry_points.txt"
+        generated = output.component_types(project.output)
         installed = {e.name: e.value for e in metadata.entry_points(group=GROUP)}
         self._targets: dict[str, str] = {
             **installed,
-            **_listed(listed, GROUP),
+            **generated.factories,
             **dict(project.components),
         }
         self.foreign: dict[str, str] = {
             name: language
-            for name, language in _listed(listed, FOREIGN).items()
+            for name, language in generated.languages.items()
             if name not in dict(project.components) and name not in installed
         }
         """Languages of the types that other programs run, according to their profiles."""
@@ -99,20 +95,3 @@ def _advice(error: BaseException, module: str) -> str | None:
             close = get_close_matches(name, vars(found), n=1)
             return f"did you mean {close[0]}?" if close else None
     return None
-
-
-class _EntryPoints(configparser.ConfigParser):
-    def optionxform(self, optionstr: str) -> str:
-        return optionstr
-
-
-def _listed(file: Path, group: str) -> Mapping[str, str]:
-    """Return the entries of a group in a generated file; none if the file is missing."""
-    parser = _EntryPoints(delimiters=("=",), interpolation=None)
-    try:
-        parser.read_string(file.read_text(encoding="utf-8"))
-        return dict(parser[group])
-    except (FileNotFoundError, KeyError):
-        return {}
-    except (OSError, UnicodeDecodeError, configparser.Error) as error:
-        raise ToolError(f"cannot read {file}: {error}") from error

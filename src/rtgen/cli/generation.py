@@ -62,11 +62,11 @@ def generate_once(console: Console, request: Request) -> tuple[int, Iterable[Pat
     if request.only_diff:
         from rtgen.cli.diffs import diff
 
-        planned = writer.plan(project, run.artifacts, run.inputs)
+        planned = writer.plan(project, run)
         write_out(diff((*planned.changes, *planned.skeletons)))
         console.findings(run.diagnostics, run.sources)
         return OK, looked_for
-    done = writer.write(project, run.artifacts, run.inputs)
+    done = writer.write(project, run)
     found = [*run.diagnostics, *behaviours.check(project, run.artifacts)]
     console.findings(found, run.sources)
     console.say(_summary(project, done))

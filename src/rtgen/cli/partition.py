@@ -68,6 +68,20 @@ def share(profile: System, here: Collection[str], *, data: bool = False) -> Syst
     )
 
 
+def alone(profile: System, here: Collection[str]) -> System:
+    """Return the components of this process, and the connections between them."""
+    shared = share(profile, here, data=True)
+    return replace(
+        shared,
+        connections=tuple(
+            c
+            for c in shared.connections
+            if c.source.instance in here and c.target.instance in here
+        ),
+        activation=tuple(s for s in shared.activation if s.instance in here),
+    )
+
+
 def _without(others: Collection[str], observables: str) -> str:
     """Remove observables of other processes from a comma-separated list."""
     names = [name.strip() for name in observables.split(",")]

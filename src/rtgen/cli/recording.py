@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
 import warnings
 from collections.abc import Iterator, Sequence
@@ -38,14 +39,41 @@ class Sample:
     goal: Pose | None = None
 
 
+class Results(io.TextIOWrapper):
+    """A file that is written during a run. The methods raise ToolError with the file's name."""
+
+    def __init__(self, path: str) -> None:
+        self._path = path
+        with self._failing():
+            stream = Path(path).open("wb")  # noqa: SIM115  # closed with this one
+            super().__init__(stream, encoding="utf-8", newline="")
+
+    def write(self, text: str) -> int:
+        """See `io.TextIOBase`."""
+        try:
+            return super().write(text)
+        except OSError as error:
+            raise self._failure(error) from error
+
+    def close(self) -> None:
+        """See `io.IOBase`."""
+        with self._failing():
+            super().close()
+
+    @contextmanager
+    def _failing(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            raise self._failure(error) from error
+
+    def _failure(self, error: OSError) -> ToolError:
+        return ToolError(f"cannot write {self._path}: {error.strerror}")
+
+
 def opened(files: ExitStack, path: str | None) -> TextIO | None:
     """Open a file for writing before a run starts; `files` closes it. Raises ToolError."""
-    if path is None:
-        return None
-    try:
-        return files.enter_context(Path(path).open("w", encoding="utf-8", newline=""))
-    except OSError as error:
-        raise ToolError(f"cannot write {path}: {error.strerror}") from error
+    return None if path is None else files.enter_context(Results(path))
 
 
 def check_picture(path: str | None, command: str = "--plot") -> None:

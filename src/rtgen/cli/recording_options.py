@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -48,6 +48,19 @@ class RecordingOptions:
         except RecordingError as error:
             raise ToolError(str(error), hint=error.hint) from error
         return Recorder(running, files.enter_context(writer))
+
+    @contextmanager
+    def reported(self) -> Iterator[None]:
+        """Turn failures of the recording into ToolError."""
+        if self.file is None:
+            yield
+            return
+        from rtgen.recording.errors import RecordingError
+
+        try:
+            yield
+        except RecordingError as error:
+            raise ToolError(str(error), hint=error.hint) from error
 
     def tell(self, console: Console, recorder: Recorder | None) -> None:
         """Report the samples that are missing in the recording."""

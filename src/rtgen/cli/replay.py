@@ -134,10 +134,10 @@ def replay(
     report = FailureReport(console, shown_failures, simulated=True)
     factories = _Factories(load_around(path))
     with (
+        reported(),
         ExitStack() as files,
         logged(report, console, shown_failures),
         ending(report.waiting) as end,
-        reported(),
         assemble(
             profile,
             factories,

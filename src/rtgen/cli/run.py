@@ -237,6 +237,7 @@ def run(
     watch = runtime.SimulatedClock() if simulated else runtime.RealClock()
     report = FailureReport(console, shown_failures, simulated=simulated)
     with (
+        recording.reported(),
         ExitStack() as files,
         logged(report, console, shown_failures),
         ending(report.waiting) as end,

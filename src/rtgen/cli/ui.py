@@ -8,7 +8,6 @@ import webbrowser
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
-from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -28,11 +27,17 @@ from rtgen.cli.common import (
 )
 from rtgen.cli.factories import Factories, FactoryImportError
 from rtgen.cli.failures import FailureOptions, FailureReport
+from rtgen.cli.foreign import named
+from rtgen.cli.known_types import KnownTypes
+from rtgen.cli.partition import alone, steps_here
+from rtgen.cli.recording_options import RecordingOptions, with_recording
 from rtgen.diagnostics import InputError, ToolError, has_errors, in_order
 from rtgen.model import System, SystemComponent
-from rtgen.project import load_around
-from rtgen.runtime.failures import Failure
+from rtgen.project import is_bus_file, load_around
+from rtgen.runtime.failures import Failure, log
+from rtgen.runtime.marshalling.descriptors import DataType
 from rtgen.runtime.rtc.profiles import ComponentProfile
+from rtgen.runtime.services.servants import Servant
 from rtgen.systems import timeline
 from rtgen.systems.checks import check_properties
 from rtgen.systems.reading import read_file
@@ -40,6 +45,7 @@ from rtgen.systems.reading import read_file
 if TYPE_CHECKING:
     from rtgen.cli.ui_bus import BusDescriber
     from rtgen.runtime.corba.transport import CorbaTransport
+    from rtgen.runtime.opaque_rpc.codecs import Codec
     from rtgen.ui.session import Session
 
 _LOOPBACK = "127.0.0.1"
@@ -55,13 +61,17 @@ class CommandProject:
         files: Sequence[str],
         buses: Mapping[str, Path] | None = None,
         transport: CorbaTransport | None = None,
+        recording: RecordingOptions | None = None,
     ) -> None:
         self._console = console
+        self._recording = recording or RecordingOptions(None, None)
+        self._runs = 0
         self._buses = buses or {}
         self._transport = transport
         self._files = [*files]
         self._project = load_around(Path(files[0]) if files else Path.cwd())
         self._factories = Factories(self._project)
+        self._types = KnownTypes(self._project)
 
     @property
     def systems(self) -> Sequence[str]:
@@ -119,12 +129,19 @@ class CommandProject:
     def assemble(
         self, profile: System, clock: runtime.Clock, failed: Callable[[Failure], None]
     ) -> runtime.System:
-        """Return a system with its timeline; nothing is activated before time passes."""
+        """Return a system with its timeline; nothing is activated before time passes.
+
+        Foreign components and their connections are omitted.
+        """
         simulated = isinstance(clock, runtime.SimulatedClock)
         report = FailureReport(self._console, FailureOptions(), simulated=simulated)
         path = Path(profile.file)
         folder = path.parent if path.name == "system.xml" else path
         steps = timeline.of_system(folder, None, profile).steps
+        if outside := named(profile, None, self._factories.foreign):
+            here = {c.instance for c in profile.components} - outside
+            steps = steps_here(steps, profile, here, data=True)
+            profile = alone(profile, here)
         system = assemble(
             profile, self._factories, clock, (), steps, self._transport, report=report
         )
@@ -141,9 +158,68 @@ class CommandProject:
         report = FailureReport(self._console, FailureOptions())
         add_component(system, component, self._factories, Path.cwd(), report)
 
-    def describer(self, bus: str) -> BusDescriber:
-        """Return the description of a bus: the file for its channel, else the default one."""
-        return _describer(self._buses, bus)
+    def record(self, system: runtime.System) -> Callable[[], None]:
+        """Record a run; each has a file of its own: `FILE.mcap`, `FILE-2.mcap`, ..."""
+        self._runs += 1
+        options = self._recording
+        if options.file is not None and self._runs > 1:
+            path = Path(options.file)
+            file = path.with_name(f"{path.stem}-{self._runs}{path.suffix}")
+            options = replace(options, file=str(file))
+        files = ExitStack()
+        recorder = options.begin(files, system)
+
+        def end() -> None:
+            if recorder is not None:
+                recorder.end(through=True)
+            options.tell(self._console, recorder)
+            files.close()
+
+        return end
+
+    def describer(self, bus: str, network: str) -> BusDescriber:
+        """Return the description of a bus.
+
+        That is the file for its channel, else the default one, else the one of its network in the
+        project.
+        """
+        from rtgen.cli.ui_bus import BusDescriber
+
+        named = self._buses.get(bus, self._buses.get(""))
+        if named is None and network:
+            for path in filter(is_bus_file, self._project.sources):
+                try:
+                    found = BusDescriber(path)
+                except InputError:
+                    continue  # `rtgen lint` reports its errors
+                if found.network == network:
+                    return found
+        return BusDescriber(named)
+
+    def data_type(self, name: str) -> type[DataType] | None:
+        """Return a type declared by the project or by OpenRTM."""
+        return self._types.data_type(name)
+
+    def interface(self, name: str) -> type[Servant] | None:
+        """Return an interface declared by the project."""
+        return self._types.interface(name)
+
+    def codec(self, type_: str) -> Codec | None:
+        """Return the codec of a marshaller type; None for another type, which is not created."""
+        from rtgen.ui import boards
+
+        if type_ not in self._factories:
+            return None
+        try:
+            factory = self._factories[type_]
+        except ToolError as error:
+            log.warning("calls to boards have no values: %s", error)
+            return None
+        if not boards.is_marshaller(factory):
+            return None
+        component = factory(type_)
+        component.on_initialize()
+        return boards.codec_of(component)
 
     def palette(self) -> Sequence[ComponentProfile]:
         """Return the types whose factories are importable classes."""
@@ -158,17 +234,12 @@ class CommandProject:
         return found
 
 
-def _describer(buses: Mapping[str, Path], bus: str) -> BusDescriber:
-    from rtgen.cli.ui_bus import BusDescriber
-
-    return BusDescriber(buses.get(bus, buses.get("")))
-
-
 def _session(
     project: CommandProject,
     clock: Callable[[], runtime.Clock],
     name_servers: tuple[str, ...],
     transport: CorbaTransport | None,
+    recording: str,
 ) -> Session:
     """Return the session of the first system. Raises InputError, ToolError."""
     from rtgen.ui.session import Session
@@ -176,7 +247,7 @@ def _session(
     file = next(iter(project.systems), "")
     own = None if transport is None else transport.rt_objects
     try:
-        return Session(project, file, clock, name_servers, own)
+        return Session(project, file, clock, name_servers, own, recording)
     except runtime.TransportError as error:
         raise ToolError(str(error)) from error
 
@@ -207,7 +278,7 @@ def _opened(name_server: str, closing: ExitStack) -> CorbaTransport:
     "--port",
     type=WholeRange(0, 65535),
     default=0,
-    help="The port on 127.0.0.1; by default any that is free.",
+    help="The port on 127.0.0.1, where pages find the command again; by default any that is free.",
 )
 @click.option(
     "--bus",
@@ -230,6 +301,7 @@ def _opened(name_server: str, closing: ExitStack) -> CorbaTransport:
     default="direct",
     help="corba: the naming service gets the components of this system, too (real time).",
 )
+@with_recording
 @click.option("--read-only", is_flag=True, help="Print the address to look only, too.")
 @click.option("--open/--no-open", "opened", default=True, help="Open a browser.")
 @click.option("--play/--pause", "playing", default=True, help="Let time pass at once.")
@@ -242,6 +314,7 @@ def ui(
     buses: tuple[str, ...],
     name_servers: tuple[str, ...],
     transport: str,
+    recording: RecordingOptions,
     read_only: bool,
     opened: bool,
     playing: bool,
@@ -250,6 +323,7 @@ def ui(
 
     SYSTEM is an RtsProfile, or a folder with system.xml; the page can change to the others. In
     place of systems a recording (FILE.mcap) is shown, or two beside each other: nothing runs. With
+    systems, one recording is shown beside what runs. With
     --nameserver no SYSTEM is needed. The page is at 127.0.0.1 only; its address has a token that
     others do not know.
     """
@@ -267,6 +341,8 @@ def ui(
             f"the page needs {', '.join(missing)}, which is not installed",
             hint="pip install 'rtgen[ui]'",
         )
+    from rtgen.cli.ui_bus import BusDescriber
+    from rtgen.cli.ui_tokens import tokens_of
     from rtgen.ui.recorded import Recorded
     from rtgen.ui.serving import Server
 
@@ -275,8 +351,8 @@ def ui(
     for each in buses:
         channel, _, file = each.rpartition("=")
         described[channel] = Path(file)
-    for channel in described:
-        _describer(described, channel)  # raises InputError before anything runs
+    for path in described.values():
+        BusDescriber(path)  # raises InputError before anything runs
     if name_servers and find_spec("omniORB") is None:
         raise ToolError(
             "--nameserver needs omniORBpy, which is not installed",
@@ -285,27 +361,33 @@ def ui(
     recordings = [each for each in systems if Path(each).suffix.lower() == ".mcap"]
     session: Session | Recorded
     closing = ExitStack()
-    if recordings:
-        if len(recordings) < len(systems) or len(recordings) > 2 or name_servers:
-            raise Refusal("either systems are shown, or one recording or two")
-        session = Recorded(recordings, partial(_describer, described))
+    tokens = tokens_of(port) if port else None
+    others = [each for each in systems if each not in recordings]
+    if recordings and (len(recordings) > (1 if others else 2)):
+        raise Refusal("a recording is shown beside a system or beside another one")
+    if recordings and not others:
+        if name_servers or recording.file is not None:
+            raise Refusal("a recording is shown alone: there is nothing that runs")
+        project = CommandProject(console, [], described)
+        session = Recorded(recordings, project.describer, project.codec)
         if session.left_out:
             console.say(
                 f"shown from {session.history.first:.3f} s on: the rest is too much"
             )
-        server = Server(session, _LOOPBACK, port)
+        server = Server(session, _LOOPBACK, port, tokens=tokens)
     else:
-        kind = clock if systems else "real"
+        kind = clock if others else "real"
         carrier = None
         if transport == "corba":
-            if not name_servers or kind != "real" or len(systems) > 1:
+            if not name_servers or kind != "real" or len(others) > 1:
                 raise Refusal(
                     "--transport corba needs --nameserver, --clock real and one system"
                 )
             carrier = _opened(name_servers[0], closing)
-        project = CommandProject(console, systems, described, carrier)
-        session = _session(project, clocks[kind], name_servers, carrier)
-        server = Server(session, _LOOPBACK, port)
+        project = CommandProject(console, others, described, carrier, recording)
+        beside = next(iter(recordings), "")
+        session = _session(project, clocks[kind], name_servers, carrier, beside)
+        server = Server(session, _LOOPBACK, port, tokens=tokens)
         if playing:
             session.runner.submit(session.runner.play)
 

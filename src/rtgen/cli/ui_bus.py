@@ -27,6 +27,11 @@ class BusDescriber:
         self._known = empty if file is None else read_node_index(file, ())
         self._decoder = Decoder(self._known)
 
+    @property
+    def network(self) -> str:
+        """The name of the network; empty without a file."""
+        return "" if self._known.bus is None else self._known.bus.name
+
     def bus(self, name: str) -> ui.Bus:
         """Return the bus and its described nodes."""
         bus = self._known.bus

@@ -119,7 +119,7 @@ def _member(m: TecsMember) -> Json:
         "optional": False,
         "key": False,
         "id": None,
-        "doc": "",
+        "doc": m.doc,
         "annotations": [],
     }
 

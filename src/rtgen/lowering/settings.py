@@ -33,11 +33,13 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
 
     `definitions` are the displayed paths of the IDL files that the user named. `numeric` is the
     form of numeric sequences and arrays in Python, `extensibility` that of structs without an
-    annotation. `plugins` has the table `[plugin.NAME]` of rtgen.toml for each name.
+    annotation, `representation` the format of `to_cdr`. `plugins` has the table `[plugin.NAME]` of
+    rtgen.toml for each name.
     """
 
     adapters: tuple[AdapterEntry, ...] = ()
     definitions: frozenset[str] = frozenset()
     numeric: Numeric = "list"
     extensibility: str = "final"
+    representation: str = "cdr"
     plugins: Mapping[str, Mapping[str, Any]] = msgspec.field(default_factory=dict)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from importlib import import_module
 from typing import Final, TypeAlias
 
@@ -12,6 +12,7 @@ from rtgen import plugins, stages
 from rtgen.diagnostics import Diagnostic
 from rtgen.lowering.settings import Settings
 from rtgen.model import Model
+from rtgen.resources import IDL_FILES, idl_key
 
 
 class Lowered(msgspec.Struct, frozen=True):
@@ -93,6 +94,14 @@ LOWERINGS: Final = (
 )
 """The lowerings of rtgen, in order; those of plug-ins follow."""
 
+_SHIPPED: Final = frozenset(map(idl_key, IDL_FILES))
+
+LAST: Final = Lowering(
+    "rtgen.lowering.library",
+    lambda model, _: any(file.key in _SHIPPED for file in model.files),
+)
+"""The lowering that runs after all others."""
+
 
 def lowerings(*, complete: bool) -> tuple[Lowering, ...]:
     """Return the lowerings; unless `complete`, only those whose results are definitions."""
@@ -108,10 +117,12 @@ def needed_idl(model: Model, *, complete: bool) -> list[str]:
 def lowered(model: Model, settings: Settings, *, complete: bool = True) -> Lowered:
     """Return the model after all lowerings, each applied to the result of the previous one."""
     found: list[Diagnostic] = []
-    steps: Iterable[tuple[str, Lower]] = (
+    steps: list[tuple[str, Lower]] = [
         (lowering.name, lowering) for lowering in lowerings(complete=complete)
-    )
-    for name, lower in (*steps, *(_of_plugins() if complete else ())):
+    ]
+    if complete:
+        steps += [*_of_plugins(), (LAST.name, LAST)]
+    for name, lower in steps:
         with stages.stage(f"lowering {name}"):
             made = lower(model, settings)
         model = made.model

@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import msgspec
-from msgspec.structs import replace
 
 from rtgen.facts.primitives import Primitive
 from rtgen.model.components import (
@@ -134,6 +133,11 @@ class SourceFile(msgspec.Struct, frozen=True, kw_only=True):
     project or to the include folder, never absolute), `sha256` the hash of its content. `includes`
     are the names of directly included files, in order. `main`: the file was given, not only
     included. A file that is included inside a scope has its includer in `belongs_to`.
+
+    Lowerings set where back ends find the file's declarations: `package` is their Python package,
+    if that is not the generated one, `module` the module there, if the file has none of its own,
+    and `taken` the other names bound in that module. `exported`: the generated package exports the
+    declarations under the names of the IDL modules.
     """
 
     name: str
@@ -142,6 +146,10 @@ class SourceFile(msgspec.Struct, frozen=True, kw_only=True):
     main: bool
     includes: tuple[str, ...] = ()
     belongs_to: str | None = None
+    package: str = ""
+    module: str = ""
+    taken: frozenset[str] = frozenset()
+    exported: bool = True
 
 
 class Model(msgspec.Struct, frozen=True, dict=True):
@@ -202,28 +210,15 @@ class Model(msgspec.Struct, frozen=True, dict=True):
 class Package(msgspec.Struct, frozen=True, kw_only=True):
     """Declarations that are generated in a package `name` below the project's.
 
-    `types` maps the displayed path of a file to the module with its declarations, if that is not in
-    this package; `conversions` to the package below the project's with its conversions to a
-    middleware. `sources` are the files that the package depends on. `any_values`: values of the
-    types are sent in an `any`. `profiles` maps names of components to the paths of their profiles
-    in the package's folder; other profiles are beside their components.
+    `conversions` maps the displayed path of a file to the package below the project's with its
+    conversions to a middleware. `sources` are the files that the package depends on. `any_values`:
+    values of the types are sent in an `any`. `profiles` maps names of components to the paths of
+    their profiles in the package's folder; other profiles are beside their components.
     """
 
     name: str
     model: Model
     sources: tuple[SourceFile, ...]
-    types: Mapping[str, str] = msgspec.field(default_factory=dict)
     conversions: Mapping[str, str] = msgspec.field(default_factory=dict)
     any_values: bool = False
     profiles: Mapping[str, str] = msgspec.field(default_factory=dict)
-
-    @property
-    def own(self) -> Model:
-        """The model without the declarations that are in other modules."""
-        return replace(
-            self.model,
-            files=tuple(f for f in self.model.files if f.name not in self.types),
-            declarations=tuple(
-                d for d in self.model.declarations if d.file not in self.types
-            ),
-        )

@@ -68,8 +68,9 @@ class Component(Declaration, frozen=True, kw_only=True):
     `ports` and `configuration` include inherited ones, base first. `runtime_base` is the base
     class of its generated base if that is not the runtime's `Component`, and `factory` constructs
     instances if that is not a skeleton for the user to complete; both are written `module:name`,
-    where a module with a leading dot is below the generated package. `other_file` contains the
-    IDL definition that a profile of the component replaces. `language` is that of its profile.
+    where a module with a leading dot is below the generated package. `module` has the generated
+    base, if that has no package of its own below `components`. `other_file` contains the IDL
+    definition that a profile of the component replaces. `language` is that of its profile.
     """
 
     ports: tuple[Port, ...] = ()
@@ -91,6 +92,7 @@ class Component(Declaration, frozen=True, kw_only=True):
     language: str = "Python"
     runtime_base: str = ""
     factory: str = ""
+    module: str = ""
     other_file: str = ""
 
     @property

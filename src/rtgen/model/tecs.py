@@ -104,6 +104,7 @@ class TecsMember(msgspec.Struct, frozen=True, kw_only=True):
     type: CType
     sizes: Sizes = Sizes()
     span: Span
+    doc: str = ""
 
 
 class TecsStruct(TecsDeclaration, frozen=True, kw_only=True):

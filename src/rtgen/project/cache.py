@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rtgen import stages
-from rtgen.backends import Artifact, Owner
+from rtgen.backends import Artifact, ComponentTypes, Owner
 from rtgen.diagnostics import Diagnostic, Related, Severity, Span
 from rtgen.project.compilation import Compilation
 from rtgen.project.loading import Project
@@ -27,7 +27,7 @@ from rtgen.project.loading import Project
 if TYPE_CHECKING:
     from importlib import metadata
 
-_FORMAT = "rtgen-run/3"
+_FORMAT = "rtgen-run/4"
 _LIBRARIES = {"artifacts": ("jinja2", "lark")}
 """Libraries whose versions affect the output."""
 
@@ -134,6 +134,7 @@ class Cache:
             diagnostics=tuple(map(_diagnostic, entry["diagnostics"])),
             dependencies=dependencies,
             sources=entry["sources"],
+            components=ComponentTypes(*entry["components"]),
         )
 
     def store(self, key: str, run: Compilation) -> None:
@@ -146,6 +147,10 @@ class Cache:
             "sources": {
                 f: t for f, t in run.sources.items() if f in _files_in_diagnostics(run)
             },
+            "components": [
+                dict(run.components.factories),
+                dict(run.components.languages),
+            ],
         }
         payload = json.dumps(entry).encode()
         file = self._file(key)
@@ -179,14 +184,19 @@ class Cache:
                 file.unlink(missing_ok=True)
 
 
-def default() -> Cache:
-    """Return the user's cache: `RTGEN_CACHE_DIR`, or the system's cache folder."""
+def user_folder() -> Path:
+    """Return the user's folder of caches: `RTGEN_CACHE_DIR`, or the system's cache folder."""
     folder = os.environ.get("RTGEN_CACHE_DIR")
     if not folder:
         from platformdirs import user_cache_dir
 
         folder = user_cache_dir("rtgen", appauthor=False)
-    return Cache(Path(folder).absolute() / "runs")
+    return Path(folder).absolute()
+
+
+def default() -> Cache:
+    """Return the user's cache."""
+    return Cache(user_folder() / "runs")
 
 
 def _is_own(path: Path, *, sole_writer: bool = True) -> bool:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import msgspec
 
-from rtgen.backends import Artifact
+from rtgen.backends import Artifact, ComponentTypes
 from rtgen.diagnostics import Diagnostic, has_errors
 
 
@@ -15,14 +15,15 @@ class Compilation(msgspec.Struct, frozen=True):
 
     `inputs` maps the key of each file read to its sha256; `dependencies` maps the path of each file
     searched for to its sha256, or to None if it was missing. `sources` are the texts of the files
-    in diagnostics, by displayed path.
+    in diagnostics, by displayed path. `components` are the component types of the project.
     """
 
-    artifacts: tuple[Artifact, ...]
+    artifacts: Sequence[Artifact]
     inputs: Mapping[str, str]
-    diagnostics: tuple[Diagnostic, ...]
-    dependencies: Mapping[str, str | None]
+    diagnostics: tuple[Diagnostic, ...] = ()
+    dependencies: Mapping[str, str | None] = msgspec.field(default_factory=dict)
     sources: Mapping[str, str] = msgspec.field(default_factory=dict)
+    components: ComponentTypes = ComponentTypes()
 
     @property
     def failed(self) -> bool:

@@ -119,6 +119,7 @@ class Project(msgspec.Struct, frozen=True, kw_only=True):
             definitions=frozenset(path.as_posix() for path in idl),
             numeric=self.numeric,
             extensibility=self.extensibility,
+            representation=self.representation,
             plugins=self.plugins,
         )
 

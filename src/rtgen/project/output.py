@@ -13,6 +13,7 @@ import os
 import shutil
 import stat
 import sys
+import unicodedata
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
 from hashlib import sha256
@@ -21,10 +22,11 @@ from pathlib import Path, PurePosixPath
 import msgspec
 
 from rtgen import stages
-from rtgen.backends import Artifact, Owner
+from rtgen.backends import Artifact, ComponentTypes, Owner
 from rtgen.diagnostics import Diagnostic, InputError, Rule, ToolError
 from rtgen.facts.version import __version__
 from rtgen.project import Project, shown
+from rtgen.project.compilation import Compilation
 from rtgen.project.rules import (
     ENCODING,
     FOREIGN_FILE,
@@ -81,17 +83,17 @@ class Plan(msgspec.Struct, frozen=True):
         return not (self.changes or self.skeletons or self.leftovers or self.barren)
 
 
-def plan(
-    project: Project, artifacts: Sequence[Artifact], inputs: Mapping[str, str]
-) -> Plan:
-    """Return the changes that make the folder match the artifacts; `inputs` maps keys to sha256."""
+def plan(project: Project, run: Compilation) -> Plan:
+    """Return the changes that make the folder match the artifacts of a run.
+
+    Raises InputError if a file would leave its folder, ToolError if the disk fails.
+    """
     with stages.stage("compare with the tree"):
-        return _plan(project, artifacts, inputs)
+        return _plan(project, run)
 
 
-def _plan(
-    project: Project, artifacts: Sequence[Artifact], inputs: Mapping[str, str]
-) -> Plan:
+def _plan(project: Project, run: Compilation) -> Plan:
+    artifacts = run.artifacts
     _check(project, artifacts)
     own = [a for a in artifacts if a.owner is Owner.RTGEN]
     users = [(_place(project, a), a) for a in artifacts if a.owner is Owner.USER]
@@ -108,7 +110,7 @@ def _plan(
         if findings:
             raise InputError(findings)
         former = [p for p in known if p in there and p not in wanted]
-        manifest = _manifest(own, wanted, inputs)
+        manifest = _manifest(own, wanted, run)
         changes = [
             Change(project.output / p, _read(project.output / p), None) for p in former
         ]
@@ -140,20 +142,18 @@ def _plan(
         )
 
 
-def write(
-    project: Project, artifacts: Sequence[Artifact], inputs: Mapping[str, str]
-) -> Plan:
-    """Make the folder match the artifacts; return what was done.
+def write(project: Project, run: Compilation) -> Plan:
+    """Make the folder match the artifacts of a run; return what was done.
 
     Raises as `plan` does, before anything is written, and ToolError if the disk fails while
     writing.
     """
     with _disk_failures():
         if not project.output.is_dir():
-            _check(project, artifacts)  # checked before the folder is made
+            _check(project, run.artifacts)  # checked before the folder is made
             project.output.mkdir(parents=True, exist_ok=True)
         with _lock(project.output):
-            planned = plan(project, artifacts, inputs)
+            planned = plan(project, run)
             with stages.stage("write"):
                 _apply(project, planned)
     return planned
@@ -187,13 +187,18 @@ def _place(project: Project, artifact: Artifact) -> Path:
 
 
 def _manifest(
-    own: Iterable[Artifact], wanted: Mapping[str, bytes], inputs: Mapping[str, str]
+    own: Iterable[Artifact], wanted: Mapping[str, bytes], run: Compilation
 ) -> bytes:
     """Return the content of the manifest."""
     content: dict[str, object] = {
         "format": _FORMAT,
         "generator": f"rtgen {__version__}",
-        "inputs": dict(sorted(inputs.items())),
+        "inputs": dict(sorted(run.inputs.items())),
+        **{
+            table: dict(sorted(entries.items()))
+            for table, entries in msgspec.structs.asdict(run.components).items()
+            if entries
+        },
         "files": {
             a.path: {
                 "sha256": sha256(wanted[a.path]).hexdigest(),
@@ -203,6 +208,22 @@ def _manifest(
         },
     }
     return (json.dumps(content, indent=2, ensure_ascii=False) + "\n").encode()
+
+
+def component_types(output: Path) -> ComponentTypes:
+    """Return the component types in the manifest of an output folder; none without a manifest.
+
+    Raises ToolError for a damaged manifest.
+    """
+    file = output / MANIFEST
+    try:
+        return msgspec.json.decode(file.read_bytes(), type=ComponentTypes)
+    except FileNotFoundError:
+        return ComponentTypes()
+    except (OSError, msgspec.DecodeError, RecursionError) as error:
+        reason = error.strerror if isinstance(error, OSError) else error
+        hint = "run rtgen generate, which writes it anew"
+        raise ToolError(f"cannot read {shown(file)}: {reason}", hint=hint) from error
 
 
 def _former(output: Path) -> list[str]:
@@ -231,7 +252,8 @@ def _check_paths(artifacts: Iterable[Artifact]) -> Iterator[Diagnostic]:
             artifact.text.encode()
         except UnicodeEncodeError:
             yield ENCODING.at(None, f"{origin}: {artifact.path} holds a lone surrogate")
-        path = artifact.path.casefold()
+        # Like file systems that ignore case and composition in names.
+        path = unicodedata.normalize("NFD", artifact.path.casefold())
         key = (artifact.owner, path)
         other = files.get(key) or folders.get(key)
         for parent in _folders_above(path):
@@ -411,8 +433,10 @@ def _write_whole(path: Path, data: bytes, *, lasting: bool) -> None:
             # Files that can be read can be executed if they are scripts.
             temporary.chmod(mode | (mode & _READABLE) >> 2)
         temporary.replace(path)
-    except BaseException:
+    except BaseException as error:
         temporary.unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.filename is None:
+            error.filename = str(path)  # Errors of an open file do not name it.
         raise
 
 

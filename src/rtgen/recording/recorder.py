@@ -83,6 +83,7 @@ class Recorder:
         self._schemas: dict[Schema, int] = {}
         self._channels: dict[tuple[str, ...], int] = {}
         self._ticking = ""
+        self._described: set[str] = set()
         clock = "simulated" if self._simulated else "real"
         writer.metadata(
             METADATA, {"layout": LAYOUT, "clock": clock, "start": str(self._start)}
@@ -108,6 +109,9 @@ class Recorder:
     def __call__(self, record: Record) -> None:
         """Record a change of state."""
         if isinstance(record, StateRecord):
+            if record.instance not in self._described:
+                self._describe_component(record.instance)
+                self._describe_parameters(record.instance)
             before, after = record.before.name, record.after.name
             state = messages.State(
                 record.instance, before, after, record.ec_id, record.reason
@@ -165,19 +169,27 @@ class Recorder:
         """Record the components, their parameters and connections at the start."""
         system = self._system
         for instance in system.instances:
-            component, context = system.component(instance), system.context(instance)
-            described = messages.Component(
-                instance, component.profile.type_name, context.get_rate()
-            )
-            self._put(Topic.COMPONENTS, "component", described)
-            if self._simulated:
-                context.put_around_ticks(partial(self._around, instance))
+            self._describe_component(instance)
         for instance in system.instances:
-            sets = system.component(instance).configuration_sets
-            for name, text in sets.texts(sets.active).items():
-                self._put_parameter(ParameterChange(instance, name, text))
+            self._describe_parameters(instance)
         for connector in system.connectors:
             self._put_connection(connection_change(connector, connected=True))
+
+    def _describe_component(self, instance: str) -> None:
+        self._described.add(instance)
+        component = self._system.component(instance)
+        context = self._system.context(instance)
+        described = messages.Component(
+            instance, component.profile.type_name, context.get_rate()
+        )
+        self._put(Topic.COMPONENTS, "component", described)
+        if self._simulated:
+            context.put_around_ticks(partial(self._around, instance))
+
+    def _describe_parameters(self, instance: str) -> None:
+        sets = self._system.component(instance).configuration_sets
+        for name, text in sets.texts(sets.active).items():
+            self._put_parameter(ParameterChange(instance, name, text))
 
     def _around(self, instance: str, cycle: Callable[[], None]) -> Callable[[], None]:
         def tick() -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Mapping, Sequence
+from functools import reduce
 from importlib import import_module
 from typing import Any
 
@@ -10,10 +12,10 @@ from typing import Any
 def lazy_names(
     package: str, modules: Mapping[str, Sequence[str]]
 ) -> Callable[[str], Any]:
-    """Return the `__getattr__` of a package.
+    """Return the `__getattr__` of a package, which caches found names as attributes.
 
     `modules` has the names that each module defines, by its name relative to the package: `Name`,
-    or `Name as Other`.
+    `Name as Other`, or `Name.inner as Other`.
     """
     homes: dict[str, tuple[str, str]] = {}
     for module, names in modules.items():
@@ -24,7 +26,9 @@ def lazy_names(
     def get(name: str) -> Any:
         if name not in homes:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        module, local = homes[name]
-        return getattr(import_module(module, package), local)
+        module, path = homes[name]
+        found: Any = reduce(getattr, path.split("."), import_module(module, package))
+        setattr(sys.modules[package], name, found)
+        return found
 
     return get

@@ -11,6 +11,9 @@ from unicodedata import combining, normalize
 from rtgen.model.canopen import Variable
 from rtgen.typemap import idl_keywords
 
+TABLES = ("DESCRIPTION", "CONFIGURATION", "REMAPPED")
+"""The names of a device's tables in its Python package, besides the class of its objects."""
+
 _PARTS = re.compile(r"[A-Za-z0-9]+")
 _OTHER = re.compile(r"[^A-Za-z0-9]+")
 
@@ -20,6 +23,11 @@ def module_name(stem: str) -> str:
     parts = _PARTS.findall(_ascii(stem))
     name = "".join(part[0].upper() + part[1:] for part in parts)
     return f"Device{name}" if not name or name[0].isdigit() else name
+
+
+def table_class(module: str) -> str:
+    """Return the class of a device's objects in Python."""
+    return f"{module}Objects"
 
 
 def _ascii(text: str) -> str:

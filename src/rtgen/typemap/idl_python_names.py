@@ -81,6 +81,9 @@ OWN_NAMES[Bitmask] = OWN_NAMES[Enum]
 OWN_NAMES[Bitset] = CODEC | NUMBER
 OWN_NAMES[Valuetype] = CODEC | {"described"}
 
+COMPANIONS = ("Stub", "Skeleton", "Codec")
+"""Suffixes of the names of further classes of a declaration."""
+
 _PACKAGES = frozenset({"components", "tecs"})
 """Packages below the root that rtgen itself generates."""
 
@@ -89,16 +92,18 @@ Fielded: TypeAlias = Struct | ExceptionDecl | Union | Bitset | Valuetype
 
 
 class PythonNames:
-    """The place of each declaration of a model in the generated package.
+    """The place of each declaration of a model in the generated package, or in another one.
 
-    There is one implementation module for each IDL file, `_idl.<file>`, and one package for each
-    IDL module, which re-exports. `support` are the names that generated text uses in class scope.
+    There is one implementation module for each IDL file, `_idl.<file>`, unless the file has a
+    module of its own, and one package for each IDL module, which re-exports.
     """
 
     def __init__(self, model: Model, package: str) -> None:
         self.package = package
         self._model = model
         self._modules = implementation_modules(model)
+        self._files = {file.name: file for file in model.files}
+        self._homes = self._chosen_homes()
         self._implementations: dict[ScopedName, tuple[str, str]] = {}
         self._depths: dict[ScopedName, int] = {}
         self._attributes: dict[str, frozenset[str]] = {}
@@ -111,6 +116,38 @@ class PythonNames:
     def module(self, file: str) -> str:
         """Return the implementation module of a source file, given by displayed path."""
         return self._modules[file]
+
+    def home(self, module: str) -> str:
+        """Return the absolute name of the Python module with an implementation module."""
+        return self._homes[module]
+
+    def is_own(self, name: ScopedName) -> bool:
+        """Return whether the declaration is in the generated package, not in another one."""
+        return not self._files[self._model.find(name).file].package
+
+    def _chosen_homes(self) -> dict[str, str]:
+        homes: dict[str, str] = {}
+        for module, names in self._files_of.items():
+            files = [self._files[name] for name in names]
+            chosen = {file.module for file in files}
+            inside = chosen.pop() if len(chosen) == 1 else ""
+            package = files[0].package or self.package
+            homes[module] = f"{package}.{inside or f'_idl.{module}'}"
+        return homes
+
+    def taken_in(self, module: str) -> frozenset[str]:
+        """Return names bound in an implementation module besides those of declarations."""
+        files = (self._files[name] for name in self._files_of[module])
+        return frozenset().union(*(file.taken for file in files))
+
+    @cached_property
+    def _files_of(self) -> dict[str, list[str]]:
+        """The files of each implementation module, without those that belong to others."""
+        found: dict[str, list[str]] = {}
+        for name, module in self._modules.items():
+            if self._files[name].belongs_to is None:
+                found.setdefault(module, []).append(name)
+        return found
 
     def declarations(self, module: str) -> list[Declaration]:
         """Return the declarations in an implementation module, in order."""
@@ -127,7 +164,7 @@ class PythonNames:
         return [m for m in dict.fromkeys(self._modules.values()) if m in used]
 
     def implementation(self, name: ScopedName) -> tuple[str, str]:
-        """Return (`_idl.<module>`, class name) of a declaration."""
+        """Return (absolute name of the module, class name) of a declaration."""
         return self._implementations[name]
 
     def public(self, name: ScopedName) -> tuple[tuple[str, ...], str]:
@@ -142,6 +179,11 @@ class PythonNames:
         )
         return package_path(name[:inner]), attribute
 
+    def public_package(self, name: ScopedName) -> str:
+        """Return the absolute name of the package to which the path of `public` is relative."""
+        file = self._files[self._model.find(name).file]
+        return self.package if file.exported or not file.package else file.package
+
     def attribute(self, name: ScopedName) -> str:
         """Return the attribute of a declaration or enumerator in its enclosing scope."""
         return self._attribute(name)
@@ -149,7 +191,8 @@ class PythonNames:
     def companion(self, name: ScopedName, suffix: str) -> str:
         """Return the companion of a declaration's class: `RefHardStub`, `RangeListCodec`."""
         module = self._modules[self._model.find(name).file]
-        return _free(self._implementations[name][1] + suffix, self._classes_of[module])
+        taken = self._classes_of[module] | self.taken_in(module)
+        return _free(self._implementations[name][1] + suffix, taken)
 
     def public_companion(self, name: ScopedName, suffix: str) -> str:
         """Return the name of a companion in the package of the declaration's IDL module."""
@@ -395,7 +438,7 @@ class PythonNames:
             name: text if count[text] == 1 else "_".join(name)
             for name, text in short.items()
         }
-        reserved = attributes.union(HOMES)
+        reserved = attributes.union(HOMES, self.taken_in(module))
         free = {identifier(text, reserved) for text in wanted.values()}
         taken: set[str] = set()
         for name, text in wanted.items():
@@ -404,7 +447,7 @@ class PythonNames:
             while chosen in taken or (chosen not in (text, plain) and chosen in free):
                 chosen += "_"
             taken.add(chosen)
-            self._implementations[name] = f"_idl.{module}", chosen
+            self._implementations[name] = self._homes[module], chosen
 
 
 def distinct(names: Iterable[str], reserved: Collection[str]) -> dict[str, str]:
@@ -440,3 +483,10 @@ def package_path(scope: ScopedName) -> tuple[str, ...]:
     """Return the package path below the root of an IDL module; avoids rtgen's own packages."""
     path = scope_modules(scope)
     return (identifier(path[0], _PACKAGES), *path[1:]) if path else path
+
+
+def is_package(module: str, name: ScopedName) -> bool:
+    """Return whether a module below the root is the package of a declaration's scope."""
+    return any(
+        module == ".".join(package_path(name[:depth])) for depth in range(1, len(name))
+    )

@@ -58,3 +58,24 @@ HOMES = {
     "zip": "builtins",
 }
 """Module of each name, with the name there if it differs (`module:name`)."""
+
+BASE_NAMES = frozenset(
+    {
+        *("ClassVar", "Component", "ComponentProfile", "ParameterProfile"),
+        *("annotations", "data_port", "dataclass", "service_port"),
+    }
+)
+"""Names imported by modules with bases of components."""
+
+CANOPEN_NAMES = frozenset(
+    {
+        *("Any", "Callable", "Iterator", "Mapping", "cast", "replace"),
+        *("CONFIGURATION", "DESCRIPTION", "REMAPPED"),
+        *("CanopenDevice", "CanopenProxy", "SdoService"),
+        *("Gathering", "Getter", "Incoming", "Inlet", "Outgoing", "Receiver", "Sender"),
+        *("ObjectNumber", "ObjectValue", "Setter", "over_sdo", "unread", "_pdo"),
+        *("bytes", "codecs", "data", "dict", "divmod", "get", "int", "now", "port"),
+        *("sample", "set_", "str", "tuple", "value", "values"),
+    }
+)
+"""Names that are imports or variables in modules of CANopen proxies and devices."""

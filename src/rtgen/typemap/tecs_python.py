@@ -19,6 +19,7 @@ from rtgen.layouts.tdr import (
 from rtgen.model import ScopedName
 from rtgen.model.tecs import Signature
 from rtgen.typemap.python_names import identifier, module_name
+from rtgen.typemap.python_support import BASE_NAMES, HOMES
 
 CODEC_IMPORTS: Mapping[str, tuple[str, ...]] = {
     "channel": ("More",),
@@ -74,11 +75,21 @@ CODEC_ATTRIBUTES = frozenset(
 )
 """Attributes of codecs, besides those for functions."""
 
+MARSHALLER_NAMES = frozenset(
+    {
+        *("Channel", "CommunicationChannel", "OpaqueRpc", "ProxyServant", "RTC_OK"),
+        *("ReturnCode_t", "Sequence", "make_tdr"),
+    }
+)
+"""Names imported by the module of a marshaller, besides those of its types and bases."""
+
 _OF_MODULES = frozenset(
     (
         *IMPORTED_NAMES,
-        *("ABC", "Channel", "ClassVar", "Final", "Handlers", "Mapping", "Sequence"),
-        *("TypeAlias", "abstractmethod", "annotations", "dataclass", "field"),
+        *MARSHALLER_NAMES,
+        *BASE_NAMES,
+        *HOMES,
+        *("ABC", "Handlers", "Mapping"),
         *dir(builtins),
     )
 )
@@ -100,7 +111,7 @@ def plain_name(signature: Signature) -> str:
 
 def codec_class(signature: Signature) -> str:
     """Return the class of a signature's codec."""
-    return f"{identifier(plain_name(signature))}Codec"
+    return identifier(f"{identifier(plain_name(signature))}Codec", HOMES)
 
 
 def codec_module(signature: Signature) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Protocol
 
@@ -62,13 +62,24 @@ class _Bus:
     cyclic: dict[tuple[int, bool], Callable[[], None]] = field(default_factory=dict)
 
 
+DescriberOf = Callable[[str, str], Describer]
+"""Describes a bus by the names of its channel and its network, which may be empty."""
+
+
 class SeenBuses:
-    """The buses whose frames a run reports. `tell` gives pages an event."""
+    """The buses whose frames a run reports. `tell` sends an event to pages.
+
+    `settings` are the values of the parameters of each component of the run.
+    """
 
     def __init__(
-        self, describer: Callable[[str], Describer], tell: Callable[[ui.Event], None]
+        self,
+        describer: DescriberOf,
+        settings: Callable[[], Iterable[Mapping[str, str]]],
+        tell: Callable[[ui.Event], None],
     ) -> None:
         self._describer = describer
+        self._settings = settings
         self._tell = tell
         self._buses: dict[str, _Bus] = {}
 
@@ -93,10 +104,17 @@ class SeenBuses:
     def _bus(self, name: str) -> _Bus:
         found = self._buses.get(name)
         if found is None:
-            describer = self._describer(name)
+            describer = self._describer(name, self._network(name))
             found = self._buses[name] = _Bus(describer, describer.bus(name))
             self._tell(ui.Event.of_described_bus(found.state))
         return found
+
+    def _network(self, channel: str) -> str:
+        """Return the network that components on a channel state in their parameters."""
+        for values in self._settings():
+            if values.get("channel") == channel and values.get("network"):
+                return values["network"]
+        return ""
 
     def _state(self, bus: _Bus, frame: ui.Frame) -> None:
         """A node has told its state."""
@@ -133,11 +151,19 @@ class Buses(SeenBuses):
     def __init__(
         self,
         system: System,
-        describer: Callable[[str], Describer],
+        describer: DescriberOf,
         tell: Callable[[ui.Event], None],
     ) -> None:
-        super().__init__(describer, tell)
+        super().__init__(describer, self._values, tell)
         self._system = system
+        for values in self._values():
+            if values.get("channel") and values.get("network"):
+                self._bus(values["channel"])
+
+    def _values(self) -> Iterable[Mapping[str, str]]:
+        for instance in self._system.instances:
+            sets = self._system.component(instance).configuration_sets
+            yield sets.texts(sets.active)
 
     def send(self, wanted: ui.SendFrame) -> None:
         """Send a frame once, or from now on with a period; a period 0 ends that."""

@@ -10,7 +10,7 @@ from rtgen.runtime.cdr import CdrError, UserException
 from rtgen.runtime.ports.data_ports import DataConnector, OutPort
 from rtgen.runtime.services.calls import calls_of
 from rtgen.runtime.services.ports import Provider
-from rtgen.runtime.services.servants import ServiceError
+from rtgen.runtime.services.servants import Invoker, Servant, ServiceError
 from rtgen.runtime.system.system import System
 from rtgen.ui.errors import BAD_VALUE, CALL_FAILED, UNKNOWN, CommandError
 from rtgen.ui.protocol import ui
@@ -22,8 +22,13 @@ MOST_OCTETS = 1 << 20
 def call(system: System, wanted: ui.Call) -> bytes:
     """Call an operation of a provider; returns the reply with its encapsulation header."""
     provider = _provider(system, wanted)
+    return carried_out(provider.interface, provider.call, wanted)
+
+
+def carried_out(interface: type[Servant], invoke: Invoker, wanted: ui.Call) -> bytes:
+    """Call an operation of an interface; return the reply with its encapsulation header."""
     try:
-        calls = calls_of(provider.interface)
+        calls = calls_of(interface)
     except ServiceError as error:
         raise CommandError(CALL_FAILED, str(error)) from error
     if wanted.operation not in calls:
@@ -39,11 +44,11 @@ def call(system: System, wanted: ui.Call) -> bytes:
         request = decoded(form.request, wanted.arguments)
         arguments = _values(request)
     try:
-        result = provider.call(wanted.operation, arguments)
+        result: Any = invoke(wanted.operation, arguments)
     except UserException as error:
         name = error._descriptor_.name
         raise CommandError(CALL_FAILED, f"{name}: {error}") from error
-    except ServiceError as error:
+    except (ServiceError, CdrError) as error:
         raise CommandError(CALL_FAILED, str(error)) from error
     if form.reply is None:
         return b""

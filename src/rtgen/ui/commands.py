@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, Final
 
+from msgspec.structs import replace
+
 from rtgen.diagnostics import InputError, ToolError
 from rtgen.model import SystemComponent
 from rtgen.runtime.errors import (
@@ -34,6 +36,7 @@ from rtgen.ui.errors import (
     CommandError,
 )
 from rtgen.ui.outbox import Outbox
+from rtgen.ui.outside_commands import Action, OutsideCommands
 from rtgen.ui.protocol import ui
 from rtgen.ui.protocol.ui import CommandKind
 from rtgen.ui.session import Session
@@ -78,66 +81,42 @@ class Commands:
             kinds.COMMAND_SPEED: self._speed,
             kinds.COMMAND_SEEK: self._seek,
             kinds.COMMAND_OPEN: self._open,
+            kinds.COMMAND_BESIDE: self._keep,
             kinds.COMMAND_INJECT: self._inject,
             kinds.COMMAND_SEND_FRAME: lambda frame: session.buses.send(frame),
             kinds.COMMAND_NMT: lambda command: session.buses.manage(command),
             kinds.COMMAND_SDO_WRITE: lambda value: session.buses.write(value),
         }
         self._injector = calls.Injector()
+        self._outside = OutsideCommands(session)
 
     def carry_out(self, page: Outbox, message: ui.ClientMessage) -> None:
         """Carry out a command; its result goes to the page.
 
         One that concerns components of other processes is carried out while the run goes on.
         """
-        command, neighbours = message.asked, self._session.neighbours
         result = ui.Result(request=message.request, done=True)
-        if neighbours is None or not self._is_outside(command):
-            self._answer(page, result, lambda: self._carry_out(page, command, result))
-            return
-
-        def carry_out() -> None:
-            _require_right(page, command)
-            neighbours.carry_out(command)
-
-        answer = partial(self._answer, page, result, carry_out)
-        if not page.full:
-            answer()
-        elif not neighbours.submit(answer):
-            result.done, result.code = False, IMPOSSIBLE
-            result.message = "too many commands wait"
-            page.put(ui.Event.of_outcome(result))
-
-    def _is_outside(self, command: ui.Command) -> bool:
-        """Whether a command is for the processes of other components."""
-        value: Any = command.value
-        outside = self._session.outside
-        match command.discriminator:
-            case CommandKind.COMMAND_CUT:
-                return value in outside.connections
-            case CommandKind.COMMAND_REMOVE:
-                return value in outside.components
-            case (
-                CommandKind.COMMAND_ACTIVATE
-                | CommandKind.COMMAND_DEACTIVATE
-                | CommandKind.COMMAND_RESET
-            ):
-                return any(each in outside.components for each in value)
-            case CommandKind.COMMAND_SET | CommandKind.COMMAND_ACTIVATE_SET:
-                return value.instance in outside.components
-            case CommandKind.COMMAND_CALL | CommandKind.COMMAND_INJECT:
-                return value.port.instance in outside.components
-            case CommandKind.COMMAND_CONNECT:
-                ends = value.source.instance, value.target.instance
-                return any(each in outside.components for each in ends)
-        return False
+        carry_out = partial(self._carry_out, page, message.asked, result)
+        self._answer(page, result, carry_out)
 
     def _answer(
-        self, page: Outbox, result: ui.Result, carry_out: Callable[[], None]
+        self,
+        page: Outbox,
+        result: ui.Result,
+        carry_out: Callable[[], Action | None],
     ) -> None:
-        """Carry something out, and tell the page whether it could be done."""
+        """Execute an action, and report to the page whether it succeeded.
+
+        It may return an action for the thread that calls other processes.
+        """
         try:
-            carry_out()
+            elsewhere = carry_out()
+            if elsewhere is not None:
+                neighbours = self._session.neighbours
+                answer = partial(self._answer, page, result, elsewhere)
+                if neighbours is None or not neighbours.submit(answer):
+                    raise CommandError(IMPOSSIBLE, "too many commands wait")
+                return
         except CommandError as error:
             result.done = False
             result.code, result.hint = error.code, error.hint
@@ -152,10 +131,15 @@ class Commands:
             result.message = f"{type(error).__name__}: {error}"
         page.put(ui.Event.of_outcome(result))
 
-    def _carry_out(self, page: Outbox, command: ui.Command, result: ui.Result) -> None:
+    def _carry_out(
+        self, page: Outbox, command: ui.Command, result: ui.Result
+    ) -> Action | None:
         kind = command.discriminator
         value: Any = command.value
         _require_right(page, command)
+        elsewhere = self._outside.action(command, result)
+        if elsewhere is not None:
+            return elsewhere
         if kind is CommandKind.COMMAND_WATCH:
             self._session.watch(page, value)
         elif kind is CommandKind.COMMAND_LOOK:
@@ -171,11 +155,15 @@ class Commands:
         elif kind in self._handlers:
             before = self._session.edit_state()
             self._handlers[kind](value)
-            after = self._session.edit_state()
-            if after != before:
-                self._session.tell(ui.Event.of_edited(after))
+            if self._session.edit_state() != before:
+                self._session.tell_edits()
         else:
-            raise CommandError(IMPOSSIBLE, "this version cannot do that yet")
+            raise CommandError(
+                IMPOSSIBLE,
+                "no naming service is looked at",
+                "start `rtgen ui` with --nameserver",
+            )
+        return None
 
     # Wiring.
 
@@ -324,13 +312,8 @@ class Commands:
         session, name = self._session, wanted.instance
         before = session.places.get(name)
         after = wanted.where.x, wanted.where.y
-        if (
-            name in session.outside.components
-        ):  # Its place is not saved with the system.
-            session.places[name] = after
-            session.tell(ui.Event.of_place(wanted))
-            return
-        session.system.component(name)
+        if name not in session.outside.components:
+            session.system.component(name)
 
         def put(place: tuple[float, float] | None) -> None:
             if place is None:
@@ -350,7 +333,6 @@ class Commands:
         sets = self._session.system.component(instance).configuration_sets
         set_id = wanted.set or sets.active
         sets.check(name, wanted.text)
-        before = sets.texts(set_id)[name] if set_id in sets.ids else ""
 
         def put(text: str) -> None:
             self._session.system.configure(instance, name, text, set_id)
@@ -359,11 +341,18 @@ class Commands:
             )
             self._session.tell(ui.Event.of_setting(change))
 
-        self._edit(
-            f"{instance}.{name} = {wanted.text}"[:200],
-            lambda: put(wanted.text),
-            lambda: put(before),
-        )
+        def describe(change: Callable[[], None]) -> None:
+            change()
+            component = self._session.component(instance)
+            self._session.tell(ui.Event.of_described(component))
+
+        redo = partial(put, wanted.text)
+        if set_id in sets.ids:
+            undo = partial(put, sets.texts(set_id)[name])
+        else:
+            redo = partial(describe, redo)
+            undo = partial(describe, partial(sets.remove, set_id))
+        self._edit(f"{instance}.{name} = {wanted.text}"[:200], redo, undo)
 
     def _activate_set(self, wanted: ui.ActiveSet) -> None:
         instance = wanted.instance
@@ -390,7 +379,11 @@ class Commands:
     def _save(self, file: str) -> None:
         session = self._session
         target = file or session.file
+        if not session.profile.name:
+            name = target.rpartition("/")[2].partition(".")[0]
+            session.take_over(replace(session.profile, name=name))
         session.project.write(target, saving.text(session, target))
+        session.take_over(saving.profile_now(session))
         session.file = target
         session.edits.saved = True
 
@@ -435,14 +428,18 @@ class Commands:
         was_playing = session.runner.playing
         profile = saving.profile_now(session)
         system = session.assembled(profile)
-        session.profile = profile
-        session.change_system(system)
+        session.take_over(profile)
+        session.run_again(system)
         session.edits.forget()
         if time:
             session.runner.step(round(time * SECOND))
         if was_playing:
             session.runner.play()
         self._tell_time()
+
+    def _keep(self, kept: bool) -> None:
+        self._require_simulated()
+        self._session.keep(kept=kept)
 
     def _require_simulated(self) -> None:
         if not self._session.runner.is_simulated:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from inspect import getdoc
 from typing import Any, Final
 
 from rtgen.recording.recorder import cdr_encoder
@@ -10,7 +11,7 @@ from rtgen.runtime.return_codes import LifeCycleState
 from rtgen.runtime.rtc.component import Component as Rtc
 from rtgen.runtime.rtc.profiles import ComponentProfile, ParameterProfile, PortProfile
 from rtgen.runtime.services.calls import calls_of
-from rtgen.runtime.services.servants import ServiceError
+from rtgen.runtime.services.servants import ServiceError, operations_of
 from rtgen.runtime.system.joining import Connector, instances_of
 from rtgen.runtime.system.system import System
 from rtgen.ui.protocol import ui
@@ -114,6 +115,15 @@ class Description:
     def _interface(
         self, name: str, interface: Any, *, provided: bool
     ) -> ui.ServiceInterface:
+        return ui.ServiceInterface(
+            name=name,
+            type=interface._descriptor_.name,
+            provided=provided,
+            operations=self.operations(interface),
+        )
+
+    def operations(self, interface: Any) -> list[ui.Operation]:
+        """Return the operations of an interface, with reasons for those that pages cannot call."""
         try:
             calls = calls_of(interface)
         except ServiceError:
@@ -134,15 +144,17 @@ class Description:
                     name=operation,
                     request=numbers[0],
                     reply=numbers[1],
+                    doc=_doc(interface, operation),
                     refused=refused,
                 )
             )
-        return ui.ServiceInterface(
-            name=name,
-            type=interface._descriptor_.name,
-            provided=provided,
-            operations=operations,
-        )
+        return operations
+
+
+def _doc(interface: Any, operation: str) -> str:
+    """Return the documentation of an operation in its definition."""
+    member = getattr(interface, operations_of(interface)[operation].python_name)
+    return getdoc(member) or ""
 
 
 def connection(connector: Connector) -> ui.Connection:

@@ -12,13 +12,17 @@ MOST: Final = 500
 """Edits that can be undone."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Edit:
-    """A change that was made: how it is called, and what makes it again and takes it back."""
+    """A change: its name, and actions that repeat and revert it.
+
+    `outside`: a change of other processes, made by the thread that calls them.
+    """
 
     label: str
     redo: Callable[[], object]
     undo: Callable[[], object]
+    outside: bool = False
 
 
 class Edits:
@@ -27,6 +31,7 @@ class Edits:
     def __init__(self) -> None:
         self._done: list[Edit] = []
         self._undone: list[Edit] = []
+        self._under_way: Edit | None = None
         self.saved = True
 
     @property
@@ -42,24 +47,55 @@ class Edits:
     def make(self, edit: Edit) -> None:
         """Make a change that can be undone. Raises what it raises."""
         edit.redo()
+        self.enter(edit)
+
+    def enter(self, edit: Edit) -> None:
+        """Add a change that has been made."""
         self._done = [*self._done[1 - MOST :], edit]
         self._undone = []
         self.saved = False
 
+    def next(self, *, undo: bool) -> Edit:
+        """Return the change to revert or to repeat. Raises CommandError."""
+        changes = self._done if undo else self._undone
+        if not changes or self._under_way is not None:
+            what = "undo" if undo else "redo"
+            message = f"there is nothing to {what}"
+            if self._under_way is not None:
+                message = f"{self._under_way.label} is under way"
+            raise CommandError(NOTHING_TO_UNDO, message)
+        return changes[-1]
+
     def undo(self) -> None:
         """Take the last change back. Raises CommandError."""
-        if not self._done:
-            raise CommandError(NOTHING_TO_UNDO, "there is nothing to undo")
-        self._done[-1].undo()
-        self._undone.append(self._done.pop())
-        self.saved = False
+        self.carry_out(self.next(undo=True), undo=True)
 
     def redo(self) -> None:
         """Make the change again that was taken back last. Raises CommandError."""
-        if not self._undone:
-            raise CommandError(NOTHING_TO_UNDO, "there is nothing to redo")
-        self._undone[-1].redo()
-        self._done.append(self._undone.pop())
+        self.carry_out(self.next(undo=False), undo=False)
+
+    def carry_out(self, edit: Edit, *, undo: bool) -> None:
+        """Revert or repeat a change at once."""
+        (edit.undo if undo else edit.redo)()
+        self._moved(edit, undo=undo)
+
+    def begin(self, edit: Edit) -> None:
+        """Mark that a change is being reverted or repeated elsewhere, which excludes others."""
+        self._under_way = edit
+
+    def end(self, edit: Edit, *, undo: bool, done: bool) -> None:
+        """Mark the end of that."""
+        self._under_way = None
+        if done:
+            self._moved(edit, undo=undo)
+
+    def _moved(self, edit: Edit, *, undo: bool) -> None:
+        changes, others = self._done, self._undone
+        if not undo:
+            changes, others = others, changes
+        if edit in changes:
+            changes.remove(edit)
+            others.append(edit)
         self.saved = False
 
     def forget(self) -> None:

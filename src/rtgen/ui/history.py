@@ -5,12 +5,13 @@ from __future__ import annotations
 import copy
 import math
 import threading
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections import deque
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field
+from heapq import nlargest
 from itertools import islice
-from operator import itemgetter
+from operator import attrgetter, itemgetter
 from typing import Any, Final
 
 from msgspec.structs import replace
@@ -29,8 +30,14 @@ MOST_LINES: Final = 500
 _OVERHEAD: Final = 200
 """Octets that a message takes beside its data, about."""
 _FRAME: Final = 1500
-_GIVEN: Final = {"sample": 2000, "frames": 1000, "calls": 1000, "loads": 600}
+_NEWEST: Final = {"sample": ui.MOST_SAMPLES // 2, "calls": 1000, "loads": 600}
 """How many of the newest a page is given, as it keeps no more; of the rest one."""
+_OLDER: Final = {"sample": ui.MOST_SAMPLES // 2}
+"""Maximum number of older items for a page, evenly over the run."""
+_FRAMES: Final = 1000
+"""Maximum number of the newest frames of all buses for a page."""
+_OLDER_FRAMES: Final = 2000
+"""Maximum number of older frames, for each identifier alike."""
 _LINES: Final = frozenset(
     (EventKind.EVENT_STATE, EventKind.EVENT_BESIDE, EventKind.EVENT_NOTICE)
 )
@@ -63,9 +70,22 @@ class _Row:
         self.items.append(item)
         self.sizes.append(size)
 
-    def until(self, time: float, most: int) -> list[Any]:
+    def until(self, time: float, newest: int, older: int = 0) -> list[Any]:
+        """Return the newest items until a time, and some older ones, evenly distributed."""
         end = bisect_right(self.times, time)
-        return self.items[max(0, end - most) : end]
+        begin = max(0, end - newest)
+        if begin <= older:
+            return self.items[:end] if older else self.items[begin:end]
+        before = (self.items[i * begin // older] for i in range(older))
+        return [*before, *self.items[begin:end]]
+
+    def count_from(self, time: float, until: float) -> int:
+        """Return the number of items from a time until another one."""
+        return bisect_right(self.times, until) - bisect_left(self.times, time)
+
+    def between(self, start: float, end: float) -> list[Any]:
+        """Return the items from a time on, before another one."""
+        return self.items[bisect_left(self.times, start) : bisect_left(self.times, end)]
 
     def drop(self, time: float) -> int:
         """Forget what is not after a time; returns its octets."""
@@ -125,7 +145,8 @@ class History:
         match kind:
             case EventKind.EVENT_FRAMES:
                 for frame in event.traffic:
-                    self._put(("frames",), time, frame, _FRAME)
+                    key = "frames", frame.bus, frame.can_id, frame.extended
+                    self._put(key, time, frame, _FRAME)
             case EventKind.EVENT_BOARD_CALL:
                 size = _OVERHEAD + len(event.call.request) + len(event.call.reply)
                 self._put(("calls",), time, event, size)
@@ -184,7 +205,7 @@ class History:
             )
             happened = [event for t, event in self._changes if t <= time]
             statistics = self._kept("statistics", time)
-            frames = self._kept("frames", time)
+            frames = self._frames(time)
             traffic = [*self._kept("calls", time), *self._kept("loads", time)]
             newest = dict(self._before)
             lines_before = [*self._lines_before]
@@ -212,15 +233,48 @@ class History:
                 for channel in channels
                 if ("sample", channel) in self._rows
                 for sample in self._rows["sample", channel].until(
-                    time, _GIVEN["sample"]
+                    time, _NEWEST["sample"], _OLDER["sample"]
                 )
             ]
         return [Event.of_samples(found)] if found else []
 
+    def samples_between(
+        self, start: float, end: float, channels: Iterable[int]
+    ) -> list[ui.Sample]:
+        """Return all samples of channels from a time on, before another one."""
+        with self._lock:
+            return [
+                sample
+                for channel in channels
+                if ("sample", channel) in self._rows
+                for sample in self._rows["sample", channel].between(start, end)
+            ]
+
+    def changes_between(self, start: float, end: float) -> list[Event]:
+        """Return all changes from a time on, before another one."""
+        with self._lock:
+            return [event for time, event in self._changes if start <= time < end]
+
     def _kept(self, kind: str, time: float) -> list[Any]:
-        most = _GIVEN.get(kind, 1)
-        rows = [row for key, row in self._rows.items() if key[0] == kind]
-        return [item for row in rows for item in row.until(time, most)]
+        most = _NEWEST.get(kind, 1)
+        return [item for row in self._of(kind) for item in row.until(time, most)]
+
+    def _frames(self, time: float) -> list[ui.Frame]:
+        """Return the newest frames, after some older ones of each identifier, for their signals."""
+        rows = self._of("frames")
+        times = (each.until(time, _FRAMES) for each in rows)
+        newest = nlargest(_FRAMES, (each.time for row in times for each in row))
+        first = newest[-1] if newest else 0.0
+        older = _OLDER_FRAMES // max(len(rows), 1)
+        found = [
+            frame
+            for row in rows
+            for frame in row.until(time, row.count_from(first, time), older)
+        ]
+        return sorted(found, key=attrgetter("time"))
+
+    def _of(self, kind: str) -> list[_Row]:
+        return [row for key, row in self._rows.items() if key[0] == kind]
 
 
 def _overwrite(newest: dict[_Key, Event], event: Event) -> None:

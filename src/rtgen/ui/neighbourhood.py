@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 
 from msgspec.structs import replace
 
+from rtgen.facts.connector_properties import EMBEDDED_DATA, PROFILE_ATTRIBUTES
 from rtgen.ui.protocol import ui
 
 _KINDS = {
@@ -24,6 +25,14 @@ class Neighbourhood:
     services: tuple[ui.NamingService, ...] = ()
     components: Mapping[str, ui.Component] = field(default_factory=dict)
     connections: Mapping[str, ui.Connection] = field(default_factory=dict)
+
+    def known(self, known: Callable[[ui.Port], ui.Port]) -> Neighbourhood:
+        """Return a copy with ports about which more is known."""
+        components = {
+            name: replace(each, ports=[*map(known, each.ports)])
+            for name, each in self.components.items()
+        }
+        return Neighbourhood(self.services, components, self.connections)
 
     def changes(self, before: Neighbourhood, now: float) -> Iterator[ui.Event]:
         """What has changed, in an order in which a page can follow; `now` is the time [s]."""
@@ -99,6 +108,15 @@ def obstacle(one: ui.Port, other: ui.Port) -> str:
     if not _is_same_type(one.type, other.type):
         return f"they have different types: {one.type} and {other.type}"
     return ""
+
+
+def restored(properties: Sequence[ui.Value]) -> list[ui.Value]:
+    """Return the properties to restore a connection, without those added by its ends."""
+    return [
+        each
+        for each in properties
+        if each.name in EMBEDDED_DATA or each.name in PROFILE_ATTRIBUTES
+    ]
 
 
 def _is_same_type(one: str, other: str) -> bool:

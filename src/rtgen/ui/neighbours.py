@@ -5,11 +5,14 @@ from __future__ import annotations
 import queue
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from typing import Any, Final
+from uuid import uuid4
 
 from rtgen.facts.openrtm_ports import KIND
+from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.corba.naming import Bound, Naming
 from rtgen.runtime.corba.orb import Orb
 from rtgen.runtime.corba.rt_objects.component import RtObject
@@ -24,11 +27,16 @@ from rtgen.runtime.corba.rt_objects.wire import (
     values,
 )
 from rtgen.runtime.errors import TransportError
+from rtgen.runtime.marshalling.descriptors import DataType
+from rtgen.runtime.services.servants import Servant
+from rtgen.ui.calls import carried_out
+from rtgen.ui.edits import Edit
 from rtgen.ui.errors import CALL_FAILED, IMPOSSIBLE, UNKNOWN, CommandError
-from rtgen.ui.neighbourhood import Neighbourhood, obstacle
-from rtgen.ui.outside import DATA_TYPE, Outside, described
+from rtgen.ui.neighbourhood import Neighbourhood, obstacle, restored
+from rtgen.ui.outside import DATA_TYPE, FAULTS, Outside, described, explained
 from rtgen.ui.protocol import ui
 from rtgen.ui.protocol.ui import BindingKind, CommandKind
+from rtgen.ui.taps import Key, Take, Taps, Use
 
 PERIOD: Final = 1.0
 """How often everything is asked [s]."""
@@ -78,7 +86,8 @@ class Neighbours:
     """The components of other processes. Commands, which `submit` takes, are carried out between
     two looks at components, so each waits for a time-out of a call at most.
 
-    `tell` is called with each new state of things; False if it has to be told again. A component
+    `tell` is called with each new state; False: it must be called again. `report` gets
+    what has gone wrong with a component, which may be empty. A component
     that does not answer is asked again, but all of these together take a round no longer than
     one time-out. `own`: the components of this process, of which the system tells. Raises
     TransportError if omniORB cannot start.
@@ -88,16 +97,24 @@ class Neighbours:
         self,
         addresses: Sequence[str],
         tell: Callable[[Neighbourhood], bool],
+        report: Callable[[str, str], None],
         own: RtObjects | None = None,
         period: float = PERIOD,
         timeout: float = TIMEOUT,
     ) -> None:
         self._tell = tell
+        self._report = report
         self._own = own
         self._period = period
         self._timeout = timeout
         self._orb = Orb(timeout=timeout)
         self._exported = Exported(self._orb)
+        self._taps = Taps(self._orb, self._exported)
+        self._wanted: Mapping[Key, Take] = {}
+        self._listened: Mapping[Key, Take] = self._wanted
+        """The watched OutPorts when connections were last made."""
+        self._refused: dict[Key, Any] = {}
+        """Ports that have rejected a connection of pages, by their keys."""
         self._services = [_Service(each) for each in addresses]
         self._found: dict[str, Outside] = {}
         self._also: dict[str, str] = {}
@@ -118,6 +135,8 @@ class Neighbours:
         with suppress(queue.Full):
             self._requests.put_nowait(lambda: None)
         self._thread.join()
+        with suppress(*FAULTS):
+            self._taps.close(2 * self._timeout)
         self._orb.close()
 
     def submit(self, request: Callable[[], None]) -> bool:
@@ -141,6 +160,8 @@ class Neighbours:
                     break
                 if self._closing.is_set():
                     return
+                if self._wanted is not self._listened:
+                    self._listen()
                 self._publish()
 
     def _look_around(self) -> None:
@@ -160,12 +181,16 @@ class Neighbours:
                 break
             self._look(each)
         self._publish()
+        self._listen()
 
-    def _look(self, component: Outside) -> None:
-        """Carry out what waits, then ask a component."""
+    def _carry_out_waiting(self) -> None:
         with suppress(queue.Empty):
             while not self._closing.is_set():
                 self._requests.get_nowait()()
+
+    def _look(self, component: Outside) -> None:
+        """Execute the waiting actions, then query a component."""
+        self._carry_out_waiting()
         if not self._closing.is_set() and not component.look():
             self._publish()
 
@@ -269,12 +294,46 @@ class Neighbours:
             address = ui.PortAddress(instance=port.instance, port=port.end.port)
             yield _is_first(profile), address
 
+    # Samples.
+
+    def watch(self, wanted: Mapping[Key, Take]) -> None:
+        """Receive the samples of only these OutPorts from now on; from any thread."""
+        self._wanted = wanted
+        self.submit(lambda: None)
+
+    def _listen(self) -> None:
+        """Make and end the connections of pages, by what they need and what there is."""
+        self._listened = self._wanted
+        self._taps.tidy(self._wanted, self._seen)
+        failed: set[str] = set()
+        for key, take in self._wanted.items():
+            self._carry_out_waiting()
+            port, _ = self._seen(key.instance, key.port)
+            if port is None or self._found[key.instance].component.silent:
+                self._refused.pop(key, None)
+                continue
+            refused = self._refused.get(key)
+            is_refused = refused is not None and refused._is_equivalent(port.port_ref)
+            if is_refused or key.instance in failed or self._closing.is_set():
+                continue
+            try:
+                self._taps.listen(key, port, take)
+            except (*FAULTS, CommandError) as error:
+                failed.add(key.instance)
+                self._refused[key] = port.port_ref
+                self._report(key.instance, f"{key.port} gives no samples: {error}")
+
+    def _seen(self, instance: str, port: str) -> tuple[PortProfile | None, float]:
+        """Return the last known state of a port, and its time."""
+        found = self._found.get(instance)
+        return (None, 0.0) if found is None else (found.ports.get(port), found.asked)
+
     # Commands.
 
-    def carry_out(self, command: ui.Command) -> None:
+    def carry_out(self, command: ui.Command) -> Edit | None:
         """Carry out a command that concerns components of the neighbourhood; by `submit` only.
 
-        Raises CommandError.
+        Returns the change, if it can be reverted. Raises CommandError.
         """
         value: Any = command.value
         match command.discriminator:
@@ -286,21 +345,74 @@ class Neighbours:
                 for instance in value:
                     self._at(instance).request(kind)
                 self._look_again(value)
+                return None
             case CommandKind.COMMAND_SET:
-                found = self._at(value.instance)
-                found.set(value.set, value.parameter, value.text)
-                self._look_again([value.instance])
+                return _made(self._setting(value))
             case CommandKind.COMMAND_ACTIVATE_SET:
-                self._at(value.instance).use(value.set)
-                self._look_again([value.instance])
+                return _made(self._use(value))
             case CommandKind.COMMAND_CONNECT:
-                self._connect(value)
+                return _made(self._wire(value))
             case CommandKind.COMMAND_CUT:
-                self._cut(value)
-            case _:
+                return _made(self._cut(value))
+            case CommandKind.COMMAND_INJECT:
                 raise CommandError(
-                    IMPOSSIBLE, "that cannot be done to components of other processes"
+                    IMPOSSIBLE,
+                    "samples are given to InPorts of other processes alone",
                 )
+        raise CommandError(
+            IMPOSSIBLE, "that cannot be done to components of other processes"
+        )
+
+    def give(self, address: ui.PortAddress, value: DataType) -> None:
+        """Send a sample to an InPort; by `submit` only. Raises CommandError."""
+        port = self._profile(address)
+        key = Key(Use.GIVE, address.instance, address.port)
+        try:
+            self._taps.give(key, port, value)
+        except (*FAULTS, CdrError) as error:
+            raise CommandError(CALL_FAILED, str(error)) from error
+
+    def call(self, wanted: ui.Call, interface: type[Servant], type_name: str) -> bytes:
+        """Call an operation of a service; by `submit` only. Raises CommandError."""
+        address = wanted.port
+        port = self._profile(address)
+        key = Key(Use.CALL, address.instance, address.port, wanted.interface_name)
+        try:
+            invoke = self._taps.caller(key, port, interface, type_name)
+        except FAULTS as error:
+            raise CommandError(CALL_FAILED, explained(error)) from error
+        return carried_out(interface, invoke, wanted)
+
+    def _setting(self, wanted: ui.SetParameter) -> Edit:
+        component = self._at(wanted.instance).component
+        set_id = wanted.set or component.active_set
+        sets = {each.name: each.values for each in component.configuration_sets}
+        texts = {each.name: each.text for each in sets.get(set_id, ())}
+
+        def put(text: str) -> None:
+            self._at(wanted.instance).set(set_id, wanted.parameter, text)
+            self._look_again([wanted.instance])
+
+        def undo() -> None:
+            if set_id not in sets:
+                self._at(wanted.instance).remove_set(set_id)
+                self._look_again([wanted.instance])
+            else:
+                put(texts.get(wanted.parameter, ""))
+
+        label = f"{wanted.instance}.{wanted.parameter} = {wanted.text}"[:200]
+        return Edit(label, partial(put, wanted.text), undo, outside=True)
+
+    def _use(self, wanted: ui.ActiveSet) -> Edit:
+        before = self._at(wanted.instance).component.active_set
+
+        def put(set_id: str) -> None:
+            self._at(wanted.instance).use(set_id)
+            self._look_again([wanted.instance])
+
+        label = f"{wanted.instance}: set {wanted.set}"[:200]
+        redo, undo = partial(put, wanted.set), partial(put, before)
+        return Edit(label, redo, undo, outside=True)
 
     def _at(self, instance: str) -> Outside:
         """A component that answers. Raises CommandError."""
@@ -322,7 +434,13 @@ class Neighbours:
                 self._found[instance].look()
         self._publish()
 
-    def _connect(self, wanted: ui.Connect) -> None:
+    def _wire(self, wanted: ui.Connect) -> Edit:
+        wire = _Wire(self, wanted)
+        label = f"connect {wanted.source.port} with {wanted.target.port}"
+        return Edit(label, wire.make, wire.cut, outside=True)
+
+    def make(self, wanted: ui.Connect) -> str:
+        """Make a connection; returns its id. Raises CommandError."""
         ends = wanted.source, wanted.target
         far = ends[0] if ends[0].instance in self._found else ends[1]
         reached = self._at(far.instance)
@@ -336,9 +454,10 @@ class Neighbours:
             stated = DATA_DEFAULTS | {DATA_TYPE: type_} | stated
         name = wanted.name or "_".join(each.name for each in profiles)
         ports = [each.port_ref for each in profiles]
-        profile = ConnectorProfile(name, "", ports, values(stated))
+        profile = ConnectorProfile(name, str(uuid4()), ports, values(stated))
         reached.connect(far.port, profile)
         self._look_again([end.instance for end in ends])
+        return profile.connector_id
 
     def _profile(self, address: ui.PortAddress) -> PortProfile:
         """The profile of a port of a component that answers. Raises CommandError."""
@@ -362,14 +481,45 @@ class Neighbours:
         fitting = (each for each in found if not obstacle(described("", each), there))
         return next(fitting, next(iter(found), None))
 
-    def _cut(self, name: str) -> None:
+    def _cut(self, name: str) -> Edit:
         if name not in self._ids:
             raise CommandError(UNKNOWN, f"there is no connection {name}")
         source, target, connector_id = self._ids[name]
+        properties = self._told.connections[name].properties
+        wanted = ui.Connect(source, target, "", restored(properties))
+        wire = _Wire(self, wanted, connector_id)
+        label = f"cut {source.port} from {target.port}"
+        return Edit(label, wire.cut, wire.make, outside=True)
+
+    def end(self, wanted: ui.Connect, connector_id: str) -> None:
+        """End a connection. Raises CommandError."""
+        source, target = wanted.source, wanted.target
         known = self._found.get(source.instance)
         end = target if known is None or known.component.silent else source
         self._at(end.instance).disconnect(end.port, connector_id)
         self._look_again([source.instance, target.instance])
+
+
+class _Wire:
+    """A connection that can be made and cut; it has a new id each time."""
+
+    def __init__(
+        self, neighbours: Neighbours, wanted: ui.Connect, connector_id: str = ""
+    ) -> None:
+        self._neighbours = neighbours
+        self._wanted = wanted
+        self._id = connector_id
+
+    def make(self) -> None:
+        self._id = self._neighbours.make(self._wanted)
+
+    def cut(self) -> None:
+        self._neighbours.end(self._wanted, self._id)
+
+
+def _made(edit: Edit) -> Edit:
+    edit.redo()
+    return edit
 
 
 def _at(ports: _Ports, wanted: Any) -> Iterator[_End]:

@@ -135,7 +135,8 @@ class Outside:
         """Set a parameter. Values of the active set take effect, as by OpenRTM's tools."""
         try:
             active = self.rtc.active_set()
-            taken = self.rtc.set_value(set_id or active, parameter, text)
+            add = set_id not in ("", *self.rtc.sets())
+            taken = self.rtc.set_value(set_id or active, parameter, text, add=add)
             if taken and set_id in ("", active):
                 taken = self.rtc.configure("activate_configuration_set", active)
         except SdoError as error:
@@ -144,6 +145,15 @@ class Outside:
             raise self._failed(error) from error
         if not taken:
             self._refuse(f"{parameter} = {text}")
+
+    def remove_set(self, set_id: str) -> None:
+        """Remove a set."""
+        try:
+            taken = self.rtc.configure("remove_configuration_set", set_id)
+        except FAULTS as error:
+            raise self._failed(error) from error
+        if not taken:
+            self._refuse(f"to remove the set {set_id}")
 
     def use(self, set_id: str) -> None:
         """Make a set the active one."""

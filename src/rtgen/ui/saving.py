@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
+from itertools import chain, count
+
 from msgspec.structs import replace
 
 from rtgen.backends.rts_profile import InstancePorts, system_text
 from rtgen.diagnostics import Span
+from rtgen.facts.openrtm_ports import FOREIGN, KIND, foreign_instances
 from rtgen.frontends import profile_yaml
 from rtgen.frontends.kit import located_xml
 from rtgen.frontends.profile_yaml import YAML_SUFFIXES
@@ -13,6 +17,8 @@ from rtgen.model import Connection, PortReference, System, SystemComponent
 from rtgen.runtime.ports.data_ports import DataConnector
 from rtgen.runtime.system.joining import Connector, instances_of
 from rtgen.ui.description import properties_of
+from rtgen.ui.neighbourhood import restored
+from rtgen.ui.protocol import ui
 from rtgen.ui.session import Session
 
 _NOWHERE = Span("", 1, 1, 1, 1)
@@ -32,8 +38,6 @@ def component_now(session: Session, instance: str) -> SystemComponent:
     profile, sets = component.profile, component.configuration_sets
     before = known.get(instance) or new_component(instance, profile.type_name)
     informing = tuple(each for each in before.configuration if each[0][:2] == "__")
-    place = session.places.get(instance)
-    size = before.location[2:] if before.location is not None else (-1, -1)
     return replace(
         before,
         id=before.id
@@ -43,24 +47,135 @@ def component_now(session: Session, instance: str) -> SystemComponent:
             (set_id, tuple(sets.texts(set_id).items())) for set_id in sets.ids
         )
         + informing,
-        location=None if place is None else (round(place[0]), round(place[1]), *size),
+        location=_location(session, instance, before),
     )
 
 
 def profile_now(session: Session) -> System:
-    """The system with its components and connections as they are now."""
+    """Return the system with its present components and connections.
+
+    Components of other processes become foreign ones (docs/corba.md). Those of the file that no
+    naming service has now are kept, with their connections.
+    """
     system = session.system
     known = {each.name: each for each in session.profile.connections}
-    instances = set(system.instances)
+    names = _names_outside(session)
+    absent = _absent(session, names)
+    instances = {*system.instances, *names.values(), *(c.instance for c in absent)}
+    lost = {each.instance for each in absent}
     return replace(
         session.profile,
-        components=tuple(component_now(session, each) for each in system.instances),
-        connections=tuple(
-            _connection(each, known.get(each.name)) for each in session.connectors
+        components=(
+            *(component_now(session, each) for each in system.instances),
+            *(_outside(session, *each) for each in names.items()),
+            *absent,
+        ),
+        connections=(
+            *(_connection(each, known.get(each.name)) for each in session.connectors),
+            *(
+                _connection_outside(each, names)
+                for each in session.outside.connections.values()
+            ),
+            *(
+                each
+                for each in known.values()
+                if lost & {each.source.instance, each.target.instance}
+            ),
         ),
         activation=tuple(
             step for step in session.profile.activation if step.instance in instances
         ),
+        properties=_properties(session, (*names.values(), *lost)),
+    )
+
+
+def _names_outside(session: Session) -> dict[str, str]:
+    """Return the names of components of other processes in the file, by those on the page."""
+    before = {each.path_uri: each.instance for each in session.profile.components}
+    taken = {*session.system.instances, *before.values()}
+    names = {}
+    for instance in session.outside.components:
+        name = before.get(_path(instance), "")
+        if not name:
+            last = known_name_of(instance)
+            numbered = (f"{last}_{number}" for number in count(2))
+            name = next(each for each in chain([last], numbered) if each not in taken)
+        taken.add(name)
+        names[instance] = name
+    return names
+
+
+def known_name_of(instance: str) -> str:
+    """Return the last part of the name of a component of another process."""
+    return instance.rpartition("/")[2]
+
+
+def _path(instance: str) -> str:
+    return f"{instance}.{KIND}"
+
+
+def _absent(session: Session, names: Mapping[str, str]) -> list[SystemComponent]:
+    """Return the components of other processes that are in the file and in no naming service."""
+    foreign = foreign_instances(session.profile.properties)
+    return [
+        each
+        for each in session.profile.components
+        if each.instance in foreign and each.instance not in names.values()
+    ]
+
+
+def _properties(
+    session: Session, foreign: Iterable[str]
+) -> tuple[tuple[str, str], ...]:
+    kept = [each for each in session.profile.properties if each[0] != FOREIGN]
+    stated = ", ".join(foreign)
+    return (*kept, *([(FOREIGN, stated)] if stated else []))
+
+
+def _outside(session: Session, instance: str, name: str) -> SystemComponent:
+    component = session.outside.components[instance]
+    known = {each.instance: each for each in session.profile.components}
+    before = known.get(name) or new_component(name, component.type)
+    profile = (component.vendor, component.category, component.type, component.version)
+    return replace(
+        before,
+        id=before.id or f"RTC:{':'.join(profile)}",
+        path_uri=_path(instance),
+        active_set=component.active_set or before.active_set,
+        configuration=tuple(
+            (each.name, tuple((v.name, v.text) for v in each.values))
+            for each in component.configuration_sets
+        ),
+        location=_location(session, instance, before),
+    )
+
+
+def _location(
+    session: Session, instance: str, before: SystemComponent
+) -> tuple[int, int, int, int] | None:
+    place = session.places.get(instance)
+    if place is None:
+        return None
+    width, height = before.location[2:] if before.location is not None else (-1, -1)
+    return round(place[0]), round(place[1]), width, height
+
+
+def _connection_outside(
+    connection: ui.Connection, names: Mapping[str, str]
+) -> Connection:
+    source, target = (
+        PortReference(instance=names.get(each.instance, each.instance), port=each.port)
+        for each in (connection.source, connection.target)
+    )
+    properties = {each.name: each.text for each in restored(connection.properties)}
+    return Connection(
+        name=f"{source}_{target}",
+        id=connection.name.rpartition(" ")[2],
+        source=source,
+        target=target,
+        properties=tuple(properties.items()),
+        service="dataport.data_type" not in properties,
+        span=_NOWHERE,
     )
 
 
@@ -74,10 +189,28 @@ def text(session: Session, file: str) -> str:
             port for port, _ in (*component.providers, *component.consumers)
         )
         ports[instance] = InstancePorts(data, tuple(services))
-    written = str(system_text(profile_now(session), ports))
+    for instance, name in _names_outside(session).items():
+        kinds: dict[bool, list[str]] = {True: [], False: []}
+        for port in session.outside.components[instance].ports:
+            kinds[port.kind is ui.PortKind.PORT_SERVICE].append(port.name)
+        ports[name] = InstancePorts(tuple(kinds[False]), tuple(kinds[True]))
+    profile = profile_now(session)
+    for each in profile.components:
+        ports.setdefault(each.instance, _stated_ports(profile, each.instance))
+    written = str(system_text(profile, ports))
     if file.lower().endswith(YAML_SUFFIXES):
         return profile_yaml.to_yaml(located_xml.parse(written, file))
     return written
+
+
+def _stated_ports(profile: System, instance: str) -> InstancePorts:
+    """Return the ports of a component that are connected."""
+    found: dict[bool, dict[str, None]] = {True: {}, False: {}}
+    for each in profile.connections:
+        for end in (each.source, each.target):
+            if end.instance == instance:
+                found[each.service][end.port] = None
+    return InstancePorts(tuple(found[False]), tuple(found[True]))
 
 
 def _connection(connector: Connector, before: Connection | None) -> Connection:

@@ -75,14 +75,16 @@ def application(session: Served, tokens: Tokens, page: Path = PAGE) -> Starlette
 
     async def socket(websocket: WebSocket) -> None:
         right = tokens.right(websocket.query_params.get("token", ""))
+        offered = websocket.scope.get("subprotocols", ())
+        # A page can only read the code of a socket that was open, which needs its protocol.
+        await websocket.accept(
+            subprotocol=SUBPROTOCOL if SUBPROTOCOL in offered else None
+        )
         if not is_same_origin(websocket.headers):
-            await _refuse(websocket, WRONG_ORIGIN)
+            await websocket.close(WRONG_ORIGIN)
         elif right is None:
-            await _refuse(websocket, WRONG_TOKEN)
+            await websocket.close(WRONG_TOKEN)
         else:
-            offered = websocket.scope.get("subprotocols", ())
-            chosen = SUBPROTOCOL if SUBPROTOCOL in offered else None
-            await websocket.accept(subprotocol=chosen)
             await _serve(websocket, session, commands, full=right)
 
     routes = [
@@ -148,12 +150,6 @@ class _Guarded:
         else:
             refusal = PlainTextResponse("another host or origin", 403)
             await refusal(scope, receive, send_guarded)
-
-
-async def _refuse(websocket: WebSocket, code: int) -> None:
-    """Close with a code that the page can read, which needs an open socket."""
-    await websocket.accept()
-    await websocket.close(code)
 
 
 async def _serve(

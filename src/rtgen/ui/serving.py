@@ -16,12 +16,20 @@ _PATIENCE = 2
 
 
 class Server:
-    """A session's server. Raises ToolError if the port is taken."""
+    """A session's server, with new tokens unless some are given.
+
+    Raises ToolError if the port is taken.
+    """
 
     def __init__(
-        self, session: Served, host: str, port: int, page: Path = PAGE
+        self,
+        session: Served,
+        host: str,
+        port: int,
+        page: Path = PAGE,
+        tokens: Tokens | None = None,
     ) -> None:
-        self.tokens = Tokens()
+        self.tokens = tokens or Tokens()
         self._session = session
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

@@ -5,17 +5,20 @@ from __future__ import annotations
 import itertools
 import threading
 import uuid
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 from msgspec.structs import replace
 
 from rtgen import runtime
 from rtgen.diagnostics import InputError, ToolError
-from rtgen.model import System
+from rtgen.facts.openrtm_ports import KIND, foreign_instances
+from rtgen.model import System, SystemComponent
 from rtgen.recording.recorder import cdr_encoder
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.failures import Failure, described
+from rtgen.runtime.opaque_rpc.codecs import Codec
 from rtgen.runtime.ports.data_ports import OutPort
 from rtgen.runtime.system.joining import Connector, instances_of
 from rtgen.runtime.system.json_printers import json_printer
@@ -28,7 +31,8 @@ from rtgen.runtime.timing.traffic import (
     ParameterChange,
 )
 from rtgen.runtime.timing.traffic import Event as Happening
-from rtgen.ui import description
+from rtgen.ui import beside, boards, description
+from rtgen.ui.beside import Beside
 from rtgen.ui.buses import Buses
 from rtgen.ui.description import STATES, Description, palette_entry
 from rtgen.ui.edits import Edits
@@ -39,14 +43,17 @@ from rtgen.ui.outbox import Outbox
 from rtgen.ui.project import Project
 from rtgen.ui.protocol import ui
 from rtgen.ui.runner import Runner
-from rtgen.ui.type_table import TypeTable
+from rtgen.ui.type_table import NO_TYPE, TypeTable
 
 if TYPE_CHECKING:
     from rtgen.runtime.corba.rt_objects.publishing import RtObjects
     from rtgen.ui.neighbours import Neighbours
+    from rtgen.ui.taps import Key
 
 Place = tuple[float, float]
 _LONGEST_NOTICE: Final = 2000
+_BEFORE: Final = "the run before"
+"""The name of a run that is kept beside the next one."""
 
 
 class Session:
@@ -54,8 +61,9 @@ class Session:
 
     Everything that looks at the system or changes it is done in the thread of the runner; pages
     come and go, and put commands, by `Runner.submit`. `clock` makes the clock of a system.
-    `name_servers`: the addresses of naming services whose components are shown, too. `own`: the
-    components of the system as they are there; None if it does not run over CORBA.
+    `recording`: a file that is shown beside the system. `name_servers`: the addresses of naming
+    services whose components are shown, too. `own`: the components of the system as they are
+    there; None if it does not run over CORBA.
     """
 
     def __init__(
@@ -65,8 +73,9 @@ class Session:
         clock: Callable[[], runtime.Clock] = runtime.SimulatedClock,
         name_servers: Sequence[str] = (),
         own: RtObjects | None = None,
+        recording: str = "",
     ) -> None:
-        """Raises InputError or ToolError if the system cannot be assembled.
+        """Raises InputError or ToolError if the system cannot be assembled, or recorded.
 
         Raises TransportError if there are `name_servers` and omniORB cannot start.
         """
@@ -79,6 +88,8 @@ class Session:
         self.edits = Edits()
         self.places: dict[str, Place] = {}
         self.profile: System
+        self.foreign: Mapping[str, SystemComponent]
+        """The components of other processes in the file, by their paths."""
         self._clock = clock
         self._sent_types = 0
         self._lock = threading.Lock()
@@ -87,6 +98,18 @@ class Session:
         self._watched: frozenset[int] = frozenset()
         self._numbers = itertools.count(1)
         self._counts: dict[str, ui.Statistics] = {}
+        self._codecs: dict[str, Codec | None] = {}
+        self._recorded: Beside | None = None
+        if recording:
+            describer = project.describer
+            self._recorded = beside.read(
+                recording, self.types, self._numbers, describer
+            )
+        self.beside: Beside | None = self._recorded
+        """The run that pages show beside this one."""
+        self.keeps = False
+        """Whether this run will be beside the one that begins when time is set back."""
+        self._end_recording: Callable[[], None] = lambda: None
         self._palette = [palette_entry(each) for each in project.palette()]
         self.known_types = frozenset(each.type for each in self._palette)
         self.runner = Runner(self.made(file), self._report, self._ended)
@@ -97,12 +120,14 @@ class Session:
         """The names of connections to other processes, which `outside` tells."""
         self.outside = Neighbourhood()
         """What naming services have of other processes."""
-        self._watch()
         self.neighbours: Neighbours | None = None
+        self._watch()
         if name_servers:
             from rtgen.ui.neighbours import Neighbours
 
-            self.neighbours = Neighbours(name_servers, self._look_outside, own)
+            self.neighbours = Neighbours(
+                name_servers, self._look_outside, self._notice_outside, own
+            )
 
     # Systems.
 
@@ -116,13 +141,23 @@ class Session:
         profile = self.project.read(file)
         system = self.assembled(profile)
         self.file = file
-        self.profile = profile
+        self.take_over(profile)
         self.places = {
             each.instance: (float(each.location[0]), float(each.location[1]))
             for each in profile.components
-            if each.location is not None
+            if each.location is not None and each.path_uri not in self.foreign
         }
         return system
+
+    def take_over(self, profile: System) -> None:
+        """Take over a profile as the system's from now on."""
+        foreign = foreign_instances(profile.properties)
+        self.profile = profile
+        self.foreign = {
+            each.path_uri: each
+            for each in profile.components
+            if each.instance in foreign
+        }
 
     def assembled(self, profile: System) -> runtime.System:
         """A system of a profile. Raises InputError or ToolError."""
@@ -130,8 +165,10 @@ class Session:
 
     def change_system(self, system: runtime.System) -> None:
         """Go on with another system; all pages get its whole state."""
+        self._end_recording()
         self._channels.clear()
         self._counts.clear()
+        self._codecs.clear()
         self.runner.replace(system)
         self._watch()
         whole = ui.Event.of_whole(self.whole())
@@ -145,17 +182,36 @@ class Session:
         except (InputError, ToolError, OSError) as error:
             raise CommandError(FILE, str(error)) from error
         self.edits = Edits()
+        self.keeps, self.beside = False, self._recorded
         self.change_system(system)
+
+    def run_again(self, system: runtime.System) -> None:
+        """Restart with the system of this run's start; show this run beside it if it is kept."""
+        if self.keeps and self.beside is None:
+            channels = [*self._channels.values()]
+            self.beside = beside.kept(_BEFORE, self.history, channels, self._numbers)
+        self.change_system(system)
+
+    def keep(self, *, kept: bool) -> None:
+        """Keep this run, or none, beside those that start when time is set back."""
+        self.keeps = kept
+        if not kept or self.beside is self._recorded:
+            self.beside = None
+        self._to_all(ui.Event.of_whole(self.whole()))
 
     def _watch(self) -> None:
         system = self.system
+        self._end_recording = self.project.record(system)
         self.history = History()
+        if self.beside is not None:
+            self.beside.begin()
         self.buses = Buses(system, self.project.describer, self.tell)
         for instance in system.instances:
             self.channels_of(instance)
+        self._open_outside()
         self.history.begin(self.whole())
-        system.clock.traffic.watch(self._on_traffic)
-        system.add_listener(_Listener(self))
+        system.clock.traffic.watch(partial(self._on_traffic, system))
+        system.add_listener(_Listener(self, system))
 
     # Pages.
 
@@ -163,7 +219,7 @@ class Session:
         """Greet a page and give it the whole state."""
         hello = ui.Hello(version=ui.VERSION, server=self.name, full=page.full)
         page.put(ui.Event.of_greeting(hello))
-        page.put(ui.Event.of_whole(self.whole()))
+        self.look(page, -1.0)
         with self._lock:
             self._pages = (*self._pages, page)
 
@@ -176,6 +232,29 @@ class Session:
     def watch_changed(self) -> None:
         """Take over what pages watch now; from any thread."""
         self._watched = frozenset().union(*(page.watched for page in self._pages))
+        if self.neighbours is not None:
+            watched = (
+                e for e in self._channels.copy().values() if e.id in self._watched
+            )
+            self.neighbours.watch(
+                {
+                    key: partial(self._take, each.id)
+                    for each in watched
+                    if (key := self._key(each.port)) is not None
+                }
+            )
+
+    def _key(self, address: ui.PortAddress) -> Key | None:
+        """Return the connection that receives the samples of a port of another process."""
+        if address.instance not in self.outside.components:
+            return None
+        from rtgen.ui.taps import Key, Use
+
+        return Key(Use.LISTEN, address.instance, address.port)
+
+    def _take(self, channel: int, data: bytes) -> None:
+        """Accept a sample of a component of another process."""
+        self.sample(ui.Sample(channel, self.now, data))
 
     def watch(self, page: Outbox, channels: Sequence[int]) -> None:
         """Give a page the samples of other channels than before, and what they had until now."""
@@ -195,6 +274,12 @@ class Session:
         events = self.history.at(now, self.types.nodes, page.watched)
         if time < 0:
             events[0] = ui.Event.of_whole(self.whole())
+        else:
+            whole = events[0].whole
+            beside = self._channels_beside
+            own = [each for each in whole.channels if not each.beside]
+            whole.beside, whole.keeps = self._name_beside, self.keeps
+            whole.channels = [*own, *beside]
         page.show(events, None if time < 0 else now)
 
     def tell(self, *events: ui.Event) -> None:
@@ -228,13 +313,24 @@ class Session:
                 *outside.connections.values(),
             ],
             palette=self._palette,
-            channels=[*self._channels.values()],
+            channels=[*self._channels.values(), *self._channels_beside],
             time=self.time(),
             edits=self.edit_state(),
             buses=self.buses.states,
             systems=[*self.project.systems],
+            beside=self._name_beside,
+            keeps=self.keeps,
             naming=[*outside.services],
+            foreign=[*self.foreign],
         )
+
+    @property
+    def _name_beside(self) -> str:
+        return "" if self.beside is None else self.beside.name
+
+    @property
+    def _channels_beside(self) -> list[ui.Channel]:
+        return [] if self.beside is None else [*self.beside.channels.values()]
 
     @property
     def connectors(self) -> list[Connector]:
@@ -257,10 +353,52 @@ class Session:
         """Have pages told what naming services have now; from any thread."""
 
         def tell() -> None:
-            before, self.outside = self.outside, found
-            self.tell(*map(self._placed, found.changes(before, self.now)))
+            before, self.outside = self.outside, found.known(self._known)
+            for instance in before.components.keys() - self.outside.components.keys():
+                self.forget(instance)
+            for instance in self.outside.components.keys() - before.components.keys():
+                known = self.foreign.get(f"{instance}.{KIND}")
+                if known is not None and known.location is not None:
+                    x, y = known.location[:2]
+                    self.places.setdefault(instance, (float(x), float(y)))
+            opened = self._open_outside()
+            changes = self.outside.changes(before, self.now)
+            self.tell(*map(self._placed, changes), *map(ui.Event.of_opened, opened))
+            self.watch_changed()
 
         return self.runner.submit(tell)
+
+    def _notice_outside(self, instance: str, text: str) -> None:
+        self.runner.submit(lambda: self.notice("error", instance, text))
+
+    def _known(self, port: ui.Port) -> ui.Port:
+        """Return a port of another process, completed with the project's types."""
+        number = NO_TYPE
+        if port.type and (type_ := self.project.data_type(port.type)) is not None:
+            number = self.describe.type_number(type_)
+        interfaces = [
+            (
+                replace(each, operations=self.describe.operations(interface))
+                if each.provided and (interface := self.project.interface(each.type))
+                else each
+            )
+            for each in port.interfaces
+        ]
+        return replace(port, type_number=number, interfaces=interfaces)
+
+    def _open_outside(self) -> list[ui.Channel]:
+        """Return the channels of new OutPorts of other processes."""
+        found = []
+        for instance, component in self.outside.components.items():
+            for port in component.ports:
+                key = instance, port.name
+                is_open = port.kind is ui.PortKind.PORT_OUT and port.type_number >= 0
+                if is_open and key not in self._channels:
+                    address = ui.PortAddress(instance=instance, port=port.name)
+                    channel = ui.Channel(next(self._numbers), address, port.type_number)
+                    self._channels[key] = channel
+                    found.append(channel)
+        return found
 
     def _placed(self, event: ui.Event) -> ui.Event:
         """An event about a component of another process, with the place of its box."""
@@ -295,6 +433,10 @@ class Session:
             saved=self.edits.saved,
             file=self.file,
         )
+
+    def tell_edits(self) -> None:
+        """Report to pages which edits can be undone."""
+        self.tell(ui.Event.of_edited(self.edit_state()))
 
     # What happens in the system.
 
@@ -350,15 +492,18 @@ class Session:
                 data = encode(value)
             except CdrError:
                 return  # The recorder counts them; a page cannot show what has no octets.
-            sample = ui.Sample(channel=number, time=elapsed() / SECOND, data=data)
-            self.history.sample(sample)
-            if number not in self._watched:
-                return
-            for page in self._pages:
-                if number in page.watched:
-                    page.sample(sample)
+            self.sample(ui.Sample(number, elapsed() / SECOND, data))
 
         return write
+
+    def sample(self, sample: ui.Sample) -> None:
+        """Keep a sample, and send it to the pages that watch its channel; from any thread."""
+        self.history.sample(sample)
+        if sample.channel not in self._watched:
+            return
+        for page in self._pages:
+            if sample.channel in page.watched:
+                page.sample(sample)
 
     def on_state(self, record: StateRecord) -> None:
         """A component has changed its state."""
@@ -375,7 +520,9 @@ class Session:
             )
         )
 
-    def _on_traffic(self, happening: Happening) -> None:
+    def _on_traffic(self, system: runtime.System, happening: Happening) -> None:
+        if system is not self.system:
+            return  # It is being closed.
         match happening:
             case ParameterChange(instance, parameter, value):
                 sets = self.system.component(instance).configuration_sets
@@ -388,6 +535,7 @@ class Session:
                 )
                 self.tell(ui.Event.of_setting(change))
             case ConnectionChange(name, connected=True):
+                self._codecs.clear()
                 connector = self.system.connector(name)
                 if not self._is_within(connector):
                     self._across.add(name)
@@ -408,7 +556,22 @@ class Session:
                     round_trip=duration / SECOND,
                     error=error,
                 )
+                if codec := self._codec(instance):
+                    boards.describe(call, codec)
                 self.tell(ui.Event.of_call(call))
+
+    def _codec(self, communication: str) -> Codec | None:
+        """Return the codec of the marshaller that is connected to a communication RTC."""
+        if communication not in self._codecs:
+            ends = (
+                self.system.component(each)
+                for connector in self.connectors
+                if communication in (pair := instances_of(connector))
+                for each in pair
+            )
+            found = next(filter(None, map(boards.codec_of, ends)), None)
+            self._codecs[communication] = found
+        return self._codecs[communication]
 
     def notice(self, kind: str, instance: str, text: str) -> None:
         """Put something into the timeline."""
@@ -426,7 +589,12 @@ class Session:
         self.tell(ui.Event.of_clock(self.time()))
 
     def _report(self) -> None:
-        """Tell pages the time and the counts that have changed."""
+        """Report the time, the run beside, and changed counts to pages."""
+        if self.beside is not None:
+            events, samples = self.beside.until(self.now)
+            self.tell(*events)
+            for sample in samples:
+                self.sample(sample)
         if not self._pages:
             return
         if self.runner.playing:
@@ -450,6 +618,7 @@ class Session:
     def close(self) -> None:
         """Tell the pages, and end the run."""
         self._to_all(ui.Event.of_reason("the server has ended"))
+        self._end_recording()
         if self.neighbours is not None:
             self.neighbours.close()
         self.runner.close()
@@ -458,10 +627,12 @@ class Session:
 class _Listener:
     """What the system notifies."""
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, session: Session, system: runtime.System) -> None:
         self.sample_writer = session.sample_writer
         self._session = session
+        self._system = system
 
     def __call__(self, record: Record) -> None:
-        if isinstance(record, StateRecord):
+        # A closing system is no longer shown.
+        if isinstance(record, StateRecord) and self._session.system is self._system:
             self._session.on_state(record)

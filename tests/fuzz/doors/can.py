@@ -13,7 +13,7 @@ from fuzzing import ViolationError
 from doors import Door
 from doors.definitions import of_target
 from doors.mixing import mixing
-from refrobots.canopen.motor_core_unit import DESCRIPTION as MOTOR
+from refrobots.motorcoreunit import DESCRIPTION as MOTOR
 from rtgen.runtime.canopen.bus.hub_text import (
     Elements,
     Lines,

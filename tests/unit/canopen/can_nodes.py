@@ -8,7 +8,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from rtgen.backends.canopen.objects_module import objects_text
+from rtgen.backends import Options
+from rtgen.backends.canopen.objects_module import objects_module
 from rtgen.frontends import eds
 from rtgen.model.can_bus import kind_of
 from rtgen.runtime.canopen.bus.link import Link
@@ -16,8 +17,9 @@ from rtgen.runtime.canopen.bus.links import open_link
 from rtgen.runtime.canopen.description import DeviceDescription
 from rtgen.runtime.canopen.node.node import DeviceNode
 from rtgen.runtime.timing.clocks import RealClock
-from rtgen.typemap.canopen_names import field_names
+from rtgen.typemap.canopen_ports import DevicePorts
 
+OPTIONS = Options("devices", "", "0")
 SPECS = Path(__file__).parents[3] / "specs" / "canopen"
 
 
@@ -27,8 +29,9 @@ def description(name: str | Path) -> DeviceDescription:
     path = name if isinstance(name, Path) else SPECS / f"{name}.eds"
     (device,) = eds.load([path], root=path.parent).model.devices
     made: dict[str, Any] = {"__name__": path.stem}
-    names = field_names(device.variables)
-    exec(objects_text(device.name, kind_of(device), names, ""), made)
+    exec(
+        objects_module("d.py", DevicePorts(device, kind_of(device)), OPTIONS).text, made
+    )
     found = made["DESCRIPTION"]
     assert isinstance(found, DeviceDescription)
     return found

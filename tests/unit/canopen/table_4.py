@@ -23,6 +23,7 @@ from rtgen.runtime import (
     System,
 )
 from rtgen.runtime.canopen.port_samples import unread
+from rtgen.runtime.library.rtc import Time
 
 PACKAGE = "every_type"
 Values = tuple[Any, ...]
@@ -239,7 +240,7 @@ def generate(folder: Path) -> Path:
 
 def proxy(name: str) -> Any:
     """Return the generated proxy, as a component of that name."""
-    return import_module(f"{PACKAGE}.canopen.table4.proxy").Table4Proxy(name)
+    return import_module(f"{PACKAGE}.components.table4_proxy").Table4Proxy(name)
 
 
 def device(name: str) -> Any:
@@ -328,13 +329,12 @@ class Exchange:
 
     def pdos(self) -> Iterator[tuple[int, list[Any], list[Any]]]:
         """Send every value in every PDO; yield number, sent values, and returned values."""
-        time = import_module(f"{PACKAGE}.rtc").Time
         # The device's samples on becoming OPERATIONAL.
         self.system.run(self.system.time + SECOND // 2)
         self.got.clear()
         for number in range(1, len(GROUPS) + 1):
             port = self.source.out_ports[f"rpdo{number}"]
-            samples = list(rounds(number, port.type, time))
+            samples = list(rounds(number, port.type, Time))
             for sample in samples:
                 port.write(sample)
             sent = [content(sample) for sample in samples]
@@ -348,12 +348,11 @@ class Exchange:
 
     def objects(self) -> Iterator[tuple[str, list[Any], list[Any]]]:
         """Write and read every value by the typed operations of the SDO service."""
-        time = import_module(f"{PACKAGE}.rtc").Time
         consumer = self.source.add_consumer("sdo", "sdo", self._interface())
         self.system.connect(("Source0", "sdo"), ("Proxy0", "sdo"))
         service = consumer.object
         for kind in KINDS:
-            name, wanted, got = kind.name, [*values(kind.name, time)], []
+            name, wanted, got = kind.name, [*values(kind.name, Time)], []
             for value in wanted:
                 getattr(service, f"set_{name}_sdo")(value)
                 got.append(getattr(service, f"get_{name}_sdo")())

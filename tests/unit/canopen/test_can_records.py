@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import os
 import signal
+import struct
 import subprocess
 import sys
+import tracemalloc
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -28,9 +32,11 @@ from patience import PATIENCE
 from rich.console import Console as Terminal
 
 from rtgen.cli import run
+from rtgen.cli.can import logs
 from rtgen.cli.can.frame_printing import MessageDecoder, Wanted
 from rtgen.cli.can.live_table import show
 from rtgen.cli.can.node_index import NodeIndex, read_node_index
+from rtgen.cli.common import Refusal
 
 SPECS = Path(__file__).parents[3] / "specs" / "canopen"
 LINKED = str(SPECS / "pdo_linking.toml")
@@ -257,3 +263,37 @@ def test_a_record_is_complete_when_it_is_ended(
     assert "0 frames in" in err
     with can.LogReader(path) as reader:
         assert list(reader) == []
+
+
+@pytest.mark.parametrize("place", [4, 152], ids=["header", "object"])
+def test_a_size_in_a_blf_file_takes_no_memory(place: int, tmp_path: Path) -> None:
+    path = tmp_path / "large.blf"
+    with logs.writer(path) as made:
+        made.on_message_received(can.Message(arbitration_id=1, data=b"\1"))
+    octets = bytearray(path.read_bytes())
+    octets[place : place + 4] = (1 << 29).to_bytes(4, "little")
+    path.write_bytes(octets)
+    tracemalloc.start()
+    try:
+        with contextlib.suppress(Refusal):
+            list(logs.read(path))
+        assert tracemalloc.get_traced_memory()[1] < 1 << 26
+    finally:
+        tracemalloc.stop()
+
+
+def test_a_container_that_inflates_without_end_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "bomb.blf"
+    with logs.writer(path) as made:
+        made.on_message_received(can.Message(arbitration_id=1, data=b"\1"))
+    head = path.read_bytes()[:144]
+    data = struct.pack("<H6xL4x", 2, 0) + zlib.compress(bytes(1 << 27), 9)
+    container = struct.pack("<4sHHLL", b"LOBJ", 16, 1, 16 + len(data), 10) + data
+    path.write_bytes(head + container)
+    tracemalloc.start()
+    try:
+        with pytest.raises(Refusal, match="a container of more than"):
+            list(logs.read(path))
+        assert tracemalloc.get_traced_memory()[1] < 1 << 27
+    finally:
+        tracemalloc.stop()

@@ -17,6 +17,7 @@ from rtgen.cli.can.node_index import read_node_index
 from rtgen.cli.conformance.canopen.checks import CHECKS
 from rtgen.cli.conformance.canopen.node import NodeUnderTest
 from rtgen.cli.conformance.canopen.testing import checked
+from rtgen.cli.conformance.check import Permission
 from rtgen.cli.conformance.report import (
     Report,
     Verdict,
@@ -75,7 +76,8 @@ def unaltered(cause: Frame, frames: list[Frame]) -> list[Frame]:
 def report_of(eds: Path, alter: Alter = unaltered, *, actuate: bool = True) -> Report:
     (described,) = read_node_index(None, [(ID, eds)]).nodes.values()
     line = SimulatedLine(DeviceNode(description(eds), ID, serial_number=1), alter)
-    return checked(NodeUnderTest(described, line), eds.name, actuate)
+    permissions = [Permission.ACTUATE, Permission.DEFAULTS] if actuate else []
+    return checked(NodeUnderTest(described, line), eds.name, permissions)
 
 
 def failed(report: Report) -> set[str]:
@@ -90,11 +92,11 @@ def test_our_own_nodes_conform(name: str) -> None:
     report = report_of(SPECS / f"{name}.eds")
     assert report.passed, as_text(report)
     skipped = {o.check for o in report.outcomes if o.verdict is Verdict.SKIPPED}
-    assert skipped <= {"sdo.write-only", "guarding", "pdo.synchronous"}
+    assert skipped <= {"sdo.write-only", "guarding", "guarding.life", "pdo.synchronous"}
 
 
 def limited(folder: Path) -> Path:
-    """Return f_palette with additional objects: limits, a write-only one, node guarding."""
+    """Return f_palette with additions: limits, a write-only object, guarding, remote frames."""
     text = (SPECS / "f_palette.eds").read_text()
     for group, objects in (
         ("Optional", {0x100C: ("0x0006", "rw", ""), 0x100D: ("0x0005", "rw", "")}),
@@ -121,6 +123,9 @@ def limited(folder: Path) -> Path:
                 f"\n[{index:X}]\nParameterName=Object {index:X}\nObjectType=0x7\n"
                 f"DataType={kind}\nAccessType={access}\nDefaultValue=0\n{limits}PDOMapping=0\n"
             )
+    # TPDO 1 may be requested by remote frames.
+    assert "DefaultValue=$NODEID+0x40000180" in text
+    text = text.replace("DefaultValue=$NODEID+0x40000180", "DefaultValue=$NODEID+0x180")
     path = folder / "limited.eds"
     path.write_text(text)
     return path
@@ -142,7 +147,7 @@ def test_without_actuate_the_node_stays_as_it_was(tmp_path: Path) -> None:
     report = report_of(eds, alter, actuate=False)
     assert report.passed
     skipped = {o.check for o in report.outcomes if o.verdict is Verdict.SKIPPED}
-    assert skipped >= {check.name for check in CHECKS if check.actuates}
+    assert skipped >= {check.name for check in CHECKS if check.needs is not None}
     assert Frame(0, bytes((1, ID))) not in sent
     written = {
         int.from_bytes(f.data[1:3], "little")
@@ -273,24 +278,112 @@ class RefusesItsOwnValue:
         return sdo_abort(cause, 0x08000000) if stored else out
 
 
-class OldValues:
-    """Answers reads of the application, after an RPDO, with the previous values."""
+def writes(cause: Frame, first: int, last: int, sub: int) -> bool:
+    """Return whether a frame starts writing a sub-index of an object in a range."""
+    data = cause.data
+    is_write = cause.can_id == 0x600 + ID and data[:1] > b"\x1f" and data[:1] < b"\x40"
+    return is_write and first <= data[1] | data[2] << 8 <= last and data[3] == sub
 
-    def __init__(self) -> None:
+
+class OldValues:
+    """Answers reads of the application with the values that were read first.
+
+    Either while RPDOs act at once, or while they wait for SYNC.
+    """
+
+    def __init__(self, *, synchronous: bool) -> None:
         self.values: dict[bytes, list[Frame]] = {}
-        self.received = False
+        self.synchronous = synchronous
+        self.waiting = False
 
     def __call__(self, cause: Frame, out: list[Frame]) -> list[Frame]:
-        self.received |= 0x200 <= cause.can_id < 0x580 and len(cause.data) > 3
+        self.waiting |= writes(cause, 0x1400, 0x15FF, 2) and cause.data[4] == 0
+        self.waiting &= cause.can_id != 0 or cause.data[:1] != b"\x82"
         if (
-            cause.can_id == 0x600 + ID
+            self.waiting == self.synchronous
+            and cause.can_id == 0x600 + ID
             and cause.data[:1] == b"\x40"
             and cause.data[2:3] >= b"\x20"
         ):
-            if not self.received:
-                self.values[cause.data] = out
-            return self.values.get(cause.data, out)
+            return self.values.setdefault(cause.data, out)
         return out
+
+
+class SilentAtSync:
+    """Sends no PDO until their parameters are changed."""
+
+    def __init__(self) -> None:
+        self.changed = False
+
+    def __call__(self, cause: Frame, out: list[Frame]) -> list[Frame]:
+        self.changed |= writes(cause, 0x1800, 0x19FF, 1)
+        if self.changed:
+            return out
+        return [f for f in out if not 0x180 <= f.can_id < 0x580]
+
+
+class SlowTimer:
+    """Loses every second PDO after an event timer was set."""
+
+    def __init__(self) -> None:
+        self.is_on = False
+        self.count = 0
+
+    def __call__(self, cause: Frame, out: list[Frame]) -> list[Frame]:
+        self.is_on |= writes(cause, 0x1800, 0x19FF, 5)
+        kept = []
+        for frame in out:
+            is_pdo = self.is_on and 0x180 <= frame.can_id < 0x580
+            self.count += is_pdo
+            kept += [frame] if not is_pdo or self.count % 2 else []
+        return kept
+
+
+class LosesItsGuard:
+    """Does not report a lost guard, only a lost heartbeat."""
+
+    def __init__(self) -> None:
+        self.guarded = False
+
+    def __call__(self, cause: Frame, out: list[Frame]) -> list[Frame]:
+        self.guarded |= writes(cause, 0x100C, 0x100C, 0)
+        self.guarded &= not writes(cause, 0x1016, 0x1016, 1)
+        if not self.guarded:
+            return out
+        return [f for f in out if f.data[:2] != b"\x30\x81"]
+
+
+def without_boot_up(command: int) -> Alter:
+    """Send no boot-up message after an NMT command."""
+    return lambda cause, out: (
+        [f for f in out if f.can_id != 0x700 + ID or f.data != b"\0"]
+        if cause.can_id == 0 and cause.data[:1] == bytes((command,))
+        else out
+    )
+
+
+def instead_of_abort(
+    code: int, answer: Callable[[Frame], list[Frame]], where: Callable[[Frame], bool]
+) -> Alter:
+    """Answer something else instead of an abort code."""
+    octets = code.to_bytes(4, "little")
+    return lambda cause, out: (
+        answer(cause)
+        if where(cause)
+        and any(f.data[:1] + f.data[4:] == b"\x80" + octets for f in out)
+        else out
+    )
+
+
+def plain(first: int) -> Callable[[Frame], list[Frame]]:
+    """Return a server message with one significant octet, the first."""
+    return lambda cause: [Frame(0x580 + ID, bytes((first,)) + bytes(7))]
+
+
+def selected_by_any_serial(cause: Frame, out: list[Frame]) -> list[Frame]:
+    if cause.can_id == 0x7E5 and cause.data[:1] == b"\x43":
+        return [Frame(0x7E4, b"\x44" + bytes(7))]
+    return out
 
 
 def too_high_is_stored(cause: Frame, out: list[Frame]) -> list[Frame]:
@@ -300,10 +393,11 @@ def too_high_is_stored(cause: Frame, out: list[Frame]) -> list[Frame]:
 
 MUTANTS: dict[str, tuple[str, Alter]] = {
     "sdo.read": ("f_palette", refusing(0x40, 0x1018, 4)),
-    "object.type": ("f_palette", answering(0x1001, 0, 0x4B, b"\0\0")),
+    "object.type": ("f_palette", answering(0x1001, 0, 0x4B, b"\1\0")),
     "object.limits": ("limited", answering(0x2F00, 0, 0x4B, b"\xff\x7f")),
     "object.constants": ("f_palette", answering(0x1000, 0, 0x43, b"\x99\0\0\0")),
-    "pdo.parameters": ("f_palette", answering(0x1A00, 1, 0x43, b"\x08\0\x99\x60")),
+    "object.defaults": ("limited", answering(0x2F02, 0, 0x4B, b"\5\0")),
+    "pdo.parameters": ("f_palette", answering(0x1800, 3, 0x4B, b"\x99\0")),
     "sdo.read-only": ("f_palette", accepting(0x20, 0x1018, 1)),
     "sdo.write-only": ("limited", answering(0x2F01, 0, 0x4B, b"\0\0")),
     "sdo.unknown": ("f_palette", refusing(0x40, 0x5FFF)),
@@ -311,11 +405,7 @@ MUTANTS: dict[str, tuple[str, Alter]] = {
     "sdo.command": ("f_palette", to_command(0xE0, lambda f: sdo_abort(f, 0x08000000))),
     "sdo.toggle": (
         "f_palette",
-        lambda cause, out: (
-            [Frame(0x580 + ID, b"\x10" + bytes(7))]
-            if any(f.data[4:] == b"\x00\x00\x03\x05" for f in out)
-            else out
-        ),
+        instead_of_abort(0x05030000, plain(0x10), lambda f: f.data[:1] == b"\x70"),
     ),
     "sdo.abort": ("f_palette", AfterAbort()),
     "sdo.block": (
@@ -326,7 +416,22 @@ MUTANTS: dict[str, tuple[str, Alter]] = {
             else out
         ),
     ),
-    "emcy.history": ("f_palette", accepting(0x20, 0x1003)),
+    "sdo.segments": (
+        "f_palette",
+        instead_of_abort(0x05030000, plain(0x30), lambda f: f.data[:1] == b"\x1b"),
+    ),
+    "sdo.block-download": (
+        "f_palette",
+        instead_of_abort(0x05040004, plain(0xA1), lambda f: True),
+    ),
+    "sdo.block-sizes": (
+        "f_palette",
+        instead_of_abort(0x05040002, plain(0xC6), lambda f: True),
+    ),
+    "emcy.history": (
+        "f_palette",
+        instead_of_abort(0x06090030, acknowledged, lambda f: at(f, 0x20, 0x1003)),
+    ),
     "heartbeat": ("f_palette", EverySecondBeat()),
     "guarding": (
         "limited",
@@ -336,10 +441,7 @@ MUTANTS: dict[str, tuple[str, Alter]] = {
             else out
         ),
     ),
-    "nmt.boot-up": (
-        "f_palette",
-        changed(0x700 + ID, lambda data: None if data == b"\0" else data),
-    ),
+    "nmt.boot-up": ("f_palette", without_boot_up(0x82)),
     "nmt.stopped": ("f_palette", ServedWhenStopped()),
     "nmt.states": (
         "f_palette",
@@ -347,23 +449,79 @@ MUTANTS: dict[str, tuple[str, Alter]] = {
     ),
     "sdo.range": ("limited", too_high_is_stored),
     "sdo.same-value": ("f_palette", RefusesItsOwnValue()),
-    "pdo.synchronous": (
-        "motor_core_unit",
-        lambda cause, out: [f for f in out if not 0x180 <= f.can_id < 0x580],
-    ),
-    "pdo.reception": ("f_palette", OldValues()),
+    "pdo.synchronous": ("motor_core_unit", SilentAtSync()),
+    "pdo.reception": ("f_palette", OldValues(synchronous=False)),
     "pdo.length": (
         "f_palette",
-        lambda cause, out: [
-            Frame(f.can_id, b"\0\0" + f.data[2:]) if f.can_id == 0x80 + ID else f
-            for f in out
-        ],
+        changed(
+            0x80 + ID,
+            lambda data: b"\0\0" + data[2:] if data[:2] == b"\x10\x82" else data,
+        ),
     ),
-    "lss.address": (
+    "pdo.mapping": (
         "f_palette",
-        changed(0x7E4, lambda data: b"\x5e\x63" if data[:1] == b"\x5e" else data),
+        instead_of_abort(0x06040041, acknowledged, lambda f: True),
+    ),
+    "pdo.transmission": (
+        "f_palette",
+        instead_of_abort(
+            0x06090030, acknowledged, lambda f: writes(f, 0x1800, 0x19FF, 2)
+        ),
+    ),
+    "pdo.times": ("f_palette", SlowTimer()),
+    "pdo.synchronous-reception": ("f_palette", OldValues(synchronous=True)),
+    "emcy.entry": ("f_palette", answering(0x1003, 1, 0x43, b"\x30\x81\0\0")),
+    "heartbeat.consumer": (
+        "f_palette",
+        changed(0x80 + ID, lambda data: None if data[:2] == b"\x30\x81" else data),
+    ),
+    "guarding.life": ("limited", LosesItsGuard()),
+    "nmt.reset": ("f_palette", without_boot_up(0x81)),
+    "lss.address": ("f_palette", selected_by_any_serial),
+    "lss.identity": (
+        "f_palette",
+        changed(0x7E4, lambda data: b"\x5b\x63" if data[:1] == b"\x5b" else data),
+    ),
+    "lss.refusals": (
+        "f_palette",
+        changed(0x7E4, lambda data: b"\x11\0" if data[:1] == b"\x11" else data),
     ),
 }
+FURTHER: dict[str, tuple[str, str, Alter]] = {
+    "nothing by remote frames": (
+        "pdo.transmission",
+        "limited",
+        lambda cause, out: (
+            [f for f in out if not 0x180 <= f.can_id < 0x580] if cause.remote else out
+        ),
+    ),
+    "too many objects are mapped": (
+        "pdo.mapping",
+        "f_palette",
+        instead_of_abort(0x06040042, acknowledged, lambda f: True),
+    ),
+    "a false count of segments": (
+        "sdo.block-sizes",
+        "f_palette",
+        instead_of_abort(0x05040003, plain(0xC1), lambda f: True),
+    ),
+    "segments that are too long": (
+        "sdo.segments",
+        "f_palette",
+        instead_of_abort(0x06070012, acknowledged, lambda f: f.data[:1] == b"\x21"),
+    ),
+    "no bit of the error register": (
+        "emcy.entry",
+        "f_palette",
+        answering(0x1001, 0, 0x4F, b"\0"),
+    ),
+    "a bit rate that does not exist": (
+        "lss.refusals",
+        "f_palette",
+        changed(0x7E4, lambda data: b"\x13\0" if data[:1] == b"\x13" else data),
+    ),
+}
+"""Mutants of other nodes: the check that has to fail, the node, and what it does."""
 
 
 def test_each_check_has_a_mutant() -> None:
@@ -373,6 +531,14 @@ def test_each_check_has_a_mutant() -> None:
 @pytest.mark.parametrize("check", MUTANTS)
 def test_a_check_finds_the_node_that_breaks_just_it(check: str, tmp_path: Path) -> None:
     name, alter = MUTANTS[check]
+    eds = SPECS / f"{name}.eds" if name != "limited" else limited(tmp_path)
+    report = report_of(eds, alter)
+    assert failed(report) == {check}, as_text(report)
+
+
+@pytest.mark.parametrize("what", FURTHER)
+def test_a_check_finds_other_nodes_too(what: str, tmp_path: Path) -> None:
+    check, name, alter = FURTHER[what]
     eds = SPECS / f"{name}.eds" if name != "limited" else limited(tmp_path)
     report = report_of(eds, alter)
     assert failed(report) == {check}, as_text(report)

@@ -266,7 +266,7 @@ def test_idl_of_rtgen_is_copied_for_other_compilers(make: Make) -> None:
     embedded = {a.path for a in make(drive_eds=DRIVE).artifacts}
     assert shared <= for_corba
     assert not shared & embedded
-    assert "robots/canopen/drive/Drive.idl" in embedded
+    assert "robots/drive/Drive.idl" in embedded
 
 
 def test_no_manager_without_a_network(make: Make) -> None:
@@ -285,9 +285,9 @@ def test_node_id_of_the_command_line(
 def test_a_description_in_sources_and_bus_file_is_one_device(make: Make) -> None:
     made = make(drive_eds=DRIVE, bus_toml=BUS.replace("{settings}", 'name = "Wheel"'))
     assert not made.failed
-    folders = {a.path.split("/")[2] for a in made.artifacts if "/canopen/" in a.path}
-    assert "wheel" in folders
-    assert "drive" not in folders
+    paths = {artifact.path for artifact in made.artifacts}
+    assert "robots/wheel/__init__.py" in paths
+    assert "robots/drive/__init__.py" not in paths
 
 
 TWICE = BUS.replace("{settings}", '[device.other]\neds = "drive.eds"\n{settings}')

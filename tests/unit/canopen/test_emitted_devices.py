@@ -155,8 +155,8 @@ def test_random_devices(
 
 def there_and_back(package: str) -> None:
     """A proxy decodes what a device encodes, and the other way round."""
-    device = importlib.import_module(f"{package}.canopen.it.device")
-    codecs = importlib.import_module(f"{package}.canopen.it.proxy")
+    device = importlib.import_module(f"{package}.components.it_device")
+    codecs = importlib.import_module(f"{package}.components.it_proxy")
     proxy = codecs.ItProxy("it")
     description = proxy.description
     values: dict[tuple[int, int], Any] = {}

@@ -29,6 +29,7 @@ from rtgen.runtime import (
 )
 from rtgen.runtime.canopen.objects import over_service
 from rtgen.runtime.canopen.pdo import PdoError
+from rtgen.runtime.library import canopen, rtc
 
 CASE = Path(__file__).parents[2] / "golden/cases/canopen_devices/input"
 
@@ -67,8 +68,8 @@ class Bench:
         self.manager = of("lab.canopen.manager", "CanopenManager")("manager")
         self.first = of("mylab.sampler_device", "SamplerDevice")("first")
         self.second = of("mylab.sampler_pieces_device", "SamplerPiecesDevice")("second")
-        self.proxy = of("lab.canopen.sampler.proxy", "SamplerProxy")("proxy")
-        self.pieces = of("lab.canopen.sampler_pieces.proxy", "SamplerPiecesProxy")(
+        self.proxy = of("lab.components.sampler_proxy", "SamplerProxy")("proxy")
+        self.pieces = of("lab.components.sampler_pieces_proxy", "SamplerPiecesProxy")(
             "pieces"
         )
         self.probe = Probe("probe")
@@ -146,7 +147,7 @@ def test_the_network_is_configured(bench: Bench) -> None:
 @pytest.mark.parametrize("way", ["least", "greatest"])
 def test_what_the_device_sends_comes_out_of_the_proxy(bench: Bench, way: str) -> None:
     sampler = importlib.import_module("lab.sampler")
-    time = of("lab.rtc", "Time")
+    time = rtc.Time
     least = way == "least"
     samples = {
         1: (least, -4 if least else 3, 0 if least else 4095)
@@ -182,7 +183,7 @@ def test_what_the_proxy_gets_comes_to_the_device(
     bench: Bench, values: tuple[Any, ...]
 ) -> None:
     rpdo = of("lab.sampler", "Rpdo1")
-    bench.send("proxy.rpdo1", rpdo(of("lab.rtc", "Time")(), *values))
+    bench.send("proxy.rpdo1", rpdo(rtc.Time(), *values))
     bench.run(0.1)
     assert fields(bench.first.rpdo1.read_newest()) == values
     assert bench.first.objects.Ticks_56 == values[-1]
@@ -202,9 +203,7 @@ def test_no_sample_is_lost_on_the_way(bench: Bench) -> None:
 
 
 def test_objects_from_the_device(bench: Bench) -> None:
-    rtc, own = importlib.import_module("lab.rtc"), importlib.import_module(
-        "lab.samplerpieces"
-    )
+    own = importlib.import_module("lab.samplerpieces")
     sent = {
         "Switch_2001_00_out": rtc.TimedBoolean(data=True),
         "Gear_out": rtc.TimedShort(data=-3),
@@ -223,9 +222,7 @@ def test_objects_from_the_device(bench: Bench) -> None:
 
 
 def test_objects_to_the_device(bench: Bench) -> None:
-    rtc, own = importlib.import_module("lab.rtc"), importlib.import_module(
-        "lab.samplerpieces"
-    )
+    own = importlib.import_module("lab.samplerpieces")
     bench.send("pieces.Level_in", rtc.TimedUShort(data=9))
     bench.send("pieces.Ticks_56", own.TimedULongLong(data=1 << 55))
     bench.run(0.1)
@@ -267,10 +264,8 @@ def test_objects_by_sdo(bench: Bench, name: str, values: tuple[Any, ...]) -> Non
 
 def test_objects_by_name(bench: Bench) -> None:
     """Values as transferred: of the proxy itself, and by its service port."""
-    table = of("lab.canopen.sampler", "SamplerObjects")
-    consumer = bench.probe.add_consumer(
-        "objects", "objects", of("lab.canopen", "ObjectDictionary")
-    )
+    table = of("lab.sampler", "SamplerObjects")
+    consumer = bench.probe.add_consumer("objects", "objects", canopen.ObjectDictionary)
     bench.system.connect(("probe", "objects"), ("proxy", "sdo"))
     remote = over_service(table, consumer)
     for objects in (bench.proxy.objects, remote):
@@ -312,9 +307,7 @@ def test_objects_by_name(bench: Bench) -> None:
 def test_typed_values_by_number(
     bench: Bench, number: tuple[int, int], kind: str, member: str, value: object
 ) -> None:
-    made = of("lab.canopen", "ObjectValue")(
-        of("lab.canopen", "ValueKind")[f"VALUE_{kind}"], value
-    )
+    made = canopen.ObjectValue(canopen.ValueKind[f"VALUE_{kind}"], value)
     bench.call("set", *number, made)
     got = bench.call("get", *number)
     assert got == made
@@ -322,8 +315,8 @@ def test_typed_values_by_number(
 
 
 def test_typed_values_that_an_object_cannot_have(bench: Bench) -> None:
-    value, kinds = of("lab.canopen", "ObjectValue"), of("lab.canopen", "ValueKind")
-    aborted = of("lab.canopen", "SdoAbort")
+    value, kinds = canopen.ObjectValue, canopen.ValueKind
+    aborted = canopen.SdoAbort
     with pytest.raises(aborted) as caught:
         bench.call("set", 0x2002, 0, value(kinds.VALUE_TEXT, "3"))
     assert caught.value.code == 0x06090030
@@ -344,7 +337,7 @@ def test_the_service_answers_in_inactive_and_error() -> None:
     bench.system.context(name).fail_component(bench.proxy, "on purpose")
     bench.run(1.0)
     assert bench.system.state(name) == ERROR_STATE
-    aborted = of("lab.canopen", "SdoAbort")
+    aborted = canopen.SdoAbort
     with pytest.raises(aborted) as refused:
         bench.call("get_Vendor_ID")
     assert refused.value.code == 0x08000022
@@ -352,7 +345,7 @@ def test_the_service_answers_in_inactive_and_error() -> None:
 
 
 def test_times_by_sdo_and_pdo(bench: Bench) -> None:
-    time = of("lab.rtc", "Time")
+    time = rtc.Time
     for sec, milliseconds in ((441_763_200, 0), (2**32 - 1, 999)):
         sent = time(sec, milliseconds * 1_000_000)
         bench.call("set_Time_of_day", sent)
@@ -379,7 +372,7 @@ def test_times_by_sdo_and_pdo(bench: Bench) -> None:
 def test_what_cannot_be_is_an_abort(
     bench: Bench, operation: str, arguments: tuple[object, ...], code: int
 ) -> None:
-    aborted = of("lab.canopen", "SdoAbort")
+    aborted = canopen.SdoAbort
     with pytest.raises(aborted) as caught:
         bench.call(operation, *arguments)
     assert f"{caught.value.code:08X}" == f"{code:08X}", caught.value.text

@@ -11,7 +11,7 @@ import pytest
 from rtgen.backends import Options
 from rtgen.backends.canopen.eds_text import eds_text
 from rtgen.backends.canopen.network_files import configured, network_files
-from rtgen.backends.canopen.objects_module import is_remapped, objects_text
+from rtgen.backends.canopen.objects_module import is_remapped, objects_module
 from rtgen.diagnostics import has_errors
 from rtgen.frontends import eds
 from rtgen.frontends.bus import load
@@ -20,7 +20,7 @@ from rtgen.layouts.can_startup import concise_dcf, start_up
 from rtgen.layouts.can_timing import response_times
 from rtgen.model.can_bus import Bus
 from rtgen.model.canopen import Device
-from rtgen.typemap.canopen_names import field_names
+from rtgen.typemap.canopen_ports import DevicePorts
 
 CASE = Path(__file__).parents[2] / "golden/cases/canopen_devices/input/specs"
 OPTIONS = Options(package="lab", skeleton_package="mylab", version="0")
@@ -158,8 +158,8 @@ def test_values_of_a_kind_remap_its_pdos(tmp_path: Path) -> None:
     made = changed(tmp_path, "[device.sensor.values]\n", values)
     tables: dict[str, Any] = {}
     kind = made.kinds[0]
-    names = field_names(kind.device.variables)
-    exec(objects_text("Sampler", kind, names, ""), tables)
+    module = objects_module("d.py", DevicePorts(kind.device, kind), OPTIONS)
+    exec(module.text, tables)
     entries = ((0x2011, 1, 48), (0x2041, 0, 16))
     assert tables["DESCRIPTION"].pdo("tpdo", 3).mapping == entries
     [pdo] = [p for p in tables["REMAPPED"] if (p.direction, p.number) == ("tpdo", 3)]

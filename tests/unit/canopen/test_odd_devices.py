@@ -145,7 +145,7 @@ def made(folder: Path) -> Compilation:
         project = load()
         run = compile_project(project)
         assert not run.failed, run.diagnostics
-        output.write(project, run.artifacts, run.inputs)
+        output.write(project, run)
     return run
 
 
@@ -169,14 +169,13 @@ def test_everything_is_in_blacks_form(made: Compilation) -> None:
 def test_everything_is_imported_and_made(folder: Path, made: Compilation) -> None:
     """Import each module, and create each component."""
     code = (
-        "import importlib, pkgutil, odd\n"
+        "import importlib, json, pkgutil, odd\n"
         "for each in pkgutil.walk_packages(odd.__path__, 'odd.'):\n"
         "    importlib.import_module(each.name)\n"
-        "for line in open('generated/odd/components/entry_points.txt'):\n"
-        "    name, _, target = line.strip().partition(' = ')\n"
-        "    if target:\n"
-        "        module, _, made = target.partition(':')\n"
-        "        print(getattr(importlib.import_module(module), made)(name))\n"
+        "manifest = json.load(open('generated/.rtgen.json'))\n"
+        "for name, target in manifest['factories'].items():\n"
+        "    module, _, made = target.partition(':')\n"
+        "    print(getattr(importlib.import_module(module), made)(name))\n"
     )
     path = os.pathsep.join([str(folder / "generated"), str(folder / "src")])
     done = subprocess.run(

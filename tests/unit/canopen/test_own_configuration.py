@@ -8,13 +8,14 @@ from typing import Any
 import pytest
 from device_bench import Bench
 
-from rtgen.backends.canopen.objects_module import objects_text
+from rtgen.backends import Options
+from rtgen.backends.canopen.objects_module import objects_module
 from rtgen.frontends import eds
 from rtgen.model.can_bus import kind_of
 from rtgen.runtime.canopen.description import DeviceDescription, Write
 from rtgen.runtime.canopen.node.node import DeviceNode
 from rtgen.runtime.canopen.wire.frames import Frame
-from rtgen.typemap.canopen_names import field_names
+from rtgen.typemap.canopen_ports import DevicePorts
 
 HEAD = """
 [DeviceInfo]
@@ -119,8 +120,9 @@ def made(folder: Path, text: str) -> dict[str, Any]:
     (folder / "drive.eds").write_text(text, encoding="utf-8")
     (device,) = eds.load([folder / "drive.eds"], root=folder).model.devices
     tables: dict[str, Any] = {"__name__": "drive"}
-    names = field_names(device.variables)
-    exec(objects_text("Drive", kind_of(device), names, ""), tables)
+    options = Options("drives", "", "0")
+    module = objects_module("d.py", DevicePorts(device, kind_of(device)), options)
+    exec(module.text, tables)
     return tables
 
 

@@ -35,7 +35,7 @@ INTEGERS = {**SIGNED, **UNSIGNED}
 
 def module_text(codecs: Sequence[PdoCodec]) -> str:
     """Return a module with both functions of each codec."""
-    imports = [f"from {module} import {name}\n" for module, name in IMPORTS]
+    imports = [f"from {m} import {name} as {local}\n" for m, name, local in IMPORTS]
     standard, runtime = "".join(imports[:2]), imports[2]
     head = f"from __future__ import annotations\n\n{standard}\n{runtime}\n"
     return f"{head}{codecs_text(codecs, codecs)}\n"

@@ -57,5 +57,5 @@ def test_of_a_renamed_object_few_files_differ(
     after = tree(tmp_path, monkeypatch)
     changed = sorted(path for path in before if before[path] != after[path])
     assert before.keys() == after.keys()
-    assert f"renamed/canopen/{device}/__init__.py" in changed
+    assert f"renamed/{device.replace('_', '')}/__init__.py" in changed
     assert len(changed) <= MAX_CHANGES, changed

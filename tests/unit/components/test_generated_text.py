@@ -53,17 +53,21 @@ def test_files_and_their_owners() -> None:
     found = artifacts(model(component(), component(name="OmniTo2WD")))
     assert {path: artifact.owner for path, artifact in found.items()} == {
         "robots/components/__init__.py": Owner.RTGEN,
-        "robots/components/entry_points.txt": Owner.RTGEN,
         "robots/components/limiter/__init__.py": Owner.RTGEN,
         "robots/components/omni_to2_wd/__init__.py": Owner.RTGEN,
         "limiter.py": Owner.USER,
         "omni_to2_wd.py": Owner.USER,
     }
-    assert found["robots/components/entry_points.txt"].text.endswith(
-        "\n[rtgen.components]\n"
-        "Limiter = behaviours.limiter:Limiter\n"
-        "OmniTo2WD = behaviours.omni_to2_wd:OmniTo2WD\n"
-    )
+
+
+def test_each_type_has_a_factory() -> None:
+    both = model(component(), component(name="OmniTo2WD"))
+    found = BACKEND.emit(both, OPTIONS).components
+    assert found.factories == {
+        "Limiter": "behaviours.limiter:Limiter",
+        "OmniTo2WD": "behaviours.omni_to2_wd:OmniTo2WD",
+    }
+    assert not found.languages
 
 
 def test_headers_say_who_owns_the_file() -> None:
@@ -149,11 +153,11 @@ def test_ports() -> None:
         'self.status_out = self.add_out_port("status", rtc.TimedLong)',
         'self.positon = self.add_in_port(".positon", rtc.TimedLong)',
         'self.brake = self.add_provider("Safety", "left", safety.Brake)',
-        'self.log = self.add_consumer("log", "Component", Component_)',
+        'self.log = self.add_consumer("log", "Component", robots_Component)',
         'self.config_ = self.add_in_port("config", rtc.TimedLong)',
         'self.profile_ = self.add_in_port("profile", rtc.TimedLong)',
     ]
-    assert "from ... import Component as Component_, rtc, safety\n" in text
+    assert "from ... import Component as robots_Component, rtc, safety\n" in text
 
 
 def test_a_component_without_anything() -> None:
@@ -274,5 +278,5 @@ def test_a_module_called_self_does_not_hide_the_component() -> None:
     )
     found = artifacts(model(component(port("inport", "a", "self::T")), more=(data,)))
     text = found["robots/components/limiter/__init__.py"].text
-    assert "from ... import self as self_\n" in text
-    assert 'self.a = self.add_in_port("a", self_.T)\n' in text
+    assert "from ... import self as robots_self\n" in text
+    assert 'self.a = self.add_in_port("a", robots_self.T)\n' in text

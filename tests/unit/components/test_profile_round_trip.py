@@ -31,14 +31,13 @@ REFERENCE = sorted(
     for folder in ("navigation", "canopen", "tecs")
     for path in (SPECS / folder).glob("*.idl")
 )
-PROFILES = sorted((ROOT / "generated").glob("**/components/*/RTC.xml"))
+PROFILES = sorted((ROOT / "generated").glob("**/*RTC.xml"))
 INCLUDE = (
     SPECS / "idl",
     SPECS / "tecs",
     ROOT / "src/rtgen/runtime/opaque_rpc",
     ROOT / "generated/refrobots/tecs/board",
-    ROOT / "generated/refrobots/canopen",
-    *sorted(p.parent for p in (ROOT / "generated/refrobots/canopen").glob("*/*.idl")),
+    *sorted(p.parent for p in (ROOT / "generated/refrobots").glob("*/*.idl")),
 )
 
 

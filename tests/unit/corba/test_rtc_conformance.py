@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -21,12 +21,14 @@ from omniORB import CORBA
 from rtgen import compile as compiled
 from rtgen.cli import run as rtgen
 from rtgen.cli.chosen_component import chosen
+from rtgen.cli.conformance.check import Permission
 from rtgen.cli.conformance.report import Report, Verdict
 from rtgen.cli.conformance.rtc.checks import CHECKS
 from rtgen.cli.conformance.rtc.component import RtcUnderTest
 from rtgen.cli.conformance.rtc.expected import Expected
 from rtgen.cli.conformance.rtc.testing import checked
 from rtgen.diagnostics import ToolError
+from rtgen.facts.connector_properties import STRICTNESS
 from rtgen.runtime import RTC_OK, RealClock, System
 from rtgen.runtime.corba.naming import Naming
 from rtgen.runtime.corba.orb import Orb
@@ -35,7 +37,7 @@ from rtgen.runtime.corba.rt_objects.configuration import Configuration
 from rtgen.runtime.corba.rt_objects.foreign import located
 from rtgen.runtime.corba.rt_objects.objects import Exported
 from rtgen.runtime.corba.rt_objects.ports import PortService
-from rtgen.runtime.corba.rt_objects.wire import values
+from rtgen.runtime.corba.rt_objects.wire import texts, values
 from rtgen.runtime.corba.transport import CorbaTransport
 from rtgen.runtime.return_codes import ExecutionKind, LifeCycleState
 from rtgen.runtime.rtc.execution_context import ExecutionContext
@@ -52,6 +54,7 @@ IDL = """module Bench {
   struct Level { long value; };
   enum Mode { SLOW, FAST };
   interface Valve { void open(); };
+  interface Pump { void run(); };
 };
 
 /** Measures. */
@@ -60,7 +63,7 @@ component Gauge {
   consumes Bench::Level level;
   publishes Bench::Level shown;
   @port("valves") provides Bench::Valve own;
-  @port("valves") uses Bench::Valve other;
+  @port("valves") uses Bench::Pump other;
   @default(2.0) @min(0.5) @max(8.0) attribute double gain;
   @default(3) @constraint("x>0") attribute long count;
   attribute Bench::Mode mode;
@@ -130,7 +133,10 @@ def definition(file: Path) -> Expected:
 
 
 def report_of(
-    expected: Expected, names: str, *, actuate: bool = True, patience: float = PATIENCE
+    expected: Expected,
+    names: str,
+    permissions: Collection[Permission] = tuple(Permission),
+    patience: float = PATIENCE,
 ) -> Report:
     with closing(Orb()) as orb:
         exported = Exported(orb)
@@ -138,7 +144,7 @@ def report_of(
             f"{names}/Gauge0.rtc", exported, lambda address: Naming(orb.orb, address)
         )
         rtc = RtcUnderTest(expected, found, exported, patience)
-        return checked(rtc, "Gauge0", "gauge.idl", actuate=actuate)
+        return checked(rtc, "Gauge0", "gauge.idl", permissions)
 
 
 def failed(report: Report) -> list[str]:
@@ -154,15 +160,15 @@ def test_a_component_of_ours_passes_every_check(
     gauge: Any, expected: Expected, names: str
 ) -> None:
     report = report_of(expected, names)
+    skipped = {
+        "life-cycle.error": "it is not in ERROR, to which nobody outside can bring it",
+        "exit": "it ends with its process alone: exit returned UNSUPPORTED",
+    }
     assert [(o.check, o.verdict, o.problems) for o in report.outcomes] == [
         (
-            (check.name, Verdict.PASSED, ())
-            if check.name != "life-cycle.error"
-            else (
-                check.name,
-                Verdict.SKIPPED,
-                ("it is not in ERROR, to which nobody outside can bring it",),
-            )
+            (check.name, Verdict.SKIPPED, (skipped[check.name],))
+            if check.name in skipped
+            else (check.name, Verdict.PASSED, ())
         )
         for check in CHECKS
     ]
@@ -187,11 +193,11 @@ def test_nothing_is_changed_without_permission(
                 called.append(name)
 
             monkeypatch.setattr(class_, operation, noted)
-    report = report_of(expected, names, actuate=False)
+    report = report_of(expected, names, ())
     assert called == []
     assert report.passed
     assert [o.check for o in report.outcomes if o.verdict is Verdict.SKIPPED] == [
-        check.name for check in CHECKS if check.actuates
+        check.name for check in CHECKS if check.needs is not None
     ]
 
 
@@ -285,6 +291,8 @@ def ok(self: Any, *given: Any) -> Any:
 
 VALUES = {"gain": "2.0", "mode": "SLOW", "weights": "", "label": ""}
 COUNT = values({**VALUES, "count": "-5"})
+OTHER = values({**VALUES, "count": "4"})
+"""Meets its constraint, and differs from the default."""
 LEVEL = "IDL:Bench/Level:1.0"
 PROFILE = "get_component_profile"
 MUTANTS: dict[str, tuple[type, str, Callable[..., Any]]] = {
@@ -409,7 +417,24 @@ MUTANTS: dict[str, tuple[type, str, Callable[..., Any]]] = {
         "activate_configuration_set",
         instead(pretend, lambda self, name: name not in self._sets.ids),
     ),
+    "configuration.defaults": (
+        Configuration,
+        "get_configuration_sets",
+        otherwise(lambda sets: [replace(s, configuration_data=OTHER) for s in sets]),
+    ),
+    "connections.services": (
+        PortService,
+        "connect",
+        instead(taken, has(STRICTNESS, "strict")),
+    ),
+    "exit": (RtObject, "exit", instead(ok)),
 }
+WITHOUT_MUTANT = {"ports.names", "configuration.names", "life-cycle.error", "left"}
+"""Checks that have tests of their own."""
+
+
+def test_each_check_has_a_mutant() -> None:
+    assert {*MUTANTS, *WITHOUT_MUTANT} == {check.name for check in CHECKS}
 
 
 @pytest.mark.parametrize("name", MUTANTS)
@@ -421,12 +446,95 @@ def test_a_check_fails_for_a_component_that_breaks_just_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     class_, operation, broken = MUTANTS[name]
-    actuate = next(check.actuates for check in CHECKS if check.name == name)
+    needed = next(check.needs for check in CHECKS if check.name == name)
     with monkeypatch.context() as patch:
         patch.setattr(class_, operation, broken(getattr(class_, operation)))
-        report = report_of(expected, names, actuate=actuate, patience=SOON)
+        report = report_of(expected, names, [needed] if needed else [], SOON)
     assert failed(report) == [name]
     assert state_of(gauge) == "INACTIVE_STATE"
+
+
+def of_another_type(profile: Any) -> Any:
+    """Return a component profile whose service interfaces have an unknown type."""
+    ports = [
+        replace(
+            port,
+            interfaces=[replace(i, type_name="Bench::Tap") for i in port.interfaces],
+        )
+        for port in profile.port_profiles
+    ]
+    return replace(profile, port_profiles=ports)
+
+
+def test_service_interfaces_of_another_type(
+    gauge: Any, expected: Expected, names: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wrong = otherwise(of_another_type)(RtObject.get_component_profile)
+    monkeypatch.setattr(RtObject, PROFILE, wrong)
+    report = report_of(expected, names, ())
+    assert failed(report) == ["ports.interfaces"]
+    [outcome] = [o for o in report.outcomes if o.check == "ports.interfaces"]
+    assert outcome.problems == (
+        "valves: provided Valve has type Bench::Tap, not IDL:Bench/Valve:1.0",
+        "valves: required Pump has type Bench::Tap, not IDL:Bench/Pump:1.0",
+    )
+
+
+@pytest.mark.parametrize(
+    ("offered", "problem"),
+    [
+        (lambda ior, key: key, "the connector has no reference of it"),
+        (lambda ior, key: ior, "its object is no IDL:Bench/Valve:1.0"),
+    ],
+)
+def test_a_provided_interface_whose_object_is_of_another_type(
+    offered: Callable[[str, str], str],
+    problem: str,
+    gauge: Any,
+    expected: Expected,
+    names: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    right = PortService.connect
+
+    def connect(self: PortService, profile: Any) -> Any:
+        code, made = right(self, profile)
+        own = self._ports.exported.text(self.reference)
+        changed = {
+            key if offered(own, key) == own else f"other.{key}": own
+            for key in texts(made.properties)
+            if key.startswith("port.") and key.endswith(".Valve")
+        }
+        kept = [p for p in made.properties if not p.name.endswith(".Valve")]
+        return code, replace(made, properties=[*kept, *values(changed)])
+
+    monkeypatch.setattr(PortService, "connect", connect)
+    report = report_of(expected, names)
+    assert failed(report) == ["connections.services"]
+    [outcome] = [o for o in report.outcomes if o.check == "connections.services"]
+    assert outcome.problems == (f"valves.Valve: {problem}",)
+
+
+def test_a_component_that_exits_is_gone(
+    gauge: Any, expected: Expected, names: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gone: list[bool] = []
+    alive = RtObject.is_alive
+
+    def is_alive(self: RtObject, reference: Any) -> bool:
+        if gone:
+            raise CORBA.OBJECT_NOT_EXIST
+        return alive(self, reference)
+
+    def leaves(self: RtObject) -> Any:
+        gone.append(True)
+        return RTC_OK
+
+    monkeypatch.setattr(RtObject, "is_alive", is_alive)
+    monkeypatch.setattr(RtObject, "exit", leaves)
+    report = report_of(expected, names, [Permission.EXIT])
+    assert report.passed
+    assert report.outcomes[-1].verdict is Verdict.PASSED
 
 
 @pytest.mark.parametrize(
@@ -454,7 +562,7 @@ def test_a_component_of_another_definition(
     assert change[0] in IDL
     file = tmp_path / "gauge.idl"
     file.write_text(IDL.replace(*change, 1))
-    report = report_of(definition(file), names, actuate=False)
+    report = report_of(definition(file), names, ())
     assert failed(report) == [name]
 
 
@@ -575,7 +683,7 @@ def test_nil_references_are_reported(
 ) -> None:
     without = otherwise(in_port("shown", port_ref=None))
     monkeypatch.setattr(RtObject, PROFILE, without(RtObject.get_component_profile))
-    report = report_of(expected, names, actuate=False)
+    report = report_of(expected, names, ())
     assert failed(report) == ["ports.references", "ports.unknown"]
     monkeypatch.setattr(RtObject, "get_configuration", lambda self: None)
     with pytest.raises(ToolError, match="what --actuate would have to restore"):
@@ -605,10 +713,11 @@ def test_the_command(
     command = ["conformance", "gauge.idl", "--component", "Gauge", "--connect"]
     place, page = f"{names}/Gauge0.rtc", tmp_path / "report.html"
     assert rtgen([*command, place, "--html", str(page)]) == 0
-    assert "Gauge Gauge0: 17 passed, 0 failed" in capfd.readouterr().out
+    assert "Gauge Gauge0: 17 passed, 0 failed, 19 skipped" in capfd.readouterr().out
     assert "configuration.names" in page.read_text()
     by_name = f"corbaname::{names}#Gauge0.rtc"
-    assert rtgen([*command, by_name, "--json", "--actuate"]) == 0
+    every = ["--actuate", "--defaults", "--exit"]
+    assert rtgen([*command, by_name, "--json", *every]) == 0
     assert valid(capfd.readouterr().out, "conformance.schema.json")["passed"]
     command[3] = "Idle"
     assert rtgen([*command, place]) == 1

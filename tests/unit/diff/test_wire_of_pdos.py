@@ -99,7 +99,7 @@ Codec = tuple[Callable[..., bytes], Callable[[bytes], Any]]
 def codec(objects: Objects, entries: Sequence[int]) -> Codec:
     """Return the functions of the generated codec."""
     mapped = [Mapped(f"o{i:04x}", objects[i], BITS[objects[i]]) for i in entries]
-    imports = [f"from {module} import {name}\n" for module, name in IMPORTS]
+    imports = [f"from {m} import {name} as {local}\n" for m, name, local in IMPORTS]
     codecs = [PdoCodec("tpdo1", "TPDO1", layout(mapped))]
     text = f"{''.join(imports)}\n{codecs_text(codecs, codecs)}\n"
     module = ModuleType("codec")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import sys
 from pathlib import Path
 
@@ -157,3 +158,36 @@ def test_a_module_that_never_ends(tmp_path: Path) -> None:
     result = openrtm_python.read(path)
     assert result.profile is not None
     assert codes(result) == [rules.COMPUTED.code]
+
+
+def test_threads_that_parse_at_the_same_time(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    disturbed = iter([True, True, False])
+    parse = ast.parse
+
+    def disturbing(text: str, file: str) -> ast.Module:
+        if next(disturbed):
+            raise SystemError("AST constructor recursion depth mismatch")
+        return parse(text, file)
+
+    monkeypatch.setattr(ast, "parse", disturbing)
+    path = tmp_path / "a.py"
+    path.write_text(module())
+    result = openrtm_python.read(path)
+    assert result.profile is not None
+    assert codes(result) == []
+
+
+def test_a_file_that_python_never_parses(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def disturbed(text: str, file: str) -> ast.Module:
+        raise SystemError("AST constructor recursion depth mismatch")
+
+    monkeypatch.setattr(ast, "parse", disturbed)
+    path = tmp_path / "a.py"
+    path.write_text(module())
+    result = openrtm_python.read(path)
+    assert result.profile is None
+    assert codes(result) == [rules.UNREADABLE.code]

@@ -169,12 +169,6 @@ def test_conf_key_ends_where_the_value_begins(value: str) -> None:
 
 
 @hostile
-def test_entry_points_have_names_only(value: str) -> None:
-    made = _or_none(properties.quote_entry, value)
-    assert made is None or made.replace(":", ".", 1).replace(".", "_").isidentifier()
-
-
-@hostile
 def test_xml_text_and_attribute(value: str) -> None:
     if (made := _or_none(xml.quote_xml, value)) is None:
         assert xml.NOT_IN_XML.search(value)

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from rosbags.typesys import Stores, get_types_from_idl, get_typestore
 
-import refrobots._idl
+import refrobots
 from rtgen.recording.errors import SchemaError
 from rtgen.recording.schema_types import type_of
 from rtgen.recording.schemas import Schema, schema_of
@@ -47,10 +47,8 @@ module M {
 def port_types() -> list[Any]:
     """Return every struct and union of the reference build."""
     found = {}
-    for module in pkgutil.iter_modules(refrobots._idl.__path__):
-        for value in vars(
-            importlib.import_module(f"refrobots._idl.{module.name}")
-        ).values():
+    for module in pkgutil.walk_packages(refrobots.__path__, "refrobots."):
+        for value in vars(importlib.import_module(module.name)).values():
             described = getattr(value, "_descriptor_", None)
             if (
                 isinstance(described, StructDescriptor | UnionDescriptor)

@@ -153,6 +153,18 @@ def test_a_set_takes_what_it_lacks_from_default(
     assert component.config == Configuration(5.0, 3, "told")
 
 
+def test_a_set_is_removed(system: System, component: Configured) -> None:
+    sets = component.configuration_sets
+    system.configure("Configured0", "gain", "5", "fast")
+    system.activate_set("Configured0", "fast")
+    for kept in ("fast", "default", "nothing"):
+        with pytest.raises(UnknownConfigurationSetError, match="that can be removed"):
+            sets.remove(kept)
+    system.activate_set("Configured0", "default")
+    sets.remove("fast")
+    assert sets.ids == ("default",)
+
+
 def test_bad_texts_are_refused_and_change_nothing(
     system: System, component: Configured
 ) -> None:

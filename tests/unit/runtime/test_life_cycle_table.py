@@ -8,11 +8,19 @@ from typing import Any
 import pytest
 from life_cycle_rows import Row, read_table
 
-from rtgen.runtime import RTC_ERROR, RTC_OK, Component, ExecutionContext, ReturnCode_t
-from rtgen.runtime.rtc.life_cycle import Request
+from rtgen.runtime import (
+    RTC_ERROR,
+    RTC_OK,
+    Component,
+    ExecutionContext,
+    LifeCycleState,
+    ReturnCode_t,
+)
+from rtgen.runtime.rtc.life_cycle import TRANSITIONS, Request
 
 CALLBACKS = [name for name in vars(Component) if name.startswith("on_")]
 REQUESTS_OF_THE_NEXT_TICK = {"activate", "deactivate", "reset", "set_rate", "fail"}
+NOT_IN_A_CONTEXT = {"exit", "add_component", "remove_component"}
 ROWS = read_table()
 TICKS = {
     row.state: row.callbacks for row in ROWS if row.request == "tick" and not row.fails
@@ -83,9 +91,13 @@ def prepared(state: str) -> tuple[Probe, ExecutionContext]:
     return probe, context
 
 
+def name_of(state: LifeCycleState) -> str:
+    return state.name.removesuffix("_STATE")
+
+
 def state_of(probe: Probe, context: ExecutionContext) -> str:
     if probe.is_alive(context):
-        return context.get_component_state(probe).name.removesuffix("_STATE")
+        return name_of(context.get_component_state(probe))
     assert context.get_component_state(probe).name == "CREATED_STATE"
     return "Alone" if probe.is_alive() else "CREATED"
 
@@ -172,6 +184,43 @@ def test_table_is_complete() -> None:
     expected |= {(state, f"{request} (closed)") for state, request in gated}
     assert found == expected
     assert {row.fails for row in ROWS} - {""} == {"gate", *CALLBACKS} - {"on_aborting"}
+
+
+def transitions_of_the_document() -> dict[tuple[str, str], tuple[str, str, str]]:
+    """Return callback, state after success and state after failure by state and request."""
+    own = {"Alone": "INACTIVE"}
+    found: dict[tuple[str, str], dict[str, str]] = {}
+    for row in ROWS:
+        name = row.request.partition(" ")[0]
+        if not row.callbacks or row.fails == "gate" or name in NOT_IN_A_CONTEXT:
+            continue
+        callback = "" if row.callbacks[0] == "on_aborting" else row.callbacks[0]
+        if "on_state_update" in (row.fails, *row.callbacks[1:]):
+            update = found.setdefault((row.state, "state_update"), {})
+            update["callback"] = "on_state_update"
+            update["failure" if row.fails else "success"] = row.new_state
+            if row.fails:
+                continue
+        new = found.setdefault((own.get(row.state, row.state), name), {})
+        new["callback"] = callback
+        new["failure" if row.fails else "success"] = own.get(
+            row.new_state, row.new_state
+        )
+    return {
+        key: (row["callback"], row["success"], row.get("failure", row["success"]))
+        for key, row in found.items()
+    }
+
+
+def test_the_table_of_the_runtime_is_that_of_the_document() -> None:
+    assert transitions_of_the_document() == {
+        (name_of(state), request.value): (
+            row.callback,
+            name_of(row.success),
+            name_of(row.failure),
+        )
+        for (state, request), row in TRANSITIONS.items()
+    }
 
 
 @pytest.mark.parametrize("way", WAYS_TO_FAIL.values(), ids=WAYS_TO_FAIL)

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import _thread
 import subprocess
 import sys
 import threading
 import time
 from pathlib import Path
+from types import ModuleType, SimpleNamespace
 
 import pytest
 
+from rtgen.runtime.failures import log
 from rtgen.runtime.openrtm.contexts import PollingGuard
-from rtgen.runtime.openrtm.starting import arguments, instance_arguments
+from rtgen.runtime.openrtm.starting import arguments, instance_arguments, main
 
 
 @pytest.fixture(autouse=True)
@@ -48,6 +51,38 @@ def test_an_instance_has_the_name_that_is_given() -> None:
     assert instance_arguments(["Relay.py"]) == ""
     given = ["Relay.py", "-d", "--instance_name=Left0"]
     assert instance_arguments(given) == "?instance_name=Left0"
+
+
+def test_a_module_ends_after_the_threads_of_its_orb(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    omniorb = pytest.importorskip("omniORB")
+    begun, leaving, ended = threading.Event(), threading.Event(), threading.Event()
+
+    def worker() -> None:
+        registered = omniorb.WorkerThread()
+        begun.set()
+        leaving.wait(20)
+        ended.set()
+        registered.delete()
+
+    def run() -> None:
+        # Like omniORB's own threads, this one is unknown to `threading`.
+        _thread.start_new_thread(worker, ())
+        assert begun.wait(20)
+        threading.Timer(0.1, leaving.set).start()
+
+    manager = SimpleNamespace(
+        setModuleInitProc=lambda init: None,
+        activateManager=lambda: None,
+        runManager=run,
+    )
+    module = ModuleType("OpenRTM_aist")
+    module.Manager = SimpleNamespace(init=lambda words: manager)  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "OpenRTM_aist", module)
+    monkeypatch.setattr(log, "handlers", list(log.handlers))
+    main(lambda manager: None, tmp_path, "Tests", "Relay")
+    assert ended.is_set()
 
 
 def test_a_guard_looks_by_itself() -> None:

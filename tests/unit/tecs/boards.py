@@ -10,7 +10,7 @@ from pathlib import Path
 from types import ModuleType
 
 from rtgen.backends import Artifact, Emission, Options, Owner
-from rtgen.backends.stage import BUILT_IN
+from rtgen.backends.stage import BUILT_IN, together
 from rtgen.diagnostics import Diagnostic, has_errors
 from rtgen.frontends.cdl import load
 from rtgen.lowering.settings import Settings
@@ -100,14 +100,12 @@ def emitted(model: Model, *, corba: bool = False) -> tuple[Emission, list[Diagno
     made = lowered(model, Settings())
     findings = list(made.diagnostics)
     options = Options("robots", "nodes", "0.1.0", tecs_corba=corba)
-    artifacts: list[Artifact] = []
-    for backend in () if has_errors(findings) else BUILT_IN:
-        emission = backend.emit(made.model, options)
-        artifacts += emission.artifacts
-        findings += emission.diagnostics
+    backends = () if has_errors(findings) else BUILT_IN
+    emission = together(backend.emit(made.model, options) for backend in backends)
+    findings += emission.diagnostics
     if has_errors(findings):
-        artifacts.clear()
-    return Emission(artifacts, findings), findings
+        emission = Emission((), findings)
+    return emission, findings
 
 
 def texts(artifacts: Sequence[Artifact]) -> dict[str, str]:

@@ -6,6 +6,7 @@ import sys
 from types import ModuleType
 from typing import Any
 
+from rtgen.backends import Options
 from rtgen.backends.tecs.proxies import proxy_class
 from rtgen.backends.tecs.server_module import server_module
 from rtgen.backends.tecs.service_text import ServiceText
@@ -29,11 +30,12 @@ class Generated:
 
     def __init__(self, service: Service) -> None:
         planned = Planned(service.signature, "Random", "random", RtcOptions())
-        text = ServiceText(planned, service.layout, "")
-        head = PROXY_HEAD.format(codec=text.codec_module, class_=text.codec)
         package = service.types.__package__ or ""
+        text = ServiceText(planned, service.layout, package)
+        head = PROXY_HEAD.format(codec=text.codec_module, class_=text.codec)
         self.methods = text.methods
-        server = _module(package, "random_server", server_module(text))
+        made = server_module(text, Options(package, "", "0"), ["random.cdl"])
+        server = _module(package, "random_server", made.text)
         proxies = _module(package, "random_proxy", head + proxy_class(text))
         self.proxy: Any = proxies.RandomProxy
         self.target: Any = server.RandomTarget

@@ -16,6 +16,7 @@ from rtgen.cli import run
 from rtgen.cli.conformance.board.board import BoardUnderTest
 from rtgen.cli.conformance.board.checks import CHECKS
 from rtgen.cli.conformance.board.testing import checked
+from rtgen.cli.conformance.check import Permission
 from rtgen.cli.conformance.report import Report, Verdict
 from rtgen.cli.rpc.board import MockBoard
 from rtgen.cli.rpc.codecs import Service
@@ -55,11 +56,11 @@ def service(folder: Path, text: str = CDL) -> Service:
 
 
 @contextmanager
-def served(board: MockBoard) -> Iterator[tuple[str, int]]:
-    """Yield a board at a port, whose log is silent."""
+def served(board: MockBoard, patience: float = 4 * ANSWER) -> Iterator[tuple[str, int]]:
+    """Yield a board at a port, whose log is silent; `patience` for the rest of a request."""
     logging.disable()
     try:
-        with TcpServer(board, "127.0.0.1", 0, 4 * ANSWER) as server:
+        with TcpServer(board, "127.0.0.1", 0, patience) as server:
             yield server.address
     finally:
         logging.disable(logging.NOTSET)
@@ -137,11 +138,19 @@ def shut(end: socket.socket) -> None:
         return
 
 
-def report_of(address: tuple[str, int], expected: Service, *, actuate: bool) -> Report:
+def report_of(
+    address: tuple[str, int],
+    expected: Service,
+    *,
+    actuate: bool,
+    stall: float | None = None,
+) -> Report:
     board = BoardUnderTest(
-        expected, expected.functions, address, None, 115200, ANSWER, QUIET
+        expected, expected.functions, address, None, 115200, ANSWER, QUIET, stall
     )
-    return checked(board, "sBench", "bench.cdl", actuate=actuate)
+    return checked(
+        board, "sBench", "bench.cdl", [Permission.ACTUATE] if actuate else []
+    )
 
 
 def failed(report: Report) -> list[str]:
@@ -150,8 +159,8 @@ def failed(report: Report) -> list[str]:
 
 def test_a_board_of_ours_passes_every_check(tmp_path: Path) -> None:
     expected = service(tmp_path)
-    with served(MockBoard(expected)) as address:
-        report = report_of(address, expected, actuate=True)
+    with served(MockBoard(expected), 1.0) as address:
+        report = report_of(address, expected, actuate=True, stall=4 * ANSWER)
     assert [(o.check, o.verdict, o.problems) for o in report.outcomes] == [
         (check.name, Verdict.PASSED, ()) for check in CHECKS
     ]
@@ -165,7 +174,9 @@ def test_no_function_is_called_without_permission(tmp_path: Path) -> None:
     assert called == []
     assert report.passed
     assert [o.check for o in report.outcomes if o.verdict is Verdict.SKIPPED] == [
-        check.name for check in CHECKS if check.actuates
+        check.name
+        for check in CHECKS
+        if check.needs is not None or check.name == "request.stalled"
     ]
 
 
@@ -222,6 +233,12 @@ def in_one_piece(data: bytes) -> bytes | None:
     return data if len(data) > 3 else None
 
 
+def backwards(data: bytes) -> bytes:
+    """Return several requests in one piece in reverse order."""
+    requests = [START + rest for rest in data.split(START)[1:]]
+    return b"".join(requests[::-1]) if len(requests) > 2 else data
+
+
 class AfterMany:
     """Ends a connection after many requests."""
 
@@ -248,6 +265,7 @@ MUTANTS: dict[str, tuple[Callable[[MockBoard, Service], None], dict[str, object]
     ),
     "request.end": (unchanged, {"request": mended}),
     "request.segments": (unchanged, {"request": in_one_piece}),
+    "call.order": (unchanged, {"request": backwards}),
     "call.reply": (
         unchanged,
         {"reply": lambda data: data + b"\0" if len(data) == FILLED else data},
@@ -282,6 +300,13 @@ def test_a_check_fails_for_a_board_that_breaks_just_it(
         finally:
             proxy.close()
     assert failed(report) == [name]
+
+
+def test_a_silent_client_that_keeps_others_out(tmp_path: Path) -> None:
+    expected = service(tmp_path)
+    with served(MockBoard(expected), 600.0) as address:
+        report = report_of(address, expected, actuate=False, stall=QUIET)
+    assert failed(report) == ["request.stalled"]
 
 
 def test_calls_that_end_after_many(tmp_path: Path) -> None:

@@ -41,7 +41,7 @@ def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.peer
 def test_python_is_in_blacks_form(tree: Path) -> None:
     found = sorted(tree.rglob("*.py"))
-    assert len(found) > 30
+    assert len(found) > 20
     for file in found:
         text = file.read_text(encoding="utf-8")
         assert black.format_str(text, mode=black.Mode()) == text, file
@@ -54,7 +54,7 @@ def test_python_is_typed(tree: Path) -> None:
 
 def test_profiles_are_xml(tree: Path) -> None:
     profiles = sorted((tree / "robots" / "tecs").rglob("*.xml"))
-    assert len(profiles) == 6
+    assert len(profiles) == 3
     for file in profiles:
         etree.parse(file)
     client = (tree / "robots" / "tecs" / "server" / "RTC.xml").read_text(

@@ -263,3 +263,35 @@ def test_what_has_no_idl(tmp_path: Path, function: str, what: str) -> None:
     assert finding.span is not None
     line = text.split("\n")[finding.span.line - 1]
     assert line.strip() == function
+
+
+COMMENTED = """struct tagMove {
+    double64_t speed, turn; /**< Forward [m/s], and left [rad/s]. */
+    /** Encoder [inc]. */
+    int32_t counts;
+    int32_t silent;
+};
+signature sDrive {
+    ER move( [in] const struct tagMove *way );
+};
+"""
+
+
+def test_comments_of_members_with_their_units_are_in_the_idl(tmp_path: Path) -> None:
+    emission, findings = emit(tmp_path, {"drive.cdl": joined(COMMENTED, "sDrive")})
+    assert not findings
+    text = texts(emission.artifacts)["robots/tecs/drive/Drive.idl"]
+    assert """\
+struct tagMove {
+    /** Forward [m/s], and left [rad/s]. */
+    double speed;
+    /** Forward [m/s], and left [rad/s]. */
+    double turn;
+    /** Encoder [inc]. */
+    long counts;
+    long silent;
+};
+""" in text
+    path = tmp_path / "Drive.idl"
+    path.write_text(text, encoding="utf-8")
+    accepted(path)

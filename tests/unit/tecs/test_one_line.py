@@ -22,11 +22,9 @@ LINE = '  [through(RTCPlugin,"")]\n'
 PROJECT = '[sources]\npaths = ["cdl"]\n'
 
 PARTS = {
-    "marshaller code": (
+    "marshaller code, with the client's base": (
         "robots/tecs/board/server_marshaller.py",
-        "robots/tecs/board/components/server_marshaller/__init__.py",
         "robots/tecs/board/server_codec.py",
-        "robots/tecs/board/_idl/server.py",
     ),
     "communication code": (),
     "IDL": ("robots/tecs/board/Server.idl",),

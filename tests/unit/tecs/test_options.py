@@ -217,14 +217,14 @@ def test_component_types_of_one_name(tmp_path: Path) -> None:
     text = joined(SERVER, "sServer")
     emission, (finding,) = emit(tmp_path, {"left.cdl": text, "right.cdl": text})
     assert finding.code == "CDL1006"
-    entries = texts(emission.artifacts)["robots/components/entry_points.txt"]
-    for entry in (
-        "ServerMarshaller = robots.tecs.left.server_marshaller:ServerMarshaller",
-        "ServerClient = nodes.server_client:ServerClient",
+    factories = emission.components.factories
+    for name, target in (
+        ("ServerMarshaller", "robots.tecs.left.server_marshaller:ServerMarshaller"),
+        ("ServerClient", "nodes.server_client:ServerClient"),
     ):
-        assert f"{entry}\n" in entries
+        assert factories[name] == target
     skeleton = texts(emission.artifacts)["nodes/server_client.py"]
-    assert "from robots.tecs.left.components.server_client import" in skeleton
+    assert "from robots.tecs.left.server_marshaller import" in skeleton
 
 
 def test_callers_through_a_region_share_a_channel(tmp_path: Path) -> None:

@@ -53,12 +53,10 @@ def modules(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Any]
         "nodes.server_client",
         "robots.tecs.board.motor_marshaller",
         "robots.tecs.board.motor_server",
-        "robots.tecs.board.components.motor_client",
         "robots.tecs.board._types",
         "robots.tecs.board.nboard",
         "robots.tecs.anys.motor_marshaller",
         "robots.tecs.anys.motor_server",
-        "robots.tecs.anys.components.motor_client",
         "robots.tecs.anys._types",
         "robots.tecs.anys.nboard",
     )
@@ -77,10 +75,8 @@ class Pipeline:
         marshaller = modules[f"robots.tecs.{stem}.{name.lower()}_marshaller"]
         client = {
             "server": modules["nodes.server_client"].ServerClient,
-            "board": modules[
-                "robots.tecs.board.components.motor_client"
-            ].MotorClientBase,
-            "anys": modules["robots.tecs.anys.components.motor_client"].MotorClientBase,
+            "board": modules["robots.tecs.board.motor_marshaller"].MotorClientBase,
+            "anys": modules["robots.tecs.anys.motor_marshaller"].MotorClientBase,
         }[stem]
         self.system = System(RealClock())
         self.marshaller = getattr(marshaller, f"{name}Marshaller")("Marshaller0")

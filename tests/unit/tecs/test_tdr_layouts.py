@@ -9,6 +9,7 @@ import pytest
 from rtgen.frontends.cdl import read_text
 from rtgen.layouts.tdr import (
     Branch,
+    Counted,
     FunctionLayout,
     Part,
     Payload,
@@ -359,3 +360,28 @@ def test_a_function_that_is_refused_leaves_the_others() -> None:
     )
     signature = next(d for d in unit.declarations if isinstance(d, Signature))
     assert len(list(problems(unit, signature))) == 2
+
+
+@pytest.mark.parametrize(
+    ("scalar", "are_octets"),
+    [
+        *((name, True) for name in ("char_t", "schar_t", "uchar_t", "uint8_t")),
+        *((name, False) for name in ("int8_t", "bool_t", "int16_t", "double64_t")),
+    ],
+)
+def test_arrays_of_octets(scalar: str, are_octets: bool) -> None:
+    [item] = function(f"[in,size_is(4)] const {scalar} *p").arguments
+    assert isinstance(item.node, Counted)
+    assert item.node.is_octets is are_octets
+
+
+def test_what_is_returned_is_no_pointer() -> None:
+    made = function("[in] int8_t a", head="int32_t f")
+    assert (made.returned.pointer, made.returned.nullable) == (False, False)
+
+
+@pytest.mark.parametrize("unit", ["X", "double64_t", "float32_t", "bool_t"])
+def test_strings_of_other_units_are_refused(unit: str) -> None:
+    before = "struct tagX { int8_t a; }; typedef struct tagX X;" if unit == "X" else ""
+    with pytest.raises(TransferError, match="a string of"):
+        whole(f"[in,string] const {unit} *p", before)

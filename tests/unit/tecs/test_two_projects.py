@@ -85,5 +85,5 @@ def test_both_are_used_at_once(environment: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert done.stdout.split("\n")[:2] == [
         "41 4",
-        "left.tecs.board.components.lamp_client right.tecs.board.components.lamp_client",
+        "left.tecs.board.lamp_marshaller right.tecs.board.lamp_marshaller",
     ]

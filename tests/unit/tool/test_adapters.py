@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from rtgen.cli import run
+from rtgen.project.output import component_types
 from rtgen.runtime import Component, SimulatedClock, System
 
 INTEGERS = {
@@ -90,8 +91,8 @@ def test_an_adapter_converts_all_that_comes(
     assert run(["check", "--no-cache"]) == 0
     monkeypatch.syspath_prepend(str(tmp_path / "generated"))
     adm = import_module("adapted.adm")
-    entries = Path("generated/adapted/components/entry_points.txt").read_text()
-    assert "AToB = adapted.adapters.a_to_b:AToB\n" in entries
+    factories = component_types(Path("generated")).factories
+    assert factories["AToB"] == "adapted.adapters.a_to_b:AToB"
 
     def converted(name: str, module: str, *samples: object) -> list[object]:
         system = System(SimulatedClock())

@@ -11,6 +11,7 @@ import pytest
 from rtgen.cli import run
 from rtgen.cli.factories import Factories
 from rtgen.project import load
+from rtgen.project.output import component_types
 
 ROOT = Path(__file__).parents[3]
 NAVIGATION = ROOT / "specs" / "navigation"
@@ -49,8 +50,7 @@ def test_a_run_looks_for_it_instead_of_its_skeleton(
     project: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(["generate", "-q"]) == 0
-    [entries] = project.glob("generated/*/components/entry_points.txt")
-    assert entries.read_text().endswith("\n\n[rtgen.foreign]\nOdometry = C++\n")
+    assert component_types(project / "generated").languages == {"Odometry": "C++"}
     assert run(["run", "rh3_goal.xml", "--until", "1"]) == 2
     said = capsys.readouterr().err
     assert "error[SYS0026]: Odometry0: a foreign component is reached by CORBA" in said
@@ -86,15 +86,12 @@ def test_what_rtgen_runs(project: Path, language: str | None) -> None:
     other = "" if language is None else element.replace("C++", language)
     file.write_text(text.replace(element, other))
     assert run(["generate", "-q"]) == 0
-    [entries] = project.glob("generated/*/components/entry_points.txt")
-    assert "rtgen.foreign" not in entries.read_text()
+    assert not component_types(project / "generated").languages
 
 
 def test_the_name_of_a_language_is_data(project: Path) -> None:
     file = project / "RTC.xml"
     file.write_text(file.read_text().replace("C++", "C&#10;[rtgen.components]"))
     assert run(["generate", "-q"]) == 0
-    [entries] = project.glob("generated/*/components/entry_points.txt")
-    assert entries.read_text().endswith(
-        "\n[rtgen.foreign]\nOdometry = another language\n"
-    )
+    languages = component_types(project / "generated").languages
+    assert languages == {"Odometry": "another language"}

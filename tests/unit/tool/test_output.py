@@ -14,9 +14,10 @@ from pathlib import Path
 
 import pytest
 
-from rtgen.backends import Artifact, Owner
+from rtgen.backends import Artifact, ComponentTypes, Owner
 from rtgen.diagnostics import InputError, ToolError
 from rtgen.project import Project, output
+from rtgen.project.compilation import Compilation
 
 INPUTS = {"a.idl": "0" * 64}
 
@@ -58,21 +59,21 @@ def codes(error: pytest.ExceptionInfo[InputError]) -> list[str]:
 
 def test_the_second_write_does_nothing(project: Project) -> None:
     made = [*artifacts("p/a.py", "p/b.py"), skeleton("mine.py")]
-    first = output.write(project, made, INPUTS)
+    first = output.write(project, Compilation(made, INPUTS))
     assert [c.path.name for c in first.changes] == [".rtgen.json", "a.py", "b.py"]
     assert (project.skeletons / "mine.py").read_text() == "skeleton\n"
     before = snapshot(project.root)
-    second = output.write(project, made, INPUTS)
+    second = output.write(project, Compilation(made, INPUTS))
     assert second.empty
     assert second.unchanged == 3
     assert snapshot(project.root) == before
 
 
 def test_a_changed_file_alone_is_written(project: Project) -> None:
-    output.write(project, artifacts("p/a.py", "p/b.py"), INPUTS)
+    output.write(project, Compilation(artifacts("p/a.py", "p/b.py"), INPUTS))
     before = snapshot(project.output)
     (project.output / "p" / "b.py").write_text("edited\n")
-    done = output.write(project, artifacts("p/a.py", "p/b.py"), INPUTS)
+    done = output.write(project, Compilation(artifacts("p/a.py", "p/b.py"), INPUTS))
     assert [c.path.name for c in done.changes] == ["b.py"]
     after = snapshot(project.output)
     assert after["p/a.py"] == before["p/a.py"]
@@ -82,7 +83,9 @@ def test_a_changed_file_alone_is_written(project: Project) -> None:
 def test_the_manifest_names_every_file_with_its_hash_and_inputs(
     project: Project,
 ) -> None:
-    output.write(project, [*artifacts("p/a.py"), skeleton("mine.py")], INPUTS)
+    output.write(
+        project, Compilation([*artifacts("p/a.py"), skeleton("mine.py")], INPUTS)
+    )
     manifest = json.loads((project.output / ".rtgen.json").read_text())
     assert manifest["inputs"] == INPUTS
     digest = sha256(b"text\n").hexdigest()
@@ -90,14 +93,47 @@ def test_the_manifest_names_every_file_with_its_hash_and_inputs(
     assert str(project.root) not in json.dumps(manifest)
 
 
+def test_the_manifest_has_the_component_types(project: Project) -> None:
+    types = ComponentTypes(
+        {"Motor": "mine.motor:Motor", "Arm": "mine.arm:Arm"}, {"Arm": "C++"}
+    )
+    output.write(project, Compilation(artifacts("p/a.py"), INPUTS, components=types))
+    manifest = json.loads((project.output / ".rtgen.json").read_text())
+    assert list(manifest["factories"]) == ["Arm", "Motor"]
+    assert output.component_types(project.output) == types
+    assert output.plan(
+        project, Compilation(artifacts("p/a.py"), INPUTS, components=types)
+    ).empty
+    other = ComponentTypes({**types.factories, "Motor": "other:Motor"}, types.languages)
+    planned = output.plan(
+        project, Compilation(artifacts("p/a.py"), INPUTS, components=other)
+    )
+    assert [c.path.name for c in planned.changes] == [".rtgen.json"]
+
+
+def test_without_component_types_the_manifest_has_no_table(project: Project) -> None:
+    output.write(project, Compilation(artifacts("p/a.py"), INPUTS))
+    manifest = json.loads((project.output / ".rtgen.json").read_text())
+    assert list(manifest) == ["format", "generator", "inputs", "files"]
+    assert output.component_types(project.output) == ComponentTypes()
+    assert output.component_types(project.root / "nowhere") == ComponentTypes()
+
+
+def test_of_types_of_one_name_the_first_counts() -> None:
+    first = ComponentTypes({"A": "a:A"})
+    second = ComponentTypes({"A": "b:A", "B": "b:B"}, {"A": "C", "B": "C++"})
+    both = first.joined(second)
+    assert both == ComponentTypes({"A": "a:A", "B": "b:B"}, {"B": "C++"})
+
+
 def test_what_is_no_longer_made_is_removed_with_its_empty_folders(
     project: Project,
 ) -> None:
-    output.write(project, artifacts("p/old/a.py", "p/b.py"), INPUTS)
+    output.write(project, Compilation(artifacts("p/old/a.py", "p/b.py"), INPUTS))
     bytecode = project.output / "p" / "old" / "__pycache__"
     bytecode.mkdir()
     (bytecode / "a.cpython-311.pyc").write_bytes(b"")
-    output.write(project, artifacts("p/b.py"), INPUTS)
+    output.write(project, Compilation(artifacts("p/b.py"), INPUTS))
     assert not (project.output / "p" / "old").exists()
     assert (project.output / "p" / "b.py").exists()
 
@@ -105,43 +141,45 @@ def test_what_is_no_longer_made_is_removed_with_its_empty_folders(
 def test_what_a_gitignore_among_the_files_names_is_no_stray(project: Project) -> None:
     ignored = Artifact("p/.gitignore", "# made elsewhere\nstubs/\n*.log\n", ("a.idl",))
     made = [*artifacts("p/a.py"), ignored]
-    output.write(project, made, INPUTS)
+    output.write(project, Compilation(made, INPUTS))
     others = ["p/stubs/RTC/__init__.py", "p/q/stubs/x.py", "p/q/rtc12.log"]
     strays = ["stubs/x.py", "rtc12.log", "p/q/log", "p/q/x.py"]
     for name in (*others, *strays):
         path = project.output / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("theirs")
-    planned = output.plan(project, made, INPUTS)
+    planned = output.plan(project, Compilation(made, INPUTS))
     assert planned.strays == tuple(project.output / name for name in sorted(strays))
     assert planned.changes == ()
 
 
 def test_a_stray_file_is_reported_and_left(project: Project) -> None:
-    output.write(project, artifacts("p/a.py"), INPUTS)
+    output.write(project, Compilation(artifacts("p/a.py"), INPUTS))
     stray = project.output / "p" / "notes.txt"
     stray.write_text("mine")
     (project.output / "p" / "__pycache__").mkdir()
     (project.output / "p" / "__pycache__" / "a.pyc").write_bytes(b"")
-    done = output.write(project, artifacts("q/a.py"), INPUTS)
+    done = output.write(project, Compilation(artifacts("q/a.py"), INPUTS))
     assert done.strays == (stray,)
     assert stray.read_text() == "mine"
 
 
 def test_an_edited_skeleton_survives(project: Project) -> None:
-    output.write(project, [skeleton("mine.py")], INPUTS)
+    output.write(project, Compilation([skeleton("mine.py")], INPUTS))
     file = project.skeletons / "mine.py"
     file.write_text("my own work\n")
-    output.write(project, [*artifacts("a.py"), skeleton("mine.py")], INPUTS)
+    output.write(
+        project, Compilation([*artifacts("a.py"), skeleton("mine.py")], INPUTS)
+    )
     assert file.read_text() == "my own work\n"
-    output.write(project, [], INPUTS)
+    output.write(project, Compilation([], INPUTS))
     assert file.read_text() == "my own work\n"
 
 
 def test_a_skeleton_that_is_a_dangling_link_is_left_alone(project: Project) -> None:
     project.skeletons.mkdir(parents=True)
     (project.skeletons / "mine.py").symlink_to(project.root / "nowhere")
-    output.write(project, [skeleton("mine.py")], INPUTS)
+    output.write(project, Compilation([skeleton("mine.py")], INPUTS))
     assert not (project.root / "nowhere").exists()
     assert (project.skeletons / "mine.py").is_symlink()
 
@@ -172,20 +210,20 @@ def test_a_path_that_leaves_its_folder_is_refused(
 ) -> None:
     made = [*artifacts("fine.py"), Artifact(path, "x", ("a.idl",), owner)]
     with pytest.raises(InputError) as error:
-        output.write(project, made, INPUTS)
+        output.write(project, Compilation(made, INPUTS))
     assert codes(error) == ["PRJ0102"]
     assert not any(project.root.iterdir())
 
 
 def test_a_name_that_no_file_system_takes_is_refused(project: Project) -> None:
     with pytest.raises(InputError) as error:
-        output.write(project, artifacts("ü" * 128), INPUTS)
+        output.write(project, Compilation(artifacts("ü" * 128), INPUTS))
     assert codes(error) == ["PRJ0105"]
 
 
 def test_a_lone_surrogate_is_refused(project: Project) -> None:
     with pytest.raises(InputError) as error:
-        output.write(project, artifacts("a.py", text="\ud800"), INPUTS)
+        output.write(project, Compilation(artifacts("a.py", text="\ud800"), INPUTS))
     assert codes(error) == ["PRJ0104"]
 
 
@@ -197,19 +235,20 @@ def test_a_lone_surrogate_is_refused(project: Project) -> None:
         ("p", "p/a.py"),
         ("p/a.py", "p"),
         ("p/q/r", "P"),
+        ("p/caf\u00e9", "p/Cafe\u0301"),
     ],
 )
 def test_two_artifacts_of_one_path_are_refused(
     project: Project, paths: tuple[str, ...]
 ) -> None:
     with pytest.raises(InputError) as error:
-        output.write(project, artifacts(*paths), INPUTS)
+        output.write(project, Compilation(artifacts(*paths), INPUTS))
     assert codes(error) == ["PRJ0101"]
     assert "a.idl" in error.value.diagnostics[0].message
 
 
 def test_rtgen_and_a_user_may_have_files_of_one_name(project: Project) -> None:
-    output.write(project, [*artifacts("a.py"), skeleton("a.py")], INPUTS)
+    output.write(project, Compilation([*artifacts("a.py"), skeleton("a.py")], INPUTS))
     assert (project.output / "a.py").exists()
     assert (project.skeletons / "a.py").exists()
 
@@ -227,7 +266,9 @@ def test_links_out_of_the_folder_are_refused(
     link.parent.mkdir(parents=True, exist_ok=True)
     link.symlink_to(target if place.endswith(".py") else outside)
     with pytest.raises(InputError) as error:
-        output.write(project, [*artifacts("p/a.py"), skeleton("s.py")], INPUTS)
+        output.write(
+            project, Compilation([*artifacts("p/a.py"), skeleton("s.py")], INPUTS)
+        )
     assert set(codes(error)) == {"PRJ0103"}
     assert {f.name: f.read_text() for f in outside.iterdir()} == {
         "a.py": "not rtgen's\n"
@@ -242,7 +283,7 @@ def test_a_manifest_that_names_files_elsewhere_removes_nothing_there(
     project.output.mkdir()
     files = {"../precious.txt": {}, str(precious): {}, "gone.py": {}}
     (project.output / ".rtgen.json").write_text(json.dumps({"files": files}))
-    output.write(project, artifacts("a.py"), INPUTS)
+    output.write(project, Compilation(artifacts("a.py"), INPUTS))
     assert precious.read_text() == "keep"
 
 
@@ -250,11 +291,11 @@ def test_a_manifest_that_names_files_elsewhere_removes_nothing_there(
     "text", ["", "{", "[]", '{"files": 3}', '{"files": [3]}', "[" * 9999]
 )
 def test_a_damaged_manifest_is_made_anew(project: Project, text: str) -> None:
-    output.write(project, artifacts("a.py"), INPUTS)
+    output.write(project, Compilation(artifacts("a.py"), INPUTS))
     manifest = project.output / ".rtgen.json"
     good = manifest.read_bytes()
     manifest.write_text(text)
-    done = output.write(project, artifacts("a.py"), INPUTS)
+    done = output.write(project, Compilation(artifacts("a.py"), INPUTS))
     assert [c.path for c in done.changes] == [manifest]
     assert manifest.read_bytes() == good
 
@@ -263,36 +304,42 @@ def test_a_folder_in_the_place_of_a_file(project: Project) -> None:
     (project.output / "a.py").mkdir(parents=True)
     (project.output / "a.py" / "mine").write_text("")
     with pytest.raises(ToolError, match=r"a\.py"):
-        output.write(project, artifacts("a.py"), INPUTS)
-    assert output.plan(project, artifacts("a.py"), INPUTS).changes[-1].obstacle
+        output.write(project, Compilation(artifacts("a.py"), INPUTS))
+    assert (
+        output.plan(project, Compilation(artifacts("a.py"), INPUTS))
+        .changes[-1]
+        .obstacle
+    )
 
 
 def test_folders_that_nothing_is_in_are_removed(project: Project) -> None:
-    output.write(project, artifacts("a.py"), INPUTS)
+    output.write(project, Compilation(artifacts("a.py"), INPUTS))
     (project.output / "b" / "c").mkdir(parents=True)
     (project.output / "b" / "__pycache__").mkdir()
-    done = output.write(project, artifacts("a.py"), INPUTS)
+    done = output.write(project, Compilation(artifacts("a.py"), INPUTS))
     assert [f.name for f in done.barren] == ["c", "b"]
     assert not (project.output / "b").exists()
 
 
 def test_a_file_in_the_place_of_a_folder(project: Project) -> None:
-    output.write(project, artifacts("p"), INPUTS)
-    output.write(project, artifacts("p/a.py"), INPUTS)
+    output.write(project, Compilation(artifacts("p"), INPUTS))
+    output.write(project, Compilation(artifacts("p/a.py"), INPUTS))
     assert (project.output / "p" / "a.py").is_file()
-    output.write(project, artifacts("p"), INPUTS)
+    output.write(project, Compilation(artifacts("p"), INPUTS))
     assert (project.output / "p").is_file()
 
 
 def test_leftovers_of_a_killed_run_are_removed(project: Project) -> None:
-    output.write(project, [*artifacts("p/a.py"), skeleton("s.py")], INPUTS)
+    output.write(project, Compilation([*artifacts("p/a.py"), skeleton("s.py")], INPUTS))
     leftovers = [
         project.output / "p" / ".rtgen-7.tmp",
         project.skeletons / ".rtgen-9.tmp",
     ]
     for leftover in leftovers:
         leftover.write_text("half")
-    done = output.write(project, [*artifacts("p/a.py"), skeleton("s.py")], INPUTS)
+    done = output.write(
+        project, Compilation([*artifacts("p/a.py"), skeleton("s.py")], INPUTS)
+    )
     assert sorted(done.leftovers) == sorted(leftovers)
     assert not any(f.exists() for f in leftovers)
 
@@ -300,14 +347,14 @@ def test_leftovers_of_a_killed_run_are_removed(project: Project) -> None:
 def test_a_failing_disk_leaves_the_old_file_and_no_leftover(
     project: Project, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    output.write(project, artifacts("a.py"), INPUTS)
+    output.write(project, Compilation(artifacts("a.py"), INPUTS))
 
     def full(descriptor: int) -> None:
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(ToolError, match="No space left"):
-        output.write(project, artifacts("a.py", text="new\n"), INPUTS)
+        output.write(project, Compilation(artifacts("a.py", text="new\n"), INPUTS))
     assert (project.output / "a.py").read_text() == "text\n"
     assert not list(project.output.glob(".rtgen-*"))
 
@@ -318,6 +365,7 @@ from pathlib import Path
 from rtgen.project import output
 from rtgen.backends import Artifact
 from rtgen.project import Project
+from rtgen.project.compilation import Compilation
 root = Path(sys.argv[1])
 project = Project(root=root, base=root, output=root / "generated", skeletons=root / "src")
 version = int(sys.argv[2])
@@ -326,7 +374,8 @@ while True:
     version += 1
     names = [f"p{(i + version) % 12}/f.txt" for i in range(8)]
     text = f"{version % 2}" * 20000
-    output.write(project, [Artifact(n, text, ("a.idl",)) for n in names], {"a.idl": str(version)})
+    made = [Artifact(n, text, ("a.idl",)) for n in names]
+    output.write(project, Compilation(made, {"a.idl": str(version)}))
 """
 
 
@@ -355,7 +404,7 @@ def test_a_kill_leaves_the_old_file_or_the_new_one(project: Project) -> None:
             data = file.read_bytes()
             assert data == whole[data[:1]]
             assert file.relative_to(project.output).as_posix() in known
-    output.write(project, artifacts("a.py"), INPUTS)
+    output.write(project, Compilation(artifacts("a.py"), INPUTS))
     assert sorted(f.name for f in project.output.rglob("*")) == [".rtgen.json", "a.py"]
 
 
@@ -397,13 +446,13 @@ def test_a_file_that_rtgen_did_not_make_stays(
     there.write_text(text, encoding="utf-8")
     wanted = artifacts("robots/a.py", "robots/b.py")
     if code is None:
-        output.write(project, wanted, INPUTS)
+        output.write(project, Compilation(wanted, INPUTS))
         assert there.read_text(encoding="utf-8") == "text\n"
         return
     before = snapshot(project.output)
     for action in (output.plan, output.write):
         with pytest.raises(InputError) as error:
-            action(project, wanted, INPUTS)
+            action(project, Compilation(wanted, INPUTS))
         assert codes(error) == [code]
         assert "robots/a.py would be overwritten" in str(error.value.diagnostics)
     assert snapshot(project.output) == before

@@ -498,11 +498,23 @@ def test_a_factory_that_cannot_be_imported(capfd: pytest.CaptureFixture[str]) ->
 
 def test_factories_of_the_generated_package(capfd: pytest.CaptureFixture[str]) -> None:
     Path("rtgen.toml").write_text("")
-    entries = Path("generated/robots/components/entry_points.txt")
-    entries.parent.mkdir(parents=True)
-    entries.write_text("[rtgen.components]\nMover = movers:Mover\n")
+    manifest = Path("generated/.rtgen.json")
+    manifest.parent.mkdir()
+    manifest.write_text('{"factories": {"Mover": "movers:Mover"}}')
     assert rtgen(["run", "m.xml"]) == 0
     assert "arrived" in capfd.readouterr().out
+
+
+@pytest.mark.parametrize("text", ["{", '{"factories": ["Mover"]}', "[" * 100_000])
+def test_a_damaged_manifest(text: str, capfd: pytest.CaptureFixture[str]) -> None:
+    Path("rtgen.toml").write_text("")
+    manifest = Path("generated/.rtgen.json")
+    manifest.parent.mkdir()
+    manifest.write_text(text)
+    assert rtgen(["run", "m.xml"]) == 3
+    said = capfd.readouterr().err
+    assert "cannot read generated/.rtgen.json" in said
+    assert "run rtgen generate" in said
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

@@ -21,6 +21,7 @@ from tempfile import TemporaryDirectory
 from rtgen.backends import Artifact
 from rtgen.diagnostics import ToolError
 from rtgen.project import Project, output
+from rtgen.project.compilation import Compilation
 
 OLD, NEW = b"old\n" * 500, b"new\n" * 900
 BEFORE = [f"{folder}/{name}.txt" for folder in "ab" for name in "12"]
@@ -35,7 +36,7 @@ _CHANGES = {
 
 def _written(project: Project, paths: list[str], text: bytes) -> None:
     made = [Artifact(path, text.decode(), ("a.idl",)) for path in paths]
-    output.write(project, made, {"a.idl": str(len(text))})
+    output.write(project, Compilation(made, {"a.idl": str(len(text))}))
 
 
 def _project(folder: Path) -> Project:

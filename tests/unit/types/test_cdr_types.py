@@ -249,3 +249,16 @@ def test_codes_of_enums(model: Model, tmp_path: Path) -> None:
     below = loaded(tmp_path, "enum E { @value(-1) LESS, @value(0) ZERO };").find(("E",))
     assert isinstance(below, Enum)
     assert enum_code(below) == "i"
+
+
+@pytest.mark.parametrize("type_", ["any", "CORBA::TypeCode", "ValueBase"])
+def test_types_that_are_known_at_run_time_alone(type_: str, tmp_path: Path) -> None:
+    text = f"#include <orb.idl>\nmodule c {{ struct Holds {{ {type_} a; }}; }};"
+    model = loaded(tmp_path, text)
+    types = types_of(model)
+    assert types.is_dynamic(type_of(model, "Holds"))
+    assert types.holds_dynamic(("c", "Holds"))
+
+
+def test_the_limit_of_nested_sequences() -> None:
+    assert MAX_LOOPS == 12

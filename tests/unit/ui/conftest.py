@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import asyncio
 import os
 import re
 import shutil
-import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from patience import PATIENCE
-from ui_bench import GOAL, QUIET
+from ui_bench import GOAL, NARROW, QUIET, WIDE, opened, serving
 
 from rtgen.cli.ui import CommandProject
 from rtgen.runtime import SimulatedClock
@@ -90,44 +87,37 @@ def _cause(message: str) -> str:
     return re.sub(r"[^ -~]", "?", lines[-1])
 
 
-@pytest.fixture
+@pytest.fixture(scope="module", params=[WIDE, NARROW], ids=["wide", "narrow"])
+def look(request: pytest.FixtureRequest) -> tuple[int, str]:
+    """Return the width and the colours of a page; each has a server of its own."""
+    found: tuple[int, str] = request.param
+    return found
+
+
+@pytest.fixture(scope="module")
 def shown() -> tuple[Path, dict[str, Path] | None]:
     """Return the system that the page shows, and the files of its buses; modules override it."""
     return GOAL, None
 
 
-@pytest.fixture
-def session(shown: tuple[Path, dict[str, Path] | None]) -> Session:
+@pytest.fixture(scope="module")
+def session(shown: tuple[Path, dict[str, Path] | None], look: object) -> Session:
     file, buses = shown
     project = CommandProject(QUIET, [str(file)], buses)
     return Session(project, str(file), SimulatedClock)
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def server(session: Session) -> Iterator[Server]:
-    server = Server(session, "127.0.0.1", 0)
-    ready = threading.Event()
-    thread = threading.Thread(target=lambda: asyncio.run(server.run(ready.set)))
-    thread.start()
-    assert ready.wait(PATIENCE)
-    yield server
-    server.stop()
-    thread.join(PATIENCE)
-    assert not thread.is_alive()
+    with serving(Server(session, "127.0.0.1", 0)) as server:
+        yield server
 
 
-@pytest.fixture(params=[(1440, "light"), (820, "dark")], ids=["wide", "narrow"])
-def page(request: pytest.FixtureRequest, browser: Any, server: Server) -> Iterator[Any]:
-    width, scheme = request.param
-    size = {"width": width, "height": 900}
-    page = browser.new_page(viewport=size, color_scheme=scheme, locale="en")
-    page.set_default_timeout(PATIENCE * 1000)
-    complaints: list[str] = []
-    page.on("pageerror", lambda error: complaints.append(str(error)))
-    page.on("console", lambda said: complaints.append(said.text))
-    page.goto(server.address(full=True))
-    page.get_by_role("button", name="Play").click()
-    page.get_by_role("button", name="Pause").wait_for()
-    yield page
-    page.close()
-    assert complaints == []
+@pytest.fixture(scope="module")
+def page(browser: Any, server: Server, look: tuple[int, str]) -> Iterator[Any]:
+    """Yield a page on which time passes. Tests restore the system at their end."""
+    with opened(browser, server.address(full=True), look) as page:
+        page.get_by_role("button", name="Play").click()
+        page.get_by_role("button", name="Pause").wait_for()
+        page.locator(".wiring[aria-busy=false] .react-flow__node").first.wait_for()
+        yield page

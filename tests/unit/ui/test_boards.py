@@ -21,7 +21,15 @@ def test_calls_are_shown_and_made() -> None:
     assert calls
     assert {call.instance for call in calls} == {"OpaqueRpcCommunication0"}
     assert all(call.request[:2] == b"\x67\x2a" and not call.error for call in calls)
-    assert all(call.round_trip >= 0.0 for call in calls)
+    # Simulated time stands still meanwhile, real time does not.
+    assert all(call.round_trip > 0.0 for call in calls)
+    drive = next(c for c in calls if c.function == "sMotorBoard.drive")
+    speed, count = drive.request_values
+    assert (speed.name, speed.text[0], count.name, count.text) == (
+        *("speed", "["),
+        *("count", "2"),
+    )
+    assert drive.reply_values[1].text.startswith("{time: ")
     marshaller = next(
         c for c in state.components if c.instance == "MotorBoardMarshaller0"
     )
@@ -39,4 +47,8 @@ def test_calls_are_shown_and_made() -> None:
     ]
     assert call.request == b"\x67\x2a\x00\x01\x5a\x3c"
     assert b"RH3 motor board, simulated" in call.reply
+    assert call.function == "sMotorBoard.identify"
+    assert not call.request_values
+    values = [("return", "0"), ("name", "RH3 motor board, simulated")]
+    assert [(each.name, each.text) for each in call.reply_values] == values
     bench.close()

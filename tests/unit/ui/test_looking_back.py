@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -9,12 +10,15 @@ from typing import Any
 
 import pytest
 from patience import PATIENCE
+from ui_bench import GOAL, QUIET, serving
 from websockets.sync.client import ClientConnection, connect
 
+from rtgen.cli.ui import CommandProject
 from rtgen.ui.history import MOST_LINES, History
 from rtgen.ui.protocol import ui
 from rtgen.ui.protocol.ui import EventKind
 from rtgen.ui.serving import Server
+from rtgen.ui.session import Session
 
 PORT = "Odometry0.OdometryPosition"
 
@@ -96,6 +100,14 @@ class Page:
                 if f"{c.port.instance}.{c.port.port}" in ports
             ],
         )
+
+
+@pytest.fixture
+def server() -> Iterator[Server]:
+    """Yield a server for each test: times count from the start of its run."""
+    project = CommandProject(QUIET, [str(GOAL)])
+    with serving(Server(Session(project, str(GOAL)), "127.0.0.1", 0)) as found:
+        yield found
 
 
 @pytest.fixture
@@ -185,6 +197,39 @@ def test_of_many_changes_the_newest_of_each_part_is_kept(
     assert times == [float(i) for i in range(2501 - MOST_LINES, 2501)]
     assert history.first > 0.0
     assert history.nearest(0.0) == history.first
+
+
+def test_of_a_long_run_older_samples_are_thinned_out() -> None:
+    history = History()
+    for i in range(10_000):
+        history.sample(ui.Sample(channel=1, time=i / 1000, data=b""))
+    [event] = history.samples(9.0, [1])
+    times = [each.time for each in event.samples]
+    assert len(times) == ui.MOST_SAMPLES
+    assert times[1000:] == [i / 1000 for i in range(8001, 9001)]
+    assert times[0] == 0.0
+    steps = {round(b - a, 3) for a, b in itertools.pairwise(times[:1000])}
+    assert steps == {0.008}
+
+
+def test_of_many_frames_those_with_rare_identifiers_stay() -> None:
+    history = History()
+    for i in range(5000):
+        can_id = 0x81 if i == 10 else 0x180 + i % 2
+        frame = ui.Frame(time=i / 1000, bus="can0", can_id=can_id)
+        history.tell(frame.time, ui.Event.of_traffic([frame]))
+    [event] = [
+        e
+        for e in history.at(4.999, [], ())
+        if e.discriminator is EventKind.EVENT_FRAMES
+    ]
+    times = [frame.time for frame in event.traffic]
+    assert times == sorted(times)
+    assert times[-1000:] == [i / 1000 for i in range(4000, 5000)]
+    assert len(times) < 3000
+    ids = [frame.can_id for frame in event.traffic[:-1000]]
+    assert ids.count(0x81) == 1
+    assert abs(ids.count(0x180) - ids.count(0x181)) < 10
 
 
 def test_the_oldest_samples_go_first() -> None:

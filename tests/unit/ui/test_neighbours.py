@@ -7,6 +7,7 @@ import signal
 import subprocess
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -16,15 +17,20 @@ pytest.importorskip("omniORB", reason="omniORBpy is not installed")
 from patience import PATIENCE
 from ui_bench import QUIET, RESULT, started_over_corba
 
+from refrobots.iis import TimedVelocity2D
+from refrobots.rtc import TimedDoubleSeq
 from rtgen.cli.ui import CommandProject
-from rtgen.runtime import RealClock
+from rtgen.facts.openrtm_ports import foreign_instances
+from rtgen.runtime import RealClock, xcdr
 from rtgen.runtime.corba.name_server import NameServer
 from rtgen.runtime.corba.transport import CorbaTransport
+from rtgen.systems.reading import read_file
 from rtgen.ui.commands import Commands
 from rtgen.ui.outbox import Outbox
 from rtgen.ui.protocol import ui
 from rtgen.ui.session import Session
 
+INTERFACE = "RefHard"
 SOURCE, TARGET = "PathFollower0.velocity", "RefHardRh30.InTargetVelocity"
 
 
@@ -46,10 +52,13 @@ def process(names: str) -> Iterator[subprocess.Popen[bytes]]:
 class Watcher:
     """A page without a system of its own, which applies events."""
 
-    def __init__(self, names: str, transport: CorbaTransport | None = None) -> None:
-        project = CommandProject(QUIET, [], transport=transport)
+    def __init__(
+        self, names: str, transport: CorbaTransport | None = None, file: str = ""
+    ) -> None:
+        files = [file] if file else []
+        project = CommandProject(QUIET, files, transport=transport)
         own = None if transport is None else transport.rt_objects
-        self.session = Session(project, "", RealClock, [names], own)
+        self.session = Session(project, file, RealClock, [names], own)
         self.session.runner.start()
         self._commands = Commands(self.session)
         self._number = 0
@@ -59,6 +68,9 @@ class Watcher:
         self.services: list[ui.NamingService] = []
         self.results: dict[int, ui.Result] = {}
         self.notices: list[str] = []
+        self.channels: list[ui.Channel] = []
+        self.samples: dict[int, list[ui.Sample]] = {}
+        self.edits = ui.EditState()
         self.session.runner.submit(lambda: self.session.join(self.outbox))
 
     def follow(self) -> None:
@@ -71,6 +83,15 @@ class Watcher:
                     self.components = {each.instance: each for each in value.components}
                     self.connections = {each.name: each for each in value.connections}
                     self.services = value.naming
+                    self.channels = value.channels
+                    self.edits = value.edits
+                case ui.EventKind.EVENT_CHANNEL:
+                    self.channels.append(value)
+                case ui.EventKind.EVENT_SAMPLES:
+                    for each in value:
+                        self.samples.setdefault(each.channel, []).append(each)
+                case ui.EventKind.EVENT_EDITS:
+                    self.edits = value
                 case ui.EventKind.EVENT_COMPONENT:
                     self.components[value.instance] = value
                 case ui.EventKind.EVENT_REMOVED:
@@ -209,14 +230,121 @@ def test_boxes_are_moved_for_all_pages(page: Watcher, names: str) -> None:
     whole = page.session.whole()
     [found] = [each for each in whole.components if each.instance == name]
     assert (found.placed, found.where) == (True, ui.Location(3.0, 4.0))
-    assert whole.edits.saved
+    page.done("undone", True)
+    assert name not in page.session.places
 
 
 def test_what_is_not_possible_is_said(page: Watcher, names: str) -> None:
     name = f"{names}/Odometry0"
     assert page.ask("removed", name).code == "UIS0009"
-    injected = ui.Inject(ui.PortAddress(name, "CurrentWheelAngle"), b"")
-    assert page.ask("injected", injected).code == "UIS0009"
+    for port, code in (
+        ("CurrentWheelAngle", "UIS0005"),
+        ("OdometryPosition", "UIS0009"),
+        ("nothing", "UIS0003"),
+    ):
+        injected = ui.Inject(ui.PortAddress(name, port), b"")
+        assert page.ask("injected", injected).code == code
+    service = ui.PortAddress(f"{names}/RefHardRh30", "InventGUIRefHard")
+    for interface, operation in (("nothing", "Stop"), (INTERFACE, "nothing")):
+        result = page.ask("called", ui.Call(service, interface, operation, b""))
+        assert result.code == "UIS0003", result.message
+
+
+def samples(page: Watcher, port: str) -> list[ui.Sample]:
+    """Subscribe the page to a channel; return the samples that arrived."""
+    [channel] = [c for c in page.channels if ending(c.port) == port]
+    page.done("channels", [channel.id])
+    page.until(lambda: len(page.samples.get(channel.id, ())) > 20)
+    return page.samples[channel.id]
+
+
+def connectors(page: Watcher, name: str, port: str) -> int:
+    """Return the number of connections that a port reports, including those of pages."""
+    neighbours = page.session.neighbours
+    assert neighbours is not None
+    return len(neighbours._found[name].ports[port].connector_profiles)
+
+
+def test_samples_of_their_ports_come(page: Watcher, names: str) -> None:
+    name = f"{names}/PathFollower0"
+    before = connectors(page, name, "velocity")
+    found = samples(page, SOURCE)
+    [channel] = [c for c in page.channels if ending(c.port) == SOURCE]
+    node = page.session.types.nodes[channel.type_number]
+    assert node.name == "IIS::TimedVelocity2D"
+    sample = xcdr.deserialize(TimedVelocity2D, found[-1].data)
+    assert sample.tm.sec > 0
+    times = [each.time for each in found]
+    assert times == sorted(times)
+    page.until(lambda: connectors(page, name, "velocity") == before + 1)
+    # The page hides its own connection.
+    assert [*page.wires()].count((SOURCE, TARGET)) == 1
+    page.done("channels", [])
+    page.until(lambda: connectors(page, name, "velocity") == before)
+
+
+def test_an_in_port_takes_samples(page: Watcher, names: str) -> None:
+    page.done("connection", page.wires()[SOURCE, TARGET])
+    sample = TimedVelocity2D()
+    sample.data.vx = 0.125
+    payload = xcdr.serialize(sample, xcdr.representation_of(TimedVelocity2D, 1))
+    target = ui.PortAddress(f"{names}/RefHardRh30", "InTargetVelocity")
+    wheels = samples(page, "RefHardRh30.OutWheelAngle")
+
+    def turned() -> float:
+        page.done("injected", ui.Inject(target, payload))
+        first, last = (
+            xcdr.deserialize(TimedDoubleSeq, each.data).data
+            for each in (wheels[0], wheels[-1])
+        )
+        return float(last[0] - first[0])
+
+    wheels.clear()
+    page.until(lambda: wheels and turned() > 0.2)
+    page.done("undone", True)
+    page.until(lambda: (SOURCE, TARGET) in page.wires())
+
+
+def test_services_are_called(page: Watcher, names: str) -> None:
+    hard = page.components[f"{names}/RefHardRh30"]
+    [port] = [p for p in hard.ports if p.name == "InventGUIRefHard"]
+    [interface] = port.interfaces
+    operations = {each.name: each for each in interface.operations}
+    assert not operations["Stop"].refused
+    address = ui.PortAddress(hard.instance, port.name)
+    for _ in range(2):
+        page.done("called", ui.Call(address, interface.name, "Stop", b""))
+    page.done("called", ui.Call(address, interface.name, "Go", b""))
+
+
+def test_changes_are_undone_and_made_again(page: Watcher, names: str) -> None:
+    name = f"{names}/PathFollower0"
+
+    def value(set_id: str = "default") -> str:
+        sets = page.components[name].configuration_sets
+        found = [s.values for s in sets if s.name == set_id]
+        return next((v.text for each in found for v in each if v.name == "max_v"), "")
+
+    before = value()
+    page.done("setting", ui.SetParameter(name, "", "max_v", "0.25"))
+    page.done("setting", ui.SetParameter(name, "fast", "max_v", "0.5"))
+    page.done("chosen", ui.ActiveSet(name, "fast"))
+    page.done("connection", page.wires()[SOURCE, TARGET])
+    page.until(lambda: (SOURCE, TARGET) not in page.wires())
+    assert page.components[name].active_set == "fast"
+    page.until(lambda: page.edits.undo.startswith("cut velocity"))
+    page.done("undone", True)
+    page.until(lambda: (SOURCE, TARGET) in page.wires())
+    page.done("undone", True)
+    page.until(lambda: page.components[name].active_set == "default")
+    page.done("undone", True)
+    page.until(lambda: not value("fast"))
+    page.done("undone", True)
+    page.until(lambda: value() == before)
+    page.done("redone", True)
+    page.until(lambda: value() == "0.25")
+    page.done("undone", True)
+    page.until(lambda: value() == before)
 
 
 def test_a_page_to_look_only_cannot_steer(page: Watcher, names: str) -> None:
@@ -263,6 +391,46 @@ def test_components_of_the_page_are_wired_with_others(
             page.until(lambda: own not in page.services[0].bindings)
         finally:
             page.session.close()
+
+
+def test_they_are_saved_with_the_system_and_restored(
+    page: Watcher, names: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    follower = f"{names}/PathFollower0"
+    page.done("place", ui.Moved(follower, ui.Location(30.0, 40.0)))
+    page.done("file", "others.xml")
+    page.until(lambda: page.edits.saved)
+    saved, found, _ = read_file(tmp_path / "others.xml")
+    assert saved is not None
+    assert not found
+    assert len(saved.connections) == len(page.connections)
+    components = {each.instance: each for each in saved.components}
+    assert [*foreign_instances(saved.properties)] == [*components]
+    assert components["PathFollower0"].path_uri == f"{follower}.rtc"
+    assert components["PathFollower0"].location == (30, 40, -1, -1)
+    assert dict(components["PathFollower0"].configuration)["default"]
+    # Another page shows them at the same places, and restores them.
+    before = {
+        v.name: v.text for v in page.components[follower].configuration_sets[0].values
+    }
+    page.done("setting", ui.SetParameter(follower, "", "max_v", "0.25"))
+    page.done("connection", page.wires()[SOURCE, TARGET])
+    other = Watcher(names, file="others.xml")
+    try:
+        other.until(lambda: len(other.components) == 6)
+        assert other.session.foreign.keys() == {f"{n}.rtc" for n in other.components}
+        assert other.components[follower].where == ui.Location(30.0, 40.0)
+        other.done("reset", True)
+        other.until(lambda: (SOURCE, TARGET) in other.wires())
+        sets = other.components[follower].configuration_sets
+        assert {v.name: v.text for v in sets[0].values} == before
+        other.done("undone", True)
+        other.until(lambda: (SOURCE, TARGET) not in other.wires())
+        other.done("redone", True)
+        other.until(lambda: (SOURCE, TARGET) in other.wires())
+    finally:
+        other.session.close()
 
 
 @pytest.mark.slow

@@ -20,14 +20,19 @@ def state(session: Session, instance: str = ODOMETRY) -> str:
     return session.component(instance).current.name
 
 
+def activate_all(page: Any, session: Session) -> None:
+    page.get_by_role("button", name="Activate all", exact=True).click()
+    until(page, lambda: state(session) == "STATE_ACTIVE")
+    page.get_by_label(f"{ODOMETRY}, Odometry, ACTIVE").wait_for()
+
+
 def test_states_by_mouse(page: Any, session: Session) -> None:
     box = page.get_by_label(f"{ODOMETRY}, Odometry, ACTIVE")
     box.locator(".head").click(button="right")
     page.get_by_role("menuitem", name="Deactivate").click()
     until(page, lambda: state(session) == "STATE_INACTIVE")
     page.get_by_label(f"{ODOMETRY}, Odometry, INACTIVE").wait_for()
-    page.get_by_role("button", name="Activate all", exact=True).click()
-    until(page, lambda: state(session) == "STATE_ACTIVE")
+    activate_all(page, session)
 
 
 def test_states_by_keyboard(page: Any, session: Session) -> None:
@@ -37,14 +42,18 @@ def test_states_by_keyboard(page: Any, session: Session) -> None:
         # A box that is being placed does not keep the focus.
         box.focus()
         page.keyboard.press("Shift+F10")
-        page.wait_for_timeout(200)
         return bool(page.locator(".menu").is_visible())
 
     until(page, has_menu)
     page.locator(".menu button:focus").wait_for()
-    page.keyboard.press("Tab")
+    page.keyboard.press("Escape")
+    page.locator(".menu").wait_for(state="detached")
+    page.keyboard.press("Shift+F10")
+    page.locator(".menu button:focus").wait_for()
+    page.keyboard.press("ArrowDown")
     page.keyboard.press("Enter")
     until(page, lambda: state(session) == "STATE_INACTIVE")
+    activate_all(page, session)
 
 
 def test_a_box_is_moved_by_keyboard(page: Any, session: Session) -> None:
@@ -56,6 +65,17 @@ def test_a_box_is_moved_by_keyboard(page: Any, session: Session) -> None:
     page.keyboard.press("Shift+ArrowRight")
     until(page, lambda: session.places[ODOMETRY][0] > x)
     assert session.places[ODOMETRY][1] == y
+    page.get_by_role("button", name="Undo", disabled=False).press("Enter")
+    until(page, lambda: session.places[ODOMETRY] == (x, y))
+    page.get_by_role("button", name="Arranged").click()
+
+
+MIDDLE = """each => {
+    const path = each.querySelector("path");
+    const at = path.getPointAtLength(path.getTotalLength() / 2);
+    const { x, y } = at.matrixTransform(path.getScreenCTM());
+    return [x, y];
+}"""
 
 
 def test_a_connection_is_cut_and_drawn(page: Any, session: Session) -> None:
@@ -67,12 +87,18 @@ def test_a_connection_is_cut_and_drawn(page: Any, session: Session) -> None:
 
     assert connected()
     edge = page.locator(f'.react-flow__edge[aria-label*="{WHEELS}"]')
+    source = page.get_by_label(f"out port {WHEELS}")
     edge.focus()
     page.keyboard.press("Enter")
     page.keyboard.press("Delete")
     until(page, lambda: not connected())
-    source = page.get_by_label(f"out port {WHEELS}")
     source.drag_to(page.get_by_label(f"in port {ODOMETRY}.CurrentWheelAngle"))
+    until(page, connected)
+    edge.wait_for()
+    page.mouse.click(*edge.evaluate(MIDDLE), button="right")
+    page.get_by_role("menuitem", name="Cut").click()
+    until(page, lambda: not connected())
+    page.get_by_role("button", name="Undo", disabled=False).click()
     until(page, connected)
 
 
@@ -89,6 +115,7 @@ def test_ports_that_do_not_fit_are_refused_with_the_reason(
     page.mouse.up()
     page.get_by_role("alert").wait_for()
     assert len(session.whole().connections) == before
+    page.get_by_role("button", name="Dismiss notice").click()
 
 
 def test_an_answer_after_the_end_of_a_drag_marks_nothing(
@@ -103,13 +130,43 @@ def test_an_answer_after_the_end_of_a_drag_marks_nothing(
     answer.set()
     page.get_by_role("button", name="Deactivate all", exact=True).click()
     page.get_by_label(f"{ODOMETRY}, Odometry, INACTIVE").wait_for()
+    activate_all(page, session)
     assert page.locator(".port.refused, .port.fits, .port.other").count() == 0
 
 
+def test_a_component_is_removed_and_comes_back(page: Any, session: Session) -> None:
+    def connections() -> int:
+        return len(session.whole().connections)
+
+    before = connections()
+    box = page.get_by_label(f"{ODOMETRY}, Odometry, ACTIVE")
+    box.locator(".head").click(button="right")
+    page.get_by_role("menuitem", name="Remove").click()
+    until(page, lambda: ODOMETRY not in session.system.instances)
+    assert connections() < before
+    page.locator("body").press("Control+z")
+    until(page, lambda: connections() == before)
+    page.locator("body").press("Control+Shift+z")
+    until(page, lambda: ODOMETRY not in session.system.instances)
+    page.locator("body").press("Control+z")
+    until(page, lambda: connections() == before)
+    activate_all(page, session)
+
+
+def test_views_are_changed_by_arrow_keys(page: Any) -> None:
+    page.get_by_role("tab", name="Values").click()
+    for key, name in (
+        *(("ArrowRight", "Connections"), ("ArrowLeft", "Values")),
+        *(("ArrowLeft", "Timeline"), ("ArrowRight", "Values")),
+        *(("End", "Timeline"), ("Home", "Values")),
+    ):
+        page.keyboard.press(key)
+        page.get_by_role("tab", name=name, selected=True).wait_for()
+        page.get_by_role("tabpanel", name=name).wait_for()
+
+
 def test_values_and_configuration(page: Any, session: Session) -> None:
-    page.get_by_label("Component", exact=True).locator("select").select_option(
-        "PathFollower0"
-    )
+    page.get_by_role("combobox", name="Component").select_option("PathFollower0")
     page.get_by_role("img", name="Values over time").first.wait_for()
     page.get_by_role("tab", name="Configuration").focus()
     page.keyboard.press("Enter")

@@ -12,12 +12,12 @@ from rtgen.runtime.timing.traffic import BusFrame
 from rtgen.ui.session import Session
 
 pytestmark = [pytest.mark.slow, pytest.mark.peer]
-BUS = ROOT / "specs/canopen/fourx.toml"
 
 
-@pytest.fixture
-def shown() -> tuple[Path, dict[str, Path]]:
-    return ROOT / "specs/canopen/fourx.xml", {"": BUS}
+@pytest.fixture(scope="module")
+def shown() -> tuple[Path, None]:
+    """Return a system whose bus file is found in the project by the name of its network."""
+    return ROOT / "specs/canopen/fourx.xml", None
 
 
 @pytest.fixture
@@ -26,6 +26,27 @@ def bus(page: Any) -> Any:
     page.get_by_role("tab", name="Buses").click()
     page.get_by_role("row", name="front_left operational").wait_for()
     return page
+
+
+def test_the_bus_is_a_line_below_the_boxes(bus: Any, session: Session) -> None:
+    line = bus.get_by_role("region", name="Bus can0")
+    names = ["front_left", "front_right", "rear_left", "rear_right", "manager"]
+    for number, name in zip([1, 2, 3, 4, 127], names, strict=True):
+        label = f"{number} {name} operational, node of can0"
+        line.get_by_role("button", name=label, exact=True).wait_for()
+    # Each node has a device or the manager; each device also has a proxy.
+    assert line.locator(".drop").count() == 9
+    boxes = bus.locator(".box").evaluate_all(
+        "all => all.map(each => each.getBoundingClientRect().top)"
+    )
+    [top] = line.evaluate_all("all => all.map(each => each.getBoundingClientRect().y)")
+    hung = [each for each in session.system.instances if "Drive" in each]
+    assert sum(each > top for each in boxes) == len(hung) + 1
+    row = bus.get_by_role("row", name="front_left")
+    assert "FrontLeftWheel0, FrontLeftDrive0" in row.inner_text()
+    bus.get_by_role("tab", name="Values").click()
+    bus.get_by_role("button", name="127 manager").press("Enter")
+    bus.get_by_role("table", name="Nodes").wait_for()
 
 
 def test_frames_are_decoded_and_filtered(bus: Any) -> None:
@@ -53,6 +74,9 @@ def test_nodes_are_stopped_and_started(bus: Any, session: Session) -> None:
     control.select_option("stop")
     until(bus, lambda: state() == "stopped")
     bus.get_by_role("row", name="front_left stopped").wait_for()
+    bus.get_by_role("button", name="1 front_left stopped, node of can0").wait_for()
+    control.select_option("start")
+    until(bus, lambda: state() == "operational")
 
 
 def test_objects_are_read_and_written(bus: Any) -> None:
@@ -77,6 +101,10 @@ def test_frames_are_sent(bus: Any, session: Session) -> None:
     frame.fill("7a0#0102")
     frame.press("Enter")
     until(bus, lambda: seen.count(0x7A0) == 1)
+    frame.fill("089#1081010000000000")
+    frame.press("Enter")
+    history = bus.get_by_role("table", name="Emergencies")
+    history.get_by_text("8110h CAN overrun").wait_for()
     frame.fill("7a1#")
     bus.get_by_role("button", name="Send cyclically").click()
     until(bus, lambda: seen.count(0x7A1) > 2)

@@ -29,6 +29,7 @@ def test_ports_are_wired_by_keyboard(page: Any, session: Session) -> None:
     press(page, page.get_by_label("Odometry0, Odometry, ACTIVE"), "Shift+F10")
     page.locator(".menu button:focus").wait_for()
     page.keyboard.press("ArrowUp")
+    page.keyboard.press("ArrowUp")
     page.keyboard.press("Enter")
     port = page.get_by_label("Chosen port")
     port.focus()

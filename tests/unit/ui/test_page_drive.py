@@ -2,29 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import degrees, hypot
 from pathlib import Path
 from typing import Any
 
 import pytest
-from ui_bench import ROOT, until
+from ui_bench import NARROW, ROOT, WIDE, anew, until
 
 from rtgen.ui.session import Session
 
 pytestmark = [pytest.mark.slow, pytest.mark.peer]
 ROBOTS = ("OmniWheel0", "SegwayRmp0", "RefHard0", "BlackShip0")
-narrow_only = pytest.mark.parametrize("page", [(820, "dark")], indirect=True)
-wide_only = pytest.mark.parametrize("page", [(1440, "light")], indirect=True)
+narrow_only = pytest.mark.parametrize("look", [NARROW], indirect=True)
+wide_only = pytest.mark.parametrize("look", [WIDE], indirect=True)
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def shown() -> tuple[Path, None]:
     return ROOT / "specs/experiments/leader_exchange/system.xml", None
 
 
 @pytest.fixture
-def stick(page: Any, session: Session) -> Any:
-    """Return the page with its joystick; no other input, and robots never stop by themselves."""
+def stick(page: Any, session: Session) -> Iterator[Any]:
+    """Yield the page with its joystick; no other input, and robots never stop by themselves."""
 
     def leave_alone() -> None:
         for connector in [*session.system.connectors]:
@@ -36,7 +37,8 @@ def stick(page: Any, session: Session) -> Any:
     session.runner.submit(leave_alone)
     until(page, lambda: not session.system.connectors)
     page.get_by_role("tab", name="Drive").click()
-    return page
+    yield page
+    anew(page, session)
 
 
 def take(page: Any, robot: str) -> Any:
@@ -82,6 +84,7 @@ HIDE = """() => {
     Object.defineProperty(document, "hidden", { get: () => true, configurable: true });
     document.dispatchEvent(new Event("visibilitychange"));
 }"""
+SHOW = "() => delete document.hidden"
 BLUR = "() => window.dispatchEvent(new Event('blur'))"
 LEAVE = "() => document.activeElement.blur()"
 
@@ -96,6 +99,8 @@ def test_a_robot_stops_when_the_page_is_left(
     until(stick, lambda: speed(session, "RefHard0") > 0.15)
     stick.evaluate(ending)
     until(stick, lambda: speed(session, "RefHard0") < 0.01)
+    stick.evaluate(SHOW)
+    stick.keyboard.up("KeyW")
 
 
 @narrow_only
@@ -129,10 +134,27 @@ def test_a_gamepad_drives_sideways(stick: Any, session: Session) -> None:
     until(stick, lambda: speed(session, "OmniWheel0") < 0.01)
 
 
+COLOURED = """canvas => {
+    const { width, height } = canvas;
+    const copy = new OffscreenCanvas(width, height);
+    const context = copy.getContext("2d", { willReadFrequently: true });
+    context.drawImage(canvas, 0, 0);
+    const { data } = context.getImageData(0, 0, width, height);
+    let count = 0;
+    for (let i = 0; i < data.length; i += 4)
+        if (Math.max(data[i], data[i + 1], data[i + 2]) > data[i] + 60
+            || data[i] > Math.max(data[i + 1], data[i + 2]) + 60) count += 1;
+    return count;
+}"""
+
+
 def test_the_map_shows_where_robots_are(page: Any, session: Session) -> None:
     page.get_by_role("tab", name="Map").focus()
     page.keyboard.press("Enter")
-    until(page, lambda: speed(session, "OmniWheel0") > 0.05)
+    goal = page.get_by_label("Go to time in seconds")
+    goal.fill("6")
+    goal.press("Enter")
+    until(page, lambda: session.now > 6.0 and speed(session, "OmniWheel0") > 0.05)
     page.get_by_role("button", name="Pause").click()
     page.get_by_role("button", name="Play").wait_for()
     for robot in ROBOTS:
@@ -142,11 +164,16 @@ def test_the_map_shows_where_robots_are(page: Any, session: Session) -> None:
         line = page.get_by_role("status", name=f"{robot}.self_position on the map")
         line.get_by_text(text.replace("-0.000", "0.000")).wait_for()
     picture = page.get_by_role("img", name="Map, scale bar")
+    # Movements before the map was opened have left trails.
+    with_trails = picture.evaluate(COLOURED)
+    page.get_by_role("button", name="Clear trails").click()
+    until(page, lambda: picture.evaluate(COLOURED) < with_trails)
     before = picture.get_attribute("aria-label")
     picture.focus()
     for _ in range(6):
         page.keyboard.press("+")
     until(page, lambda: picture.get_attribute("aria-label") != before)
+    page.get_by_role("button", name="Play").click()
 
 
 def leader(session: Session, robot: str) -> list[int]:
@@ -182,6 +209,7 @@ def test_followers_exchange_their_leaders(page: Any, session: Session) -> None:
     until(page, lambda: leader(session, "BlackShip0") == [1])
     for robot in ROBOTS:
         until(page, lambda robot=robot: speed(session, robot) > 0.05)
+    anew(page, session)
 
 
 @wide_only

@@ -15,9 +15,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from patience import PATIENCE
 from PIL import Image
-from ui_bench import QUIET, ROOT, until
+from ui_bench import QUIET, ROOT, opened, until
 
 from rtgen.cli.ui import CommandProject
 from rtgen.runtime import SimulatedClock
@@ -28,6 +27,10 @@ PICTURES = ROOT / "docs" / "images" / "ui"
 WIRINGS = ROOT / "docs" / "images" / "gallery"
 TEXT_PX = 9
 """The least height of the letters of a port's name."""
+RECTANGLES = (
+    "all => all.map(each => { const r = each.getBoundingClientRect();"
+    " return [r.left, r.top, r.right, r.bottom]; })"
+)
 Point = tuple[float, float]
 
 
@@ -66,23 +69,19 @@ LOOKS = (
 )
 
 
-@pytest.fixture
-def session(monkeypatch: pytest.MonkeyPatch) -> Session:
-    monkeypatch.chdir(ROOT)
-    project = CommandProject(QUIET, [look.file for look in LOOKS])
-    return Session(project, LOOKS[0].file, SimulatedClock)
+@pytest.fixture(scope="module")
+def session() -> Iterator[Session]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(ROOT)
+        project = CommandProject(QUIET, [look.file for look in LOOKS])
+        yield Session(project, LOOKS[0].file, SimulatedClock)
 
 
 @pytest.fixture
 def still(browser: Any, server: Any) -> Iterator[Any]:
     """Yield a page whose time stands still."""
-    page = browser.new_page(
-        viewport={"width": 1440, "height": 900}, color_scheme="light", locale="en"
-    )
-    page.set_default_timeout(PATIENCE * 1000)
-    page.goto(server.address(full=True))
-    yield page
-    page.close()
+    with opened(browser, server.address(full=True)) as page:
+        yield page
 
 
 def show(page: Any, session: Session, look: Look) -> None:
@@ -113,18 +112,18 @@ def picture(page: Any, session: Session, look: Look) -> None:
 def test_systems_of_the_gallery_can_be_read(still: Any, session: Session) -> None:
     for look in LOOKS:
         show(still, session, look)
-        boxes = still.locator(".box").evaluate_all(
-            "all => all.map(each => { const r = each.getBoundingClientRect();"
-            " return [r.left, r.top, r.right, r.bottom]; })"
-        )
+        boxes = still.locator(".box").evaluate_all(RECTANGLES)
         assert len(boxes) == len(session.system.instances), look.name
-        for one, other in itertools.combinations(boxes, 2):
+        nodes = still.locator(".bus-node").evaluate_all(RECTANGLES)
+        for one, other in itertools.combinations([*boxes, *nodes], 2):
             assert not overlap(one, other), look.name
         scale = (boxes[0][2] - boxes[0][0]) / still.locator(".box").first.evaluate(
             "each => each.offsetWidth"
         )
         assert 12 * scale >= TEXT_PX, look.name
-        cut = still.locator(".box span, .head, .head strong").evaluate_all(
+        cut = still.locator(
+            ".box span, .head, .head strong, .bus-node strong"
+        ).evaluate_all(
             "all => all.filter(each => each.scrollWidth > each.clientWidth)"
             ".map(each => each.textContent)"
         )

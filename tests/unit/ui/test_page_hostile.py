@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+from collections.abc import Iterator
 from pathlib import Path
 from shutil import copytree
 from typing import Any
@@ -19,9 +20,9 @@ SCRIPT = "\"'><script>document.title='broken'</script>"
 LINK = "javascript:document.title='broken'//"
 
 
-@pytest.fixture
-def shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, None]:
-    """Return the pipeline to one goal with hostile instances, connectors, a parameter and texts."""
+@pytest.fixture(scope="module")
+def shown(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, None]]:
+    """Yield the pipeline to one goal with hostile instances, connectors, a parameter and texts."""
     text = GOAL.read_text(encoding="utf-8")
     for plain, hostile in {
         "Odometry0": IMAGE,
@@ -32,11 +33,13 @@ def shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, None]:
     }.items():
         assert plain in text
         text = text.replace(plain, html.escape(hostile))
-    copytree(ROOT / "specs/navigation", tmp_path / "systems")
-    file = tmp_path / "systems" / "hostile.xml"
+    systems = tmp_path_factory.mktemp("hostile") / "systems"
+    copytree(ROOT / "specs/navigation", systems)
+    file = systems / "hostile.xml"
     file.write_text(text, encoding="utf-8")
-    monkeypatch.chdir(ROOT)
-    return file, None
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(ROOT)
+        yield file, None
 
 
 def test_hostile_texts_are_shown_and_do_nothing(page: Any, session: Session) -> None:

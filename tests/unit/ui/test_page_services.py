@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ from ui_bench import ROOT
 pytestmark = [pytest.mark.slow, pytest.mark.peer]
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def shown() -> tuple[Path, None]:
     return ROOT / "specs/tecs/rh3_board.xml", None
 
@@ -19,7 +20,7 @@ def shown() -> tuple[Path, None]:
 @pytest.fixture
 def services(page: Any) -> Any:
     """Return the page with the operations of the board's marshaller."""
-    chooser = page.get_by_label("Component", exact=True).locator("select")
+    chooser = page.get_by_role("combobox", name="Component")
     chooser.select_option("MotorBoardMarshaller0")
     page.get_by_role("tab", name="Services").click()
     return page
@@ -29,7 +30,22 @@ def test_a_function_is_called_and_its_octets_shown(services: Any) -> None:
     services.get_by_role("button", name="Call identify of").click()
     result = services.get_by_role("status", name="Result of identify")
     result.get_by_text("RH3 motor board, simulated", exact=True).wait_for()
-    result.get_by_text("67 2a 00 01 5a 3c").wait_for()
+    request = result.get_by_role("row", name="67 2a 00 01 5a 3c")
+    assert request.get_by_text("sMotorBoard.identify").is_visible()
+    reply = result.get_by_role("row", name="56 1e 00 00")
+    assert "name = RH3 motor board, simulated" in reply.inner_text()
+
+
+def test_a_hundred_calls_are_a_histogram(services: Any) -> None:
+    times = services.get_by_label("Times identify is called")
+    times.fill("100")
+    times.press("Enter")
+    result = services.get_by_role("status", name="Result of identify")
+    result.get_by_role("img", name="Round trips of 100 calls").wait_for()
+    assert re.search(
+        r"100 calls: mean \d.* µs, spread .*, least .*, most", result.inner_text()
+    )
+    times.fill("1")
 
 
 def test_arguments_are_checked_before_they_are_sent(services: Any) -> None:
@@ -50,4 +66,8 @@ def test_round_trips_are_a_histogram(services: Any) -> None:
     services.get_by_role("tab", name="Boards").focus()
     services.keyboard.press("Enter")
     services.get_by_role("img", name="Round trips of").wait_for()
+    services.get_by_label("Function").select_option("sMotorBoard.identify")
+    calls = services.get_by_role("table", name="Calls to the board")
+    calls.get_by_text("sMotorBoard.drive").first.wait_for(state="detached")
+    calls.get_by_text("sMotorBoard.identify").first.wait_for()
     assert services.get_by_role("table", name="Calls to the board").is_visible()

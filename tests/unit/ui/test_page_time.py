@@ -58,3 +58,34 @@ def test_everything_follows_the_slider(page: Any, session: Session) -> None:
     until(page, lambda: shown(page) > before)
     page.get_by_role("button", name="Pause").click()
     assert page.get_by_role("button", name="Live").is_disabled()
+    page.get_by_role("button", name="Play").click()
+
+
+def test_a_run_is_kept_beside_the_next_one(page: Any, session: Session) -> None:
+    page.get_by_role("combobox", name="Component").select_option("Odometry0")
+    page.get_by_role("tab", name="Values").click()
+    page.get_by_role("button", name="Keep beside").press("Enter")
+    until(page, lambda: session.keeps)
+    goal = page.get_by_label("Go to time in seconds")
+    goal.fill("0.5")
+    goal.press("Enter")
+    values = page.get_by_role("region", name="Odometry0.OdometryPosition")
+    values.get_by_role("columnheader", name="beside", exact=True).wait_for()
+    values.get_by_text("data.heading (beside)").wait_for()
+    page.get_by_text("beside: ACTIVE").wait_for()
+    page.get_by_role("button", name="Beside: the run before").click()
+    values.get_by_role("columnheader", name="beside", exact=True).wait_for(
+        state="detached"
+    )
+
+
+def test_plots_say_what_is_left_out(page: Any, session: Session) -> None:
+    page.get_by_role("combobox", name="Component").select_option("PathFollower0")
+    page.get_by_role("tab", name="Values").click()
+    page.get_by_label("Plots show").select_option("the last 5 s")
+    values = page.get_by_role("region", name="PathFollower0.velocity")
+    values.get_by_role("img", name="Values over time").wait_for()
+    page.get_by_label("Speed").select_option("5")
+    values.get_by_text("Of older samples some are left out").wait_for()
+    assert session.now > 2.0
+    page.get_by_label("Speed").select_option("1")

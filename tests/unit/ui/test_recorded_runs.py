@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import asyncio
-import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from patience import PATIENCE
 from test_looking_back import PORT, Page
-from ui_bench import GOAL, ROOT, until
+from ui_bench import GOAL, QUIET, ROOT, opened, serving, until
 from websockets.sync.client import connect
 
 from rtgen.cli import run
+from rtgen.cli.ui import CommandProject
 from rtgen.cli.ui_bus import BusDescriber
 from rtgen.diagnostics import ToolError
+from rtgen.runtime import Component
 from rtgen.ui.protocol.ui import EventKind
 from rtgen.ui.recorded import Recorded
 from rtgen.ui.serving import Server
@@ -33,17 +32,11 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     return found
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def recorded(files: list[str]) -> Iterator[Server]:
-    server = Server(Recorded(files, lambda _: BusDescriber(None)), "127.0.0.1", 0)
-    ready = threading.Event()
-    thread = threading.Thread(target=lambda: asyncio.run(server.run(ready.set)))
-    thread.start()
-    assert ready.wait(PATIENCE)
-    yield server
-    server.stop()
-    thread.join(PATIENCE)
-    assert not thread.is_alive()
+    session = Recorded(files, lambda *_: BusDescriber(None))
+    with serving(Server(session, "127.0.0.1", 0)) as server:
+        yield server
 
 
 def test_two_recordings_are_scrubbed_beside_each_other(recorded: Server) -> None:
@@ -94,7 +87,7 @@ def test_frames_of_a_recording_are_decoded(tmp_path: Path) -> None:
     file = str(tmp_path / "bus.mcap")
     system = str(ROOT / "specs/canopen/fourx.xml")
     assert run(["run", system, "--until", "1.5", "--record", file, "-q"]) == 0
-    history = Recorded([file], lambda _: BusDescriber(BUS)).history
+    history = Recorded([file], lambda *_: BusDescriber(BUS)).history
     events = history.at(history.nearest(1.4), [], ())
     [buses] = [
         e.described_bus for e in events if e.discriminator is EventKind.EVENT_BUS
@@ -107,26 +100,50 @@ def test_frames_of_a_recording_are_decoded(tmp_path: Path) -> None:
     assert 0.0 < load.load < 1.0
 
 
+def test_calls_to_a_board_have_their_values(tmp_path: Path) -> None:
+    file = str(tmp_path / "board.mcap")
+    command = ["run", str(ROOT / "specs/tecs/rh3_board.xml"), "--until", "0.2"]
+    assert run([*command, "--record", file, "-q"]) == 0
+    codec = CommandProject(QUIET, [str(GOAL)]).codec
+    history = Recorded([file], lambda *_: BusDescriber(None), codec).history
+    calls = [
+        e.call
+        for e in history.at(history.last, [], ())
+        if e.discriminator is EventKind.EVENT_BOARD_CALL
+    ]
+    drive = next(c for c in calls if c.function == "sMotorBoard.drive")
+    assert [each.name for each in drive.request_values] == ["speed", "count"]
+    assert [each.name for each in drive.reply_values] == ["return", "state"]
+    made: list[str] = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Component, "__init__", lambda _, name: made.append(name))
+        assert codec("PathFollower") is codec("Nothing") is None
+    assert made == []
+
+
 def test_what_is_no_recording_is_reported(
     tmp_path: Path, files: list[str], capfd: pytest.CaptureFixture[str]
 ) -> None:
     log = tmp_path / "run.log"
     log.write_text('{"t": 0, "event": "state"}\n')
     with pytest.raises(ToolError, match="log in JSON lines"):
-        Recorded([str(log)], lambda _: BusDescriber(None))
+        Recorded([str(log)], lambda *_: BusDescriber(None))
     empty = tmp_path / "empty.mcap"
     empty.touch()
     assert run(["ui", str(empty), "--no-open"]) == 3
+    assert run(["ui", str(GOAL), str(empty), "--no-open"]) == 3
     assert run(["ui", *files, files[0], "--no-open"]) == 2
-    assert run(["ui", str(GOAL), files[0], "--no-open"]) == 2
+    assert run(["ui", str(GOAL), *files, "--no-open"]) == 2
+    assert run(["ui", files[0], "--record", str(empty), "--no-open"]) == 2
     err = capfd.readouterr().err
     assert "is empty" in err
-    assert "one recording or two" in err
+    assert "beside a system or beside another one" in err
+    assert "nothing that runs" in err
     assert "Traceback" not in err
 
 
 def test_of_a_long_recording_the_end_is_kept(files: list[str]) -> None:
-    session = Recorded(files[1:], lambda _: BusDescriber(None), most_octets=200_000)
+    session = Recorded(files[1:], lambda *_: BusDescriber(None), most_octets=200_000)
     assert session.left_out
     assert 0.0 < session.history.first < session.history.last
 
@@ -134,23 +151,16 @@ def test_of_a_long_recording_the_end_is_kept(files: list[str]) -> None:
 @pytest.mark.slow
 @pytest.mark.peer
 def test_the_page_overlays_both(browser: Any, recorded: Server) -> None:
-    page = browser.new_page(viewport={"width": 1440, "height": 900}, locale="en")
-    page.set_default_timeout(PATIENCE * 1000)
-    complaints: list[str] = []
-    page.on("pageerror", lambda error: complaints.append(str(error)))
-    page.on("console", lambda said: complaints.append(said.text))
-    page.goto(recorded.address(full=True))
-    page.get_by_role("combobox", name="Component").select_option("Odometry0")
-    values = page.get_by_role("region", name=PORT)
-    values.get_by_role("columnheader", name="beside", exact=True).wait_for()
-    assert values.get_by_text("data.position.x (beside)").count() == 1
-    slider = page.get_by_role("slider", name="Look at time")
-    slider.press("Home")
-    time = page.get_by_label("Time of the run")
-    until(page, lambda: time.inner_text() == "0.000 s")
-    page.get_by_role("button", name="Play").click()
-    until(page, lambda: float(time.inner_text().removesuffix(" s")) > 0.3)
-    page.get_by_role("button", name="Pause").press("Enter")
-    assert page.get_by_text("beside: ACTIVE").count() == 1
-    page.close()
-    assert complaints == []
+    with opened(browser, recorded.address(full=True)) as page:
+        page.get_by_role("combobox", name="Component").select_option("Odometry0")
+        values = page.get_by_role("region", name=PORT)
+        values.get_by_role("columnheader", name="beside", exact=True).wait_for()
+        assert values.get_by_text("data.position.x (beside)").count() == 1
+        slider = page.get_by_role("slider", name="Look at time")
+        slider.press("Home")
+        time = page.get_by_label("Time of the run")
+        until(page, lambda: time.inner_text() == "0.000 s")
+        page.get_by_role("button", name="Play").click()
+        until(page, lambda: float(time.inner_text().removesuffix(" s")) > 0.3)
+        page.get_by_role("button", name="Pause").press("Enter")
+        assert page.get_by_text("beside: ACTIVE").count() == 1

@@ -115,6 +115,7 @@ def test_other_hosts_and_origins_are_refused(served: Server) -> None:
 def test_a_token_is_needed(served: Server) -> None:
     for token in ("", "wrong", served.tokens.full[:-1], "\u00e9"):
         with opened(served, token) as socket:
+            assert socket.subprotocol == "rtgen-ui.1"
             with pytest.raises(ConnectionClosed):
                 socket.recv(60)
             assert socket.close_code == 4401

@@ -134,6 +134,13 @@ def test_parameters_are_set_within_their_range(bench: Bench, page: Page) -> None
     assert sets.active == "slow"
     page.done("undone", True)
     assert sets.active != "slow"
+    assert "slow" in sets.ids
+    page.done("undone", True)
+    assert "slow" not in sets.ids
+    [told] = [e for e in page.seen if e.discriminator is ui.EventKind.EVENT_COMPONENT]
+    assert [each.name for each in told.described.configuration_sets] == ["default"]
+    page.done("redone", True)
+    assert sets.texts("slow")["max_v"] == "0.1"
 
 
 def test_components_are_added_and_removed(bench: Bench, page: Page) -> None:

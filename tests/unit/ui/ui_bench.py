@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -13,15 +16,19 @@ from patience import PATIENCE
 
 from rtgen import runtime
 from rtgen.cli.common import Console
+from rtgen.cli.recording_options import RecordingOptions
 from rtgen.cli.ui import CommandProject
 from rtgen.ui.commands import Commands
 from rtgen.ui.outbox import Outbox
 from rtgen.ui.protocol import ui
+from rtgen.ui.serving import Server
 from rtgen.ui.session import Session
 
 ROOT = Path(__file__).resolve().parents[3]
 GOAL = ROOT / "specs/navigation/rh3_goal.xml"
 QUIET = Console("text", False, True)
+WIDE, NARROW = (1440, "light"), (820, "dark")
+"""The looks of pages: width and colours."""
 
 
 class Page:
@@ -72,10 +79,13 @@ class Bench:
         *files: Path | str,
         clock: Any = runtime.SimulatedClock,
         buses: dict[str, Path] | None = None,
+        record: Path | None = None,
+        beside: str = "",
     ) -> None:
         names = [str(file) for file in files] or [str(GOAL)]
-        project = CommandProject(QUIET, names, buses)
-        self.session = Session(project, names[0], clock)
+        options = RecordingOptions(None if record is None else str(record), None)
+        project = CommandProject(QUIET, names, buses, recording=options)
+        self.session = Session(project, names[0], clock, recording=beside)
         self.commands = Commands(self.session)
 
     def page(self, *, full: bool = True) -> Page:
@@ -99,12 +109,55 @@ def channels(state: ui.SystemState) -> Iterator[tuple[str, ui.Channel]]:
         yield f"{channel.port.instance}.{channel.port.port}", channel
 
 
+@contextmanager
+def serving(server: Server) -> Iterator[Server]:
+    """Run a server."""
+    ready = threading.Event()
+    thread = threading.Thread(target=lambda: asyncio.run(server.run(ready.set)))
+    thread.start()
+    assert ready.wait(PATIENCE)
+    yield server
+    server.stop()
+    thread.join(PATIENCE)
+    assert not thread.is_alive()
+
+
+@contextmanager
+def opened(browser: Any, address: str, look: tuple[int, str] = WIDE) -> Iterator[Any]:
+    """Yield a page of a server; it must report no errors."""
+    width, scheme = look
+    size = {"width": width, "height": 900}
+    page = browser.new_page(viewport=size, color_scheme=scheme, locale="en")
+    page.set_default_timeout(PATIENCE * 1000)
+    complaints: list[str] = []
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.on("console", lambda said: complaints.append(said.text))
+    page.goto(address)
+    yield page
+    page.close()
+    assert complaints == []
+
+
 def until(page: Any, condition: Callable[[], bool]) -> None:
     """Wait for a condition behind the page; its events are handled meanwhile."""
     end = time.monotonic() + PATIENCE
     while not condition():
         assert time.monotonic() < end
         page.wait_for_timeout(20)
+
+
+def anew(page: Any, session: Session) -> None:
+    """Open the system's file again, and let time pass."""
+    opened = threading.Event()
+
+    def open_again() -> None:
+        session.open(session.file)
+        opened.set()
+
+    session.runner.submit(open_again)
+    until(page, opened.is_set)
+    page.get_by_role("button", name="Play").click()
+    page.get_by_role("button", name="Pause").wait_for()
 
 
 def started_over_corba(names: str) -> subprocess.Popen[bytes]:

@@ -3,6 +3,7 @@
 
 export {
   Ui$VERSION as VERSION,
+  Ui$MOST_SAMPLES as MOST_SAMPLES,
   Ui$Octets as Octets,
   Ui$Strings as Strings,
   Ui$TypeKind as TypeKind,
@@ -34,7 +35,6 @@ export {
   Ui$FrameField as FrameField,
   Ui$Frame as Frame,
   Ui$BusLoad as BusLoad,
-  Ui$Board as Board,
   Ui$BoardCall as BoardCall,
   Ui$BindingKind as BindingKind,
   Ui$Binding as Binding,
@@ -67,7 +67,6 @@ export {
   Ui$NmtCommand as NmtCommand,
   Ui$SdoAccess as SdoAccess,
   Ui$NodeAddress as NodeAddress,
-  Ui$CallBoard as CallBoard,
   Ui$Inject as Inject,
   Ui$CommandKind as CommandKind,
   Ui$Command as Command,

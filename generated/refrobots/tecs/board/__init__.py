@@ -7,14 +7,8 @@ from typing import TYPE_CHECKING
 from rtgen.runtime.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from ._idl.motor_board import (
-        MotorBoard,
-        MotorBoardSkeleton,
-        MotorBoardStub,
-        NAME_SIZE,
-        WHEELS,
-        tagWheelState,
-    )
+    from ._views import NAME_SIZE, WHEELS, tagWheelState
+    from .motor_board_marshaller import MotorBoard, MotorBoardSkeleton, MotorBoardStub
 
 __all__ = [
     "MotorBoard",
@@ -27,13 +21,11 @@ __all__ = [
 __getattr__ = lazy_names(
     __name__,
     {
-        "._idl.motor_board": (
+        "._views": ("NAME_SIZE", "WHEELS", "tagWheelState"),
+        ".motor_board_marshaller": (
             "MotorBoard",
             "MotorBoardSkeleton",
             "MotorBoardStub",
-            "NAME_SIZE",
-            "WHEELS",
-            "tagWheelState",
         ),
     },
 )

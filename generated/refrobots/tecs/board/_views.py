@@ -4,8 +4,39 @@
 
 from __future__ import annotations
 
+from typing import ClassVar, Final
+
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated, field
+
 from . import _types
-from . import tagWheelState
+
+WHEELS: Final = 2
+NAME_SIZE: Final = 32
+
+
+class tagWheelState(Aggregated):
+    """Both wheels, the left one first."""
+
+    _descriptor_: ClassVar = idl.struct(
+        "tagWheelState",
+        time=idl.UNSIGNED_LONG,
+        count=idl.array(idl.LONG, 2),
+        speed=idl.array(idl.DOUBLE, 2),
+        stopped=idl.BOOLEAN,
+        watchdog=idl.BOOLEAN,
+    )
+
+    time: int = 0
+    """When it was measured, by the board's clock [ms]."""
+    count: list[int] = field(default_factory=lambda: [0] * 2)
+    """Encoder counts since the board was switched on."""
+    speed: list[float] = field(default_factory=lambda: [0.0] * 2)
+    """Speeds [rad/s]."""
+    stopped: bool = False
+    """Held by stop."""
+    watchdog: bool = False
+    """Held because no speeds came in time."""
 
 
 def codec_tagWheelState(value: tagWheelState) -> _types.tagWheelState:

@@ -4,17 +4,179 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Sequence
+from typing import ClassVar, TypeAlias
 
-from rtgen.runtime import RTC_OK, ReturnCode_t
-from rtgen.runtime.opaque_rpc import Channel, CommunicationChannel, ProxyServant
+from rtgen.runtime import (
+    RTC_OK,
+    Component,
+    ComponentProfile,
+    ReturnCode_t,
+    Servant,
+    Skeleton,
+    Stub,
+    idl,
+    operation,
+    service_port,
+)
+from rtgen.runtime.cdr import AliasCodec
+from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
+from rtgen.runtime.opaque_rpc import (
+    Channel,
+    CommunicationChannel,
+    OpaqueRpc,
+    ProxyServant,
+)
 
-from . import MotorBoard, tagWheelState as tagWheelState_
 from ._types import tagWheelState
-from ._views import idl_tagWheelState
-from .components.motor_board_marshaller import MotorBoardMarshallerBase
+from ._views import idl_tagWheelState, tagWheelState as tagWheelState_
 from .motor_board_codec import MotorBoardCodec
 from .motor_board_server import MotorBoardTarget
+
+MotorBoard_DoubleSeq2: TypeAlias = list[float]
+_MotorBoard_DoubleSeq2_alias = idl.alias(
+    "MotorBoard::DoubleSeq2",
+    idl.sequence(idl.DOUBLE, 2),
+)
+
+
+class MotorBoard_DoubleSeq2Codec(AliasCodec[MotorBoard_DoubleSeq2]):
+    """The codec of `MotorBoard::DoubleSeq2`."""
+
+    _descriptor_: ClassVar = _MotorBoard_DoubleSeq2_alias
+
+
+class MotorBoard(Servant):
+    """Two driven wheels."""
+
+    _descriptor_: ClassVar[InterfaceDescriptor] = InterfaceDescriptor(
+        "IDL:MotorBoard:1.0",
+        "MotorBoard",
+        (
+            "long identify(out string name)",
+            "long setLimits(in double speed, in double acceleration)",
+            "long drive(in MotorBoard::DoubleSeq2 speed, in long count, out tagWheelState state)",
+            "long getState(out tagWheelState state)",
+            "oneway void stop()",
+            "long release()",
+        ),
+        (),
+    )
+    DoubleSeq2: TypeAlias = MotorBoard_DoubleSeq2
+    DoubleSeq2Codec: TypeAlias = MotorBoard_DoubleSeq2Codec
+
+    @abstractmethod
+    def identify(self) -> tuple[int, str]:
+        """The name and the version of the board."""
+
+    @abstractmethod
+    def setLimits(self, speed: float, acceleration: float) -> int:
+        """The greatest speed [rad/s] and acceleration [rad/s^2] of a wheel."""
+
+    @abstractmethod
+    def drive(
+        self,
+        speed: MotorBoard_DoubleSeq2,
+        count: int,
+    ) -> tuple[int, tagWheelState_]:
+        """Gives the speeds that the wheels are to have [rad/s], and feeds the watchdog with them."""
+
+    @abstractmethod
+    def getState(self) -> tuple[int, tagWheelState_]:
+        """Looks at the wheels; does not feed the watchdog."""
+
+    @abstractmethod
+    @operation(oneway=True)
+    def stop(self) -> None:
+        """Holds the wheels, at once and until release. Not answered."""
+
+    @abstractmethod
+    def release(self) -> int:
+        """Lets the stopped wheels turn again."""
+
+
+class MotorBoardStub(MotorBoard, Stub):
+    """Calls a servant of `MotorBoard` through an invoker."""
+
+
+class MotorBoardSkeleton(Skeleton, interface=MotorBoard):
+    """Calls a servant of `MotorBoard` by operation name."""
+
+
+MotorBoard._calls_ = ".motor_board_marshaller_calls"
+
+
+class MotorBoardMarshallerBase(Component):
+    """Carries calls of sMotorBoard to a TECS board."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="MotorBoardMarshaller",
+        kind="DataFlowComponent",
+        category="TECS",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Carries calls of sMotorBoard to a TECS board",
+        rate=10.0,
+        max_instances=0,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            service_port(
+                "provider",
+                "motor_board",
+                MotorBoard,
+                "What sMotorBoard offers.",
+            ),
+            service_port(
+                "consumer",
+                "communication",
+                OpaqueRpc,
+                "The board's channel.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.motor_board = self.add_provider("motor_board", "motor_board", MotorBoard)
+        """What sMotorBoard offers."""
+        self.communication = self.add_consumer(
+            "communication",
+            "communication",
+            OpaqueRpc,
+        )
+        """The board's channel."""
+
+
+class MotorBoardClientBase(Component):
+    """Calls sMotorBoard of a TECS board."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="MotorBoardClient",
+        kind="DataFlowComponent",
+        category="TECS",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Calls sMotorBoard of a TECS board",
+        rate=10.0,
+        max_instances=0,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            service_port(
+                "consumer",
+                "motor_board",
+                MotorBoard,
+                "What sMotorBoard offers.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.motor_board = self.add_consumer("motor_board", "motor_board", MotorBoard)
+        """What sMotorBoard offers."""
 
 
 class MotorBoardProxy(MotorBoardTarget):
@@ -50,7 +212,7 @@ class _MotorBoardServant(ProxyServant, MotorBoard):
 
     def drive(
         self,
-        speed: MotorBoard.DoubleSeq2,
+        speed: MotorBoard_DoubleSeq2,
         count: int,
     ) -> tuple[int, tagWheelState_]:
         returned, state_out = self._proxy.drive(speed, count)

@@ -5,23 +5,24 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from rtgen.backends import Artifact, Emission, Options
-from rtgen.backends.canopen.device_module import device_text
+from rtgen.backends.canopen.device_module import device_module
 from rtgen.backends.canopen.eds_text import eds_text
 from rtgen.backends.canopen.idl_file import idl_of
 from rtgen.backends.canopen.mirror import mirrored
 from rtgen.backends.canopen.network_files import network_files
-from rtgen.backends.canopen.objects_module import objects_text
-from rtgen.backends.canopen.proxy_module import proxy_text
+from rtgen.backends.canopen.objects_module import objects_module
+from rtgen.backends.canopen.proxy_module import proxy_module
 from rtgen.backends.canopen.shared_files import shared_files
-from rtgen.backends.kit.python_text import header, header_comment
-from rtgen.lowering.canopen.kinds import file_name, folder_of, kinds_of
+from rtgen.backends.kit.python_module import PythonModule
+from rtgen.backends.kit.python_text import header
+from rtgen.lowering.canopen.kinds import file_name, kinds_of, package_of
 from rtgen.model import Component, Model
 from rtgen.typemap.canopen_ports import DevicePorts
 from rtgen.typemap.idl_python_names import PythonNames
 
 
 class CanopenBackend:
-    """Makes a package for each kind of device, and a module for each network."""
+    """Makes the tables of devices, their proxies and slaves, and a module for each network."""
 
     name = "canopen"
 
@@ -56,40 +57,30 @@ class _Devices:
 
     def _device(self, ports: DevicePorts) -> Iterator[Artifact]:
         device, module = ports.device, ports.module
-        folder = f"{self._options.folder}/canopen/{folder_of(ports.kind)}"
-        sources = [device.key]
-        comment = header_comment(self._options.version, sources)
-        lines = header(self._options.version, sources)
+        folder = f"{self._options.folder}/{package_of(ports.kind)}"
+        lines = header(self._options.version, [device.key])
 
         def file(name: str, text: str) -> Artifact:
             return Artifact(f"{folder}/{name}", text, (device.key,))
 
         idl = "".join(f"// {line}\n" for line in lines)
         yield file(file_name(ports), f"{idl}\n{idl_of(ports)}")
-        objects = objects_text(module, ports.kind, ports.names, comment)
-        yield file("__init__.py", objects)
-        yield file("proxy.py", self._component(proxy_text, ports, "Proxy", comment))
-        yield file("device.py", self._component(device_text, ports, "Device", comment))
+        yield objects_module(f"{folder}/__init__.py", ports, self._options)
+        yield self._component(proxy_module, ports, "Proxy")
+        yield self._component(device_module, ports, "Device")
         name = f"{module}Proxy.eds"
         yield file(name, eds_text(mirrored(device, name), lines))
 
     def _component(
         self,
-        text: Callable[
-            [Model, PythonNames, Component, DevicePorts, Options, str, str], str
+        module: Callable[
+            [Model, PythonNames, Component, DevicePorts, Options, str], PythonModule
         ],
         ports: DevicePorts,
         suffix: str,
-        comment: str,
-    ) -> str:
+    ) -> PythonModule:
         component = self._model.find((f"{ports.module}{suffix}",))
         assert isinstance(component, Component)
-        return text(
-            self._model,
-            self._names,
-            component,
-            ports,
-            self._options,
-            comment,
-            self._networks,
+        return module(
+            self._model, self._names, component, ports, self._options, self._networks
         )

@@ -1,4 +1,4 @@
-"""Common parts of the modules `proxy` and `device`: names of types, ports, members; imports."""
+"""Common parts of the proxy and the slave of a device: names of types, ports, members; imports."""
 
 from __future__ import annotations
 
@@ -7,42 +7,22 @@ from collections.abc import Collection, Iterable
 from rtgen.backends import Options
 from rtgen.backends.canopen.conversions import from_codec, from_object, is_plain, stamp
 from rtgen.backends.canopen.literals import call
-from rtgen.backends.components.imports import Imports, import_from
+from rtgen.backends.components.base_module import component_imports
+from rtgen.backends.components.locations import module_path
 from rtgen.backends.components.members import attributes_of
-from rtgen.backends.kit.python_text import fit_text
-from rtgen.backends.kit.quoting.python import docstring
+from rtgen.backends.kit.python_module import (
+    Import,
+    PythonModule,
+    imports_from,
+    python_module,
+)
+from rtgen.lowering.canopen.kinds import package_of
 from rtgen.model import Component, Model, NamedType, ScopedName, Struct
 from rtgen.model.canopen import PdoDirection
 from rtgen.typemap.canopen_ports import DevicePorts, ObjectPort, PdoSample, Quantity
 from rtgen.typemap.idl_python_names import PythonNames
 
 TIME = ("RTC", "Time")
-
-_TAKEN = frozenset(
-    {
-        *("annotations", "Any", "Callable", "Iterator", "Mapping", "cast"),
-        *("DESCRIPTION", "Gathering", "Getter", "Incoming", "Inlet", "Outgoing"),
-        *("ObjectNumber", "ObjectValue", "Receiver", "Sender", "Setter", "unread"),
-        *("_pdo", "codecs", "data", "dict", "divmod", "get", "instance_name", "int"),
-        *(
-            "CONFIGURATION",
-            "REMAPPED",
-            "replace",
-            "bytes",
-            "now",
-            "port",
-            "sample",
-            "self",
-            "set_",
-            "str",
-            "super",
-            "tuple",
-        ),
-        *("value", "values"),
-    }
-)
-STANDARD = ("collections.abc", "dataclasses", "struct", "typing")
-"""Modules of the standard library from which names are imported."""
 
 
 class ComponentModule:
@@ -57,12 +37,11 @@ class ComponentModule:
         options: Options,
         taken: Collection[str],
     ) -> None:
+        self._options = options
         self.ports = ports
         self.component = component
         self.names = names
-        self.types = Imports(
-            model, self.names, "...", _TAKEN.union(taken), options.external
-        )
+        self.types = component_imports(model, names, component, taken)
         self.attributes = {
             (port.kind.value, port.name): name
             for port, name in attributes_of(component).ports
@@ -72,14 +51,14 @@ class ComponentModule:
             for parameter, name in attributes_of(component).configuration
         }
         self.model = model
-        self._imported: set[tuple[str, str]] = set()
+        self._imported: set[Import] = set()
 
     # Names.
 
-    def use(self, module: str, name: str) -> str:
-        """The name, imported from a module."""
-        self._imported.add((module, name))
-        return name
+    def use(self, module: str, name: str, local: str = "") -> str:
+        """Return a name imported from a module, as `local` if that is given."""
+        self._imported.add(Import(module, name, local or name))
+        return local or name
 
     @property
     def time(self) -> str:
@@ -141,45 +120,24 @@ class ComponentModule:
 
     # Text.
 
-    def text(
-        self,
-        header: str,
-        title: str,
-        body: str,
-        relative: list[str],
-        *,
-        starts_small: bool = False,
-    ) -> str:
-        """The module: `relative` are further import statements, in order.
-
-        `starts_small`: the body begins with statements, not with a class.
-        """
+    def module(
+        self, title: str, body: str, *, tables: Iterable[str], defines: Iterable[str]
+    ) -> PythonModule:
+        """Return the part of the module; `tables` are names of the device's package."""
+        device = f"{self.names.package}.{package_of(self.ports.kind)}"
         if "_pdo." in body:
-            self.use("rtgen.runtime.canopen", "pdo as _pdo")
-        modules: dict[str, set[str]] = {}
-        for module, name in self._imported:
-            modules.setdefault(module, set()).add(name)
-        standard = [
-            import_from(m, n) for m, n in sorted(modules.items()) if m in STANDARD
-        ]
-        runtime = [
-            import_from(m, n) for m, n in sorted(modules.items()) if m not in STANDARD
-        ]
-        own = sorted([*self.types.lines(), *relative], key=_relative_order)
-        blocks = ["from __future__ import annotations"]
-        blocks += ["\n".join(block) for block in (standard, runtime, own) if block]
-        return fit_text(
-            header
-            + docstring(title, 0)
-            + "\n"
-            + "\n\n".join(blocks)
-            + ("\n\n" if starts_small else "\n\n\n")
-            + body
+            self.use("rtgen.runtime.canopen", "pdo", "_pdo")
+        return python_module(
+            module_path(self.names.package, self.component),
+            self._options.package,
+            self._options.version,
+            [self.ports.device.key],
+            title,
+            imports=[
+                *self._imported,
+                *self.types.imports(),
+                *imports_from(device, tables),
+            ],
+            body=body,
+            defines=defines,
         )
-
-
-def _relative_order(statement: str) -> tuple[int, str]:
-    """The order of isort: imports from outer packages first."""
-    module = statement.split()[1]
-    depth = len(module) - len(module.lstrip("."))
-    return -depth, module.lower()

@@ -1,4 +1,4 @@
-"""The module `device` of a device: its component, without ports and configuration."""
+"""The part of a device's component besides its base: its slave, without ports and configuration."""
 
 from __future__ import annotations
 
@@ -8,29 +8,27 @@ from rtgen.backends import Options
 from rtgen.backends.canopen.component_module import ComponentModule
 from rtgen.backends.canopen.conversions import to_object
 from rtgen.backends.canopen.literals import items, number
-from rtgen.backends.canopen.objects_module import class_name
+from rtgen.backends.kit.python_module import PythonModule
 from rtgen.backends.kit.quoting.python import docstring, string_literal
 from rtgen.model import Component, Model
 from rtgen.model.canopen import PdoDirection
+from rtgen.typemap.canopen_names import table_class
 from rtgen.typemap.canopen_ports import DevicePorts, ObjectPort, PdoSample, Quantity
 from rtgen.typemap.idl_python_names import PythonNames
 
 _HOOKS = "rtgen.runtime.canopen.hooks"
 
 
-def device_text(
+def device_module(
     model: Model,
     names: PythonNames,
     component: Component,
     ports: DevicePorts,
     options: Options,
-    header: str,
     networks: str,
-) -> str:
+) -> PythonModule:
     """The module. `networks` is the package of the networks, empty if there is none."""
-    return _DeviceModule(model, names, component, ports, options).device(
-        header, networks
-    )
+    return _DeviceModule(model, names, component, ports, options).device(networks)
 
 
 class _DeviceModule(ComponentModule):
@@ -43,13 +41,12 @@ class _DeviceModule(ComponentModule):
         options: Options,
     ) -> None:
         self._name = f"{ports.module}Slave"
-        self._objects = class_name(ports.module)
-        taken = {self._name, self._objects, "CanopenDevice"}
-        super().__init__(model, names, component, ports, options, taken)
+        self._objects = table_class(ports.module)
+        super().__init__(model, names, component, ports, options, {self._objects})
         self._received = ports.of(PdoDirection.RPDO)
         self._sent = ports.of(PdoDirection.TPDO)
 
-    def device(self, header: str, networks: str) -> str:
+    def device(self, networks: str) -> PythonModule:
         """The whole module."""
         self.use("rtgen.runtime.canopen.node.device", "CanopenDevice")
         self.use("collections.abc", "Mapping")
@@ -81,9 +78,10 @@ class _DeviceModule(ComponentModule):
             body += self._incoming(sample)
         for _, _, function in outgoing:
             body += function
-        relative = [f"from . import DESCRIPTION, {self._objects}"]
         title = f"The device of `{self.ports.device.key}` as a component."
-        return self.text(header, title, "\n".join(body) + "\n", relative)
+        tables = ["DESCRIPTION", self._objects]
+        text = "\n".join(body)
+        return self.module(title, text, tables=tables, defines=[self._name])
 
     def _incoming(self, sample: PdoSample) -> Iterator[str]:
         self.use(_HOOKS, "Getter")

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from rtgen.backends import Options
 from rtgen.backends.components.imports import Imports
-from rtgen.backends.kit.python_text import fit_text
-from rtgen.backends.kit.quoting.python import docstring, string_literal
-from rtgen.model import Model
+from rtgen.backends.components.locations import base_location
+from rtgen.backends.kit.python_module import (
+    PythonModule,
+    imports_from,
+    python_module,
+)
+from rtgen.backends.kit.quoting.python import string_literal
+from rtgen.model import Component, Model
 from rtgen.typemap.idl_python_names import PythonNames
 
 NAME = "CanopenManager"
@@ -29,25 +34,31 @@ _COMMANDS = (
 """Operations of CANopen::Manager, and the NMT commands that they send."""
 
 
-def manager_text(
-    model: Model, names: PythonNames, options: Options, header: str, networks: str
-) -> str:
+def manager_module(
+    model: Model,
+    names: PythonNames,
+    options: Options,
+    origin: Sequence[str],
+    networks: str,
+) -> PythonModule:
     """The module. `networks` is the package of the networks."""
-    types = Imports(model, names, "..", _TAKEN, options.external)
-    body = [*_component(types, networks), "", "", *_service(types)]
-    imports = [*types.lines(), f"from ..components.canopen_manager import {NAME}Base"]
-    head = [
-        "from __future__ import annotations",
-        "",
-        "from rtgen.runtime.canopen.master.managed_node import NodeReport",
-        "from rtgen.runtime.canopen.wire.nmt import NmtCommand",
-        "",
-        *sorted(imports, key=lambda line: line.split()[1].lower()),
-        "",
-        "",
-    ]
-    title = docstring("The manager of the CANopen networks.", 0)
-    return fit_text(f"{header}{title}\n" + "\n".join([*head, *body]) + "\n")
+    types = Imports(model, names, _TAKEN)
+    component = model.find((NAME,))
+    assert isinstance(component, Component)
+    return python_module(
+        f"{options.folder}/canopen/manager.py",
+        options.package,
+        options.version,
+        origin,
+        "The manager of the CANopen networks.",
+        body="\n".join([*_component(types, networks), "", "", *_service(types)]),
+        imports=[
+            *imports_from("rtgen.runtime.canopen.master.managed_node", ["NodeReport"]),
+            *imports_from("rtgen.runtime.canopen.wire.nmt", ["NmtCommand"]),
+            *imports_from(base_location(options.package, component), [f"{NAME}Base"]),
+            *types.imports(),
+        ],
+    )
 
 
 def _component(types: Imports, networks: str) -> Iterator[str]:

@@ -1,11 +1,12 @@
-"""The package of a device: the typed table of its objects, and its description."""
+"""The part of a device's package besides its types: the typed table of objects, the description."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from msgspec.structs import replace
 
+from rtgen.backends import Options
 from rtgen.backends.canopen.literals import (
     call,
     items,
@@ -14,7 +15,11 @@ from rtgen.backends.canopen.literals import (
     number,
     octets_literal,
 )
-from rtgen.backends.components.imports import import_from
+from rtgen.backends.kit.python_module import (
+    Import,
+    PythonModule,
+    python_module,
+)
 from rtgen.backends.kit.python_text import fit
 from rtgen.backends.kit.quoting.python import docstring, string_literal
 from rtgen.layouts.can_startup import StartWrite, configuration, configured
@@ -31,13 +36,15 @@ from rtgen.model.canopen import (
     Variable,
 )
 from rtgen.typemap.canopen_labels import line
-from rtgen.typemap.canopen_names import identifier
+from rtgen.typemap.canopen_names import TABLES, identifier, table_class
+from rtgen.typemap.canopen_ports import DevicePorts
 from rtgen.typemap.canopen_values import kind, object_value, python_type
 
-REMAPPED = "REMAPPED"
-"""The name of the PDOs of the configured device."""
-CONFIGURATION = "CONFIGURATION"
-"""The name of the writes that configure the device."""
+DESCRIPTION, CONFIGURATION, REMAPPED = TABLES
+"""The description, the writes that configure the device, and its PDOs after them."""
+
+_OWN = "_"
+"""The prefix of imported names, with which no name of an object or type begins."""
 
 _CLASSES = {
     "bool": "Boolean",
@@ -52,31 +59,18 @@ _MAPPING = 0x200
 _EVENT_DRIVEN = 255
 
 
-def class_name(module: str) -> str:
-    """The name of the class with the typed values."""
-    return f"{module}Objects"
-
-
-def objects_text(
-    module: str, kind: DeviceKind, names: Mapping[tuple[int, int], str], header: str
-) -> str:
-    """The module. `names` are the fields of the variables by index and sub-index."""
+def objects_module(path: str, ports: DevicePorts, options: Options) -> PythonModule:
+    """Return the part of the module at the path."""
+    module, kind, names = ports.module, ports.kind, ports.names
     remapped = configured(kind).pdos if is_remapped(kind) else ()
     writes = configuration(kind)
     device = as_delivered(kind.device)
     used = ["DeviceDescription"]
-    used += ["PdoDescription"] * bool(device.pdos)
+    used += ["PdoDescription"] * bool(device.pdos or remapped)
     used += ["Write"] * bool(writes)
+    entries = {_class(variable) for variable in device.variables}
     lines = [
-        header + docstring(f"The object dictionary of `{device.key}`.", 0).rstrip("\n"),
-        "",
-        "from __future__ import annotations",
-        "",
-        fit(f"from rtgen.runtime.canopen.description import {', '.join(used)}"),
-        fit(import_from("rtgen.runtime.canopen.objects", _imported(device))),
-        "",
-        "",
-        fit(f"class {class_name(module)}(Objects):"),
+        fit(f"class {table_class(module)}({_OWN}Objects):"),
         docstring(
             f"The values of {module}'s object dictionary, as they are on the wire.", 4
         ),
@@ -89,16 +83,27 @@ def objects_text(
         *_remapped(remapped, device),
         *_configuration(writes),
     ]
-    return "\n".join(lines).rstrip("\n") + "\n"
+    return python_module(
+        path,
+        options.package,
+        options.version,
+        [device.key],
+        f"The device of `{device.key}`: types of its ports, its objects, its description.",
+        imports=[
+            *_imports("description", used),
+            *_imports("objects", ["Objects", "descriptions", *entries]),
+        ],
+        body="\n".join(lines),
+    )
 
 
 def _description(module: str, device: Device) -> str:
     info = device.info
     return call(
-        "DeviceDescription",
+        f"{_OWN}DeviceDescription",
         name=string_literal(module),
-        objects=call("descriptions", class_name(module)),
-        pdos=items([pdo_text(pdo, device) for pdo in device.pdos]),
+        objects=call(f"{_OWN}descriptions", table_class(module)),
+        pdos=items([pdo_text(pdo, device, prefix=_OWN) for pdo in device.pdos]),
         vendor_id=_hex(identity_of(device, 1)),
         product_code=_hex(identity_of(device, 2)),
         revision_number=_hex(identity_of(device, 3)),
@@ -119,14 +124,14 @@ def is_remapped(kind: DeviceKind) -> bool:
 def _configuration(writes: Sequence[StartWrite]) -> Iterator[str]:
     if writes:
         yield ""
-        yield fit(f"{CONFIGURATION} = {items([write_text(w) for w in writes])}")
+        yield fit(f"{CONFIGURATION} = {items([write_text(w, _OWN) for w in writes])}")
         yield '"""What a master writes to a node that is in no network."""'
 
 
-def write_text(write: StartWrite) -> str:
-    """A write as `Write(...)`."""
+def write_text(write: StartWrite, prefix: str = "") -> str:
+    """Return a write as `Write(...)`; `prefix` is that of the imported name."""
     return call(
-        "Write",
+        f"{prefix}Write",
         f"0x{write.variable.index:04X}",
         str(write.variable.subindex),
         octets_literal(write.value),
@@ -137,7 +142,7 @@ def write_text(write: StartWrite) -> str:
 
 def _remapped(pdos: Sequence[Pdo], device: Device) -> Iterator[str]:
     if pdos:
-        texts = [pdo_text(pdo, device) for pdo in pdos]
+        texts = [pdo_text(pdo, device, prefix=_OWN) for pdo in pdos]
         yield ""
         yield fit(f"{REMAPPED} = {items(texts)}")
         yield '"""The PDOs as the description, and the mappings of the kind, configure them."""'
@@ -206,7 +211,7 @@ def _entry(variable: Variable, device: Device) -> str:
     relative = isinstance(variable.current, NodeRelative)
     default = _default_text(variable, value, relative)
     return call(
-        f"_{_class(variable)}",
+        f"{_OWN}{_class(variable)}",
         string_literal(kind(variable.data_type)),
         number(variable.index, variable.subindex),
         string_literal(variable.access.value),
@@ -234,7 +239,9 @@ def _limit(value: int | float | NodeRelative | None) -> str:
     return "" if value is None or isinstance(value, NodeRelative) else literal(value)
 
 
-def pdo_text(pdo: Pdo, device: Device, node_id: int | None = None) -> str:
+def pdo_text(
+    pdo: Pdo, device: Device, node_id: int | None = None, prefix: str = ""
+) -> str:
     """A PDO as a `PdoDescription`; with a node-id, with the COB-ID of that node."""
     given = pdo.cob_id
     relative = isinstance(given, NodeRelative)
@@ -244,7 +251,7 @@ def pdo_text(pdo: Pdo, device: Device, node_id: int | None = None) -> str:
     used = device.find(communication(pdo) + _MAPPING, 0)
     transmission = pdo.transmission_type
     return call(
-        "PdoDescription",
+        f"{prefix}PdoDescription",
         string_literal(pdo.direction.value),
         str(pdo.number),
         "None" if cob_id is None else _signed_hex(cob_id),
@@ -271,10 +278,10 @@ def _class(variable: Variable) -> str:
     return _CLASSES[python_type(variable.data_type)]
 
 
-def _imported(device: Device) -> list[str]:
-    """The imports from the runtime; classes get a leading `_`, which no object's name has."""
-    classes = {_class(variable) for variable in device.variables}
-    return ["Objects", "descriptions", *(f"{name} as _{name}" for name in classes)]
+def _imports(module: str, names: Iterable[str]) -> Iterator[Import]:
+    """Yield the imports of names of the runtime, under names that no definition has."""
+    for name in names:
+        yield Import(f"rtgen.runtime.canopen.{module}", name, f"{_OWN}{name}")
 
 
 def _entries(device: Device, names: Mapping[tuple[int, int], str]) -> Iterator[str]:

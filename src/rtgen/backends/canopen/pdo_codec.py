@@ -36,11 +36,11 @@ class PdoCodec:
 
 
 IMPORTS = (
-    ("struct", "Struct as _Struct"),
-    ("struct", "error as _error"),
-    ("rtgen.runtime.canopen", "pdo as _pdo"),
+    ("struct", "Struct", "_Struct"),
+    ("struct", "error", "_error"),
+    ("rtgen.runtime.canopen", "pdo", "_pdo"),
 )
-"""The names that the codecs use: the module and what is imported from it."""
+"""The names used by codecs: the module, the name there, and the name in the text."""
 
 
 def codecs_text(decoded: Sequence[PdoCodec], encoded: Sequence[PdoCodec]) -> str:

@@ -1,4 +1,4 @@
-"""The module `proxy` of a device: its complete proxy component."""
+"""The part of a device's proxy besides its base: the complete component, the codecs of PDOs."""
 
 from __future__ import annotations
 
@@ -11,20 +11,21 @@ from rtgen.backends.canopen.literals import call, items, literal, number
 from rtgen.backends.canopen.objects_module import (
     CONFIGURATION,
     REMAPPED,
-    class_name,
     is_remapped,
 )
 from rtgen.backends.canopen.pdo_codec import IMPORTS, PdoCodec, codecs_text
+from rtgen.backends.components.locations import base_location
+from rtgen.backends.kit.python_module import PythonModule
 from rtgen.backends.kit.quoting.python import docstring, number_literal, string_literal
 from rtgen.layouts.can_startup import configuration
 from rtgen.lowering.canopen.components import SERVICE_PORT
 from rtgen.lowering.canopen.kinds import service_of
 from rtgen.model import Component, Interface, Model, PortKind
 from rtgen.model.canopen import NodeRelative, PdoDirection
+from rtgen.typemap.canopen_names import table_class
 from rtgen.typemap.canopen_ports import DevicePorts, ObjectPort, PdoSample, Quantity
 from rtgen.typemap.canopen_values import kind, object_value, python_type
 from rtgen.typemap.idl_python_names import PythonNames
-from rtgen.typemap.python_names import module_name
 
 _HOOKS = "rtgen.runtime.canopen.hooks"
 _SAMPLES = "rtgen.runtime.canopen.port_samples"
@@ -46,17 +47,16 @@ _ZEROS = {
 }
 
 
-def proxy_text(
+def proxy_module(
     model: Model,
     names: PythonNames,
     component: Component,
     ports: DevicePorts,
     options: Options,
-    header: str,
     networks: str,
-) -> str:
+) -> PythonModule:
     """The module. `networks` is the package of the networks, empty if there is none."""
-    return _ProxyModule(model, names, component, ports, options).proxy(header, networks)
+    return _ProxyModule(model, names, component, ports, options).proxy(networks)
 
 
 class _ProxyModule(ComponentModule):
@@ -70,10 +70,9 @@ class _ProxyModule(ComponentModule):
     ) -> None:
         name = component.name[-1]
         codecs = {f"{c}_{s.name}" for c in ("decode", "encode") for s in ports.samples}
-        self._objects = class_name(ports.module)
+        self._objects = table_class(ports.module)
         self._servant_name = f"_{service_of(ports.kind)[-1]}"
-        own = {name, f"{name}Base", self._servant_name, "SdoService", self._objects}
-        taken = {*own, "over_sdo", *codecs}
+        taken = {name, self._servant_name, self._objects, *codecs}
         super().__init__(model, names, component, ports, options, taken)
         self._name = name
         self._received = ports.of(PdoDirection.TPDO)
@@ -84,7 +83,7 @@ class _ProxyModule(ComponentModule):
         if configuration(ports.kind):
             self._changes["configuration"] = CONFIGURATION
 
-    def proxy(self, header: str, networks: str) -> str:
+    def proxy(self, networks: str) -> PythonModule:
         """The whole module."""
         body = [
             f"class {self._name}({self._name}Base):",
@@ -103,21 +102,17 @@ class _ProxyModule(ComponentModule):
             body += self._send(sample)
         body += self._servant()
         tables = ["DESCRIPTION", self._objects, *self._changes.values()]
-        relative = [
-            f"from ...components.{module_name(self._name)} import {self._name}Base",
-            f"from . import {', '.join(sorted(tables))}",
-        ]
+        self.use(base_location(self.names.package, self.component), f"{self._name}Base")
         title = f"The proxy of `{self.ports.device.key}`, with the codecs of its PDOs."
-        codecs = self._codecs()
-        text = "\n".join([*codecs, *body]) + "\n"
-        return self.text(header, title, text, relative, starts_small=bool(codecs))
+        text = "\n".join([*self._codecs(), *body])
+        return self.module(title, text, tables=tables, defines=[self._name])
 
     def _codecs(self) -> list[str]:
         """The functions from octets to values for TPDOs, from values to octets for RPDOs."""
         if not self.ports.samples:
             return []
-        for module, name in IMPORTS:
-            self.use(module, name)
+        for module, name, local in IMPORTS:
+            self.use(module, name, local)
         return [codecs_text(_codecs(self._received), _codecs(self._sent)), "", ""]
 
     # The class.

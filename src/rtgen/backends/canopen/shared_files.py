@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rtgen.backends import Artifact, Options
-from rtgen.backends.canopen.manager_module import manager_text
-from rtgen.backends.kit.python_text import header, header_comment
+from rtgen.backends.canopen.manager_module import manager_module
+from rtgen.backends.kit.python_module import python_module
+from rtgen.backends.kit.python_text import header
 from rtgen.model import Model
 from rtgen.resources import idl_file
 from rtgen.typemap.idl_python_names import PythonNames
@@ -23,10 +24,16 @@ def shared_files(
     if options.target == "openrtm":
         yield from _shared_idl(model, options, folder)
     if networks:
-        origin = tuple(bus.key for bus in model.buses)
-        comment = header_comment(options.version, origin)
-        text = manager_text(model, names, options, comment, networks)
-        yield Artifact(f"{folder}/manager.py", text, origin)
+        origin = [bus.key for bus in model.buses]
+        yield python_module(
+            f"{folder}/__init__.py",
+            options.package,
+            options.version,
+            origin,
+            "The CANopen networks and their manager.",
+            plain=True,
+        )
+        yield manager_module(model, names, options, origin, networks)
 
 
 def _shared_idl(model: Model, options: Options, folder: str) -> Iterator[Artifact]:

@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from rtgen.backends import Options
-from rtgen.backends.components.imports import Imports, import_from
-from rtgen.backends.components.locations import heading, source_of, summary
+from rtgen.backends.components.imports import Imports
+from rtgen.backends.components.locations import (
+    base_location,
+    heading,
+    imported_from,
+    module_path,
+    summary,
+)
 from rtgen.backends.components.members import Attributes, attributes_of
-from rtgen.backends.kit.python_text import fit_text, header_comment
+from rtgen.backends.kit.python_module import (
+    Import,
+    PythonModule,
+    imports_from,
+    python_module,
+)
 from rtgen.backends.kit.quoting.python import docstring, number_literal, string_literal
 from rtgen.backends.kit.rendering import render
 from rtgen.facts.constraints import parse, text_of
@@ -31,12 +42,9 @@ from rtgen.model import (
 from rtgen.typemap.component_names import CONFIGURATION_NAMES
 from rtgen.typemap.idl_python_names import PythonNames
 from rtgen.typemap.parameters import Parameters
+from rtgen.typemap.python_support import BASE_NAMES, CANOPEN_NAMES
 
-_TAKEN = CONFIGURATION_NAMES | {
-    *("Component", "ComponentProfile", "ParameterProfile", "ClassVar"),
-    *("data_port", "service_port"),
-    *("annotations", "dataclass", "super", "self", "instance_name"),
-}
+_TAKEN = CONFIGURATION_NAMES | BASE_NAMES | {"super", "self", "instance_name"}
 _FLOATING = (PrimitiveType(Primitive.FLOAT), PrimitiveType(Primitive.DOUBLE))
 _ADD = {PortKind.INPORT: "add_in_port", PortKind.OUTPORT: "add_out_port"}
 _PROFILES = {
@@ -64,18 +72,26 @@ def class_names(component: Component) -> tuple[str, str]:
 
 
 def attribute_names(
-    model: Model, names: PythonNames, component: Component, options: Options
+    model: Model, names: PythonNames, component: Component
 ) -> Attributes:
     """The attributes for ports and parameters, for all targets."""
-    return _attributes(model, component, _imports(model, names, component, options))
+    return _attributes(model, component, component_imports(model, names, component))
 
 
-def _imports(
-    model: Model, names: PythonNames, component: Component, options: Options
+def component_imports(
+    model: Model,
+    names: PythonNames,
+    component: Component,
+    further: Collection[str] = (),
 ) -> Imports:
-    runtime_base = component.runtime_base.partition(":")[2]
-    taken = _TAKEN | {*class_names(component), runtime_base}
-    return Imports(model, names, "...", taken, options.external)
+    """Return the imports of the module with the base of a component.
+
+    `further` are names of definitions that no module may bind.
+    """
+    taken = _TAKEN | {*class_names(component), *further}
+    if component.runtime_base:
+        taken |= CANOPEN_NAMES | {component.runtime_base.partition(":")[2]}
+    return Imports(model, names, taken, base_location(names.package, component))
 
 
 def _attributes(model: Model, component: Component, imports: Imports) -> Attributes:
@@ -85,10 +101,14 @@ def _attributes(model: Model, component: Component, imports: Imports) -> Attribu
 
 
 def base_module(
-    model: Model, names: PythonNames, component: Component, options: Options
-) -> str:
-    """The complete module of a component without errors."""
-    return _BaseModule(model, names, component, options).text()
+    model: Model,
+    names: PythonNames,
+    component: Component,
+    options: Options,
+    origin: Sequence[str],
+) -> PythonModule:
+    """Return the module of a component without errors; `origin` are the keys of its inputs."""
+    return _BaseModule(model, names, component, options).module(origin)
 
 
 class _BaseModule:
@@ -101,46 +121,52 @@ class _BaseModule:
         self._parameters = Parameters(model)
         self._base, self._configuration = class_names(component)
         self._names = names
-        self._imports = _imports(model, names, component, options)
+        self._imports = component_imports(model, names, component)
 
-    def text(self) -> str:
+    def module(self, origin: Sequence[str]) -> PythonModule:
         component = self._component
         attributes = _attributes(self._model, component, self._imports)
         fields = [self._field(p, name) for p, name in attributes.configuration]
         ports = [self._port(port, name) for port, name in attributes.ports]
-        source = source_of(self._model, component)
         title = heading(component)
-        runtime = [] if component.runtime_base else ["Component"]
-        runtime += ["ComponentProfile"]
-        runtime += ["ParameterProfile"] * bool(fields)
-        runtime += sorted({_PROFILES[port.kind] for port, _ in attributes.ports})
-        of_runtime, local, runtime_base = self._runtime_base()
-        text = render(
+        runtime_base = self._runtime_base()
+        body = render(
             "components/base.py.j2",
-            header=header_comment(self._options.version, [source.key]),
-            docstring=docstring(title, 0),
             class_docstring=docstring(component.doc, 4, title),
-            runtime_imports=[import_from("rtgen.runtime", runtime), *of_runtime],
-            imports=sorted([*self._imports.lines(), *local]),
-            runtime_base=runtime_base,
+            runtime_base=runtime_base.name,
             name=component.name[-1],
             base=self._base,
             configuration=self._configuration,
             fields=fields,
-            needs_field=any("= field(" in field.text for field in fields),
             ports=ports,
             profile=self._profile(attributes),
         )
-        return fit_text(text)
+        runtime = ["ComponentProfile", *["ParameterProfile"] * bool(fields)]
+        runtime += {_PROFILES[port.kind] for port, _ in attributes.ports}
+        of_fields = ["dataclass"] * bool(fields)
+        of_fields += ["field"] * any("= field(" in field.text for field in fields)
+        return python_module(
+            module_path(self._names.package, component),
+            self._names.package,
+            self._options.version,
+            origin,
+            title,
+            imports=[
+                *imports_from("typing", ["ClassVar"]),
+                *imports_from("dataclasses", of_fields),
+                *imports_from("rtgen.runtime", runtime),
+                runtime_base,
+                *self._imports.imports(),
+            ],
+            body=body,
+            defines=[self._base, self._configuration],
+        )
 
-    def _runtime_base(self) -> tuple[list[str], list[str], str]:
-        """The import of the parent class, from the runtime or generated; returns its name."""
-        if not self._component.runtime_base:
-            return [], [], "Component"
-        module, name = self._component.runtime_base.split(":")
-        if not module.startswith("."):
-            return [import_from(module, [name])], [], name
-        return [], [import_from(f"..{module}", [name])], name
+    def _runtime_base(self) -> Import:
+        """Return the parent class, of the runtime or generated."""
+        parent = self._component.runtime_base or "rtgen.runtime:Component"
+        module, name = imported_from(self._options, parent)
+        return Import(module, name, name)
 
     # The configuration class.
 

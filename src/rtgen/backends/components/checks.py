@@ -47,6 +47,12 @@ def components_of(model: Model) -> list[Component]:
     ]
 
 
+def own_components(model: Model) -> list[Component]:
+    """Return the components that are in the generated package, not in another one."""
+    elsewhere = {file.name for file in model.files if file.package}
+    return [each for each in components_of(model) if each.file not in elsewhere]
+
+
 def check(model: Model) -> list[Diagnostic]:
     """All diagnostics about the components to emit."""
     components = components_of(model)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection
 
+from rtgen.backends.kit.python_module import Import, imports_of
 from rtgen.model import Model, ScopedName
 from rtgen.typemap.idl_python import PythonMapping
 from rtgen.typemap.idl_python_names import PythonNames
@@ -14,36 +15,31 @@ class Imports:
     """Allocates names and collects their imports.
 
     Types in IDL modules are named by their Python module (`iis.TimedPose2D`), those of the global
-    scope directly. `root` is the root package as the module writes it: `...` or `refrobots`.
-    `taken` are the names bound by the module itself. `external` gives the package of types
-    outside the root package, by the displayed path of the declaring file.
+    scope directly, and those of the module itself (`own`, by its absolute name) as it has them.
+    `taken` are the names bound by the module itself.
     """
 
     def __init__(
-        self,
-        model: Model,
-        names: PythonNames,
-        root: str,
-        taken: Collection[str],
-        external: Mapping[str, str] | None = None,
+        self, model: Model, names: PythonNames, taken: Collection[str], own: str = ""
     ) -> None:
         self.mapping = PythonMapping(model, self.type_name, self.spell, servants=True)
-        self._model = model
         self._names = names
-        self._root = root
-        self._external = external or {}
+        self._own = own
         self._taken = set(taken)
         self._imported: dict[tuple[str, str], str] = {}
 
     def type_name(self, type_: ScopedName) -> str:
         """The expression for a declared type."""
-        package, attribute = self._names.public(type_)
-        root = self._external.get(self._model.find(type_).file, self._root)
-        if package:
-            inside = _module(root, package[:-1])
-            return f"{self.spell(inside, package[-1])}.{attribute}"
-        outer, dot, inner = attribute.partition(".")
-        return self.spell(_module(root, ()), outer) + dot + inner
+        home, name = self._names.implementation(type_)
+        if home == self._own:
+            return name
+        path, attribute = self._names.public(type_)
+        root = self._names.public_package(type_)
+        if path:
+            *outer, last = path
+            return f"{self.spell('.'.join((root, *outer)), last)}.{attribute}"
+        first, dot, inner = attribute.partition(".")
+        return self.spell(root, first) + dot + inner
 
     def spell(self, module: str, name: str) -> str:
         """The name under which `name` of a module is imported; builtins have no module."""
@@ -51,11 +47,9 @@ class Imports:
             return name
         known = self._imported.get((module, name))
         if known is None:
-            last = module.strip(".").rpartition(".")[2]
+            last = module.rpartition(".")[2]
             clashes = name in self._taken
-            known = identifier(
-                f"{last}_{name}".strip("_") if clashes else name, self._taken
-            )
+            known = identifier(f"{last}_{name}" if clashes else name, self._taken)
             self._taken.add(known)
             self._imported[module, name] = known
         return known
@@ -65,24 +59,6 @@ class Imports:
         """The names bound by the imports."""
         return frozenset(self._imported.values())
 
-    def lines(self, standard: bool = False) -> list[str]:
-        """The import statements, sorted: those of the standard library, or all others."""
-        modules: dict[str, list[str]] = {}
-        for (module, name), local in sorted(self._imported.items()):
-            if (module in _STANDARD) is standard:
-                item = name if name == local else f"{name} as {local}"
-                modules.setdefault(module, []).append(item)
-        return [import_from(module, items) for module, items in modules.items()]
-
-
-def _module(root: str, package: tuple[str, ...]) -> str:
-    joint = "." if package and not root.endswith(".") else ""
-    return root + joint + ".".join(package)
-
-
-_STANDARD = ("decimal",)
-
-
-def import_from(module: str, names: Iterable[str]) -> str:
-    """`from module import names`, sorted."""
-    return f"from {module} import {', '.join(sorted(names))}"
+    def imports(self) -> list[Import]:
+        """Return the imports of the allocated names."""
+        return imports_of(self._imported)

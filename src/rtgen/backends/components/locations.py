@@ -7,6 +7,8 @@ from rtgen.model import Component, Model, SourceFile
 from rtgen.typemap import profile_escapes
 from rtgen.typemap.python_names import identifier, module_name
 
+_COMPONENTS = "components"
+
 
 def package_folder(options: Options, component: Component) -> str:
     """The folder of a component's package, below the output folder."""
@@ -15,7 +17,19 @@ def package_folder(options: Options, component: Component) -> str:
 
 def components_folder(options: Options) -> str:
     """The folder of all components' packages, below the output folder."""
-    return f"{options.folder}/components"
+    return f"{options.folder}/{_COMPONENTS}"
+
+
+def base_location(package: str, component: Component) -> str:
+    """Return the absolute name of the module with a component's base."""
+    own = f"{_COMPONENTS}.{module_name(component.name[-1])}"
+    return f"{package}.{component.module or own}"
+
+
+def module_path(package: str, component: Component) -> str:
+    """Return the file of that module, below the output folder."""
+    path = base_location(package, component).replace(".", "/")
+    return f"{path}.py" if component.module else f"{path}/__init__.py"
 
 
 def imported_from(options: Options, target: str) -> tuple[str, str]:

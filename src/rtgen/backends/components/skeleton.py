@@ -8,9 +8,10 @@ import msgspec
 
 from rtgen.backends import Options, Owner
 from rtgen.backends.components.base_module import class_names
-from rtgen.backends.components.imports import Imports, import_from
-from rtgen.backends.components.locations import heading, source_of
+from rtgen.backends.components.imports import Imports
+from rtgen.backends.components.locations import base_location, heading, source_of
 from rtgen.backends.components.members import attributes_of
+from rtgen.backends.kit.python_module import import_blocks, imports_from
 from rtgen.backends.kit.python_text import fit_text, header_comment
 from rtgen.backends.kit.quoting.python import docstring
 from rtgen.backends.kit.rendering import render
@@ -28,7 +29,7 @@ from rtgen.model import (
 )
 from rtgen.typemap.component_actions import ACTIONS
 from rtgen.typemap.idl_python_names import PythonNames, distinct
-from rtgen.typemap.python_names import identifier, module_name
+from rtgen.typemap.python_names import identifier
 
 _TAKEN = frozenset(
     {"RTC_OK", "ReturnCode_t", "NotImplementedError", "annotations", "property", "self"}
@@ -74,21 +75,15 @@ def skeleton_module(
             class_name = identifier(_servant_name(attribute), taken)
             taken.add(class_name)
             providers.append((port, attribute, class_name))
-    imports = Imports(model, names, options.package, taken)
+    imports = Imports(model, names, taken)
     servants = [_servant(model, imports, *provider) for provider in providers]
-    package = f"{options.package}.components.{module_name(component.name[-1])}"
+    runtime = imports_from("rtgen.runtime", ["RTC_OK", "ReturnCode_t"])
+    own = imports_from(base_location(options.package, component), [base])
     text = render(
         "components/skeleton.py.j2",
         header=header_comment(options.version, [source.key], Owner.USER),
         docstring=docstring(heading(component), 0),
-        standard_imports=imports.lines(standard=True),
-        imports=sorted(
-            [
-                *imports.lines(),
-                import_from(package, [base]),
-                import_from("rtgen.runtime", ["RTC_OK", "ReturnCode_t"]),
-            ]
-        ),
+        imports=import_blocks([*imports.imports(), *runtime, *own]),
         servants=servants,
         name=name,
         base=base,

@@ -31,6 +31,8 @@ _STEP = 4
 _MARK = re.compile(
     r""""(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*'|[()\[\]{}]|, ?| for | = | else """
 )
+_SUBSCRIPT = re.compile(r"""[\w)\]}"']\[""")
+"""Brackets whose only item is not followed by a comma, which would make it a tuple."""
 _LONE_COLON = re.compile(r"""["'()\[\]{},\s]:\Z""")
 _LONE_LITERAL = re.compile(r""" *(?:'(?:[^'\\]|\\.)*'|"(?:[^"\\]|\\.)*"),""")
 """An item that no line break can shorten."""
@@ -231,7 +233,8 @@ class _Statement:
             elif mark in ")]}":
                 group = enclosing.pop()
                 group.end = found.end()
-                group.comma &= mark != "]" or bool(group.separators)
+                if _SUBSCRIPT.match(self._text, max(group.start - 1, 0)):
+                    group.comma &= bool(group.separators)
             elif not enclosing:
                 self._outside(mark, found.start())
             elif mark == " for ":

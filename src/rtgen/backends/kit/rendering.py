@@ -54,7 +54,6 @@ LANGUAGES: Mapping[str, Language] = {
         properties.Conf,
         {"key": properties.conf_key, "comment": properties.conf_comment},
     ),
-    ".txt": Language(properties.quote_entry, properties.Entries),
     ".sh": Language(
         scripts.quote_shell, scripts.Shell, {"comment": scripts.shell_comment}
     ),
@@ -68,7 +67,7 @@ LANGUAGES: Mapping[str, Language] = {
     ),
     ".xml": _XML,
     ".svg": _XML,
-    **dict.fromkeys((".cdl", ".eds", ".h", ".idl", ".md", ".toml"), _NAMES),
+    **dict.fromkeys((".cdl", ".eds", ".h", ".idl", ".md", ".toml", ".txt"), _NAMES),
 }
 """The output languages by the suffix of their files."""
 

@@ -68,4 +68,4 @@ def _units(model: Model, options: Options) -> Iterator[Unit]:
             for file, name in package.conversions.items()
         }
         inside = options.inside(package)
-        yield Unit(package.model, inside, options.factories, conversions, package.types)
+        yield Unit(package.model, inside, options.factories, conversions)

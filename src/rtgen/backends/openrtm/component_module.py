@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
-from rtgen.backends.components.imports import import_from
 from rtgen.backends.components.locations import heading, summary
 from rtgen.backends.kit.python_text import fit_text, header_comment
 from rtgen.backends.kit.quoting.python import docstring, number_literal, string_literal
@@ -126,8 +125,7 @@ class _ComponentModule:
 
     def _import(self, path: str, local: str) -> str:
         package, _, name = path.rpartition(".")
-        item = name if name == local else f"{name} as {local}"
-        return import_from(package, [item])
+        return f"from {package} import {name}" + f" as {local}" * (name != local)
 
     # Module spec
 

@@ -79,8 +79,7 @@ class Unit:
     """A generated Python package: the project's own, or one of its TECS packages.
 
     `options.package` is the package. `external` maps the displayed path of a file to the absolute
-    name of the package with its conversions, if that is another one; `types` has the module with
-    the declarations of such a file, if that is not in the package. `factories` has `module:name`
+    name of the package with its conversions, if that is another one. `factories` has `module:name`
     for component types whose behaviour is not in a skeleton.
     """
 
@@ -88,7 +87,6 @@ class Unit:
     options: Options
     factories: Mapping[str, str] = field(default_factory=dict)
     external: Mapping[str, str] = field(default_factory=dict)
-    types: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def components(self) -> list[Component]:

@@ -82,9 +82,9 @@ class WireNames:
 
     def conversions(self, declaration: Declaration) -> Conversions:
         """Return the names of the conversions of a struct, union, exception or interface."""
-        path, name = self.python.implementation(declaration.name)
-        package = self._unit.package_of(declaration.file)
-        return Conversions(package, path.removeprefix("_idl."), name)
+        _, name = self.python.implementation(declaration.name)
+        module = self.python.module(declaration.file)
+        return Conversions(self._unit.package_of(declaration.file), module, name)
 
     def stub_path(self, name: ScopedName) -> str:
         """Return a declared type in omniidl's packages: `IIS.TimedPose2D`, `_GlobalIDL.RefHard`."""

@@ -53,15 +53,15 @@ class WireScope:
 
     def type(self, name: ScopedName) -> str:
         """Return the generated class of a type or interface: `extended_data_types.Point2D`."""
-        declaration = self._unit.model.find(name)
-        elsewhere = self._unit.types.get(declaration.file)
-        if elsewhere is not None:
-            _, attribute = self._names.python.public(name)
-            outer, dot, inner = attribute.partition(".")
-            return self._imported(elsewhere, outer) + dot + inner
-        known = self._names.conversions(declaration)
-        home = self._relative(known.package, "_idl")
-        return f"{self._imported(home, known.module)}.{known.name}"
+        names = self._names.python
+        if not names.is_own(name):
+            path, attribute = names.public(name)
+            package = names.public_package(name)
+            outer, dot, inner = ".".join((*path, attribute)).partition(".")
+            return self._imported(package, outer) + dot + inner
+        home, local = names.implementation(name)
+        package, _, module = home.rpartition(".")
+        return f"{self._imported(self._home(package), module)}.{local}"
 
     def function(self, kind: str, name: ScopedName) -> str:
         """Return a conversion of a declared type: `kind` is an attribute of `Conversions`."""
@@ -69,15 +69,18 @@ class WireScope:
         function: str = getattr(known, kind)
         if known.package == self._unit.options.package and known.module == self._module:
             return function
-        home = self._relative(known.package, CORBA_PACKAGE)
+        home = self._conversions(known.package)
         joint = "" if home.endswith(".") else "."
         return self._imported(f"{home}{joint}{known.module}", function)
 
-    def _relative(self, package: str, inner: str) -> str:
-        """Return a package of rtgen in the form of this module's imports."""
-        if package != self._unit.options.package:
-            return f"{package}.{inner}"
-        return "." if inner == CORBA_PACKAGE else f"..{inner}"
+    def _conversions(self, package: str) -> str:
+        """Return a package of conversions in the form of this module's imports."""
+        own = package == self._unit.options.package
+        return "." if own else f"{package}.{CORBA_PACKAGE}"
+
+    def _home(self, package: str) -> str:
+        """Return a package of types in the form of this module's imports."""
+        return f"..{package.removeprefix(self._unit.options.package).lstrip('.')}"
 
     def _imported(self, module: str, name: str) -> str:
         key = module, name
@@ -142,7 +145,6 @@ class WireScope:
         blocks: list[list[str]] = [[], [], []]
         for module, names in modules.items():
             own = module.startswith(".") or f".{CORBA_PACKAGE}" in module
-            own |= module.endswith("._idl")
             rank = 2 if own else 1 if module.startswith("rtgen.") else 0
             names.sort(key=_order)
             blocks[rank].append(f"from {module} import {', '.join(names)}")

@@ -185,7 +185,7 @@ def component_module(
 ) -> str:
     """Return the configuration class and the base class of a component."""
     base, configuration = class_names(component)
-    attributes = attribute_names(model, names, component, options)
+    attributes = attribute_names(model, names, component)
     imports = _PackageImports(
         {"Component", "self", "instance_name", base, configuration}
     )

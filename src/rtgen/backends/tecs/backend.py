@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 
 from rtgen.backends import Artifact, Emission, Options
 from rtgen.backends.kit.idl_text import idl_text
+from rtgen.backends.kit.python_module import PythonModule, python_module
 from rtgen.backends.kit.python_text import header, header_comment
-from rtgen.backends.kit.quoting.python import docstring
 from rtgen.backends.tecs.build_files import (
     build_scripts,
     communication_conf,
@@ -58,12 +58,18 @@ class TecsBackend:
 BACKEND = TecsBackend()
 
 
-def _package(options: Options, title: str, sources: Sequence[SourceFile]) -> Artifact:
+def _package(
+    options: Options, title: str, sources: Sequence[SourceFile]
+) -> PythonModule:
     """The module of a package that contains only packages."""
-    origin = tuple(source.key for source in sources)
-    header = header_comment(options.version, origin)
-    text = f"{header}{docstring(title, 0)}"
-    return Artifact(f"{options.folder}/__init__.py", text, origin)
+    return python_module(
+        f"{options.folder}/__init__.py",
+        options.package,
+        options.version,
+        (source.key for source in sources),
+        title,
+        plain=True,
+    )
 
 
 class _Writer:
@@ -123,15 +129,14 @@ class _Writer:
         for file, text in codec_texts(unit, pairs, self._header).items():
             yield self._artifact(file, text)
         for idl, layout in zip(self._side.services, layouts, strict=True):
-            service = ServiceText(idl.service, layout, self._header)
-            stem = idl.service.module
-            marshaller = marshaller_module(service, self._side.model, names, idl)
-            yield self._artifact(f"{stem}_marshaller.py", marshaller)
-            yield self._artifact(f"{stem}_server.py", server_module(service))
+            service = ServiceText(idl.service, layout, self.options.package)
+            yield marshaller_module(
+                service, self._side.model, names, idl, self.options, package.origin
+            )
+            yield server_module(service, self.options, package.origin)
         if records or any(isinstance(d, TecsConst) for d in unit.declarations):
             types = types_text(unit, layouts, self._header)
             yield self._artifact("_types.py", types)
         if records:
             structs = list(records.values())
-            views = views_module(self._side, names, structs, self._header)
-            yield self._artifact("_views.py", views)
+            yield views_module(self._side, names, structs, self.options, package.origin)

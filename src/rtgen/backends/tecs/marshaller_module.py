@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from rtgen.backends import Options
 from rtgen.backends.components.base_module import class_names
-from rtgen.backends.components.imports import Imports, import_from
+from rtgen.backends.components.locations import module_path
 from rtgen.backends.components.members import attributes_of
-from rtgen.backends.kit.python_text import fit_text
+from rtgen.backends.kit.python_module import (
+    PythonModule,
+    imports_from,
+    python_module,
+)
 from rtgen.backends.kit.quoting.python import docstring, string_literal
 from rtgen.backends.kit.rendering import render
 from rtgen.backends.tecs.function_text import LOCALS, tuple_type
@@ -19,8 +24,8 @@ from rtgen.backends.tecs.service_text import (
     standard_imports,
 )
 from rtgen.backends.tecs.views import to_codec, to_idl, used_structs
+from rtgen.backends.types.scope import Scope
 from rtgen.layouts.tdr import FunctionLayout, Item
-from rtgen.lowering.tecs.communication import FILE
 from rtgen.lowering.tecs.communication import RUNTIME as CHANNEL
 from rtgen.lowering.tecs.idl_model import IdlService
 from rtgen.lowering.tecs.rtc_components import MARSHALLER
@@ -33,33 +38,31 @@ from rtgen.model import (
     Primitive,
     PrimitiveType,
 )
+from rtgen.typemap.idl_python import PythonMapping
 from rtgen.typemap.idl_python_names import PythonNames, distinct
-from rtgen.typemap.python_names import module_name
 from rtgen.typemap.tecs_python import struct_class
 
 _ANY = PrimitiveType(Primitive.ANY)
-_VALUES = "rtgen.runtime.values"
-_BOUND = (
-    *("RTC_OK", "ReturnCode_t", "CommunicationChannel", "Channel", "ProxyServant"),
-)
 _LOCALS = LOCALS | {"returned"}
 
 
 def marshaller_module(
-    text: ServiceText, model: Model, names: PythonNames, idl: IdlService
-) -> str:
+    text: ServiceText,
+    model: Model,
+    names: PythonNames,
+    idl: IdlService,
+    options: Options,
+    origin: Sequence[str],
+) -> PythonModule:
     """The module of a service; the model holds the IDL side of its package."""
     name = text.name
     structs = text.structs
     component = model.find((f"{idl.service.name}{MARSHALLER}",))
     assert isinstance(component, Component)
     servant = f"_{name}Servant"
-    own = (f"{name}Proxy", servant, f"{name}Marshaller", text.codec)
-    target = f"{name}Target"
-    taken = {*structs, *_LOCALS, *own, target, *_BOUND, "Sequence", "make_tdr"}
-    imports = Imports(model, names, ".", taken, {FILE: CHANNEL})
-    interface = imports.type_name(idl.interface.name)
-    servants = _Servant(text, names, idl, imports)
+    scope = Scope(names, names.module(idl.file))
+    interface = scope.reference(idl.interface.name)
+    servants = _Servant(text, model, names, idl, scope)
     layouts = text.layout.functions
     pairs = list(zip(layouts, idl.interface.operations, strict=True))
     converting = [pair for pair in pairs if servants.converts(*pair)]
@@ -72,35 +75,10 @@ def marshaller_module(
         and called[operation.name] != text.methods[function.function.name]
     }
     functions = [text.method(function, call=True) for function in layouts]
-    views = _views_used(layouts)
-    package = module_name(component.name[-1])
-    base = imports.spell(f".components.{package}", class_names(component)[0])
     attributes = attributes_of(component)
-    values = [line for line in imports.lines() if f"from {_VALUES} " in line]
-    lines = [
-        *(line for line in imports.lines() if "from rtgen." not in line),
-        import_from("._types", structs) if structs else "",
-        import_from("._views", views) if views else "",
-        import_from(text.codec_module, [text.codec]),
-        import_from(text.server_module, [target]),
-    ]
-    used = {
-        "Channel",
-        "CommunicationChannel",
-        "ProxyServant",
-        *(["make_tdr"] if text.makes_tdr else []),
-    }
-    rendered = render(
+    used = ["Channel", "CommunicationChannel", "ProxyServant"]
+    body = render(
         "tecs/marshaller.py.j2",
-        header=text.header,
-        docstring=docstring(f"`{text.signature}`: calls of a TECS board.", 0),
-        standard=standard_imports(functions),
-        runtime=[
-            import_from("rtgen.runtime", ["RTC_OK", "ReturnCode_t"]),
-            import_from(CHANNEL, used),
-            *values,
-        ],
-        imports=sorted(filter(None, lines)),
         proxy=f"{name}Proxy",
         proxy_class=proxy_class(text),
         renamed=_keyword("methods", renamed),
@@ -110,11 +88,28 @@ def marshaller_module(
         operations=operations,
         rtc=f"{name}{MARSHALLER}",
         rtc_docstring=docstring(component.doc, 4),
-        base=base,
+        base=class_names(component)[0],
         provider=attributes.ports[0][1],
         consumer=attributes.ports[1][1],
     )
-    return fit_text(rendered)
+    return python_module(
+        module_path(text.package, component),
+        options.package,
+        options.version,
+        origin,
+        f"`{text.signature}`: calls of a TECS board.",
+        imports=[
+            *standard_imports(functions),
+            *imports_from("rtgen.runtime", ["RTC_OK", "ReturnCode_t"]),
+            *imports_from(CHANNEL, [*used, *["make_tdr"] * text.makes_tdr]),
+            *imports_from(f"{text.package}._types", structs),
+            *imports_from(f"{text.package}._views", _views_used(layouts)),
+            *imports_from(text.codec_module, [text.codec]),
+            *imports_from(text.server_module, [f"{name}Target"]),
+            *scope.imports(),
+        ],
+        body=body,
+    )
 
 
 def _keyword(name: str, values: dict[str, str]) -> str:
@@ -127,12 +122,20 @@ class _Servant:
     """Writes the operations of the servant behind the service port."""
 
     def __init__(
-        self, text: ServiceText, names: PythonNames, idl: IdlService, imports: Imports
+        self,
+        text: ServiceText,
+        model: Model,
+        names: PythonNames,
+        idl: IdlService,
+        scope: Scope,
     ) -> None:
         self._methods = text.methods
         self._names = names
         self._idl = idl
-        self._imports = imports
+        self._scope = scope
+        self._mapping = PythonMapping(
+            model, scope.reference, scope.spell, servants=True
+        )
 
     def converts(self, layout: FunctionLayout, operation: Operation) -> bool:
         """Whether a value of the function differs between CDL and IDL."""
@@ -149,7 +152,7 @@ class _Servant:
 
     def operation(self, layout: FunctionLayout, operation: Operation) -> Method:
         """Converts the arguments, calls the proxy, and converts the results."""
-        annotate = self._imports.mapping.annotation
+        annotate = self._mapping.annotation
         views = _views_used([layout])
         names = distinct((p.name for p in operation.parameters), _LOCALS.union(views))
         pairs = list(zip(layout.items, operation.parameters, strict=True))
@@ -205,12 +208,8 @@ class _Servant:
 
     def _any(self, item: Item, value: str) -> str:
         """An array in an `any`, with the typedef of the interface for it."""
-        name = self._idl.arrays[item.span]
-        module, _ = self._names.implementation(name)
-        class_name = self._names.companion(name, "Codec")
-        codec = self._imports.spell(f".{module}", class_name)
-        any_value = self._imports.spell(_VALUES, "AnyValue")
-        return f"{any_value}({codec}._descriptor_, {value})"
+        codec = self._scope.companion(self._idl.arrays[item.span], "Codec")
+        return f"{self._scope.AnyValue}({codec}._descriptor_, {value})"
 
 
 def _local(body: list[str], value: str, name: str, taken: set[str]) -> str:

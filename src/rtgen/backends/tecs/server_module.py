@@ -2,27 +2,25 @@
 
 from __future__ import annotations
 
-from rtgen.backends.components.imports import import_from
-from rtgen.backends.kit.python_text import fit_text
-from rtgen.backends.kit.quoting.python import docstring
+from collections.abc import Sequence
+
+from rtgen.backends import Options
+from rtgen.backends.kit.python_module import (
+    PythonModule,
+    imports_from,
+    python_module,
+)
 from rtgen.backends.kit.rendering import render
 from rtgen.backends.tecs.service_text import ServiceText, standard_imports
 
 
-def server_module(text: ServiceText) -> str:
+def server_module(
+    text: ServiceText, options: Options, origin: Sequence[str]
+) -> PythonModule:
     """The module of a service."""
     functions = [text.method(f, documented=True) for f in text.layout.functions]
-    lines = [
-        import_from(text.codec_module, [text.codec]),
-        import_from("._types", text.structs) if text.structs else "",
-    ]
-    rendered = render(
+    body = render(
         "tecs/server.py.j2",
-        header=text.header,
-        docstring=docstring(f"`{text.signature}`: the board's side in Python.", 0),
-        standard=standard_imports(functions),
-        runtime=", make_tdr" if text.makes_tdr else "",
-        imports=sorted(filter(None, lines)),
         target=f"{text.name}Target",
         unmarshaller=f"{text.name}Unmarshaller",
         codec=text.codec,
@@ -30,4 +28,19 @@ def server_module(text: ServiceText) -> str:
         signature=text.signature,
         functions=functions,
     )
-    return fit_text(rendered)
+    runtime = ["Dispatcher", *["make_tdr"] * text.makes_tdr]
+    return python_module(
+        f"{text.server_module.replace('.', '/')}.py",
+        options.package,
+        options.version,
+        origin,
+        f"`{text.signature}`: the board's side in Python.",
+        imports=[
+            *imports_from("abc", ["ABC", "abstractmethod"]),
+            *standard_imports(functions),
+            *imports_from("rtgen.runtime.opaque_rpc", runtime),
+            *imports_from(text.codec_module, [text.codec]),
+            *imports_from(f"{text.package}._types", text.structs),
+        ],
+        body=body,
+    )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from rtgen.backends.components.imports import import_from
+from rtgen.backends.kit.python_module import Import, imports_from
 from rtgen.backends.kit.python_text import WIDTH
 from rtgen.backends.kit.quoting.python import docstring, string_literal
 from rtgen.backends.tecs.function_text import (
@@ -38,14 +38,14 @@ class Method:
 class ServiceText:
     """A service in Python: the names that its modules share."""
 
-    def __init__(self, service: Service, layout: SignatureLayout, header: str) -> None:
+    def __init__(self, service: Service, layout: SignatureLayout, package: str) -> None:
         self.layout = layout
-        self.header = header
+        self.package = package
         self.name = identifier(service.name)
         self.signature = service.signature.scoped
         self.codec = codec_class(service.signature)
-        self.codec_module = f".{codec_module(service.signature)}"
-        self.server_module = f".{service.module}_server"
+        self.codec_module = f"{package}.{codec_module(service.signature)}"
+        self.server_module = f"{package}.{service.module}_server"
         self.make_codec = f"{self.codec}({_codec_arguments(service.options)})"
         self.makes_tdr = "make_tdr" in self.make_codec
         self.methods = function_names(layout)
@@ -112,7 +112,7 @@ def returning(values: Sequence[str], indent: int) -> str:
     return f"return ({', '.join(values)})"
 
 
-def standard_imports(functions: Sequence[Method]) -> list[str]:
-    texts = (f.parameters for f in functions)
-    needs = any("Sequence[" in text for text in texts)
-    return [import_from("collections.abc", ["Sequence"])] if needs else []
+def standard_imports(functions: Sequence[Method]) -> list[Import]:
+    """Return the imports of the standard library for the parameters."""
+    needs = any("Sequence[" in each.parameters for each in functions)
+    return imports_from("collections.abc", ["Sequence"] * needs)

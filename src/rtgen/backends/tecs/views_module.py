@@ -1,15 +1,19 @@
-"""The module `_views.py`: the structs of a package in CDL's types and in IDL's."""
+"""The part of the module `_views.py` that converts structs, besides their classes in IDL."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rtgen.backends.components.imports import Imports
-from rtgen.backends.kit.python_text import fit_text
+from rtgen.backends import Options
+from rtgen.backends.kit.python_module import (
+    PythonModule,
+    imports_from,
+    python_module,
+)
 from rtgen.backends.kit.rendering import render
 from rtgen.backends.tecs.views import struct_views
 from rtgen.layouts.tdr import Record
-from rtgen.lowering.tecs.idl_model import IdlSide
+from rtgen.lowering.tecs.idl_model import VIEWS, IdlSide
 from rtgen.model import Struct
 from rtgen.typemap.idl_python_names import PythonNames
 
@@ -18,10 +22,10 @@ def views_module(
     side: IdlSide,
     names: PythonNames,
     records: Sequence[Record],
-    header: str,
-) -> str:
-    """The text of `_views.py`, for all structs of a package."""
-    imports = Imports(side.model, names, ".", {"_types", "value"})
+    options: Options,
+    origin: Sequence[str],
+) -> PythonModule:
+    """Return the conversions of all structs of a package."""
     structs = []
     for record in records:
         scoped = side.structs[record.struct.name]
@@ -31,12 +35,16 @@ def views_module(
         structs.append(
             struct_views(
                 record,
-                imports.type_name(scoped),
+                names.implementation(scoped)[1],
                 tuple(members[member.name] for member in declaration.members),
             )
         )
-    lines = ["from . import _types", *imports.lines()]
-    text = render(
-        "tecs/views.py.j2", header=header, imports=sorted(lines), structs=structs
+    return python_module(
+        f"{options.folder}/{VIEWS}.py",
+        options.package,
+        options.version,
+        origin,
+        "Structs in the two views: CDL's types, which codecs have, and IDL's.",
+        imports=imports_from(options.package, ["_types"]),
+        body=render("tecs/views.py.j2", structs=structs),
     )
-    return fit_text(text)

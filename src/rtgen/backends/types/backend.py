@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from msgspec.structs import replace
-
-from rtgen.backends import Artifact, Emission, Options, parts
-from rtgen.backends.kit.python_text import header_comment
-from rtgen.backends.kit.quoting.python import docstring
+from rtgen.backends import Artifact, Emission, Options, Part, parts
+from rtgen.backends.kit.python_module import (
+    Import,
+    PythonModule,
+    composed,
+    python_module,
+)
 from rtgen.backends.types.calls import Calls
 from rtgen.backends.types.module import TypesModule
-from rtgen.backends.types.packages import Package, package_text, packages
+from rtgen.backends.types.packages import Package, package_body, packages
 from rtgen.backends.types.rules import LONG_NAME, NOT_IN_XCDR, NOT_MARSHALLED
 from rtgen.diagnostics import Diagnostic
 from rtgen.layouts.cdr_types import CdrTypes, NotMarshalledError
@@ -28,6 +30,7 @@ from rtgen.model import (
     ScopedName,
     SourceFile,
     Struct,
+    Typedef,
     Union,
     ValueBox,
     Valuetype,
@@ -50,23 +53,14 @@ class TypesBackend:
         artifacts: list[Artifact] = []
         findings: list[Diagnostic] = []
         for part in parts(model, options):
-            made = self._emit(part.own, part.options)
+            made = self._emit(part)
             findings += made.diagnostics
-            if part.origin is None:
-                artifacts += made.artifacts
-                continue
-            # The marker of the project's package holds for those inside (PEP 561).
-            artifacts += (
-                replace(each, origin=part.origin)
-                for each in made.artifacts
-                if not each.path.endswith(f"/{_TYPED}")
-            )
+            artifacts += made.artifacts
         return Emission(tuple(artifacts), tuple(findings))
 
-    def _emit(self, model: Model, options: Options) -> Emission:
-        if not any(
-            is_emitted(d) or isinstance(d, Component) for d in model.declarations
-        ):
+    def _emit(self, part: Part) -> Emission:
+        model, options = part.model, part.options
+        if not any(is_emitted(d) or isinstance(d, Component) for d in part.own):
             return Emission()
         representations = Representations(
             model, options.representation == "xcdr2", options.extensibility
@@ -77,7 +71,7 @@ class TypesBackend:
         diagnostics = list(_check(model, types, representations))
         if diagnostics:
             return Emission((), diagnostics)
-        writer = _Writer(model, calls, names, types, representations, options)
+        writer = _Writer(part, calls, names, types, representations)
         return Emission(tuple(writer.artifacts()))
 
 
@@ -87,69 +81,112 @@ BACKEND = TypesBackend()
 class _Writer:
     def __init__(
         self,
-        model: Model,
+        part: Part,
         calls: Calls,
         names: PythonNames,
         types: CdrTypes,
         representations: Representations,
-        options: Options,
     ) -> None:
-        self._model = model
+        self._part = part
+        self._model = part.model
         self._representations = representations
         self._calls = calls
         self._names = names
         self._types = types
-        self._options = options
-        self._files = {file.name: file for file in model.files}
+        self._options = part.options
+        scopes = {d.name[:-1] for d in part.model.declarations}
+        self._packages = {
+            ".".join((names.package, *package_path(scope[:depth])))
+            for scope in scopes
+            for depth in range(len(scope) + 1)
+        }
 
     def artifacts(self) -> Iterator[Artifact]:
-        root = self._options.folder
+        """Yield the packages, then the implementation modules."""
         codecs: set[ScopedName] = set()
-        modules: list[Artifact] = []
+        modules: dict[str, PythonModule] = {}
         of_calls = {self._names.module(file) for file in self._calls.origins}
         for module in self._names.modules:
             if module in of_calls:
                 continue
-            files = self._sources({d.file for d in self._names.declarations(module)})
-            builder = TypesModule(
-                self._calls, self._names, self._types, self._representations, module
-            )
-            text = builder.text(self._header(files), f"Types of `{_keys(files)}`.")
-            codecs |= builder.codecs
-            modules.append(self._artifact(f"{root}/_idl/{module}.py", text, files))
-        modules += map(self._calls_module, self._calls.origins)
-        everything = self._sources(
-            d.file for d in self._model.declarations if is_emitted(d)
-        )
+            made, defined = self._module(module)
+            codecs |= defined
+            if made is not None:
+                modules[made.path] = made
+        for file in self._calls.origins:
+            if (made := self._calls_module(file)) is not None:
+                modules[made.path] = made
+        types = [d for d in self._part.own if is_emitted(d)]
+        everything = self._sources(d.file for d in types or self._part.own)
         for package in packages(self._model, self._names, codecs):
-            yield self._package(root, package, everything)
-        inner = self._header(everything) + docstring("One module for each IDL file.", 0)
-        yield self._artifact(f"{root}/_idl/__init__.py", inner, everything)
-        yield self._artifact(f"{root}/{_TYPED}", "", everything)
-        yield from modules
+            made = self._package(package, everything)
+            yield composed([*filter(None, [modules.pop(made.path, None)]), made])
+        folder = f"{self._options.folder}/_idl"
+        if any(path.startswith(f"{folder}/") for path in modules):
+            title = "One module for each IDL file."
+            yield self._made(f"{folder}/__init__.py", everything, title, plain=True)
+        # The marker of the project's package applies to those inside (PEP 561).
+        if self._part.origin is None:
+            keys = tuple(dict.fromkeys(file.key for file in everything))
+            yield Artifact(f"{self._options.folder}/{_TYPED}", "", keys)
+        yield from modules.values()
 
-    def _calls_module(self, file: str) -> Artifact:
+    def _module(self, module: str) -> tuple[PythonModule | None, set[ScopedName]]:
+        """Return a module of types, and the typedefs with codecs in it; None without types."""
+        declarations = self._names.declarations(module)
+        files = self._sources({d.file for d in declarations})
+        builder = self._builder(module)
+        if files[0].package:
+            return None, {
+                d.name
+                for d in declarations
+                if isinstance(d, Typedef) and builder.has_codec(d)
+            }
+        body = builder.body()
+        made = self._made(
+            self._path(self._names.home(module)),
+            files,
+            f"Types of `{_keys(files)}`.",
+            imports=builder.scope.imports(),
+            body=body,
+            defines=builder.scope.defined,
+            pragmas=builder.pragmas,
+        )
+        return made, builder.codecs
+
+    def _calls_module(self, file: str) -> PythonModule | None:
         files = self._sources([self._calls.origins[file]])
+        if files[0].package:
+            return None
         module = self._names.module(file)
-        builder = TypesModule(
+        builder = self._builder(module)
+        body = builder.body(self._calls.interfaces(file))
+        return self._made(
+            self._path(self._names.home(module)),
+            files,
+            f"Calls of the interfaces of `{_keys(files)}`, marshalled.",
+            imports=builder.scope.imports(),
+            body=body,
+            pragmas=builder.pragmas,
+        )
+
+    def _builder(self, module: str) -> TypesModule:
+        return TypesModule(
             self._calls, self._names, self._types, self._representations, module
         )
-        text = builder.text(
-            self._header(files),
-            f"Calls of the interfaces of `{_keys(files)}`, marshalled.",
-            self._calls.interfaces(file),
-        )
-        return self._artifact(f"{self._options.folder}/_idl/{module}.py", text, files)
 
-    def _package(
-        self, root: str, package: Package, everything: list[SourceFile]
-    ) -> Artifact:
+    def _package(self, package: Package, everything: list[SourceFile]) -> PythonModule:
         files = self._sources(package.files) or everything
-        lazy = self._options.lazy and bool(package.imports)
-        path = "/".join((root, *package_path(package.scope), "__init__.py"))
-        return self._artifact(
-            path, package_text(package, self._header(files), lazy), files
+        path = f"{package.name.replace('.', '/')}/__init__.py"
+        imports, body = package_body(package, self._options, path)
+        return self._made(
+            path, files, package.title, imports=imports, body=body, plain=True
         )
+
+    def _path(self, home: str) -> str:
+        """Return the file of a module; that of a package is its `__init__.py`."""
+        path = home.replace(".", "/")
+        return f"{path}/__init__.py" if home in self._packages else f"{path}.py"
 
     def _sources(self, names: Iterable[str]) -> list[SourceFile]:
         """The files, and those included in their declarations, in the order of the model."""
@@ -160,11 +197,30 @@ class _Writer:
             if file.name in wanted or file.belongs_to in wanted
         ]
 
-    def _header(self, files: list[SourceFile]) -> str:
-        return header_comment(self._options.version, (file.key for file in files))
-
-    def _artifact(self, path: str, text: str, files: list[SourceFile]) -> Artifact:
-        return Artifact(path, text, tuple(dict.fromkeys(file.key for file in files)))
+    def _made(
+        self,
+        path: str,
+        files: list[SourceFile],
+        title: str,
+        *,
+        imports: Iterable[Import] = (),
+        body: str = "",
+        defines: Iterable[str] = (),
+        pragmas: Iterable[str] = (),
+        plain: bool = False,
+    ) -> PythonModule:
+        return python_module(
+            path,
+            self._options.package,
+            self._options.version,
+            self._part.origin or (file.key for file in files),
+            title,
+            imports=imports,
+            body=body,
+            defines=defines,
+            pragmas=pragmas,
+            plain=plain,
+        )
 
 
 def _keys(files: list[SourceFile]) -> str:

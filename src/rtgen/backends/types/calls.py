@@ -3,7 +3,7 @@
 A request is the `in` and `inout` parameters in order, a reply the return value and then the `inout`
 and `out` parameters, a user exception its repository id and its members (CORBA 3.3 part 2, 9.4.2.2
 and 9.4.3.2). They are marshalled by the codecs of structs, and defined in modules of their
-own, `_idl.<file>_calls`, which only transports that marshal import.
+own, such as `_idl.<file>_calls`, which only transports that marshal import.
 """
 
 from __future__ import annotations
@@ -39,6 +39,7 @@ from rtgen.model import (
     Struct,
     Type,
 )
+from rtgen.typemap.idl_python_names import is_package
 from rtgen.typemap.implementation_modules import implementation_modules
 
 _MANY = 8
@@ -196,8 +197,12 @@ class Calls:
             calls = str(key.with_name(f"{key.stem}_calls{key.suffix}"))
             stem = PurePosixPath(owner.name).stem
             name = f"{owner.name} calls/{stem}_calls.idl"
+            home = owner.module
+            if home:
+                inner = is_package(home, declaration.name)
+                home = f"{home}._calls" if inner else f"{home}_calls"
             self._files[module] = replace(
-                owner, name=name, key=calls, main=False, belongs_to=None
+                owner, name=name, key=calls, main=False, belongs_to=None, module=home
             )
             self.origins[name] = owner.name
         return self._files[module]

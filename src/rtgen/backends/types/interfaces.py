@@ -80,7 +80,12 @@ class Interfaces:
 
     def _calls_module(self, declaration: Interface) -> str:
         file = self._calls.file(declaration)
-        return "" if file is None else string_literal(f".{self._names.module(file)}")
+        if file is None:
+            return ""
+        home, _ = self._names.implementation(declaration.name)
+        package = home.rpartition(".")[0]
+        calls = self._names.home(self._names.module(file))
+        return string_literal(calls.removeprefix(package))
 
     def _attribute(self, attribute: Attribute, called: dict[str, str]) -> _Attribute:
         name = called[attribute.name]

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from decimal import Decimal
 from math import isfinite
 
-from rtgen.backends.kit.python_text import fit_text
-from rtgen.backends.kit.quoting.code import HashComment
 from rtgen.backends.kit.quoting.python import docstring, number_literal, string_literal
 from rtgen.backends.kit.rendering import render
 from rtgen.backends.types.calls import Calls, CallTable
@@ -62,9 +60,9 @@ class Block:
     small: bool = False
 
 
-_HIDING = """\
-# pyright: reportAssignmentType=false, reportIncompatibleVariableOverride=false
-"""
+_HIDING = (
+    "# pyright: reportAssignmentType=false, reportIncompatibleVariableOverride=false"
+)
 """For a module in which a type nested in an interface hides one of a base."""
 
 
@@ -86,6 +84,7 @@ class TypesModule:
         self._names = names
         self._types = types
         self._module = module
+        self._home = names.home(module)
         self.scope = Scope(names, module)
         self._done: set[str] = set()
         self._waiting: list[Typedef] = []
@@ -101,10 +100,8 @@ class TypesModule:
             names, self.scope, self._mapping, self._describe, self._interfaces
         )
 
-    def text(
-        self, header: str, title: str, interfaces: Sequence[Interface] = ()
-    ) -> str:
-        """The whole module; it ends with the calls of the interfaces."""
+    def body(self, interfaces: Sequence[Interface] = ()) -> str:
+        """Return the statements below the imports; they end with the calls of the interfaces."""
         blocks: list[Block] = []
         for declaration in self._names.declarations(self._module):
             blocks.extend(self._blocks(declaration))
@@ -117,21 +114,16 @@ class TypesModule:
             if before is not None:
                 parts.append("\n" if before.small and block.small else "\n\n\n")
             parts.append(block.text.strip("\n"))
-        body = "".join(parts)
-        if any(
+        return "".join(parts)
+
+    @property
+    def pragmas(self) -> list[str]:
+        """Comments for tools below the header."""
+        hiding = any(
             isinstance(declaration, Interface) and self._names.hides(declaration)
             for declaration in self._names.declarations(self._module)
-        ):
-            header = HashComment(header + _HIDING)
-        text = render(
-            "types/module.py.j2",
-            header=header,
-            docstring=docstring(title, 0),
-            imports=self.scope.import_lines(),
-            gap="\n\n" if body.startswith(("@", "class ")) else "\n",
-            body=body,
         )
-        return fit_text(text.rstrip("\n") + "\n") if body else text
+        return [_HIDING] if hiding else []
 
     def _blocks(self, declaration: Declaration) -> Iterable[Block]:
         match declaration:
@@ -256,7 +248,7 @@ class TypesModule:
             if (
                 isinstance(inner, Typedef)
                 and inner.name not in self._late
-                and self._has_codec(inner)
+                and self.has_codec(inner)
             ):
                 codec = self._names.public_companion(inner.name, "Codec")
                 value = py.companion(inner.name, "Codec")
@@ -269,7 +261,7 @@ class TypesModule:
         local = self._names.companion(alias.name, "Codec")
         if alias.name in self.codecs:
             return [f"{outside}: {self.scope.TypeAlias} = {local}"]
-        if not self._has_codec(alias):
+        if not self.has_codec(alias):
             return []
         self._late[alias.name] = outside
         return [f"{outside}: {self.scope.ClassVar}[{self.scope.type}[{local}]]"]
@@ -394,8 +386,8 @@ class TypesModule:
         name = getattr(type_, "name", None)
         if name is None or not is_emitted(self._model.find(name)):
             return False
-        path, local = self._names.implementation(name)
-        return path == f"_idl.{self._module}" and local not in self._done
+        home, local = self._names.implementation(name)
+        return home == self._home and local not in self._done
 
     def _ready_codecs(self) -> list[Block]:
         """The codecs of aliases whose types are already defined."""
@@ -407,7 +399,8 @@ class TypesModule:
         self._waiting = [alias for alias in self._waiting if alias not in ready]
         return [Block(text) for alias in ready if (text := self._codec(alias))]
 
-    def _has_codec(self, declaration: Typedef) -> bool:
+    def has_codec(self, declaration: Typedef) -> bool:
+        """Return whether a typedef has its own codec."""
         if not self._calls.marshalled:
             return False
         plain = self._model.unalias(declaration.type)
@@ -420,7 +413,7 @@ class TypesModule:
         return True
 
     def _codec(self, declaration: Typedef) -> str:
-        if not self._has_codec(declaration):
+        if not self.has_codec(declaration):
             return ""
         self.codecs.add(declaration.name)
         name = self._names.companion(declaration.name, "Codec")

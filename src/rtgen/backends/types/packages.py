@@ -1,11 +1,16 @@
-"""The packages that re-export what the implementation modules define, one for each IDL module."""
+"""The packages with the names of IDL modules, one for each.
+
+A package re-exports the names of implementation modules, besides those that it defines itself.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import chain
 
-from rtgen.backends.kit.python_text import fit_text
-from rtgen.backends.kit.quoting.python import docstring, string_literal
+from rtgen.backends import Options
+from rtgen.backends.kit.python_module import Import, import_blocks, relative_name
+from rtgen.backends.kit.quoting.python import string_literal
 from rtgen.backends.kit.rendering import render
 from rtgen.model import (
     Declaration,
@@ -16,31 +21,58 @@ from rtgen.model import (
 )
 from rtgen.typemap.idl_python_names import PythonNames, is_emitted, package_path
 
+_LAZY = Import("rtgen.runtime.lazy", "lazy_names", "lazy_names")
+_CHECKING = Import("typing", "TYPE_CHECKING", "TYPE_CHECKING")
+
 
 @dataclass(slots=True)
 class Package:
-    """The names that an IDL module exports, and the files that declare them."""
+    """The names that an IDL module exports, and the files that declare them.
+
+    `name` is the absolute name of its package. `imports` are names of other modules, `own` those
+    that the package defines under another name, `enumerators` the values of exported enums.
+    """
 
     scope: ScopedName
+    name: str
     files: list[str] = field(default_factory=list)
-    imports: dict[str, list[tuple[str, str]]] = field(default_factory=dict)
+    imports: list[Import] = field(default_factory=list)
+    own: list[tuple[str, str]] = field(default_factory=list)
     enumerators: list[tuple[str, str, str]] = field(default_factory=list)
+    defines: bool = False
 
-    def add(self, module: str, local: str, public: str) -> None:
-        self.imports.setdefault(module, []).append((local, public))
+    @property
+    def title(self) -> str:
+        """The docstring."""
+        scoped = "::".join(self.scope)
+        if scoped:
+            return f"The IDL module `{scoped}`."
+        return "What stands in the global scope of IDL."
+
+    def add(self, home: str, local: str, public: str) -> None:
+        if home != self.name:
+            self.imports.append(Import(home, local, public, exported=True))
+            return
+        self.defines = True
+        if local != public:
+            self.own.append((public, local))
 
 
 def packages(
     model: Model, names: PythonNames, codecs: set[ScopedName]
 ) -> list[Package]:
     """The packages in order of first declaration; the root package first."""
-    found: dict[ScopedName, Package] = {(): Package(())}
+    files = {file.name: file for file in model.files}
+    found: dict[ScopedName, Package] = {(): Package((), names.package)}
     for declaration in model.declarations:
         scope = declaration.name[:-1]
-        if not is_emitted(declaration) or names.is_nested(declaration.name):
+        exported = files[declaration.file].exported and is_emitted(declaration)
+        if not exported or names.is_nested(declaration.name):
             continue
         for depth in range(len(scope) + 1):
-            found.setdefault(scope[:depth], Package(scope[:depth]))
+            inner = scope[:depth]
+            name = ".".join((names.package, *package_path(inner)))
+            found.setdefault(inner, Package(inner, name))
         _fill(found[scope], names, declaration, declaration.name in codecs)
     return list(found.values())
 
@@ -49,16 +81,15 @@ def _fill(
     package: Package, names: PythonNames, declaration: Declaration, codec: bool
 ) -> None:
     name = declaration.name
-    path, local = names.implementation(name)
-    module = path.removeprefix("_idl.")
+    home, local = names.implementation(name)
     public = names.attribute(name)
     if declaration.file not in package.files:
         package.files.append(declaration.file)
-    package.add(module, local, public)
+    package.add(home, local, public)
     suffixes = ["Stub", "Skeleton"] if isinstance(declaration, Interface) else []
     for suffix in suffixes + ["Codec"] * codec:
         package.add(
-            module, names.companion(name, suffix), names.public_companion(name, suffix)
+            home, names.companion(name, suffix), names.public_companion(name, suffix)
         )
     if isinstance(declaration, Enum):
         for member, attribute in names.enumerators(declaration).items():
@@ -66,50 +97,60 @@ def _fill(
             package.enumerators.append((outside, public, attribute))
 
 
-def package_text(package: Package, header: str, lazy: bool = False) -> str:
-    """The text of its `__init__.py`; `lazy`: modules are imported at first access to a name."""
-    dots = "." * (len(package_path(package.scope)) + 1)
-    public = [p for pairs in package.imports.values() for _, p in pairs]
-    public += [outside for outside, _, _ in package.enumerators]
-    final = "Final" if "Final" not in public else "_Final"
-    scoped = "::".join(package.scope)
-    title = (
-        f"The IDL module `{scoped}`."
-        if scoped
-        else "What stands in the global scope of IDL."
+def package_body(
+    package: Package, options: Options, path: str
+) -> tuple[list[Import], str]:
+    """Return the imports and statements of its `__init__.py`.
+
+    With `options.lazy`, and if it has definitions, names of other modules are imported
+    on demand, since a module that the package imports may import the package.
+    """
+    lazy = bool(package.imports) and (options.lazy or package.defines)
+    imported = {each.local for each in package.imports}
+    names = imported.union(outside for outside, _, _ in package.enumerators)
+    final = "_Final" if "Final" in names else "Final"
+    constants = [
+        f"{outside}: {final} = {enum}.{member}"
+        for outside, enum, member in package.enumerators
+        if not (lazy and enum in imported)
+    ]
+    imports = [Import("typing", "Final", final)] * bool(constants)
+    imports += [_CHECKING, _LAZY] if lazy else package.imports
+    listed = ", ".join(map(string_literal, sorted(names)))
+    exported = f"__all__ = [{listed}]" if names and not package.defines else ""
+    blocks = [
+        "\n".join(f"{public} = {local}" for public, local in package.own),
+        "\n".join(constants),
+        _lazy(package, options, path, exported) if lazy else exported,
+    ]
+    return imports, "\n\n".join(filter(None, blocks))
+
+
+def _lazy(package: Package, options: Options, path: str, exported: str) -> str:
+    """Return the statements that import names of other modules on demand."""
+    homes: dict[str, list[str]] = {}
+    for each in sorted(package.imports):
+        renamed = f" as {each.local}" * (each.name != each.local)
+        homes.setdefault(each.module, []).append(f"{each.name}{renamed}")
+    enums = {each.local: each for each in package.imports}
+    constants = []
+    for outside, enum, member in package.enumerators:
+        if enum in enums:
+            home = homes[enums[enum].module]
+            home.append(f"{enums[enum].name}.{member} as {outside}")
+            constants.append(f"{outside} = {enum}.{member}")
+    shown = (
+        Import(each.module, each.name, each.local, exported=package.defines)
+        for each in package.imports
     )
-    imports = []
-    homes = []
-    for module, pairs in sorted(package.imports.items()):
-        ordered = sorted(pairs, key=lambda pair: pair[1])
-        names = [
-            p if local == p and lazy else f"{local} as {p}" for local, p in ordered
-        ]
-        imports.append(f"from {dots}_idl.{module} import {', '.join(names)}")
-        shown = ", ".join(map(string_literal, names))
-        key = string_literal(f"{dots}_idl.{module}")
-        homes.append(f"{key}: ({shown}{',' if len(names) == 1 else ''})")
-    if lazy and not package.enumerators:
-        text = render(
-            "types/lazy_package.py.j2",
-            header=header,
-            docstring=docstring(title, 0),
-            imports=imports,
-            homes=", ".join(homes),
-            exported=", ".join(string_literal(name) for name in sorted(public)),
-        )
-        return fit_text(text)
-    text = fit_text(
-        render(
-            "types/package.py.j2",
-            header=header,
-            docstring=docstring(title, 0),
-            final="Final" if final == "Final" else "Final as _Final",
-            imports=imports,
-            constants=[
-                f"{o}: {final} = {enum}.{m}" for o, enum, m in package.enumerators
-            ],
-            exported=", ".join(string_literal(name) for name in sorted(public)),
-        )
-    )
-    return text.rstrip("\n") + "\n"
+    return render(
+        "types/lazy_names.py.j2",
+        imports=list(chain(*import_blocks(shown, options.package, path))),
+        constants=constants,
+        homes=", ".join(
+            f"{string_literal(relative_name(module, options.package, path))}: "
+            f"({', '.join(map(string_literal, names))}{',' * (len(names) == 1)})"
+            for module, names in homes.items()
+        ),
+        exported=exported,
+    ).rstrip("\n")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from rtgen.backends.kit.python_module import Import
 from rtgen.model import Declaration, Interface, ScopedName, Typedef
 from rtgen.typemap.idl_python_names import PythonNames
 from rtgen.typemap.python_support import HOMES
@@ -18,13 +19,19 @@ class Scope:
 
     def __init__(self, names: PythonNames, module: str) -> None:
         self._names = names
-        self._module = module
+        self._home = names.home(module)
         self._attributes = names.attribute_names(module)
+        self._taken = names.taken_in(module)
         self._imports: dict[tuple[str, str], str] = {}
         self.globals: set[str] = {*HOMES}
         """The names that function bodies must not use for variables."""
-        for declaration in names.declarations(module):
-            self.globals.update(self._own_names(declaration))
+        self.defined = frozenset(
+            name
+            for declaration in names.declarations(module)
+            for name in self._own_names(declaration)
+        )
+        """The names that the module defines for declarations."""
+        self.globals.update(self.defined)
 
     def _own_names(self, declaration: Declaration) -> Iterator[str]:
         """The names that the module defines for a declaration."""
@@ -49,17 +56,21 @@ class Scope:
 
         msgspec recognizes it by name only, so a class with a member of that name omits it.
         """
-        alone = "ClassVar" not in self._attributes
+        alone = not self._is_bound("ClassVar")
         return f": {self.ClassVar}" if alone else ""
 
     def support(self, name: str, module: str | None = None) -> str:
         """A name of the runtime, the standard library or the builtins."""
         home, _, original = (module or HOMES[name]).partition(":")
-        local = f"_{name}" if name in self._attributes else name
+        local = f"_{name}" if self._is_bound(name) else name
         if home != "builtins" or local != name:
             self._imports[home, original or name] = local
             self.globals.add(local)
         return local
+
+    def _is_bound(self, name: str) -> bool:
+        """Return whether a name has another meaning in a class or in the module."""
+        return name in self._attributes or name in self._taken
 
     def spell(self, module: str, name: str) -> str:
         """A support name in the form of the mapping table."""
@@ -67,57 +78,33 @@ class Scope:
 
     def reference(self, name: ScopedName) -> str:
         """A declared type, constant or interface."""
-        path, class_name = self._names.implementation(name)
-        return self._declared(path.removeprefix("_idl."), class_name)
+        return self._declared(*self._names.implementation(name))
 
     def companion(self, name: ScopedName, suffix: str) -> str:
         """The companion of a declared type: its stub, skeleton or codec."""
-        path, _ = self._names.implementation(name)
-        return self._declared(
-            path.removeprefix("_idl."), self._names.companion(name, suffix)
-        )
+        home, _ = self._names.implementation(name)
+        return self._declared(home, self._names.companion(name, suffix))
 
     def alias(self, name: ScopedName) -> str:
         """The constant for the descriptor of a typedef."""
-        path, class_name = self._names.implementation(name)
-        return self._declared(path.removeprefix("_idl."), f"_{class_name}_alias")
+        home, class_name = self._names.implementation(name)
+        return self._declared(home, f"_{class_name}_alias")
 
-    def _declared(self, module: str, class_name: str) -> str:
-        if module == self._module:
+    def _declared(self, home: str, class_name: str) -> str:
+        if home == self._home:
             return class_name
-        key = (f".{module}", class_name)
+        key = home, class_name
         if key not in self._imports:
             local = class_name
-            while local in self.globals or local in self._attributes:
+            while local in self.globals or self._is_bound(local):
                 local += "_"
             self._imports[key] = local
             self.globals.add(local)
         return self._imports[key]
 
-    def import_lines(self) -> list[list[str]]:
-        """The import statements: standard library, numpy, runtime, own package."""
-        modules: dict[str, list[str]] = {}
-        for (module, name), local in sorted(self._imports.items()):
-            modules.setdefault(module, []).append(
-                name if name == local else f"{name} as {local}"
-            )
-        blocks: list[list[str]] = [[], [], [], []]
-        for module, items in modules.items():
-            ordered = sorted(items, key=_import_order)
-            statement = f"from {module} import {', '.join(ordered)}"
-            if items[0].partition(" ")[0] == module:
-                statement = f"import {items[0]}"
-            blocks[_rank(module)].append(statement)
-        return [block for block in blocks if block]
-
-
-def _rank(module: str) -> int:
-    """The block of a module: standard library, numpy, runtime, own package."""
-    own = 3 if module.startswith(".") else 2 if module.startswith("rtgen.") else 0
-    return 1 if module.startswith("numpy") else own
-
-
-def _import_order(name: str) -> tuple[int, str]:
-    """The order of isort: constants, classes, functions."""
-    bare = name.partition(" ")[0]
-    return (0 if bare.isupper() else 1 if bare[0].isupper() else 2, name)
+    def imports(self) -> list[Import]:
+        """Return the imports of the spelled names."""
+        return [
+            Import(module, "" if name == module else name, local)
+            for (module, name), local in self._imports.items()
+        ]

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import IO, TYPE_CHECKING, Any, cast
 
 from rtgen.cli.can.common import require_python_can
 from rtgen.cli.common import Refusal
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
     from can import Message
     from can.io.generic import MessageWriter
 
+_MAX_CONTAINER = 1 << 25
+"""Maximum octets of a container of a BLF file; Vector's tools write 128 KiB."""
 KINDS = {".log": "candump log", ".asc": "Vector ASC", ".blf": "Vector BLF"}
 """Suffix and name of each format."""
 
@@ -51,6 +54,64 @@ def read(path: Path) -> Iterator[Message]:
     return _read(path)
 
 
+class _Bounded:
+    """A file whose reads allocate no more memory than there are octets, whatever size is requested.
+
+    Sizes in a log are not trusted.
+    """
+
+    _PIECE = 1 << 20
+
+    def __init__(self, stream: IO[Any]) -> None:
+        self._stream = stream
+
+    def read(self, size: int = -1) -> bytes:
+        """Like the method of a file."""
+        if size <= self._PIECE:
+            return bytes(self._stream.read(size))
+        parts = []
+        while size > 0 and (part := self._stream.read(min(size, self._PIECE))):
+            parts.append(part)
+            size -= len(part)
+        return b"".join(parts)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+
+def _check_containers(path: Path) -> None:
+    """Raise ValueError for a container of a BLF file that inflates to more than `_MAX_CONTAINER`.
+
+    python-can inflates a container as a whole, of any size.
+    """
+    import zlib
+
+    from can.io import blf
+
+    with path.open("rb") as stream:
+        source = _Bounded(stream)
+        size = blf.FILE_HEADER_STRUCT.unpack(source.read(blf.FILE_HEADER_STRUCT.size))[
+            1
+        ]
+        stream.seek(size)
+        while head := source.read(blf.OBJ_HEADER_BASE_STRUCT.size):
+            _, _, _, size, kind = blf.OBJ_HEADER_BASE_STRUCT.unpack(head)
+            data = source.read(max(0, size - blf.OBJ_HEADER_BASE_STRUCT.size))
+            stream.seek(size % 4, os.SEEK_CUR)
+            if kind != blf.LOG_CONTAINER:
+                continue
+            method, _ = blf.LOG_CONTAINER_STRUCT.unpack_from(data)
+            if method == blf.ZLIB_DEFLATE:
+                inflater = zlib.decompressobj()
+                inflater.decompress(
+                    data[blf.LOG_CONTAINER_STRUCT.size :], _MAX_CONTAINER
+                )
+                if inflater.unconsumed_tail:
+                    raise ValueError(
+                        f"a container of more than {_MAX_CONTAINER} octets"
+                    )
+
+
 def _read(path: Path) -> Iterator[Message]:
     import struct
     import zlib
@@ -64,8 +125,10 @@ def _read(path: Path) -> Iterator[Message]:
     binary = issubclass(kind, BinaryIOMessageReader)
     found = 0
     try:
+        if suffix == ".blf":
+            _check_containers(path)
         with path.open("rb") if binary else path.open(errors="replace") as stream:
-            for message in kind(cast(Any, stream)):
+            for message in kind(cast(Any, _Bounded(stream) if binary else stream)):
                 found += 1
                 yield message
     except OSError as error:

@@ -24,6 +24,9 @@ from rtgen.diagnostics import ToolError
 from rtgen.runtime.opaque_rpc.serial import BAUDRATE
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from rtgen.cli.conformance.check import Permission
     from rtgen.cli.conformance.report import Report
 
 _DESCRIPTIONS = (".eds", ".dcf")
@@ -51,6 +54,17 @@ _COMPONENTS = (".idl", ".xml", ".yaml", ".yml")
     is_flag=True,
     help="Make the checks that may move something, too: OPERATIONAL, writes to the application, "
     "calls of functions, activation and configuration of components.",
+)
+@click.option(
+    "--defaults",
+    is_flag=True,
+    help="Compare values with the defaults of the definition: nobody has set others on purpose.",
+)
+@click.option(
+    "--exit",
+    "may_exit",
+    is_flag=True,
+    help="Let the component exit at the end.",
 )
 @click.option(
     "--signature",
@@ -112,6 +126,12 @@ _COMPONENTS = (".idl", ".xml", ".yaml", ".yml")
     metavar="S",
     help="Seconds within which the node must boot.",
 )
+@click.option(
+    "--stall",
+    type=FiniteRange(min=0.01),
+    metavar="S",
+    help="Seconds within which the board must give up a client that is silent within a request.",
+)
 @with_bus
 @with_representation
 @with_console
@@ -123,6 +143,8 @@ def conformance(
     connect: str | None,
     node_id: int | None,
     actuate: bool,
+    defaults: bool,
+    may_exit: bool,
     signature: str | None,
     functions: tuple[str, ...],
     component: str | None,
@@ -133,6 +155,7 @@ def conformance(
     html: Path | None,
     timeout: float,
     boot: float,
+    stall: float | None,
 ) -> int:
     """Test a CANopen node against its EDS or DCF, a TECS board against its CDL, or a running RT
     component against its IDL or RTC.xml.
@@ -144,9 +167,10 @@ def conformance(
     """
     from rtgen.cli.conformance.report import as_html, as_json_text, as_junit, as_text
 
+    permissions = _permissions(actuate, defaults, may_exit)
     suffix = file.suffix.lower()
     if suffix in _DESCRIPTIONS:
-        report = _node(file, node_id, connect, access, timeout, boot, actuate)
+        report = _node(file, node_id, connect, access, timeout, boot, permissions)
     elif suffix == ".cdl":
         from rtgen.cli.conformance.board import testing
 
@@ -154,10 +178,17 @@ def conformance(
         if connect is None:
             raise click.MissingParameter(param_hint="--connect", param_type="option")
         report = testing.tested(
-            file, connect, signature, functions, peer, baud=baud, actuate=actuate
+            file,
+            connect,
+            signature,
+            functions,
+            peer,
+            baud=baud,
+            stall=stall,
+            permissions=permissions,
         )
     elif suffix in _COMPONENTS:
-        report = _component(file, component, include, connect, timeout, actuate)
+        report = _component(file, component, include, connect, timeout, permissions)
     else:
         raise Refusal(
             f"{file} is not an EDS, a DCF, a CDL file or the definition of a component"
@@ -169,6 +200,19 @@ def conformance(
     return OK if report.passed else NO
 
 
+def _permissions(
+    actuate: bool, defaults: bool, may_exit: bool
+) -> Collection[Permission]:
+    from rtgen.cli.conformance.check import Permission
+
+    given = {
+        Permission.ACTUATE: actuate,
+        Permission.DEFAULTS: defaults,
+        Permission.EXIT: may_exit,
+    }
+    return [permission for permission, is_given in given.items() if is_given]
+
+
 def _node(
     file: Path,
     node_id: int | None,
@@ -176,7 +220,7 @@ def _node(
     access: BusAccess,
     timeout: float,
     boot: float,
-    actuate: bool,
+    permissions: Collection[Permission],
 ) -> Report:
     from rtgen.cli.conformance.canopen.testing import tested
 
@@ -186,7 +230,9 @@ def _node(
             message = f"{connect!r} is not INTERFACE:CHANNEL"
             raise click.BadParameter(message, param_hint="--connect")
         access = replace(access, interface=interface, channel=channel)
-    return tested(file, node_id, access, timeout=timeout, boot=boot, actuate=actuate)
+    return tested(
+        file, node_id, access, timeout=timeout, boot=boot, permissions=permissions
+    )
 
 
 def _component(
@@ -195,7 +241,7 @@ def _component(
     include: tuple[str, ...],
     connect: str | None,
     timeout: float,
-    actuate: bool,
+    permissions: Collection[Permission],
 ) -> Report:
     if connect is None:
         raise click.MissingParameter(param_hint="--connect", param_type="option")
@@ -206,7 +252,9 @@ def _component(
             "a test of a component needs omniORBpy, which is not installed",
             hint="pip install 'rtgen[corba]'",
         ) from error
-    return tested(file, connect, name, include, timeout=timeout, actuate=actuate)
+    return tested(
+        file, connect, name, include, timeout=timeout, permissions=permissions
+    )
 
 
 def _write(path: Path, text: str) -> None:

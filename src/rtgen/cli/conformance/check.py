@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
+from enum import Enum
 from typing import ClassVar, Generic, Protocol, TypeAlias, TypeVar
 
 from rtgen.cli.conformance.report import Outcome, Verdict
@@ -28,23 +29,31 @@ class SkipError(Exception):
     """The check is not applicable, or not permitted; the text says why."""
 
 
+class Permission(Enum):
+    """A permission for checks: the option, and why a check is skipped without it."""
+
+    ACTUATE = "it may move something: --actuate"
+    DEFAULTS = "values may have been set on purpose: --defaults"
+    EXIT = "it ends the component: --exit"
+
+
 @dataclass(frozen=True, slots=True)
 class Check(Generic[S]):
     """A check: its name in reports, its assertion, the clause of the standard, its function.
 
-    One that `actuates` may move what the subject drives; it only runs if that is permitted.
+    A check that needs a permission only runs if that is given.
     """
 
     name: str
     title: str
     clause: str
     run: Callable[[S], Problems]
-    actuates: bool = False
+    needs: Permission | None = None
 
-    def outcome(self, subject: S, *, actuate: bool) -> Outcome:
+    def outcome(self, subject: S, permissions: Collection[Permission]) -> Outcome:
         """Run the check on a subject."""
-        if self.actuates and not actuate:
-            return self.skipped("it may move something: --actuate")
+        if self.needs is not None and self.needs not in permissions:
+            return self.skipped(self.needs.value)
         tried = 0
         problems: list[str] = []
         try:

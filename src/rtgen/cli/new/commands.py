@@ -150,4 +150,4 @@ def _generate(console: Console, project: Project) -> None:
     console.findings(run.diagnostics, run.sources)
     if run.failed:
         raise ReportedError(BAD_INPUT)
-    output.write(project, run.artifacts, run.inputs)
+    output.write(project, run)

@@ -10,7 +10,7 @@ from pathlib import Path
 from rtgen.frontends import Dependency
 from rtgen.frontends.kit.library import VirtualFile
 from rtgen.model import SourceFile
-from rtgen.resources import IDL_FILES, idl_file, idl_source
+from rtgen.resources import IDL_FILES, idl_file, idl_key, idl_source
 
 
 def shipped(
@@ -23,7 +23,7 @@ def shipped(
     own = {path.name: path for path in definitions}
     return {
         name: own.get(name)
-        or VirtualFile(_key(name), partial(idl_source, name), given=name in needed)
+        or VirtualFile(idl_key(name), partial(idl_source, name), given=name in needed)
         for name in IDL_FILES
     }
 
@@ -32,10 +32,6 @@ def dependencies(files: Sequence[SourceFile]) -> Iterator[Dependency]:
     """Yield the dependencies on those of the files that ship with rtgen."""
     keys = {file.key for file in files}
     for name in IDL_FILES:
-        if _key(name) in keys:
+        if idl_key(name) in keys:
             path = idl_file(name)
             yield Dependency(path, sha256(path.read_bytes()).hexdigest())
-
-
-def _key(name: str) -> str:
-    return f"rtgen/idl/{name}"

@@ -15,7 +15,7 @@ class RecoveringParser(Parser):
         open.
         """
         depth = 0
-        while len(self.states) > 1 and (depth < 0 or not self.takes("ERROR")):
+        while len(self.states) > 1 and (depth < 0 or not self.would_shift("ERROR")):
             self.states.pop()
             kind = getattr(self.values.pop(), "type", None)
             depth += (kind == "LBRACE") - (kind == "RBRACE")

@@ -28,6 +28,11 @@ _FIXES = (
 _MAX_CONVERTED = 300_000
 """Maximum length of a module that is converted, which takes seconds."""
 
+_PARSE_ATTEMPTS = 20
+"""CPython counts the depth of the trees of all threads together, and raises SystemError if another
+thread parses at the same time, as the traceback module does.
+"""
+
 _NOT_PYTHON_3 = "this is not Python 3"
 _DEEP = "too many"
 _INDENT = re.compile(r"^[ \t]+", re.MULTILINE)
@@ -98,18 +103,27 @@ def _lines(text: str) -> str:
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
+def _tree(text: str, file: str) -> ast.Module:
+    for _ in range(_PARSE_ATTEMPTS - 1):
+        try:
+            return ast.parse(text, file)
+        except SystemError:
+            continue
+    return ast.parse(text, file)
+
+
 def _parsed(text: str, file: str) -> tuple[ast.Module | None, Diagnostic | None]:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            return ast.parse(text, file), None
+            return _tree(text, file), None
     except SyntaxError as error:
         line, column = error.lineno or 1, max(error.offset or 1, 1)
         span = Span(file, line, column, line, column + 1)
         message = f"{_NOT_PYTHON_3}: {error.msg}"
         hint = "modules of Python 2 need the extra: pip install 'rtgen[python2]'"
         return None, rules.UNREADABLE.at(span, message, hint=hint)
-    except (ValueError, RecursionError, MemoryError) as error:
+    except (ValueError, RecursionError, MemoryError, SystemError) as error:
         span = Span(file, 1, 1, 1, 2)
         return None, rules.UNREADABLE.at(span, f"{file} cannot be read: {error}")
 

@@ -9,7 +9,7 @@ from typing import Any
 from msgspec.structs import replace
 
 from rtgen.diagnostics import Span
-from rtgen.lowering.canopen.kinds import file_name, folder_of, service_of
+from rtgen.lowering.canopen.kinds import file_name, service_of
 from rtgen.model import (
     Component,
     ConfigurationParameter,
@@ -37,6 +37,7 @@ from rtgen.typemap.canopen_ports import (
     Quantity,
     can_be_parameter,
 )
+from rtgen.typemap.python_names import module_name
 
 PROXY_BASE = "rtgen.runtime.canopen.master.proxy:CanopenProxy"
 SERVICE_PORT = "sdo"
@@ -74,7 +75,7 @@ def device_components(
     span = kind.span
     node_id = _node_id(ports, networks)
     network = next(iter(networks)) if len(networks) == 1 else ""
-    file, folder = file_name(ports), folder_of(kind)
+    file = file_name(ports)
     product = line(ports.device.info.product_name) or kind.module
     data_ports = tuple(_data_ports(ports))
     sdo = Port(
@@ -100,7 +101,7 @@ def device_components(
         ports=(*data_ports, sdo),
         configuration=(*common, *_of_proxy(span), *_of_objects(ports)),
         runtime_base=PROXY_BASE,
-        factory=f".canopen.{folder}.proxy:{name}",
+        factory=f".components.{module_name(name)}:{name}",
     )
     name = f"{kind.module}Device"
     yield Component(
@@ -115,7 +116,7 @@ def device_components(
             *_common(span, node_id, network, most=_LSS),
             *_of_device(span),
         ),
-        runtime_base=f".canopen.{folder}.device:{kind.module}Slave",
+        runtime_base=f".components.{module_name(name)}:{kind.module}Slave",
     )
 
 

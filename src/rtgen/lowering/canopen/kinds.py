@@ -16,10 +16,14 @@ from rtgen.model import ScopedName
 from rtgen.model.can_bus import Bus, DeviceKind, kind_of
 from rtgen.model.canopen import Device
 from rtgen.typemap.canopen_ports import DevicePorts, can_be_parameter
+from rtgen.typemap.idl_python_names import package_path
 from rtgen.typemap.python_names import module_name
 
 _TAKEN = frozenset(
-    {"rtc", "canopen", "corba", "components", "networks", "manager", "service", "_idl"}
+    {
+        *("rtc", "canopen", "corba", "components", "adapters"),
+        *("networks", "manager", "service", "_idl"),
+    }
 )
 
 
@@ -66,9 +70,10 @@ def file_name(ports: DevicePorts) -> str:
     return f"{ports.kind.module}.idl"
 
 
-def folder_of(kind: DeviceKind) -> str:
-    """The name of its package below `canopen`."""
-    return module_name(kind.module)
+def package_of(kind: DeviceKind) -> str:
+    """Return the name of its Python package below the generated one: that of its IDL module."""
+    [name] = package_path((kind.module,))
+    return name
 
 
 def check(ports: DevicePorts) -> Iterator[Diagnostic]:
@@ -118,7 +123,7 @@ def _settings(kind: DeviceKind) -> tuple[object, ...]:
 
 
 def _taken(kind: DeviceKind) -> Diagnostic | None:
-    if kind.module.lower() not in _TAKEN and folder_of(kind) not in _TAKEN:
+    if _TAKEN.isdisjoint((kind.module.lower(), module_name(kind.module))):
         return None
     return TAKEN_MODULE.at(
         kind.span,

@@ -19,6 +19,7 @@ from rtgen.lowering.canopen.kinds import (
     check,
     file_name,
     kinds_of,
+    package_of,
 )
 from rtgen.lowering.canopen.rules import MISSING_TYPE, TAKEN_NAME
 from rtgen.lowering.canopen.types import TIME, declarations
@@ -27,6 +28,7 @@ from rtgen.lowering.stage import Lowered
 from rtgen.model import (
     Component,
     Declaration,
+    Enum,
     Interface,
     Model,
     NamedType,
@@ -35,7 +37,9 @@ from rtgen.model import (
     Struct,
 )
 from rtgen.model.can_bus import Bus
+from rtgen.typemap.canopen_names import TABLES, table_class
 from rtgen.typemap.canopen_ports import DevicePorts
+from rtgen.typemap.idl_python_names import COMPANIONS
 from rtgen.typemap.implementation_modules import referred
 
 MANAGER = "CanopenManager"
@@ -84,7 +88,30 @@ class _Made:
             sha256=ports.device.sha256,
             main=True,
             includes=tuple(self._included()),
+            module=package_of(ports.kind),
+            taken=frozenset(self._beside(ports)),
         )
+
+    def _beside(self, ports: DevicePorts) -> Iterator[str]:
+        """Yield the names that definitions of the project declare in the module of a device.
+
+        Reports those that the package reserves for the device.
+        """
+        module = ports.kind.module
+        of_device = {*TABLES, table_class(module)}
+        for declaration in self.model.declarations:
+            scope, name = declaration.name[:-1], declaration.name[-1]
+            if scope != (module,) or declaration.file == file_name(ports):
+                continue
+            if name in of_device:
+                message = f"{declaration.scoped} has the name of a table of the device"
+                hint = "rename it, or give the device another `name` in a bus file"
+                self.findings.append(
+                    TAKEN_NAME.at(declaration.span, message, hint=hint)
+                )
+            yield from (name, *(f"{name}{suffix}" for suffix in COMPANIONS))
+            if isinstance(declaration, Enum):
+                yield from (member.name for member in declaration.members)
 
     def whole(self) -> Model:
         """The model with everything that was added."""

@@ -14,10 +14,10 @@ from rtgen.layouts.tdr import SignatureLayout, TransferError
 from rtgen.layouts.tdr_messages import layout_of, problems
 from rtgen.lowering.settings import Settings
 from rtgen.lowering.stage import Lowered
-from rtgen.lowering.tecs.communication import FILE, RUNTIME, communication_model
+from rtgen.lowering.tecs.communication import FILE, communication_model
 from rtgen.lowering.tecs.idl_model import IdlSide, idl_side
 from rtgen.lowering.tecs.plan import FOLDER, TecsPackage, packages
-from rtgen.lowering.tecs.rtc_components import CLIENT
+from rtgen.lowering.tecs.rtc_components import CLIENT, MARSHALLER
 from rtgen.lowering.tecs.rules import NOT_TRANSFERRED
 from rtgen.model import Model, Package
 
@@ -37,8 +37,7 @@ def lower(model: Model, settings: Settings) -> Lowered:
         return Lowered(model, tuple(findings))
     sources = tuple(dict.fromkeys(s for p in planned for s in p.sources))
     communication = communication_model(sources)
-    types = {FILE: RUNTIME}
-    made = [Package(name=FOLDER, model=communication, sources=sources, types=types)]
+    made = [Package(name=FOLDER, model=communication, sources=sources)]
     for plan in planned:
         side, found = idl_side(plan, communication)
         layouts, untransferable = _layouts(plan, side)
@@ -48,7 +47,6 @@ def lower(model: Model, settings: Settings) -> Lowered:
                 name=plan.name,
                 model=side.model,
                 sources=plan.sources,
-                types=types,
                 conversions={FILE: FOLDER},
                 any_values=any(s.options.array == "any" for s in plan.services),
                 profiles=_profiles(plan),
@@ -70,8 +68,13 @@ def boards(model: Model) -> Iterator[BoardPackage]:
 def _profiles(plan: TecsPackage) -> dict[str, str]:
     """The first client's profile is the package's `RTC.xml`."""
     first, *others = (service.name for service in plan.services)
-    return {f"{first}{CLIENT}": "RTC.xml"} | {
-        f"{name}{CLIENT}": f"{name}.RTC.xml" for name in others
+    return {
+        f"{first}{CLIENT}": "RTC.xml",
+        **{f"{name}{CLIENT}": f"{name}.RTC.xml" for name in others},
+        **{
+            f"{service.name}{MARSHALLER}": f"{service.name}{MARSHALLER}.RTC.xml"
+            for service in plan.services
+        },
     }
 
 

@@ -52,7 +52,14 @@ def communication_model(sources: tuple[SourceFile, ...]) -> Model:
     `sources` are the CDL files of the project.
     """
     first = sources[0]
-    file = SourceFile(name=FILE, key=first.key, sha256=first.sha256, main=True)
+    file = SourceFile(
+        name=FILE,
+        key=first.key,
+        sha256=first.sha256,
+        main=True,
+        package=RUNTIME,
+        exported=False,
+    )
     return Model(files=(file,), declarations=(*_interface(), _component()))
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from typing import TypeVar
 
 import msgspec
@@ -12,7 +13,12 @@ from rtgen.diagnostics import Diagnostic, Span
 from rtgen.facts.tdr import Scalar
 from rtgen.lowering.tecs.idl_names import AnonymousTypes, IdlNames, common_fields
 from rtgen.lowering.tecs.plan import Service, TecsPackage
-from rtgen.lowering.tecs.rtc_components import COMMUNICATION, RTCS, components_of
+from rtgen.lowering.tecs.rtc_components import (
+    COMMUNICATION,
+    RTCS,
+    components_of,
+    marshaller_module,
+)
 from rtgen.lowering.tecs.rules import NOT_IN_IDL
 from rtgen.model import (
     VOID,
@@ -46,7 +52,10 @@ from rtgen.model.tecs import (
     TecsTypedef,
 )
 from rtgen.typemap.implementation_modules import referred
+from rtgen.typemap.python_names import identifier
+from rtgen.typemap.python_support import BASE_NAMES, HOMES
 from rtgen.typemap.tecs_idl import IdlTypes, NotInIdlError
+from rtgen.typemap.tecs_python import MARSHALLER_NAMES, codec_class, struct_class
 
 _DIRECTIONS = {
     TecsDirection.IN: Direction.IN,
@@ -57,6 +66,9 @@ _DIRECTIONS = {
 }
 _D = TypeVar("_D", bound=TecsDeclaration)
 _ANY = PrimitiveType(Primitive.ANY)
+
+VIEWS = "_views"
+"""The module with the types of a package in IDL, and conversions to those of CDL."""
 
 
 class IdlService(msgspec.Struct, frozen=True):
@@ -161,27 +173,23 @@ class _Builder:
     def side(self, communication: Model) -> IdlSide:
         declared = {d.name: d for d in self._declarations()}
         services = []
-        owners: dict[ScopedName, str] = {}
-        shared: set[ScopedName] = set()
+        counts: Counter[ScopedName] = Counter()
         for service in self._package.services:
             anonymous, interface = self._interface(service)
             inner = anonymous.typedefs
             needed = _needed([*inner, interface], declared)
             constants = self._constants_beside(service, declared)
             own = [d for d in declared.values() if d.name in needed | constants]
-            for declaration in own:
-                if declaration.name in owners:
-                    shared.add(declaration.name)
-                owners.setdefault(declaration.name, _file(service))
+            counts.update(declaration.name for declaration in own)
             services.append(
                 IdlService(
                     service, interface, (*own, *inner, interface), anonymous.arrays
                 )
             )
         return IdlSide(
-            self._model(services, owners, communication),
+            self._model(services, counts, communication),
             tuple(services),
-            frozenset(shared),
+            frozenset(name for name, count in counts.items() if count > 1),
             self._structs,
             frozenset(self._refused),
         )
@@ -189,16 +197,20 @@ class _Builder:
     def _model(
         self,
         services: Sequence[IdlService],
-        owners: dict[ScopedName, str],
+        shared: Collection[ScopedName],
         communication: Model,
     ) -> Model:
-        """All declarations, each in the first file that uses it, and the components."""
-        main = self._package.sources[0]
-        files = [replace(main, name=_file(s.service), includes=()) for s in services]
+        """Return the declarations (outside of interfaces in a file of types) and components."""
+        main = replace(self._package.sources[0], includes=())
+        types = f"{self._package.stem}-types.idl"
+        files = [replace(main, name=types, module=VIEWS, taken=self._in_views())]
         declarations: dict[ScopedName, Declaration] = {}
         for idl in services:
+            taken = self._in_marshaller(idl.service)
+            module = marshaller_module(idl.service)
+            files.append(replace(main, name=idl.file, module=module, taken=taken))
             for declaration in idl.declarations:
-                file = owners.get(declaration.name, _file(idl.service))
+                file = types if declaration.name in shared else idl.file
                 declarations.setdefault(
                     declaration.name, replace(declaration, file=file)
                 )
@@ -217,6 +229,26 @@ class _Builder:
                 *components,
             ),
         )
+
+    def _in_views(self) -> frozenset[str]:
+        """Return the names of conversions in the module of types."""
+        structs = [struct_class(name) for name in self._structs]
+        functions = (f"{way}_{name}" for way in ("codec", "idl") for name in structs)
+        return frozenset(("_types", "value", *functions))
+
+    def _in_marshaller(self, service: Service) -> frozenset[str]:
+        """Return the names in the module of a service besides those of its interface."""
+        name = identifier(service.name)
+        made = ("Proxy", "Target", *RTCS, *(f"{each}Base" for each in RTCS))
+        structs = (struct_class(each) for each in self._structs)
+        found = self._in_views().union(
+            structs,
+            (f"{name}{each}" for each in made),
+            (f"_{name}Servant", codec_class(service.signature)),
+            MARSHALLER_NAMES,
+            BASE_NAMES,
+        )
+        return found.difference(HOMES)  # which are imported from the same places
 
     # Types and constants.
 
@@ -249,6 +281,7 @@ class _Builder:
                 name=names.add(member.name),
                 type=self._types.sized(member.type, member.sizes),
                 span=member.span,
+                doc=member.doc,
             )
             for member in declaration.members
         )
@@ -395,7 +428,3 @@ def _fitting(type_: Type, plain: object, value: ConstantValue) -> ConstantValue:
         return int(value)
     floating = (PrimitiveType(Primitive.FLOAT), PrimitiveType(Primitive.DOUBLE))
     return float(value) if type_ in floating and isinstance(value, int) else value
-
-
-def _file(service: Service) -> str:
-    return f"{service.name}.idl"

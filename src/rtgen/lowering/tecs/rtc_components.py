@@ -22,6 +22,11 @@ def consumer_name(service: Service) -> str:
     return "communication" if service.module != "communication" else "opaque_rpc"
 
 
+def marshaller_module(service: Service) -> str:
+    """Return the module of a service, with its interface, bases of RTCs, and marshaller."""
+    return f"{service.module}_marshaller"
+
+
 def components_of(
     service: Service, interface: Interface, file: str
 ) -> Iterator[Component]:
@@ -61,6 +66,7 @@ def components_of(
             rate=10.0,
             max_instances=0,
             factory=factory,
+            module=marshaller_module(service),
         )
 
     yield component(
@@ -75,7 +81,7 @@ def components_of(
             ),
         ),
         f"Carries calls of {scoped} to a TECS board.",
-        f".{service.module}_marshaller:{identifier(f'{service.name}{MARSHALLER}')}",
+        f".{marshaller_module(service)}:{identifier(f'{service.name}{MARSHALLER}')}",
     )
     yield component(
         f"{service.name}{CLIENT}",

@@ -4,9 +4,11 @@
 with the package `refrobots` and the module `EposDrive`:
 
 - `EposDriveProxyBase(CanopenProxy)` has the ports and the configuration, and
-  `refrobots.canopen.epos_drive.proxy.EposDriveProxy(EposDriveProxyBase)` implements the hooks.
-- `refrobots.canopen.epos_drive.device.EposDriveSlave(CanopenDevice)` implements them for a device
-  and has `objects`; `EposDriveDeviceBase(EposDriveSlave)` has the ports and the configuration.
+  `EposDriveProxy(EposDriveProxyBase)` implements the hooks, both in
+  `refrobots.components.epos_drive_proxy`.
+- `EposDriveSlave(CanopenDevice)` implements them for a device and has `objects`;
+  `EposDriveDeviceBase(EposDriveSlave)` has the ports and the configuration, both in
+  `refrobots.components.epos_drive_device`.
 """
 
 from __future__ import annotations

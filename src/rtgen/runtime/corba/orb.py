@@ -13,6 +13,8 @@ from omniORB import CORBA, PortableServer
 from rtgen.runtime.errors import TransportError
 
 _POLL_INTERVAL = 0.005
+_RELEASE_TIME = 0.05
+"""Seconds in which a thread that has left the list releases the interpreter's lock."""
 LOOPBACK = "127.0.0.1"
 MAX_MESSAGE = 64 << 20
 """Maximum size of a message in octets, in either direction."""
@@ -71,11 +73,13 @@ class Orb:
         # In this thread: another one might still be running at interpreter exit.
         if self._owned and not self.busy:
             self.orb.destroy()
-            _await_workers(deadline)
+            await_workers(deadline)
 
 
-def _await_workers(deadline: float) -> None:
+def await_workers(deadline: float) -> None:
     """Wait for the threads of a destroyed ORB, which end on their own.
+
+    `deadline` is a value of `time.monotonic`.
 
     Each acquires the interpreter's lock once more to free its state. A thread that requests it
     during interpreter exit is unwound through omniORB's destructors, which aborts the process.
@@ -86,5 +90,4 @@ def _await_workers(deadline: float) -> None:
 
     while remain() and time.monotonic() < deadline:
         time.sleep(_POLL_INTERVAL)
-    # The last one leaves the list before it releases the lock.
-    time.sleep(_POLL_INTERVAL)
+    time.sleep(_RELEASE_TIME)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import ctypes
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, NamedTuple
 
 from cyclonedds import _clayer
 from cyclonedds.core import (
@@ -17,8 +18,9 @@ from cyclonedds.core import (
     ViewState,
 )
 from cyclonedds.domain import DomainParticipant
+from cyclonedds.internal import dds_c_t
 from cyclonedds.pub import DataWriter, Publisher
-from cyclonedds.qos import Policy
+from cyclonedds.qos import Policy, _CQos
 from cyclonedds.qos import Qos as DdsQos
 from cyclonedds.sub import DataReader, Subscriber
 from cyclonedds.topic import Topic
@@ -34,8 +36,8 @@ from rtgen.runtime.distribution.medium import (
 ANY = SampleState.Any | ViewState.Any | InstanceState.Any
 _SECOND = 1_000_000_000
 _AT_ONCE = 256
-"""Samples that are taken at a time."""
-_MOST_UNREAD = 1024
+"""Maximum samples taken at a time, and initial number of requested handles."""
+_MAX_UNREAD = 1024
 """Samples that a reader keeps at most before it slows its writers down."""
 _PAUSE = 0.0005
 _TIMEOUT = -10
@@ -43,13 +45,86 @@ _TIMEOUT = -10
 
 @contextmanager
 def reported(what: str) -> Iterator[None]:
-    """Turn errors of cyclonedds into MediumError."""
+    """Turn errors of cyclonedds into MediumError; some of them are bare exceptions."""
     try:
         yield
-    except DDSException as error:
+    except (DDSException, TypeError) as error:
         raise MediumError(f"{what}: {error}") from error
-    except TypeError as error:
+    except Exception as error:
+        if type(error) is not Exception:
+            raise
         raise MediumError(f"{what}: {error}") from error
+
+
+class Endpoint(NamedTuple):
+    """A reader or writer of any process: the octets of its GUID, and its user data."""
+
+    guid: bytes
+    user_data: bytes
+
+
+def matched_readers(writer: Any) -> list[int]:
+    """Return the handles of the readers matched with a writer. Raises DDSException."""
+    return _handles(writer, writer._get_matched_subscriptions)
+
+
+def matched_writers(reader: Any) -> list[int]:
+    """Return the handles of the writers matched with a reader. Raises DDSException."""
+    return _handles(reader, reader._get_matched_publications)
+
+
+def _handles(entity: Any, get: Callable[..., int]) -> list[int]:
+    """Return the handles that a C function writes into an array.
+
+    cyclonedds's own wrappers request the number first, and fail if it grows before the second call.
+    """
+    room = _AT_ONCE
+    while True:
+        handles = (dds_c_t.instance_handle * room)()
+        first = ctypes.cast(handles, ctypes.POINTER(dds_c_t.instance_handle))
+        count = get(entity._ref, first, room)
+        if count < 0:
+            raise DDSException(count)
+        if count <= room:
+            return handles[:count]
+        room = count
+
+
+def matched_reader(writer: DataWriter[Any], handle: int) -> Endpoint | None:
+    """Return the reader with this handle; None if it is no longer matched with the writer."""
+    found: Endpoint | None = _clayer.ddspy_get_matched_subscription_data(
+        writer._ref, handle, _endpoint, _user_data
+    )
+    return found
+
+
+def matched_writer(reader: DataReader[Any], handle: int) -> Endpoint | None:
+    """Return the writer with this handle; None if it is no longer matched with the reader."""
+    found: Endpoint | None = _clayer.ddspy_get_matched_publication_data(
+        reader._ref, handle, _endpoint, _user_data
+    )
+    return found
+
+
+def _endpoint(guid: bytes, *described: Any) -> Endpoint:
+    """Return an endpoint from cyclonedds's values, the third last of which is its QoS."""
+    return Endpoint(guid, described[-3])
+
+
+def _user_data(qos: int) -> bytes:
+    """Return the user data of a QoS of C.
+
+    cyclonedds's own conversion uses variables shared by all threads, so one gets the user data of
+    another, and it does not free them.
+    """
+    data, size = ctypes.c_void_p(), ctypes.c_size_t()
+    place = ctypes.cast(qos, dds_c_t.qos_p)
+    if not _CQos._get_userdata(place, ctypes.byref(data), ctypes.byref(size)):
+        return b""
+    try:
+        return ctypes.string_at(data, size.value) if data else b""
+    finally:
+        _CQos.free(data)
 
 
 class Entities:
@@ -63,10 +138,15 @@ class Entities:
         self._topics: dict[tuple[str, int], tuple[Topic[Any], Any]] = {}
         self._lock = threading.Lock()
 
-    def writer(self, name: str, type_: type[Any], qos: Qos) -> DataWriter[Any]:
-        """A writer of a topic. Raises MediumError."""
+    def writer(
+        self, name: str, type_: type[Any], qos: Qos, late: int | None = None
+    ) -> DataWriter[Any]:
+        """Return a writer of a topic. Raises MediumError.
+
+        `late`: number of samples for readers created later, if durable; default `qos.depth`.
+        """
         with reported(f"the writer of {name}"):
-            policies = [*_policies(qos), _sent(type_)]
+            policies = [*_policies(qos, late), _sent(type_)]
             return DataWriter(
                 self._publisher, self._topic(name, type_), DdsQos(*policies)
             )
@@ -80,7 +160,7 @@ class Entities:
             if user_data:
                 policies.append(Policy.Userdata(user_data))
             if qos.depth is None:
-                policies.append(Policy.ResourceLimits(_MOST_UNREAD, -1, -1))
+                policies.append(Policy.ResourceLimits(_MAX_UNREAD, -1, -1))
             return DataReader(
                 self._subscriber, self._topic(name, type_), DdsQos(*policies)
             )
@@ -95,19 +175,16 @@ class Entities:
             return known[0]
 
 
-def _policies(qos: Qos) -> list[Any]:
+def _policies(qos: Qos, late: int | None = None) -> list[Any]:
     reliable = Policy.Reliability.Reliable(0)
     policies: list[Any] = [
         reliable if qos.reliable else Policy.Reliability.BestEffort,
         Policy.Durability.TransientLocal if qos.durable else Policy.Durability.Volatile,
-        (
-            Policy.History.KeepAll
-            if qos.depth is None
-            else Policy.History.KeepLast(qos.depth)
-        ),
+        _history(qos.depth),
     ]
     if qos.durable:
-        policies.append(_durability_service(qos))
+        kept = _history(late or qos.depth)
+        policies.append(Policy.DurabilityService(0, kept, -1, -1, -1))
     if qos.deadline is not None:
         policies.append(Policy.Deadline(round(qos.deadline * _SECOND)))
     if qos.lease is not None:
@@ -115,14 +192,8 @@ def _policies(qos: Qos) -> list[Any]:
     return policies
 
 
-def _durability_service(qos: Qos) -> Any:
-    """How many samples late readers get."""
-    history = (
-        Policy.History.KeepAll
-        if qos.depth is None
-        else Policy.History.KeepLast(qos.depth)
-    )
-    return Policy.DurabilityService(0, history, -1, -1, -1)
+def _history(depth: int | None) -> Any:
+    return Policy.History.KeepAll if depth is None else Policy.History.KeepLast(depth)
 
 
 def _sent(type_: type[Any]) -> Any:

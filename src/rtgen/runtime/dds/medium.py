@@ -225,21 +225,27 @@ class DdsPublisher:
     """See `medium.Publisher`: the writer of a topic."""
 
     def __init__(self, made: Entities, topic: Topic, qos: Qos) -> None:
-        name = check_name(topic.name)
+        name = self._name = check_name(topic.name)
         self._patience = qos.patience if qos.depth is None else 0.0
         self._writer = made.writer(name, topic.type, qos)
+        self._sequence = 0
         self._closed = False
 
-    def publish(self, octets: bytes, sequence: int) -> None:
-        """See `medium.Publisher`."""
+    def publish(self, octets: bytes) -> None:
+        """See `medium.Publisher`. A sample that finds no room leaves its number to the next."""
         if self._closed:
             raise MediumError("the publisher is closed")
+        sequence = self._sequence + 1
         entities.write(self._writer, numbered(octets, sequence), self._patience)
+        self._sequence = sequence
 
     @property
     def matched(self) -> bool:
         """See `medium.Publisher`."""
-        return not self._closed and bool(self._writer.get_matched_subscriptions())
+        if self._closed:
+            return False
+        with entities.reported(self._name):
+            return bool(entities.matched_readers(self._writer))
 
     def close(self) -> None:
         """See `medium.Publisher`."""
@@ -304,9 +310,8 @@ class DdsSubscription:
 
     def _writer(self, handle: int) -> Hashable:
         """The identity of a writer, which gets a new handle when it is found again."""
-        reader: Any = self._reader
-        endpoint = reader.get_matched_publication_data(handle)
-        found: Hashable = handle if endpoint is None else endpoint.key.bytes
+        endpoint = entities.matched_writer(self._reader, handle)
+        found: Hashable = handle if endpoint is None else endpoint.guid
         self._writers[handle] = found
         if len(self._writers) > WRITERS:
             self._writers.popitem(last=False)

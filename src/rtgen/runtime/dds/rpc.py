@@ -18,7 +18,7 @@ from concurrent.futures import TimeoutError as FutureTimeout
 from contextlib import contextmanager
 from typing import Any
 
-from cyclonedds.core import DDSStatus, Policy
+from cyclonedds.core import DDSStatus
 
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.dds import entities
@@ -43,9 +43,12 @@ from rtgen.runtime.failures import log
 
 _DISCOVERY = 0.25
 """Seconds that a call waits for a server to be discovered."""
-_QOS = Qos(depth=64)
-_REPLIES = Qos(depth=16, durable=True)
-
+_QOS = Qos(depth=None)
+_REPLIES = Qos(depth=None, durable=True)
+_LATE = 16
+"""Number of replies for a client whose reader is discovered after they were written."""
+_WRITE_TIMEOUT = 2.0
+"""Seconds that a reply waits for slow clients."""
 
 _OURS = b"rtgen"
 """User data of readers whose servers are selected by the GUID of their reader."""
@@ -89,7 +92,7 @@ class _Endpoint:
     ) -> None:
         self._service = service
         self._on_request = on_request
-        self._writer = made.writer(f"{service}Reply", types.reply, _REPLIES)
+        self._writer = made.writer(f"{service}Reply", types.reply, _REPLIES, _LATE)
         self._reader = made.reader(f"{service}Request", types.request, _QOS, _OURS)
         self._name = self._reader.guid.hex
         self._sending = threading.Lock()
@@ -121,8 +124,12 @@ class _Endpoint:
 
     def _reply(self, octets: bytes) -> None:
         with self._sending:
-            if not self._closed:
-                entities.write(self._writer, octets)
+            if self._closed:
+                return
+            try:
+                entities.write(self._writer, octets, _WRITE_TIMEOUT)
+            except MediumError as error:
+                log.warning("%s: a reply cannot be sent: %s", self._service, error)
 
 
 class DdsClient:
@@ -140,6 +147,8 @@ class DdsClient:
         self._reader = made.reader(f"{service}Reply", types.reply, _REPLIES)
         self._waiting: dict[Identity, tuple[int, Future[bytes]]] = {}
         """The server of each request under way, as the handle of its reader."""
+        self._names: dict[int, str] = {}
+        """The names of servers, by the handles of their readers."""
         self._lock = threading.Lock()
         self._closed = False
         self._writer.set_status_mask(DDSStatus.PublicationMatched)
@@ -198,12 +207,8 @@ class DdsClient:
         A server of rtgen is named, so that no other one takes the request. Others get it without a
         name, as DDS-RPC has it for a service with one server.
         """
-        server = self._await_server(min(timeout, _DISCOVERY))
-        found = self._writer.get_matched_subscription_data(server)
-        data = None if found is None else found.qos[Policy.Userdata]
-        if found is None or data is None or data.data != _OURS:
-            return server, octets
-        return server, directed(octets, found.key.hex)
+        server, name = self._await_server(min(timeout, _DISCOVERY))
+        return server, directed(octets, name) if name else octets
 
     def close(self) -> None:
         """See `medium.Client`."""
@@ -218,22 +223,39 @@ class DdsClient:
             for entity in (self._condition, self._reader, self._writer):
                 entities.delete(entity)
 
-    def _await_server(self, seconds: float) -> int:
-        """The handle of a server's reader. Raises NotServedError, PeerLostError."""
+    def _await_server(self, seconds: float) -> tuple[int, str]:
+        """Return the handle of a server's reader, and its name, empty for a server without rtgen.
+
+        Raises NotServedError, PeerLostError.
+        """
         deadline = time.monotonic() + seconds
-        while not (servers := self._servers()):
+        while (found := self._server()) is None:
             if time.monotonic() > deadline:
                 raise NotServedError(f"nobody serves {self._service}")
             time.sleep(0.002)
-        return min(servers)
+        return found
 
-    def _servers(self) -> list[int]:
-        """The readers that take requests, if replies come here."""
+    def _server(self) -> tuple[int, str] | None:
+        """Return one of the servers whose replies are received."""
         with self._lock:
             if self._closed:
                 raise PeerLostError(f"the client of {self._service} is closed")
-            replies = self._reader.get_matched_publications()
-            return list(self._writer.get_matched_subscriptions()) if replies else []
+            if not entities.matched_writers(self._reader):
+                return None
+            for server in sorted(entities.matched_readers(self._writer)):
+                name = self._names.get(server)
+                if name is None and (name := self._name(server)) is not None:
+                    self._names[server] = name
+                if name is not None:
+                    return server, name
+        return None
+
+    def _name(self, server: int) -> str | None:
+        """Return the name of a server; None if it is lost."""
+        found = entities.matched_reader(self._writer, server)
+        if found is None:
+            return None
+        return found.guid.hex() if found.user_data == _OURS else ""
 
     def _matched_changed(self) -> None:
         writer: Any = self._writer
@@ -241,7 +263,8 @@ class DdsClient:
             if self._closed:
                 return
             writer.get_publication_matched_status()  # or the condition stays true
-            servers = set(self._writer.get_matched_subscriptions())
+            servers = set(entities.matched_readers(self._writer))
+            self._names = {h: self._names[h] for h in self._names.keys() & servers}
         self._fail(f"the server of {self._service} was lost", servers)
 
     def _fail(self, why: str, remaining: Collection[int] = ()) -> None:

@@ -15,6 +15,7 @@ from typing import Any
 
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.distribution.medium import (
+    SEQUENCES,
     Medium,
     MediumError,
     Publisher,
@@ -62,7 +63,6 @@ class OutTopic:
         self._qos = DEFAULT
         self._lock = threading.Lock()
         self._publisher: Publisher | None = None
-        self._sequence = 0
         self._closed = False
         self.connections: tuple[SendingConnector, ...] = ()
         port.add_outlet(self.send)
@@ -74,7 +74,6 @@ class OutTopic:
             if needed != self._qos and self._publisher is not None:
                 self._publisher.close()
                 self._publisher = None
-                self._sequence = 0
             self._qos = needed
 
     def open(self) -> Publisher:
@@ -101,8 +100,7 @@ class OutTopic:
         try:
             with self._lock:
                 publisher = self._publisher or self._opened()
-                self._sequence += 1
-                publisher.publish(octets, self._sequence)
+                publisher.publish(octets)
         except PublishTimeoutError:
             return self._refused(PortStatus.BUFFER_TIMEOUT)
         except MediumError as error:
@@ -114,7 +112,6 @@ class OutTopic:
         return PORT_OK
 
     def _refused(self, status: PortStatus) -> PortStatus:
-        self._sequence -= 1
         for connection in self.connections:
             connection.refused += 1
         return status
@@ -219,11 +216,12 @@ class Arrivals:
     def _is_double(self, sample: Sample) -> bool:
         source, number = sample.source, sample.sequence or 0
         last = self._sequences.get(source)
-        if last is not None and number <= last:
-            self.doubles += 1
-            return True
         if last is not None:
-            self._missed += number - last - 1
+            step = (number - last) % SEQUENCES
+            if not 0 < step < SEQUENCES // 2:
+                self.doubles += 1
+                return True
+            self._missed += step - 1
         self._sequences[source] = number
         if len(self._sequences) > _SOURCES:
             self._sequences.popitem(last=False)

@@ -142,6 +142,7 @@ class InProcessPublisher(_Token):
         self.topic = topic
         self.qos = qos
         self.source = next(network.sources)
+        self._sequence = 0
         self.kept: deque[Sample] = deque(maxlen=qos.depth if qos.durable else 0)
         with network.lock:
             network.publishers.append(self)
@@ -150,11 +151,12 @@ class InProcessPublisher(_Token):
     def matched(self) -> bool:
         return any(s.takes(self) for s in self._network.subscriptions)
 
-    def publish(self, octets: bytes, sequence: int) -> None:
-        sample = Sample(octets, self.source, sequence)
+    def publish(self, octets: bytes) -> None:
         with self._network.lock:
             if self._end is None:
                 raise MediumError(f"the publisher of {self.topic.name} is closed")
+            self._sequence += 1
+            sample = Sample(octets, self.source, self._sequence)
             self.kept.append(sample)
             for subscription in list(self._network.subscriptions):
                 if subscription.takes(self):

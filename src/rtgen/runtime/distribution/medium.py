@@ -24,6 +24,8 @@ from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeAlias
 
+import msgspec
+
 from rtgen.runtime.marshalling.descriptors import (
     ArrayDescriptor,
     DataType,
@@ -37,6 +39,9 @@ from rtgen.runtime.xcdr import Representation, representation_of
 
 LONGEST_NAME = 200
 """Characters of a name."""
+
+SEQUENCES = 1 << 32
+"""Sequence numbers of samples: the one after the highest is 0."""
 
 
 class MediumError(Exception):
@@ -96,13 +101,12 @@ class Qos:
     lease: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Sample:
+class Sample(msgspec.Struct, frozen=True):
     """A sample as received.
 
-    `source` identifies the publisher: a process that is started again has new ones. `sequence` is
-    the number that was given to `publish`; None for publishers without rtgen, or if the engine
-    does not carry it.
+    `source` identifies the publisher; a restarted process has new ones. `sequence`
+    numbers its samples one by one, modulo `SEQUENCES`, so that lost ones are counted; None for
+    publishers that do not number them.
     """
 
     octets: bytes
@@ -121,11 +125,11 @@ OnChange: TypeAlias = Callable[[str, bool], None]
 class Publisher(Protocol):
     """The sending end of a topic."""
 
-    def publish(self, octets: bytes, sequence: int) -> None:
-        """Send a sample; `sequence` counts from 1 for each publisher.
+    def publish(self, octets: bytes, /) -> None:
+        """Send a sample.
 
-        From any thread, one at a time. Waits only if `depth` is None: then it raises
-        PublishTimeoutError after `patience`. Raises MediumError.
+        From any thread, one at a time, and not during `close`. Waits only if `depth` is None: then
+        it raises PublishTimeoutError after `patience`. Raises MediumError.
         """
 
     @property

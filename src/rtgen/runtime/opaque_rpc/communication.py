@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from time import perf_counter_ns
 from typing import ClassVar
 
 from rtgen.facts import opaque_rpc as facts
@@ -35,7 +36,7 @@ class _Servant(OpaqueRpc):
         self._begun = 0
 
     def begin(self, request: bytes, first: int) -> bytes:
-        self._begun = self._owner._clock.elapsed()
+        self._begun = perf_counter_ns()
         try:
             data = self._link.begin(request, first)
         except ChannelError as error:
@@ -62,10 +63,10 @@ class _Servant(OpaqueRpc):
         self._link.reset()
 
     def _report(self, request: bytes, reply: bytes, error: str) -> None:
-        clock = self._owner._clock
-        if clock.traffic.watchers:
-            name, duration = self._owner.instance_name, clock.elapsed() - self._begun
-            clock.traffic.report(BoardCall(name, request, reply, error, duration))
+        traffic = self._owner._clock.traffic
+        if traffic.watchers:
+            name, duration = self._owner.instance_name, perf_counter_ns() - self._begun
+            traffic.report(BoardCall(name, request, reply, error, duration))
 
 
 def _profile(parameter: CommunicationParameter) -> ParameterProfile:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Self
 
+from rtgen.runtime.opaque_rpc.codecs import Codec
 from rtgen.runtime.opaque_rpc.errors import E_OBJ, ChannelError
 from rtgen.runtime.services.ports import Consumer
 from rtgen.runtime.services.servants import Servant, ServiceError
@@ -77,6 +78,12 @@ class ProxyServant:
 
     def __init__(self, proxy: Any) -> None:
         self._proxy = proxy
+
+    @property
+    def codec(self) -> Codec:
+        """The codec of the proxy."""
+        codec: Codec = self._proxy.codec
+        return codec
 
     @classmethod
     def of(cls, proxy: Any) -> Self:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import os
 import sys
+import time
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
@@ -12,6 +13,8 @@ from typing import Any
 
 from rtgen.runtime.failures import log
 
+_ENDING = 5.0
+"""Seconds for the threads of an ORB that was destroyed."""
 _INSTANCE = "--instance_name="
 _LEVELS = (
     (logging.ERROR, "RTC_ERROR"),
@@ -36,6 +39,7 @@ def main(init: Callable[[Any], None], folder: Path, category: str, name: str) ->
     manager.setModuleInitProc(init)
     manager.activateManager()
     manager.runManager()
+    import_module("rtgen.runtime.corba.orb").await_workers(time.monotonic() + _ENDING)
 
 
 def arguments(argv: list[str], folder: Path, category: str, name: str) -> list[str]:

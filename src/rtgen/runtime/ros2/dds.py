@@ -286,22 +286,21 @@ def _octets(on_message: OnMessage) -> _OnSample:
 def _reads(reader: Any, handle: int, writer: Any) -> bool:
     """Return whether the client of a request, or any if it is unknown, reads replies."""
     with entities.reported("the client of a request"):
-        known = writer.get_matched_subscriptions()
-        client = _client(reader.get_matched_publication_data(handle))
-        found = map(writer.get_matched_subscription_data, known)
+        known = entities.matched_readers(writer)
+        client = _client(entities.matched_writer(reader, handle))
+        found = (entities.matched_reader(writer, each) for each in known)
         return bool(known) if client is None else client in map(_client, found)
 
 
-def _client(endpoint: Any) -> str | None:
-    data = None if endpoint is None else endpoint.qos[Policy.Userdata]
-    pairs = {} if data is None else ros_names.parse_user_data(bytes(data.data))
-    return pairs.get("clientid")
+def _client(endpoint: entities.Endpoint | None) -> str | None:
+    data = b"" if endpoint is None else endpoint.user_data
+    return ros_names.parse_user_data(data).get("clientid")
 
 
 def _is_served(writer: Any, reader: Any) -> bool:
     with entities.reported("the server of a client"):
         return bool(
-            writer.get_matched_subscriptions() and reader.get_matched_publications()
+            entities.matched_readers(writer) and entities.matched_writers(reader)
         )
 
 

@@ -242,8 +242,7 @@ class ZenohNetwork:
             return
         self._closed = True
         self._looking.cancel()
-        for each in reversed(self._kept):
-            each.undeclare()
+        # That withdraws all declarations, including those in use.
         self._session.close()
 
     def _tell_if_alone(self) -> None:

@@ -111,6 +111,17 @@ class ConfigurationSets:
         self._active = set_id
         self._schedule(self.apply)
 
+    def remove(self, set_id: str) -> None:
+        """Remove a set but `default` and the active one. Raises UnknownConfigurationSetError."""
+        removable = {*self._texts} - {DEFAULT_SET, self._active}
+        if set_id not in removable:
+            raise UnknownConfigurationSetError(
+                f"{self._owner} has no configuration set {set_id!r} that can be removed;"
+                f" such are: {', '.join(sorted(removable)) or 'none'}"
+            )
+        with self._lock:
+            self._texts = {k: v for k, v in self._texts.items() if k != set_id}
+
     def load(self, conf: ConfFile) -> None:
         """Load values, active set and rate of a `.conf` file, all or nothing.
 

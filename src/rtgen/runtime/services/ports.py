@@ -87,6 +87,11 @@ class Provider(Generic[S]):
         skeleton._report = self._servant_failed
         self._skeleton = skeleton
 
+    @property
+    def servant(self) -> S | None:
+        """The servant; None before it is set."""
+        return None if self._skeleton is None else self._skeleton._servant
+
     def _servant_failed(self, operation: str, error: BaseException) -> None:
         self._component._servant_failed(f"{self.port}.{operation}", error)
 

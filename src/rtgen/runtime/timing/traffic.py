@@ -39,7 +39,11 @@ class BusFrame(NamedTuple):
 
 
 class BoardCall(NamedTuple):
-    """A call that a communication RTC has made to a board; `error` is empty after success."""
+    """A call that a communication RTC has made to a board; `error` is empty after success.
+
+    `duration` is the time from the request to the end of the reply [ns], by the machine's clock
+    even in simulated time.
+    """
 
     instance: str
     request: bytes

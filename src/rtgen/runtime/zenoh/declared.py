@@ -16,7 +16,9 @@ class Declared:
     """Tokens, subscribers and other declarations of a session; a `Token`.
 
     `end` is called once, before the declaration is withdrawn. Zenoh withdraws what nobody refers
-    to, so a declaration that has to last has a keeper.
+    to, so a declaration that has to last has a keeper. Whoever uses a declaration in a thread that
+    may not be the one that closes it holds `using` meanwhile, and looks at `closed` first: Zenoh
+    refuses to withdraw what is in use, and to use what is being withdrawn.
     """
 
     def __init__(
@@ -28,7 +30,7 @@ class Declared:
         self._session = session
         self._declarations = list(declarations)
         self._end = end
-        self._closing = threading.Lock()
+        self.using = threading.Lock()
         self.closed = False
         self._keeper: set[Declared] = set()
 
@@ -44,7 +46,7 @@ class Declared:
 
     def close(self) -> None:
         """Withdraw the declarations; those of a closed session are withdrawn already."""
-        with self._closing:
+        with self.using:
             if self.closed:
                 return
             self.closed = True
@@ -59,6 +61,14 @@ class Declared:
                 declared.undeclare()
             except zenoh.ZError as error:
                 log.debug("zenoh: %s", plain(error))
+
+    def matches(self, declared: Any) -> bool:
+        """Return whether one of the declarations, a publisher or a querier, has a counterpart.
+
+        Raises zenoh.ZError.
+        """
+        with self.using:
+            return not self.closed and matches(declared)
 
 
 def matches(declared: Any) -> bool:

@@ -2,7 +2,8 @@
 
 `SYSTEM/topic/TOPIC/TYPE` has the samples of a topic, `SYSTEM/service/SERVICE` is a queryable,
 `SYSTEM/presence/NAME/ID` a liveliness token, `SYSTEM/flow/TOPIC/TYPE/ID` the token and the
-acknowledgements of a subscription that keeps all samples.
+acknowledgements of a subscription that keeps all samples, and at `.../ID/sent` publishers report
+what they have sent.
 """
 
 from __future__ import annotations

@@ -7,6 +7,7 @@ import threading
 import uuid
 from collections import Counter
 from collections.abc import Sequence
+from weakref import WeakSet
 
 import zenoh
 
@@ -28,7 +29,11 @@ from rtgen.runtime.zenoh.declared import Declared
 from rtgen.runtime.zenoh.keys import Keys
 from rtgen.runtime.zenoh.services import ZenohClient, ZenohService
 from rtgen.runtime.zenoh.session import Endpoints, lease_of, open_session, reported
-from rtgen.runtime.zenoh.topics import ZenohPublisher, ZenohSubscription
+from rtgen.runtime.zenoh.topics import (
+    ZenohPublisher,
+    ZenohSubscription,
+    publisher_of,
+)
 
 
 class ZenohMedium:
@@ -43,13 +48,16 @@ class ZenohMedium:
         self._session = open_session(self._endpoints)
         self._served: Counter[str] = Counter()
         self._kept: set[Declared] = set()
+        self._publishers: WeakSet[ZenohPublisher] = WeakSet()
 
     def publisher(self, topic: Topic, qos: Qos) -> Publisher:
         """See `Medium`. The lease is that of the session, which cannot be shortened later."""
         if qos.lease is not None:
             check_lease(topic, qos, lease_of(self._endpoints))
         with reported(topic.name):
-            return ZenohPublisher(self._session, self._keys, topic, qos)
+            made = publisher_of(self._session, self._keys, topic, qos)
+        self._publishers.add(made)
+        return made
 
     def subscribe(self, topic: Topic, qos: Qos, on_sample: OnSample) -> Subscription:
         """See `Medium`."""
@@ -90,6 +98,8 @@ class ZenohMedium:
 
     def close(self) -> None:
         """See `Medium`."""
+        for publisher in tuple(self._publishers):
+            publisher.close()
         self._kept.clear()
         if not self._session.is_closed():
             with reported("zenoh"):

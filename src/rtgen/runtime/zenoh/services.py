@@ -16,7 +16,7 @@ from rtgen.runtime.distribution.medium import (
     ReplyTimeoutError,
 )
 from rtgen.runtime.failures import log
-from rtgen.runtime.zenoh.declared import Declared, matches
+from rtgen.runtime.zenoh.declared import Declared
 from rtgen.runtime.zenoh.session import plain, reported
 
 _TIMEOUT = b"Timeout"
@@ -109,7 +109,7 @@ class ZenohClient:
 
     def _is_served(self, timeout: float) -> bool:
         """Whether there is a server; the routers are asked if this session knows of none."""
-        if matches(self._querier):
+        if self._closing.matches(self._querier):
             return True
         tokens = self._session.liveliness().get(self._key, timeout=timeout)
         return any(token.ok is not None for token in tokens)

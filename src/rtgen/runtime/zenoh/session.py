@@ -91,6 +91,11 @@ def plain(error: zenoh.ZError) -> str:
 def _configuration(endpoints: Endpoints) -> zenoh.Config:
     if endpoints.config is not None:
         config = zenoh.Config.from_file(endpoints.config)
+        if json.loads(config.get_json("id")) is not None:
+            raise MediumError(
+                f"{endpoints.config} has an `id`: a process that is started again needs another "
+                "one, by which readers count its samples; leave it out"
+            )
         given = {
             "connect/endpoints": endpoints.connect,
             "listen/endpoints": endpoints.listen,

@@ -1,15 +1,15 @@
 """Topics: publishers and subscribers of Zenoh, with history for late joiners.
 
-The payload of a sample is the serialized value. Its attachment of 24 octets has the identity of
-the publisher (16) and the number of the sample (8, little-endian); samples of programs without
-rtgen need none. Durable topics use Zenoh's own advanced publishers and subscribers.
+The payload of a sample is the serialized value. Zenoh's own source information, which an advanced
+publisher adds, has the identity of the publisher and the number of the sample; samples of programs
+without rtgen need none.
 """
 
 from __future__ import annotations
 
-import struct
 import uuid
-from typing import Any, TypeAlias
+from collections.abc import Callable
+from typing import Any
 
 import zenoh
 from zenoh import ext
@@ -22,80 +22,91 @@ from rtgen.runtime.distribution.medium import (
     Sample,
     Topic,
 )
-from rtgen.runtime.zenoh.declared import Declared, matches
-from rtgen.runtime.zenoh.flow import Acknowledging, Window
+from rtgen.runtime.zenoh.declared import Declared
+from rtgen.runtime.zenoh.flow import Acknowledging, Window, source_of
 from rtgen.runtime.zenoh.keys import Keys
-from rtgen.runtime.zenoh.session import plain
+from rtgen.runtime.zenoh.session import reported
 
-_ATTACHMENT = struct.Struct("<16sQ")
-_MOST_KEPT = 4096
+_MAX_KEPT = 4096
 """Samples kept for late joiners by a topic that keeps all."""
 
-_Publisher: TypeAlias = zenoh.Publisher | ext.AdvancedPublisher
+
+def publisher_of(
+    session: zenoh.Session, keys: Keys, topic: Topic, qos: Qos
+) -> ZenohPublisher:
+    """Return a publisher of a topic. Raises zenoh.ZError."""
+    kind = ZenohPublisher if qos.depth is not None else WaitingPublisher
+    return kind(session, keys, topic, qos)
 
 
 class ZenohPublisher:
-    """See `medium.Publisher`. One that keeps all samples waits for those who acknowledge."""
+    """See `medium.Publisher`. Zenoh numbers the samples.
+
+    `publish` is Zenoh's own `put`, which only fails for closed publishers and sessions; a call
+    around it that turned its errors into MediumError would take a twentieth of its time.
+    """
 
     def __init__(
         self, session: zenoh.Session, keys: Keys, topic: Topic, qos: Qos
     ) -> None:
         key = keys.topic(topic)
         self._name = topic.name
-        self._identity = uuid.uuid4().bytes
-        plainly = session.declare_publisher(
+        kept = _MAX_KEPT if qos.depth is None else qos.depth
+        # An advanced publisher does not report whether it is matched; one with the same key does.
+        self._twin = session.declare_publisher(key)
+        publisher = ext.declare_advanced_publisher(
+            session,
             key,
             encoding=zenoh.Encoding.APPLICATION_CDR,
             congestion_control=_congestion_control(qos),
             reliability=_reliability(qos),
+            sample_miss_detection=ext.MissDetectionConfig(
+                heartbeat=None, sporadic_heartbeat=None
+            ),
+            cache=ext.CacheConfig(kept) if qos.durable else None,
+            publisher_detection=qos.durable,
         )
-        declared: list[Any] = [plainly]
-        self._plainly = plainly
-        publisher: _Publisher = plainly
-        if qos.durable:
-            publisher = ext.declare_advanced_publisher(
-                session,
-                key,
-                encoding=zenoh.Encoding.APPLICATION_CDR,
-                congestion_control=_congestion_control(qos),
-                reliability=_reliability(qos),
-                cache=ext.CacheConfig(_MOST_KEPT if qos.depth is None else qos.depth),
-                sample_miss_detection=ext.MissDetectionConfig(
-                    heartbeat=None, sporadic_heartbeat=None
-                ),
-                publisher_detection=True,
-            )
-            declared.append(publisher)
-        self._put = publisher.put
-        self._window: Window | None = None
-        if qos.depth is None:
-            flow = keys.flow(topic, "*")
-            self._window = Window(session, flow, self._identity, qos.patience)
-        self._declared = Declared(session, *declared)
-
-    def publish(self, octets: bytes, sequence: int) -> None:
-        """See `medium.Publisher`."""
-        if self._window is not None:
-            self._window.wait(sequence, self._name)
-        try:
-            attachment = _ATTACHMENT.pack(self._identity, sequence)
-            self._put(octets, attachment=attachment)
-        except zenoh.ZError as error:
-            raise MediumError(f"{self._name}: {plain(error)}") from error
+        self._source = source_of(publisher.id)
+        self.publish: Callable[[bytes], None] = publisher.put
+        self._declared = Declared(session, self._twin, publisher)
 
     @property
     def matched(self) -> bool:
         """See `medium.Publisher`."""
-        try:
-            return matches(self._plainly)
-        except zenoh.ZError as error:
-            raise MediumError(f"{self._name}: {plain(error)}") from error
+        with reported(self._name):
+            return self._declared.matches(self._twin)
 
     def close(self) -> None:
         """See `medium.Publisher`."""
-        if self._window is not None:
-            self._window.close()
+        self.publish = self._refuse
         self._declared.close()
+
+    def _refuse(self, octets: bytes) -> None:
+        raise MediumError(f"the publisher of {self._name} is closed")
+
+
+class WaitingPublisher(ZenohPublisher):
+    """A publisher that keeps all samples: it waits for acknowledging subscriptions."""
+
+    def __init__(
+        self, session: zenoh.Session, keys: Keys, topic: Topic, qos: Qos
+    ) -> None:
+        super().__init__(session, keys, topic, qos)
+        flow = keys.flow(topic, "*")
+        window = self._window = Window(session, flow, self._source, qos.patience)
+        put = self.publish
+
+        def publish(octets: bytes) -> None:
+            window.wait(topic.name)
+            with reported(topic.name):
+                put(octets)
+
+        self.publish = publish
+
+    def close(self) -> None:
+        """See `medium.Publisher`."""
+        self._window.close()
+        super().close()
 
 
 class ZenohSubscription:
@@ -128,7 +139,7 @@ class ZenohSubscription:
                 self._received,
                 history=ext.HistoryConfig(
                     detect_late_publishers=True,
-                    max_samples=_MOST_KEPT if qos.depth is None else qos.depth,
+                    max_samples=_MAX_KEPT if qos.depth is None else qos.depth,
                 ),
             )
         else:
@@ -144,10 +155,18 @@ class ZenohSubscription:
         if self._closed or received.kind != zenoh.SampleKind.PUT:
             return
         self._deadline.met()
-        source, sequence = _origin(received)
-        self._on_sample(Sample(received.payload.to_bytes(), source, sequence))
-        if self._acknowledging is not None and sequence is not None:
-            self._acknowledging.handled(source, sequence)
+        octets = received.payload.to_bytes()
+        info = received.source_info
+        if info is None:
+            self._on_sample(Sample(octets, None))
+            return
+        source, sequence = source_of(info.source_id), info.source_sn
+        if self._acknowledging is None:
+            self._on_sample(Sample(octets, source, sequence))
+            return
+        self._acknowledging.begin(source)
+        self._on_sample(Sample(octets, source, sequence))
+        self._acknowledging.handled(source, sequence)
 
     def close(self) -> None:
         """See `medium.Subscription`."""
@@ -156,16 +175,6 @@ class ZenohSubscription:
         self._declared.close()
         if self._acknowledging is not None:
             self._acknowledging.close()
-
-
-def _origin(received: zenoh.Sample) -> tuple[bytes, int | None]:
-    """Publisher and number of a sample; a program without rtgen gives none."""
-    attachment = received.attachment
-    octets = b"" if attachment is None else attachment.to_bytes()
-    if len(octets) != _ATTACHMENT.size:
-        return b"", None
-    identity, sequence = _ATTACHMENT.unpack(octets)
-    return identity, sequence
 
 
 def _congestion_control(qos: Qos) -> zenoh.CongestionControl:

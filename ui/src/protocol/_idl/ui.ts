@@ -4,7 +4,10 @@
 import { type CdrType, boolean, branch, double, enumeration, field, long, longlong, octets, sequence, string, struct, ulong, ulonglong, union } from "../_cdr.ts";
 
 /** Version of the protocol; a page of another one reloads. */
-export const Ui$VERSION = 3;
+export const Ui$VERSION = 4;
+
+/** Most samples of a channel that a page is given at once: the newest half, and some of those before. */
+export const Ui$MOST_SAMPLES = 2000;
 
 export type Ui$Octets = Uint8Array;
 export const Ui$Octets: CdrType<Ui$Octets> = octets();
@@ -25,8 +28,6 @@ export interface Ui$TypeMember {
   /** Whether the branch is that of `default`. */
   is_default: boolean;
   optional: boolean;
-  unit: string;
-  doc: string;
 }
 export const Ui$TypeMember: CdrType<Ui$TypeMember> = struct("Ui::TypeMember", [
   field("name", string()),
@@ -34,8 +35,6 @@ export const Ui$TypeMember: CdrType<Ui$TypeMember> = struct("Ui::TypeMember", [
   field("labels", sequence(longlong)),
   field("is_default", boolean),
   field("optional", boolean),
-  field("unit", string()),
-  field("doc", string()),
 ]);
 
 /** A node of the table of types: nodes refer to each other by their numbers in the table. */
@@ -341,15 +340,12 @@ export interface Ui$BusNode {
   device: string;
   /** As CiA 301 names it; empty: unknown. */
   nmt_state: string;
-  /** Of the proxy or device; empty: none in this system. */
-  instance: string;
 }
 export const Ui$BusNode: CdrType<Ui$BusNode> = struct("Ui::BusNode", [
   field("node_id", ulong),
   field("name", string()),
   field("device", string()),
   field("nmt_state", string()),
-  field("instance", string()),
 ]);
 
 export interface Ui$Bus {
@@ -444,28 +440,17 @@ export const Ui$BusLoad: CdrType<Ui$BusLoad> = struct("Ui::BusLoad", [
   field("frames", ulong),
 ]);
 
-export interface Ui$Board {
-  /** Of the communication component. */
-  instance: string;
-  signature: string;
-  functions: Ui$Strings;
-}
-export const Ui$Board: CdrType<Ui$Board> = struct("Ui::Board", [
-  field("instance", string()),
-  field("signature", string()),
-  field("functions", Ui$Strings),
-]);
-
 export interface Ui$BoardCall {
   time: number;
   instance: string;
-  /** `signature.function`; empty: unknown. */
+  /** `signature.function`; empty: unknown, and the values, too. */
   function: string;
   request: Ui$Octets;
   reply: Ui$Octets;
   request_values: Ui$ValueList;
+  /** `return` first. */
   reply_values: Ui$ValueList;
-  /** [s]; negative: not measured. */
+  /** [s] of the machine's time; negative: not measured. */
   round_trip: number;
   error: string;
 }
@@ -526,12 +511,15 @@ export interface Ui$SystemState {
   time: Ui$ClockState;
   edits: Ui$EditState;
   buses: Ui$Bus[];
-  boards: Ui$Board[];
   /** Files that `open` takes. */
   systems: Ui$Strings;
   /** Name of the run that is beside this one; empty: none. */
   beside: string;
+  /** Whether this run will be beside the one that begins when time is set back. */
+  keeps: boolean;
   naming: Ui$NamingServices;
+  /** Paths of the components of other processes that the file has. */
+  foreign: Ui$Strings;
 }
 export const Ui$SystemState: CdrType<Ui$SystemState> = struct("Ui::SystemState", [
   field("name", string()),
@@ -543,10 +531,11 @@ export const Ui$SystemState: CdrType<Ui$SystemState> = struct("Ui::SystemState",
   field("time", Ui$ClockState),
   field("edits", Ui$EditState),
   field("buses", sequence(Ui$Bus)),
-  field("boards", sequence(Ui$Board)),
   field("systems", Ui$Strings),
   field("beside", string()),
+  field("keeps", boolean),
   field("naming", Ui$NamingServices),
+  field("foreign", Ui$Strings),
 ]);
 
 export interface Ui$Hello {
@@ -701,7 +690,7 @@ export interface Ui$Result {
   hint: string;
   /** Of a call: XCDR1 with its encapsulation header. */
   reply: Ui$Octets;
-  /** Of an SDO: the value. Of a board's call: the JSON. */
+  /** Of an SDO: the value. */
   text: string;
   fits: Ui$Fit[];
   objects: Ui$ObjectEntry[];
@@ -915,19 +904,6 @@ export const Ui$NodeAddress: CdrType<Ui$NodeAddress> = struct("Ui::NodeAddress",
   field("node_id", ulong),
 ]);
 
-export interface Ui$CallBoard {
-  instance: string;
-  /** `signature.function` */
-  function: string;
-  /** JSON, as `rtgen rpc call` takes it. */
-  arguments: string;
-}
-export const Ui$CallBoard: CdrType<Ui$CallBoard> = struct("Ui::CallBoard", [
-  field("instance", string()),
-  field("function", string()),
-  field("arguments", string()),
-]);
-
 /** A sample for an InPort, as if a connection had brought it. */
 export interface Ui$Inject {
   port: Ui$PortAddress;
@@ -939,8 +915,8 @@ export const Ui$Inject: CdrType<Ui$Inject> = struct("Ui::Inject", [
   field("data", Ui$Octets),
 ]);
 
-export type Ui$CommandKind = "COMMAND_WATCH" | "COMMAND_FITS" | "COMMAND_CONNECT" | "COMMAND_CUT" | "COMMAND_ACTIVATE" | "COMMAND_DEACTIVATE" | "COMMAND_RESET" | "COMMAND_SET" | "COMMAND_ACTIVATE_SET" | "COMMAND_CALL" | "COMMAND_ADD" | "COMMAND_REMOVE" | "COMMAND_MOVE" | "COMMAND_SAVE" | "COMMAND_UNDO" | "COMMAND_REDO" | "COMMAND_PLAY" | "COMMAND_PAUSE" | "COMMAND_STEP" | "COMMAND_SPEED" | "COMMAND_SEEK" | "COMMAND_OPEN" | "COMMAND_SEND_FRAME" | "COMMAND_NMT" | "COMMAND_SDO_READ" | "COMMAND_SDO_WRITE" | "COMMAND_OBJECTS" | "COMMAND_CALL_BOARD" | "COMMAND_INJECT" | "COMMAND_LOOK";
-export const Ui$CommandKind: CdrType<Ui$CommandKind> = enumeration("Ui::CommandKind", { COMMAND_WATCH: 0, COMMAND_FITS: 1, COMMAND_CONNECT: 2, COMMAND_CUT: 3, COMMAND_ACTIVATE: 4, COMMAND_DEACTIVATE: 5, COMMAND_RESET: 6, COMMAND_SET: 7, COMMAND_ACTIVATE_SET: 8, COMMAND_CALL: 9, COMMAND_ADD: 10, COMMAND_REMOVE: 11, COMMAND_MOVE: 12, COMMAND_SAVE: 13, COMMAND_UNDO: 14, COMMAND_REDO: 15, COMMAND_PLAY: 16, COMMAND_PAUSE: 17, COMMAND_STEP: 18, COMMAND_SPEED: 19, COMMAND_SEEK: 20, COMMAND_OPEN: 21, COMMAND_SEND_FRAME: 22, COMMAND_NMT: 23, COMMAND_SDO_READ: 24, COMMAND_SDO_WRITE: 25, COMMAND_OBJECTS: 26, COMMAND_CALL_BOARD: 27, COMMAND_INJECT: 28, COMMAND_LOOK: 29 });
+export type Ui$CommandKind = "COMMAND_WATCH" | "COMMAND_FITS" | "COMMAND_CONNECT" | "COMMAND_CUT" | "COMMAND_ACTIVATE" | "COMMAND_DEACTIVATE" | "COMMAND_RESET" | "COMMAND_SET" | "COMMAND_ACTIVATE_SET" | "COMMAND_CALL" | "COMMAND_ADD" | "COMMAND_REMOVE" | "COMMAND_MOVE" | "COMMAND_SAVE" | "COMMAND_UNDO" | "COMMAND_REDO" | "COMMAND_PLAY" | "COMMAND_PAUSE" | "COMMAND_STEP" | "COMMAND_SPEED" | "COMMAND_SEEK" | "COMMAND_OPEN" | "COMMAND_SEND_FRAME" | "COMMAND_NMT" | "COMMAND_SDO_READ" | "COMMAND_SDO_WRITE" | "COMMAND_OBJECTS" | "COMMAND_INJECT" | "COMMAND_LOOK" | "COMMAND_BESIDE" | "COMMAND_RESTORE";
+export const Ui$CommandKind: CdrType<Ui$CommandKind> = enumeration("Ui::CommandKind", { COMMAND_WATCH: 0, COMMAND_FITS: 1, COMMAND_CONNECT: 2, COMMAND_CUT: 3, COMMAND_ACTIVATE: 4, COMMAND_DEACTIVATE: 5, COMMAND_RESET: 6, COMMAND_SET: 7, COMMAND_ACTIVATE_SET: 8, COMMAND_CALL: 9, COMMAND_ADD: 10, COMMAND_REMOVE: 11, COMMAND_MOVE: 12, COMMAND_SAVE: 13, COMMAND_UNDO: 14, COMMAND_REDO: 15, COMMAND_PLAY: 16, COMMAND_PAUSE: 17, COMMAND_STEP: 18, COMMAND_SPEED: 19, COMMAND_SEEK: 20, COMMAND_OPEN: 21, COMMAND_SEND_FRAME: 22, COMMAND_NMT: 23, COMMAND_SDO_READ: 24, COMMAND_SDO_WRITE: 25, COMMAND_OBJECTS: 26, COMMAND_INJECT: 27, COMMAND_LOOK: 28, COMMAND_BESIDE: 29, COMMAND_RESTORE: 30 });
 
 export type Ui$Command =
   /** All whose samples the page wants. */
@@ -976,8 +952,11 @@ export type Ui$Command =
   | { case: "read"; value: Ui$SdoAccess; discriminator?: Ui$CommandKind }
   | { case: "written"; value: Ui$SdoAccess; discriminator?: Ui$CommandKind }
   | { case: "node"; value: Ui$NodeAddress; discriminator?: Ui$CommandKind }
-  | { case: "board_call"; value: Ui$CallBoard; discriminator?: Ui$CommandKind }
   | { case: "injected"; value: Ui$Inject; discriminator?: Ui$CommandKind }
+  /** Have components of other processes wired and configured as the file has it. */
+  | { case: "reset"; value: boolean; discriminator?: Ui$CommandKind }
+  /** Keep this run beside those that begin when time is set back; FALSE: forget it. */
+  | { case: "kept"; value: boolean; discriminator?: Ui$CommandKind }
   /** The time that this page shows; negative: the newest. */
   | { case: "looked"; value: number; discriminator?: Ui$CommandKind }
   ;
@@ -1009,8 +988,9 @@ export const Ui$Command: CdrType<Ui$Command> = union("Ui::Command", Ui$CommandKi
   branch("read", Ui$SdoAccess, ["COMMAND_SDO_READ"]),
   branch("written", Ui$SdoAccess, ["COMMAND_SDO_WRITE"]),
   branch("node", Ui$NodeAddress, ["COMMAND_OBJECTS"]),
-  branch("board_call", Ui$CallBoard, ["COMMAND_CALL_BOARD"]),
   branch("injected", Ui$Inject, ["COMMAND_INJECT"]),
+  branch("reset", boolean, ["COMMAND_RESTORE"]),
+  branch("kept", boolean, ["COMMAND_BESIDE"]),
   branch("looked", double, ["COMMAND_LOOK"]),
 ]);
 

@@ -1,4 +1,4 @@
-"""Configuration files of OpenRTM (`key: value`), EDS files, and entry points of packages.
+"""Configuration files of OpenRTM (`key: value`) and EDS files.
 
 OpenRTM reads a line up to its end, takes the text before the first `:` or `=` as the key, strips
 both, and interprets backslashes and a leading `#` or `!`.
@@ -16,18 +16,10 @@ _KEY = re.compile(r"(?:[^\s\\:=#!](?:[^\\:=]*[^\s\\:=])?)?")
 _OTHER_LINE_ENDS_AND_CONTROL = re.compile(
     r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff\ufeff]"
 )
-_LANGUAGE = re.compile(r"[A-Za-z0-9][A-Za-z0-9+#.]{0,15}")
-_ENTRY = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*(:[A-Za-z_][A-Za-z0-9_.]*)?")
 
 
 class Conf(Code):
     """Lines or parts of lines of a configuration file."""
-
-    __slots__ = ()
-
-
-class Entries(Code):
-    """Lines of an `entry_points.txt`."""
 
     __slots__ = ()
 
@@ -77,18 +69,3 @@ def eds_line(text: str) -> str:
 def quote_conf(value: object) -> str:
     """Filter of templates of configuration files: accepts code, quotes values."""
     return value if isinstance(value, Conf | HashComment) else conf_value(value)
-
-
-def quote_entry(value: object) -> str:
-    """Filter of templates of entry points: accepts code and ASCII names `module.name:name`."""
-    if isinstance(value, Entries | HashComment):
-        return value
-    text = str(value)
-    if not _ENTRY.fullmatch(text):
-        raise UnquotableError(text, "an entry point")
-    return Entries(text)
-
-
-def language_entry(language: str) -> Entries:
-    """Return the name of a programming language as the value of an entry, if it is valid."""
-    return Entries(language if _LANGUAGE.fullmatch(language) else "another language")

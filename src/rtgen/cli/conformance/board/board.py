@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import socket
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from time import monotonic, sleep
 from typing import ClassVar
@@ -50,7 +50,8 @@ class BoardUnderTest:
     """A board that serves a signature.
 
     `address` is that of a TCP port, None for a `serial` device. `answer` is the time-out of a
-    response in seconds, `quiet` the time after which no more octets are expected. Methods raise
+    response in seconds, `quiet` the time after which no more octets are expected, `stall` the time
+    after which the board disconnects a silent client; None: no limit is stated. Methods raise
     RpcError if the board does not respond as required.
     """
 
@@ -63,6 +64,7 @@ class BoardUnderTest:
     baud: int
     answer: float
     quiet: float = 0.25
+    stall: float | None = None
 
     def explained(self, fault: Exception) -> str:
         """See `Subject`."""
@@ -99,10 +101,13 @@ class BoardUnderTest:
                 function.call(channel, ())
                 return
 
-    def raw(self, segments: Sequence[bytes], wanted: int = 0) -> Answer:
+    def raw(
+        self, segments: Sequence[bytes], wanted: int = 0, within: float | None = None
+    ) -> Answer:
         """Return the response to octets, up to `wanted` ones, or until the board closes.
 
-        Without `wanted`, until the board is quiet.
+        Without `wanted`, until the board is quiet. The time-out is `within` seconds, by default
+        that of any response.
 
         Raises SkipError for a serial line, which has no connection to close.
         """
@@ -115,7 +120,7 @@ class BoardUnderTest:
                     if number:
                         sleep(_PAUSE)
                     line.sendall(segment)
-                end = monotonic() + self.answer
+                end = monotonic() + (self.answer if within is None else within)
                 while not wanted or len(found) < wanted:
                     left = end - monotonic()
                     if found and not wanted:
@@ -147,6 +152,15 @@ class BoardUnderTest:
             except OSError:
                 found = b""
             return Answer(found, closed=not found)
+
+    @contextmanager
+    def stalled(self, octets: bytes) -> Iterator[None]:
+        """Context in which a client is silent after some octets. Raises as `leave`."""
+        if self.address is None:
+            raise SkipError("a serial line has no connection that could be closed")
+        with self._connected(self.address) as line:
+            line.sendall(octets)
+            yield
 
     def leave(self, octets: bytes) -> None:
         """Send octets and close the connection. Raises ConnectError, SkipError."""

@@ -16,11 +16,11 @@ from rtgen.cli.conformance.board.arguments import (
     scalars,
 )
 from rtgen.cli.conformance.board.board import BoardUnderTest
-from rtgen.cli.conformance.check import Check, Problems, SkipError
+from rtgen.cli.conformance.check import Check, Permission, Problems, SkipError
 from rtgen.cli.rpc.codecs import Function
 from rtgen.cli.rpc.values import Json
 from rtgen.layouts.tdr import Role, Run, String
-from rtgen.runtime.opaque_rpc import ArgumentError, ChannelError, peer_digest
+from rtgen.runtime.opaque_rpc import ArgumentError, ChannelError, RpcError, peer_digest
 from rtgen.runtime.opaque_rpc.digest import DIGEST
 from rtgen.runtime.opaque_rpc.tdr import SOP_REPLY, SOP_REQUEST, Tdr
 
@@ -109,6 +109,19 @@ def cut_requests(board: BoardUnderTest) -> Problems:
             )
 
 
+def stalled_requests(board: BoardUnderTest) -> Problems:
+    """Check that a client that falls silent within a request is disconnected in time."""
+    if board.stall is None:
+        raise SkipError("no bound is stated: --stall")
+    for function in board.functions.values():
+        request = _request(function, arguments(function, Values()))
+        what = f"a client silent within {function.name}"
+        with board.stalled(request[:-1]):
+            answer = board.raw([_unknown(board)], wanted=1, within=board.stall)
+        served = answer.closed and not answer.data
+        yield None if served else f"{what}: another one is not served in time"
+
+
 def answers(board: BoardUnderTest) -> Problems:
     """Check that each function replies in its form, without further octets."""
     for function in board.functions.values():
@@ -122,10 +135,8 @@ def answers(board: BoardUnderTest) -> Problems:
 def _surplus(board: BoardUnderTest, function: Function, given: Json) -> str | None:
     values = function.arguments_from_json(given)
     reply = board.raw([function.encode_request(values)])
-    try:
-        function.decode_reply(reply.data, function.kept(values))
-    except ChannelError as error:
-        return f"{function.name}: {error}"
+    if wrong := _wrong_reply(function, values, reply.data):
+        return f"{function.name}: {wrong}"
     return None if not reply.closed else f"{function.name}: the connection is closed"
 
 
@@ -236,6 +247,48 @@ def segments(board: BoardUnderTest) -> Problems:
     yield None if both else f"{function.name}, two requests in one piece: {answer}"
 
 
+def order(board: BoardUnderTest) -> Problems:
+    """Check that requests of several functions in one piece are answered in their order.
+
+    Replies do not name their functions; they are identified by their ascending lengths.
+    """
+    found = []
+    for function in board.functions.values():
+        if not function.oneway:
+            values = function.arguments_from_json(arguments(function, Values()))
+            request = function.encode_request(values)
+            lengths = {_reply_length(board, function, values) for _ in range(2)}
+            if len(lengths) == 1 and (length := lengths.pop()):
+                found.append((length, function, values, request))
+    found.sort(key=lambda each: each[0])
+    if len({length for length, *_ in found}) < 2:
+        raise SkipError("no two functions have replies of different, fixed lengths")
+    together = b"".join(request for *_, request in found)
+    replies = board.raw([together], wanted=sum(length for length, *_ in found)).data
+    for length, function, values, _ in found:
+        reply, replies = replies[:length], replies[length:]
+        wrong = _wrong_reply(function, values, reply)
+        yield f"{function.name} is not answered in its turn: {wrong}" if wrong else None
+
+
+def _reply_length(
+    board: BoardUnderTest, function: Function, values: tuple[object, ...]
+) -> int:
+    """Return the length of the reply to one request; 0 if it is not a reply of this function."""
+    reply = board.raw([function.encode_request(values)]).data
+    return 0 if _wrong_reply(function, values, reply) else len(reply)
+
+
+def _wrong_reply(
+    function: Function, values: tuple[object, ...], reply: bytes
+) -> str | None:
+    try:
+        function.decode_reply(reply, function.kept(values))
+    except RpcError as error:
+        return str(error)
+    return None
+
+
 def oneway(board: BoardUnderTest) -> Problems:
     """Check that a oneway call has no reply, and the next call has its own."""
     for function in board.functions.values():
@@ -262,6 +315,8 @@ def repeated(board: BoardUnderTest) -> Problems:
         channel.close()
 
 
+ACTUATE: Final = Permission.ACTUATE
+
 CHECKS: Final = (
     Check(
         "connections", "connections are served, one after another", _WIRE, connections
@@ -285,53 +340,62 @@ CHECKS: Final = (
         cut_requests,
     ),
     Check(
+        "request.stalled",
+        "a client that falls silent within a request is given up",
+        _WIRE,
+        stalled_requests,
+    ),
+    Check(
         "request.end",
         "a request with a wrong end is refused",
         _WIRE,
         wrong_ends,
-        actuates=True,
+        ACTUATE,
     ),
     Check(
         "request.segments",
         "requests are taken in pieces",
         _WIRE,
         segments,
-        actuates=True,
+        ACTUATE,
     ),
     Check(
-        "call.reply", "each function answers as declared", _WIRE, answers, actuates=True
+        "call.order",
+        "requests in one piece are answered in their order",
+        _WIRE,
+        order,
+        ACTUATE,
     ),
+    Check("call.reply", "each function answers as declared", _WIRE, answers, ACTUATE),
     Check(
         "call.limits",
         "numbers are taken at both ends of their types",
         _WIRE,
         limits,
-        actuates=True,
+        ACTUATE,
     ),
-    Check(
-        "call.arrays", "arrays are taken empty and full", _WIRE, arrays, actuates=True
-    ),
+    Check("call.arrays", "arrays are taken empty and full", _WIRE, arrays, ACTUATE),
     Check(
         "call.long-arrays",
         "arrays beyond their bound are refused",
         _WIRE,
         long_arrays,
-        actuates=True,
+        ACTUATE,
     ),
-    Check("call.texts", "texts are taken empty and full", _WIRE, texts, actuates=True),
+    Check("call.texts", "texts are taken empty and full", _WIRE, texts, ACTUATE),
     Check(
         "call.null",
         "nullable parameters are taken as NULL",
         _WIRE,
         nulls,
-        actuates=True,
+        ACTUATE,
     ),
-    Check("call.oneway", "oneway calls have no answer", _WIRE, oneway, actuates=True),
+    Check("call.oneway", "oneway calls have no answer", _WIRE, oneway, ACTUATE),
     Check(
         "call.repeated",
         "calls are answered one after another",
         _WIRE,
         repeated,
-        actuates=True,
+        ACTUATE,
     ),
 )

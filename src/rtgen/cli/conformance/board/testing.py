@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from rtgen.cli.common import Refusal
 from rtgen.cli.conformance.board.board import BoardUnderTest
 from rtgen.cli.conformance.board.checks import CHECKS
+from rtgen.cli.conformance.check import Permission
 from rtgen.cli.conformance.report import Report
 from rtgen.cli.rpc.call_command import host_and_port
 from rtgen.cli.rpc.common import Peer, read_unit, service_of, signatures_of
@@ -22,7 +23,8 @@ def tested(
     peer: Peer,
     *,
     baud: int,
-    actuate: bool,
+    stall: float | None,
+    permissions: Collection[Permission],
 ) -> Report:
     """Return the report of all checks. Raises InputError, Refusal and ToolError.
 
@@ -51,19 +53,23 @@ def tested(
         rest if kind == "serial" else None,
         baud,
         peer.timeout,
+        stall=stall,
     )
-    return checked(board, f"{signature} at {rest}", file.as_posix(), actuate=actuate)
+    return checked(board, f"{signature} at {rest}", file.as_posix(), permissions)
 
 
 def checked(
-    board: BoardUnderTest, subject: str, definition: str, *, actuate: bool
+    board: BoardUnderTest,
+    subject: str,
+    definition: str,
+    permissions: Collection[Permission],
 ) -> Report:
     """Return the report of all checks of a board. Raises ToolError if it cannot be reached."""
     if not board.is_there():
         raise ToolError(f"{subject}: no connection")
     outcomes = tuple(
         (
-            check.outcome(board, actuate=actuate)
+            check.outcome(board, permissions)
             if board.is_there()
             else check.skipped("the board accepts no connection any more")
         )

@@ -6,17 +6,30 @@ from collections.abc import Iterator
 from typing import Final
 
 from rtgen.cli.can.node_index import DescribedObject
-from rtgen.cli.conformance.canopen.lss_checks import lss_address
-from rtgen.cli.conformance.canopen.node import NodeUnderTest, SilenceError
+from rtgen.cli.conformance.canopen import network_checks, pdo_changes
+from rtgen.cli.conformance.canopen.lss_checks import (
+    lss_address,
+    lss_identity,
+    lss_refusals,
+)
+from rtgen.cli.conformance.canopen.node import NodeUnderTest, SilenceError, refusal
 from rtgen.cli.conformance.canopen.pdo_checks import (
     parameters,
     reception,
     short_reception,
     synchronous,
 )
-from rtgen.cli.conformance.check import Check, Problems, SkipError
+from rtgen.cli.conformance.canopen.sdo_checks import (
+    HEARTBEAT,
+    NAME,
+    block_download,
+    block_sizes,
+    long_name,
+    segments,
+    writable_heartbeat,
+)
+from rtgen.cli.conformance.check import Check, Permission, Problems, SkipError
 from rtgen.model.canopen import Access, NodeRelative, resolved
-from rtgen.runtime.canopen.description import ObjectNumber
 from rtgen.runtime.canopen.values import ObjectValueError, decode, encode, size
 from rtgen.runtime.canopen.wire import sdo
 from rtgen.runtime.canopen.wire.frames import (
@@ -25,12 +38,10 @@ from rtgen.runtime.canopen.wire.frames import (
     Frame,
 )
 from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState
-from rtgen.runtime.canopen.wire.sdo import ABORT_TEXTS, SdoAbort, Target
+from rtgen.runtime.canopen.wire.sdo import SdoAbort, Target
 
-HEARTBEAT: Final = (0x1017, 0)
 _HISTORY: Final = (0x1003, 0)
 _GUARD_TIME: Final = (0x100C, 0)
-_NAME: Final = (0x1008, 0)
 _PERIOD: Final = 100
 """Heartbeat period of the checks, in ms."""
 _BEATS: Final = 5
@@ -45,15 +56,6 @@ _TOO_LOW: Final = (sdo.VALUE_TOO_LOW, sdo.VALUE_INVALID)
 
 def _objects(node: NodeUnderTest) -> Iterator[DescribedObject]:
     yield from sorted(node.described.objects.values(), key=lambda o: o.number)
-
-
-def _refused(what: object, code: int | None, *wanted: int) -> str | None:
-    """Return the problem unless an access was rejected with one of these codes."""
-    if code in wanted:
-        return None
-    text = f"{wanted[0]:08X}h, {ABORT_TEXTS[wanted[0]]}"
-    got = "it was accepted" if code is None else f"it was refused with {code:08X}h"
-    return f"{what}: {got}, not with {text}"
 
 
 def readable(node: NodeUnderTest) -> Problems:
@@ -127,19 +129,42 @@ def constants(node: NodeUnderTest) -> Problems:
         yield None if fits else f"{thing} is {octets.hex()}, described is {wanted}"
 
 
+def defaults(node: NodeUnderTest) -> Problems:
+    """Check that writable objects have the described defaults; PDOs have their own check."""
+    pdos = node.described.device.pdos
+    compared = {index for pdo in pdos for index in (pdo.communication, pdo.mapping)}
+    for number, octets in node.values.items():
+        if number[0] in compared:
+            continue
+        thing = node.described.objects[number]
+        variable = node.described.device.find(*number)
+        wanted = None if variable is None else resolved(variable.default, node.id)
+        if (
+            not thing.access.writable
+            or isinstance(wanted, bytes | NodeRelative | None)
+            or not size(thing.kind)
+        ):
+            continue
+        try:
+            fits = octets == encode(thing.kind, wanted)
+        except ObjectValueError:
+            continue
+        yield None if fits else f"{thing} is {octets.hex()}, its default is {wanted}"
+
+
 def read_only(node: NodeUnderTest) -> Problems:
     """Check that writes to read-only objects are rejected."""
     for thing in _objects(node):
         octets = node.values.get(thing.number)
         if not thing.access.writable and octets:
-            yield _refused(thing, node.write_code(thing.number, octets), *_READ_ONLY)
+            yield refusal(thing, node.write_code(thing.number, octets), *_READ_ONLY)
 
 
 def write_only(node: NodeUnderTest) -> Problems:
     """Check that reads of write-only objects are rejected."""
     for thing in _objects(node):
         if not thing.access.readable:
-            yield _refused(thing, node.read_code(thing.number), *_WRITE_ONLY)
+            yield refusal(thing, node.read_code(thing.number), *_WRITE_ONLY)
 
 
 def unknown_objects(node: NodeUnderTest) -> Problems:
@@ -147,23 +172,23 @@ def unknown_objects(node: NodeUnderTest) -> Problems:
     known = {index for index, _ in node.described.objects}
     for index in (0x0000, 0x1FFF, 0x5FFF, 0xFFFF):
         if index not in known:
-            yield _refused(f"{index:04X}h", node.read_code((index, 0)), sdo.NO_OBJECT)
+            yield refusal(f"{index:04X}h", node.read_code((index, 0)), sdo.NO_OBJECT)
             code = node.write_code((index, 0), bytes(1))
-            yield _refused(f"{index:04X}h, written", code, sdo.NO_OBJECT)
+            yield refusal(f"{index:04X}h, written", code, sdo.NO_OBJECT)
     for index in sorted(known):
         subs = {sub for i, sub in node.described.objects if i == index}
         unused = next((s for s in range(max(subs) + 1, 255)), None)
         if unused is not None:
             code = node.read_code((index, unused))
-            yield _refused(f"{index:04X}h:{unused:X}", code, sdo.NO_SUBINDEX)
+            yield refusal(f"{index:04X}h:{unused:X}", code, sdo.NO_SUBINDEX)
 
 
 def lengths(node: NodeUnderTest) -> Problems:
     """Check that values of a wrong length are rejected."""
-    _writable_heartbeat(node)
+    writable_heartbeat(node)
     for octets in (bytes(1), bytes(3), bytes(4)):
         code = node.write_code(HEARTBEAT, octets)
-        yield _refused(f"1017h with {len(octets)} octets", code, *_LENGTH)
+        yield refusal(f"1017h with {len(octets)} octets", code, *_LENGTH)
 
 
 def commands(node: NodeUnderTest) -> Problems:
@@ -171,26 +196,26 @@ def commands(node: NodeUnderTest) -> Problems:
     for first in (0xE0, 0x00, 0x60):
         answer = node.ask(bytes((first,)).ljust(8, b"\0"))
         code = int.from_bytes(answer[4:8], "little") if answer[0] == sdo.ABORT else None
-        yield _refused(f"command {first:02X}h", code, sdo.COMMAND_UNKNOWN)
+        yield refusal(f"command {first:02X}h", code, sdo.COMMAND_UNKNOWN)
 
 
 def toggling(node: NodeUnderTest) -> Problems:
     """Check that a segment with a wrong toggle bit ends the transfer."""
-    _long(node)
-    node.ask(Target(*_NAME).message(sdo.UPLOAD))
+    long_name(node)
+    node.ask(Target(*NAME).message(sdo.UPLOAD))
     answer = node.ask(bytes((sdo.UPLOAD_SEGMENT | sdo.TOGGLE,)).ljust(8, b"\0"))
     code = int.from_bytes(answer[4:8], "little") if answer[0] == sdo.ABORT else None
-    yield _refused("the first segment with toggle bit 1", code, sdo.TOGGLE_ERROR)
+    yield refusal("the first segment with toggle bit 1", code, sdo.TOGGLE_ERROR)
     if code is None:
-        node.abandon(_NAME)
+        node.abandon(NAME)
 
 
-def segments(node: NodeUnderTest) -> Problems:
+def aborted(node: NodeUnderTest) -> Problems:
     """Check that after an aborted transfer the server is ready, with an unchanged value."""
-    _long(node)
-    node.ask(Target(*_NAME).message(sdo.UPLOAD))
-    node.abandon(_NAME)
-    same = node.upload(_NAME) == node.values[_NAME]
+    long_name(node)
+    node.ask(Target(*NAME).message(sdo.UPLOAD))
+    node.abandon(NAME)
+    same = node.upload(NAME) == node.values[NAME]
     yield None if same else "1008h differs after an aborted transfer"
 
 
@@ -219,14 +244,12 @@ def errors(node: NodeUnderTest) -> Problems:
         yield None if code is None else f"1003h:{sub:X}: refused with {code:08X}h"
     if node.described.objects[_HISTORY].access.writable:
         code = node.write_code(_HISTORY, b"\x01")
-        yield _refused("1003h:0 set to 1", code, sdo.VALUE_INVALID, *_TOO_HIGH)
+        yield refusal("1003h:0 set to 1", code, sdo.VALUE_INVALID, *_TOO_HIGH)
 
 
 def boot_up(node: NodeUnderTest) -> Problems:
     """Check that reset communication leads to the boot-up message, and PRE-OPERATIONAL."""
-    node.command(NmtCommand.RESET_COMMUNICATION)
-    initialising = NmtState.INITIALISING
-    if node.await_state([initialising], node.bounds.boot) != initialising:
+    if node.restart() != NmtState.INITIALISING:
         yield f"no boot-up within {node.bounds.boot // MILLISECOND} ms"
         return
     yield None if node.read_code((0x1000, 0)) is None else "1000h is refused after it"
@@ -234,7 +257,7 @@ def boot_up(node: NodeUnderTest) -> Problems:
 
 def heartbeat(node: NodeUnderTest) -> Problems:
     """Check that 1017h starts the heartbeat with its period, and 0 stops it."""
-    before = _writable_heartbeat(node)
+    before = writable_heartbeat(node)
     try:
         node.download(HEARTBEAT, _PERIOD.to_bytes(2, "little"))
         read = int.from_bytes(node.upload(HEARTBEAT), "little")
@@ -301,7 +324,7 @@ def stopped(node: NodeUnderTest) -> Problems:
 
 def states(node: NodeUnderTest) -> Problems:
     """Check that each NMT command leads to its state, as shown by the heartbeat."""
-    before = _writable_heartbeat(node)
+    before = writable_heartbeat(node)
     node.download(HEARTBEAT, _PERIOD.to_bytes(2, "little"))
     try:
         for command, wanted in (
@@ -337,7 +360,7 @@ def range_of_writes(node: NodeUnderTest) -> Problems:
             except ObjectValueError:
                 continue
             code = node.write_code(thing.number, octets)
-            yield _refused(f"{thing} set to {limit + step}", code, *codes)
+            yield refusal(f"{thing} set to {limit + step}", code, *codes)
             kept = node.upload(thing.number) == before
             yield None if kept else f"{thing}: a refused value was stored"
             if not kept:
@@ -357,29 +380,23 @@ def same_value(node: NodeUnderTest) -> Problems:
             )
 
 
-def _writable_heartbeat(node: NodeUnderTest) -> bytes:
-    """Return the octets of 1017h. Raises SkipError if it is not writable."""
-    thing = node.described.objects.get(HEARTBEAT)
-    if thing is None or not thing.access.writable:
-        raise SkipError("1017h is not described as writable")
-    return node.upload(HEARTBEAT)
-
-
-def _long(node: NodeUnderTest) -> ObjectNumber:
-    """Return 1008h, if its value needs segments. Raises SkipError."""
-    if len(node.values.get(_NAME, b"")) <= sdo.EXPEDITED:
-        raise SkipError("1008h has no value of more than 4 octets")
-    return _NAME
-
-
 _SDO = "CiA 301, 7.2.4.3"
 _EDS = "CiA 306, 4.6"
+
+ACTUATE: Final = Permission.ACTUATE
 
 CHECKS: Final = (
     Check("sdo.read", "every readable object is read", _SDO, readable),
     Check("object.type", "values have the length of their types", _EDS, types),
     Check("object.limits", "values are within their limits", _EDS, limits),
     Check("object.constants", "constants and identity as described", _EDS, constants),
+    Check(
+        "object.defaults",
+        "values are the defaults of the description",
+        _EDS,
+        defaults,
+        Permission.DEFAULTS,
+    ),
     Check(
         "pdo.parameters",
         "PDO parameters as described",
@@ -397,12 +414,25 @@ CHECKS: Final = (
     Check("sdo.length", "values of a wrong length are refused", _SDO, lengths),
     Check("sdo.command", "unknown commands are refused", _SDO, commands),
     Check("sdo.toggle", "a wrong toggle bit is refused", _SDO, toggling),
-    Check("sdo.abort", "an aborted transfer leaves the server ready", _SDO, segments),
+    Check("sdo.abort", "an aborted transfer leaves the server ready", _SDO, aborted),
     Check(
         "sdo.block",
         "block transfer gives the same values",
         "CiA 301, 7.2.4.3.9",
         blocks,
+    ),
+    Check("sdo.segments", "downloads by segments", "CiA 301, 7.2.4.3.3", segments),
+    Check(
+        "sdo.block-download",
+        "downloads by blocks, with their check sum",
+        "CiA 301, 7.2.4.3.9",
+        block_download,
+    ),
+    Check(
+        "sdo.block-sizes",
+        "uploads by blocks of a wrong size are refused",
+        "CiA 301, 7.2.4.3.13",
+        block_sizes,
     ),
     Check("emcy.history", "the error history", "CiA 301, 7.5.2.4", errors),
     Check(
@@ -418,41 +448,108 @@ CHECKS: Final = (
         "NMT commands lead to their states",
         "CiA 301, 7.3.2",
         states,
-        True,
+        ACTUATE,
     ),
     Check(
-        "sdo.range", "values beyond the limits are refused", _SDO, range_of_writes, True
+        "sdo.range",
+        "values beyond the limits are refused",
+        _SDO,
+        range_of_writes,
+        ACTUATE,
     ),
     Check(
         "sdo.same-value",
         "objects take the values that they have",
         _SDO,
         same_value,
-        True,
+        ACTUATE,
     ),
     Check(
         "pdo.synchronous",
         "synchronous TPDOs follow SYNC",
         "CiA 301, 7.5.2.37",
         synchronous,
-        True,
+        ACTUATE,
     ),
     Check(
         "pdo.reception",
         "objects have what an RPDO carries",
         "CiA 301, 7.2.2.2",
         reception,
-        True,
+        ACTUATE,
     ),
     Check(
         "pdo.length",
         "an RPDO that is too short is reported and changes nothing",
         "CiA 301, 7.2.7.1",
         short_reception,
-        True,
+        ACTUATE,
+    ),
+    Check(
+        "pdo.mapping",
+        "mappings are set, and refused where they cannot be",
+        "CiA 301, 7.5.2.36",
+        pdo_changes.mapping,
+        ACTUATE,
+    ),
+    Check(
+        "pdo.transmission",
+        "each transmission type of TPDOs",
+        "CiA 301, 7.5.2.37",
+        pdo_changes.transmission,
+        ACTUATE,
+    ),
+    Check(
+        "pdo.times",
+        "event timers and inhibit times",
+        "CiA 301, 7.5.2.37",
+        pdo_changes.times,
+        ACTUATE,
+    ),
+    Check(
+        "pdo.synchronous-reception",
+        "synchronous RPDOs are taken at a SYNC",
+        "CiA 301, 7.5.2.35",
+        pdo_changes.synchronous_reception,
+        ACTUATE,
+    ),
+    Check(
+        "emcy.entry",
+        "errors are entered in the history",
+        "CiA 301, 7.5.2.4",
+        network_checks.entries,
+        ACTUATE,
+    ),
+    Check(
+        "heartbeat.consumer",
+        "a lost heartbeat is reported",
+        "CiA 301, 7.2.8.3.2.2",
+        network_checks.consumer,
+        ACTUATE,
+    ),
+    Check(
+        "guarding.life",
+        "a lost guard is reported",
+        "CiA 301, 7.2.8.3.2.1",
+        network_checks.life_guarding,
+        ACTUATE,
+    ),
+    Check(
+        "nmt.reset",
+        "boot-up after reset node",
+        "CiA 301, 7.3.2.2",
+        network_checks.reset,
+        ACTUATE,
     ),
     Check(
         "lss.address", "selected by its LSS address alone", "CiA 305, 3.7", lss_address
+    ),
+    Check("lss.identity", "tells its identity", "CiA 305, 3.11", lss_identity),
+    Check(
+        "lss.refusals",
+        "node-ids and bit rates out of range are refused",
+        "CiA 305, 3.9",
+        lss_refusals,
     ),
 )
 """All checks, in the order of a test: the first one reads values that others compare with."""

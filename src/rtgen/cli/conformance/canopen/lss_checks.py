@@ -1,7 +1,9 @@
-"""The check of layer setting services (CiA 305)."""
+"""The checks of layer setting services (CiA 305)."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Final
 
 from rtgen.cli.conformance.canopen.node import NodeUnderTest
@@ -11,46 +13,105 @@ from rtgen.runtime.canopen.wire.frames import LSS_REQUEST, LSS_RESPONSE, Frame
 from rtgen.runtime.canopen.wire.lss import LssCommand
 
 _IDENTITY: Final = 0x1018
+_SELECTION: Final = (
+    *(LssCommand.SWITCH_VENDOR, LssCommand.SWITCH_PRODUCT),
+    *(LssCommand.SWITCH_REVISION, LssCommand.SWITCH_SERIAL),
+)
+_INQUIRIES: Final = (
+    *(LssCommand.INQUIRE_VENDOR, LssCommand.INQUIRE_PRODUCT),
+    *(LssCommand.INQUIRE_REVISION, LssCommand.INQUIRE_SERIAL),
+)
+_NO_NODE_ID: Final = 128
+_NO_BIT_RATE: Final = 0x63
+"""An index that no bit timing table has."""
 
 
-def lss_address(node: NodeUnderTest) -> Problems:
-    """Check that LSS selects the node by its identity only, and reports its node-id."""
+def _address(node: NodeUnderTest) -> list[int]:
+    """Return the LSS address of the node. Raises SkipError."""
     if not node.described.device.info.lss:
         raise SkipError("the description has no LSS")
     numbers = [node.values.get((_IDENTITY, sub)) for sub in range(1, 5)]
     address = [int.from_bytes(each, "little") for each in numbers if each]
     if len(address) < len(numbers):
         raise SkipError("its identity could not be read")
-    other = [*address[:3], address[3] ^ 1]
-    waiting = lss.message(LssCommand.SWITCH_GLOBAL, lss.WAITING, 1)
-    selection = (
-        *(LssCommand.SWITCH_VENDOR, LssCommand.SWITCH_PRODUCT),
-        *(LssCommand.SWITCH_REVISION, LssCommand.SWITCH_SERIAL),
-    )
+    return address
 
-    def ask(data: bytes, within: int) -> bytes:
+
+def _ask(node: NodeUnderTest, data: bytes, within: int | None = None) -> bytes:
+    """Return the response to a message; empty without a response."""
+    node.line.send(Frame(LSS_REQUEST, data))
+    found = node.await_frame(LSS_RESPONSE, within or node.bounds.answer)
+    return b"" if found is None else found.data
+
+
+def _select(node: NodeUnderTest, address: list[int], within: int | None = None) -> bool:
+    """Return whether a node confirms that an address selects it."""
+    _release(node)
+    *first, last = map(lss.message, _SELECTION, address)
+    for data in first:
         node.line.send(Frame(LSS_REQUEST, data))
-        found = node.await_frame(LSS_RESPONSE, within)
-        return b"" if found is None else found.data
+    return _ask(node, last, within)[:1] == bytes((LssCommand.SWITCHED,))
 
-    def select(wanted: list[int], within: int) -> bytes:
-        node.line.send(Frame(LSS_REQUEST, waiting))
-        *first, last = map(lss.message, selection, wanted)
-        for data in first:
-            node.line.send(Frame(LSS_REQUEST, data))
-        return ask(last, within)
 
+def _release(node: NodeUnderTest) -> None:
+    waiting = lss.message(LssCommand.SWITCH_GLOBAL, lss.WAITING, 1)
+    node.line.send(Frame(LSS_REQUEST, waiting))
+
+
+@contextmanager
+def _selected(node: NodeUnderTest) -> Iterator[list[int]]:
+    """Context in which the node is in the configuration state. Raises SkipError."""
+    address = _address(node)
     try:
-        found = select(other, lss_master.TIMEOUT)
-        yield None if not found else "it is selected by another serial number"
-        found = select(address, node.bounds.answer)
-        selected = found[:1] == bytes((LssCommand.SWITCHED,))
+        if not _select(node, address):
+            raise SkipError("it is not selected by its identity, see lss.address")
+        yield address
+    finally:
+        _release(node)
+
+
+def _problem(what: str, answer: bytes, wanted: bytes) -> str | None:
+    shown = answer.hex(" ") or "no answer"
+    return None if answer.startswith(wanted) else f"{what}: {shown}"
+
+
+def lss_address(node: NodeUnderTest) -> Problems:
+    """Check that LSS selects the node by its identity only, and reports its node-id."""
+    address = _address(node)
+    other = [*address[:3], address[3] ^ 1]
+    try:
+        found = _select(node, other, lss_master.TIMEOUT)
+        yield "it is selected by another serial number" if found else None
+        selected = _select(node, address)
         yield None if selected else "it is not selected by its identity"
         if selected:
-            found = ask(lss.message(LssCommand.INQUIRE_NODE_ID), node.bounds.answer)
-            told = found[1:2] == bytes((node.id,))
-            yield (
-                None if told else f"its node-id by LSS: {found.hex(' ') or 'no answer'}"
-            )
+            command = LssCommand.INQUIRE_NODE_ID
+            answer = _ask(node, lss.message(command))
+            yield _problem("its node-id by LSS", answer, bytes((command, node.id)))
     finally:
-        node.line.send(Frame(LSS_REQUEST, waiting))
+        _release(node)
+
+
+def lss_identity(node: NodeUnderTest) -> Problems:
+    """Check that LSS reports the same parts of the identity as 1018h."""
+    with _selected(node) as address:
+        for command, number in zip(_INQUIRIES, address, strict=True):
+            answer = _ask(node, lss.message(command))
+            wanted = bytes((command,)) + number.to_bytes(4, "little")
+            yield _problem(command.name.lower().replace("_", " "), answer, wanted)
+
+
+def lss_refusals(node: NodeUnderTest) -> Problems:
+    """Check that invalid node-ids and bit rates are rejected, and nothing changes."""
+    with _selected(node):
+        for command, value, size in (
+            (LssCommand.CONFIGURE_NODE_ID, _NO_NODE_ID, 1),
+            (LssCommand.CONFIGURE_BIT_TIMING, _NO_BIT_RATE << 8, 2),
+        ):
+            answer = _ask(node, lss.message(command, value, size))
+            refused = bytes((command, lss.OUT_OF_RANGE))
+            what = command.name.lower().replace("_", " ")
+            yield _problem(f"{what} {value:X}h is not refused", answer, refused)
+        command = LssCommand.INQUIRE_NODE_ID
+        answer = _ask(node, lss.message(command))
+        yield _problem("its node-id after that", answer, bytes((command, node.id)))

@@ -17,7 +17,7 @@ from rtgen.runtime.canopen.wire.frames import (
     Frame,
 )
 from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState, command_frame
-from rtgen.runtime.canopen.wire.sdo import SdoAbort, Target
+from rtgen.runtime.canopen.wire.sdo import ABORT_TEXTS, SdoAbort, Target
 from rtgen.runtime.canopen.wire.sdo_client import SdoClient
 
 _TOGGLE = 0x80
@@ -111,6 +111,13 @@ class NodeUnderTest:
         """Send an NMT command."""
         self.line.send(command_frame(command, self.id))
 
+    def restart(
+        self, command: NmtCommand = NmtCommand.RESET_COMMUNICATION
+    ) -> int | None:
+        """Reset the node; return the state of its boot-up, or another one seen by error control."""
+        self.command(command)
+        return self.await_state([NmtState.INITIALISING], self.bounds.boot)
+
     def await_frame(self, can_id: int, within: int) -> Frame | None:
         """Return the next frame of an identifier; None if there is none within that time."""
         end = self.line.now() + within
@@ -151,6 +158,15 @@ class NodeUnderTest:
             if abort.code == sdo.TIMED_OUT:
                 raise SilenceError from abort
             raise
+
+
+def refusal(what: object, code: int | None, *wanted: int) -> str | None:
+    """Return the problem unless an access was rejected with one of these codes."""
+    if code in wanted:
+        return None
+    text = f"{wanted[0]:08X}h, {ABORT_TEXTS[wanted[0]]}"
+    got = "it was accepted" if code is None else f"it was refused with {code:08X}h"
+    return f"{what}: {got}, not with {text}"
 
 
 def _code(transfer: Callable[[], object]) -> int | None:

@@ -7,6 +7,7 @@ from typing import Final
 
 from rtgen.cli.can.node_index import DescribedObject
 from rtgen.cli.conformance.canopen.node import NodeUnderTest
+from rtgen.cli.conformance.canopen.pdo_changes import whole_objects
 from rtgen.cli.conformance.check import Problems
 from rtgen.model.canopen import Pdo, PdoDirection, resolved
 from rtgen.runtime.canopen.wire.emergency import PDO_TOO_SHORT
@@ -75,7 +76,7 @@ def synchronous(node: NodeUnderTest) -> Problems:
         node.command(NmtCommand.ENTER_PRE_OPERATIONAL)
 
 
-def _receptions(
+def receptions(
     node: NodeUnderTest,
 ) -> Iterator[tuple[Pdo, int, list[DescribedObject]]]:
     """Yield the asynchronous RPDOs of whole octets, with identifiers and mapped objects."""
@@ -84,31 +85,18 @@ def _receptions(
         cob_id = CobId(
             int.from_bytes(node.values.get((pdo.communication, 1), b""), "little")
         )
-        mapped = [
-            node.described.objects.get((entry.index, entry.subindex))
-            for entry in pdo.entries
-        ]
-        known = [thing for thing in mapped if thing is not None]
-        if (
-            pdo.direction is PdoDirection.RPDO
-            and kind >= _EVENT_DRIVEN
-            and not cob_id.bit31
-            and known
-            and len(known) == len(mapped)
-            and all(
-                8 * len(node.values.get(t.number, b"")) == e.bits
-                for t, e in zip(known, pdo.entries, strict=True)
-            )
-        ):
-            yield pdo, cob_id.can_id, known
+        mapped = whole_objects(node, pdo)
+        is_reception = pdo.direction is PdoDirection.RPDO and kind >= _EVENT_DRIVEN
+        if is_reception and not cob_id.bit31 and mapped:
+            yield pdo, cob_id.can_id, mapped
 
 
 def reception(node: NodeUnderTest) -> Problems:
     """Check that the data of an RPDO are in its objects afterwards."""
-    receptions = list(_receptions(node))
+    acting = list(receptions(node))
     node.command(NmtCommand.START)
     try:
-        for pdo, can_id, mapped in receptions:
+        for pdo, can_id, mapped in acting:
             before = [node.upload(thing.number) for thing in mapped]
             # The lowest bit of each value is inverted, and restored.
             other = [bytes((value[0] ^ 1,)) + value[1:] for value in before]
@@ -128,10 +116,10 @@ def reception(node: NodeUnderTest) -> Problems:
 
 def short_reception(node: NodeUnderTest) -> Problems:
     """Check that a short RPDO changes nothing, and is reported by an emergency."""
-    receptions = list(_receptions(node))
+    acting = list(receptions(node))
     node.command(NmtCommand.START)
     try:
-        for pdo, can_id, mapped in receptions:
+        for pdo, can_id, mapped in acting:
             before = [node.upload(thing.number) for thing in mapped]
             sent = b"".join(before)[:-1]
             if not sent:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Collection
 from pathlib import Path
 
 from rtgen.cli.can.live_bus import opened, send
@@ -10,6 +11,7 @@ from rtgen.cli.can.node_index import read_node_index
 from rtgen.cli.can.options import BusAccess
 from rtgen.cli.conformance.canopen.checks import CHECKS
 from rtgen.cli.conformance.canopen.node import Bounds, NodeUnderTest, SilenceError
+from rtgen.cli.conformance.check import Permission
 from rtgen.cli.conformance.report import Report
 from rtgen.diagnostics import ToolError
 from rtgen.runtime.canopen.bus.messages import frame_of
@@ -58,7 +60,7 @@ def tested(
     *,
     timeout: float,
     boot: float,
-    actuate: bool,
+    permissions: Collection[Permission],
 ) -> Report:
     """Return the report of all checks. Raises InputError, Refusal and ToolError."""
     known = read_node_index(None, [(node_id, file)])
@@ -66,11 +68,13 @@ def tested(
     bounds = Bounds(round(timeout * SECOND), round(boot * SECOND))
     with opened(access) as bus:
         return checked(
-            NodeUnderTest(described, BusLine(bus), bounds), file.as_posix(), actuate
+            NodeUnderTest(described, BusLine(bus), bounds), file.as_posix(), permissions
         )
 
 
-def checked(node: NodeUnderTest, definition: str, actuate: bool) -> Report:
+def checked(
+    node: NodeUnderTest, definition: str, permissions: Collection[Permission]
+) -> Report:
     """Return the report of all checks of a node. Raises ToolError if the node is not there."""
     try:
         node.read_code(_DEVICE_TYPE)
@@ -79,5 +83,5 @@ def checked(node: NodeUnderTest, definition: str, actuate: bool) -> Report:
             f"node {node.id} does not answer",
             hint="`rtgen can scan` lists the nodes of the bus; a stopped node has no SDO",
         ) from None
-    outcomes = tuple(check.outcome(node, actuate=actuate) for check in CHECKS)
+    outcomes = tuple(check.outcome(node, permissions) for check in CHECKS)
     return Report(f"{node.described.name} (node {node.id})", definition, outcomes)

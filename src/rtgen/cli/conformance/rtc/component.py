@@ -11,11 +11,10 @@ from omniORB import CORBA
 
 from rtgen.cli.conformance.check import SkipError
 from rtgen.cli.conformance.rtc.expected import Expected
+from rtgen.facts.openrtm_ports import RUNTIME
 from rtgen.runtime.corba.rt_objects.objects import Exported
 from rtgen.runtime.corba.rt_objects.remote import NilError, RemoteRtc
-from rtgen.runtime.corba.rt_objects.wire import (
-    SdoError,
-)
+from rtgen.runtime.corba.rt_objects.wire import NotAvailable, SdoError, texts
 from rtgen.runtime.return_codes import (
     ACTIVE_STATE,
     ERROR_STATE,
@@ -75,6 +74,18 @@ class RtcUnderTest(RemoteRtc):
         except NilError as error:
             raise SkipError(str(error)) from error
 
+    @property
+    def is_of_rtgen(self) -> bool:
+        """Whether the component is run by rtgen, not by OpenRTM."""
+        return RUNTIME in texts(self.profile.properties)
+
+    def active_set(self) -> str:
+        """Return the id of the active set; empty if none, as in OpenRTM after setting a value."""
+        try:
+            return super().active_set()
+        except NotAvailable:
+            return ""
+
     # States
 
     def becomes(self, state: LifeCycleState) -> bool:
@@ -88,6 +99,20 @@ class RtcUnderTest(RemoteRtc):
                 return False
             sleep(_POLL_INTERVAL)
         return True
+
+    def ends(self) -> bool:
+        """Return whether it is gone in time: its reference is invalid, or it is not alive."""
+        return self._until(self._is_gone)
+
+    def is_alive(self) -> bool:
+        """Return whether it is alive, in its own first context if it has one."""
+        return bool(self.call("is_alive", next(iter(self.contexts), None)))
+
+    def _is_gone(self) -> bool:
+        try:
+            return not self.is_alive()
+        except CORBA.SystemException:
+            return True
 
     def inactive(self) -> Any:
         """Return the context after making the component INACTIVE. Raises SkipError."""

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import uuid
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any, Final
 
-from rtgen.cli.conformance.check import Problems
+from rtgen.cli.conformance.check import Problems, SkipError
 from rtgen.cli.conformance.rtc.component import CONNECTOR, RtcUnderTest
+from rtgen.cli.conformance.rtc.expected import ExpectedInterface
+from rtgen.facts.connector_properties import STRICTNESS
 from rtgen.facts.openrtm_ports import known_name
 from rtgen.runtime.corba.rt_objects.objects import Exported
 from rtgen.runtime.corba.rt_objects.wire import (
@@ -28,6 +30,9 @@ _WISHES: Final = {
     "dataport.dataflow_type": "push",
     "dataport.subscription_type": "flush",
 }
+_STRICT: Final = {STRICTNESS: "strict"}
+_NO_SERVICE: Final = "rtgen::Conformance::NoType"
+"""The name of an interface that no port has."""
 _NO_TYPE: Final = {"dataport.data_type": "IDL:rtgen/Conformance/NoType:1.0"}
 _NO_INTERFACE: Final = {"dataport.interface_type": "rtgen-conformance-none"}
 
@@ -41,11 +46,15 @@ class _Sink:
 
 
 class _Partner:
-    """The port of this process: the last one of a connector, which accepts everything."""
+    """The port of this process: the last one of a connector, which accepts everything.
 
-    def __init__(self, exported: Exported) -> None:
+    For each instance of `offered` it offers an object of an interface that no port has.
+    """
+
+    def __init__(self, exported: Exported, offered: Iterable[str] = ()) -> None:
         self.ended: list[str] = []
         """The ids of connections that the component has ended at this port."""
+        self._offered = tuple(offered)
         self._exported = exported
         self._sink = exported.serve(IN_PORT_CDR, _Sink())
         self.reference = exported.serve(PORT_SERVICE, self)
@@ -65,10 +74,12 @@ class _Partner:
 
     def notify_connect(self, profile: ConnectorProfile) -> tuple[ReturnCode_t, Any]:
         """Offer an InPort for pushed samples, unless the component offers one."""
-        added = []
+        own = self._exported.text(self._sink)
+        added = {f"port.{_NO_SERVICE}.{instance}": own for instance in self._offered}
         if _IN_IOR not in texts(profile.properties):
-            added = values({_IN_IOR: self._exported.text(self._sink)})
-        return RTC_OK, replace(profile, properties=[*profile.properties, *added])
+            added[_IN_IOR] = own
+        properties = [*profile.properties, *values(added)]
+        return RTC_OK, replace(profile, properties=properties)
 
     def notify_disconnect(self, connector_id: str) -> ReturnCode_t:
         """Record the end of a connection."""
@@ -77,8 +88,8 @@ class _Partner:
 
 
 @contextmanager
-def _partner(rtc: RtcUnderTest) -> Iterator[_Partner]:
-    made = _Partner(rtc.exported)
+def _partner(rtc: RtcUnderTest, offered: Iterable[str] = ()) -> Iterator[_Partner]:
+    made = _Partner(rtc.exported, offered)
     try:
         yield made
     finally:
@@ -90,7 +101,7 @@ def _profile(
 ) -> ConnectorProfile:
     name = f"{CONNECTOR}{uuid.uuid4()}"
     own = texts(port.properties)
-    stated: dict[str, str] = {}
+    stated = dict(properties)
     if "dataport.data_type" in own:
         type_ = {"dataport.data_type": own["dataport.data_type"]}
         stated = {**_WISHES, **type_, **properties}
@@ -147,16 +158,75 @@ def _refused(rtc: RtcUnderTest, properties: Mapping[str, str]) -> Problems:
             asked = _profile(port, partner, properties)
             code, _ = rtc.at_port(port, "connect", asked)
             yield f"{name}: it was not refused" if code is RTC_OK else None
-            found = rtc.at_port(port, "get_connector_profiles")
-            kept = asked.connector_id in [each.connector_id for each in found]
+            kept = _dropped(rtc, port, asked.connector_id)
             yield f"{name}: its connector is listed" if kept else None
+
+
+def _dropped(rtc: RtcUnderTest, port: Any, connector_id: str) -> bool:
+    """Return whether an unwanted connection exists, and end it."""
+    found = rtc.at_port(port, "get_connector_profiles")
+    stood = connector_id in [each.connector_id for each in found]
+    if stood:
+        rtc.at_port(port, "disconnect", connector_id)
+    return stood
 
 
 def other_types(rtc: RtcUnderTest) -> Problems:
     """Check that data ports reject samples of another type."""
+    if not rtc.is_of_rtgen:
+        raise SkipError("OpenRTM does not compare types of data")
     yield from _refused(rtc, _NO_TYPE)
 
 
 def other_interfaces(rtc: RtcUnderTest) -> Problems:
     """Check that data ports reject an unknown interface type."""
     yield from _refused(rtc, _NO_INTERFACE)
+
+
+def services(rtc: RtcUnderTest) -> Problems:
+    """Check that provided interfaces have their types, and required ones reject other types.
+
+    A strict connection must be rejected if a required interface has no provider of its type.
+    """
+    rtc.inactive()
+    for port in rtc.profile.port_profiles:
+        name = known_name(port.name)
+        expected = rtc.expected.ports.get(name)
+        known = {} if expected is None else expected.interfaces or {}
+        for (instance, is_provided), interface in known.items():
+            if not is_provided and (instance, True) in known:
+                continue  # OpenRTM connects it with the provider of its own port.
+            check = _provided if is_provided else _required
+            problem = check(rtc, port, instance, interface)
+            yield None if problem is None else f"{name}.{instance}: {problem}"
+
+
+def _provided(
+    rtc: RtcUnderTest, port: Any, instance: str, interface: ExpectedInterface
+) -> str | None:
+    with _partner(rtc) as partner:
+        asked = _profile(port, partner, {})
+        code, made = rtc.at_port(port, "connect", asked)
+        if code is not RTC_OK:
+            return f"connect returned {code.name}"
+        try:
+            offered = texts(made.properties)
+            keys = (f"port.{name}.{instance}" for name in interface.names)
+            text = next((offered[key] for key in keys if key in offered), None)
+            if text is None:
+                return "the connector has no reference of it"
+            found = rtc.exported.reference(text)
+            is_one = found is not None and found._is_a(interface.identity)
+            return None if is_one else f"its object is no {interface.names[0]}"
+        finally:
+            rtc.at_port(port, "disconnect", asked.connector_id)
+
+
+def _required(
+    rtc: RtcUnderTest, port: Any, instance: str, _interface: ExpectedInterface
+) -> str | None:
+    with _partner(rtc, [instance]) as partner:
+        asked = _profile(port, partner, _STRICT)
+        code, _ = rtc.at_port(port, "connect", asked)
+        _dropped(rtc, port, asked.connector_id)
+        return "it takes another type" if code is RTC_OK else None

@@ -14,6 +14,7 @@ from rtgen.facts.openrtm_ports import IN, OUT, SERVICE, known_name, registered_n
 from rtgen.model import (
     Component,
     ConfigurationParameter,
+    Declaration,
     Model,
     NamedType,
     Port,
@@ -29,15 +30,23 @@ _TYPES = {IN: "DataInPort", OUT: "DataOutPort", SERVICE: "CorbaPort"}
 
 
 @dataclass(frozen=True, slots=True)
+class ExpectedInterface:
+    """An interface of a service port: the names that its type may have, and its repository id."""
+
+    names: tuple[str, ...]
+    identity: str
+
+
+@dataclass(frozen=True, slots=True)
 class ExpectedPort:
     """A port: OpenRTM's `port.port_type`, and the accepted names of its data type.
 
-    `interfaces` has the accepted names of types, by instance name and whether it is provided.
+    `interfaces` has the interfaces, by instance name and whether they are provided.
     """
 
     port_type: str
     data_types: tuple[str, ...] = ()
-    interfaces: Mapping[tuple[str, bool], tuple[str, ...]] | None = None
+    interfaces: Mapping[tuple[str, bool], ExpectedInterface] | None = None
 
 
 class ExpectedParameter:
@@ -65,6 +74,7 @@ class ExpectedParameter:
             if parameters.is_sequence(parameter.type):
                 example = [example]
         self.name = parameter.name
+        self.default = parameters.default_text(parameter)
         self.value = Converter(profile, example)
         free = replace(profile, minimum=None, maximum=None, constraint="")
         self._free = Converter(free, example)
@@ -75,6 +85,10 @@ class ExpectedParameter:
     def problem(self, text: str) -> str | None:
         """Return why the parameter cannot have a text; None if it can."""
         return _refusal(self.value, text)
+
+    def is_default(self, text: str) -> bool:
+        """Return whether a text is the default value of the definition."""
+        return bool(self._free(text) == self._free(self.default))
 
     def others(self, text: str) -> Iterator[str]:
         """Yield texts of other valid values."""
@@ -132,8 +146,9 @@ class Expected:
             "description": summary(component),
         }
         self.properties = {
-            "activity_type": component.activity,
-            "max_instance": str(component.max_instances),
+            # Many modules of OpenRTM state the kind of component there.
+            "activity_type": (component.activity, component.component_type),
+            "max_instance": (str(component.max_instances),),
         }
         self.is_periodic = component.execution.startswith("Periodic")
         self.parameters = {
@@ -157,7 +172,9 @@ def _ports(model: Model, component: Component) -> dict[str, ExpectedPort]:
         ports = list(group)
         if way == SERVICE:
             interfaces = {
-                (port.instance, port.kind is PortKind.PROVIDER): _names(model, port)
+                (port.instance, port.kind is PortKind.PROVIDER): ExpectedInterface(
+                    _names(model, port), _declaration(model, port).repository_id
+                )
                 for port in ports
             }
             made = ExpectedPort(_TYPES[way], interfaces=interfaces)
@@ -172,9 +189,7 @@ def _names(model: Model, port: Port) -> tuple[str, ...]:
 
     These are the chosen one, the repository id, and the names with and without scope.
     """
-    type_ = model.unalias(port.type)
-    assert isinstance(type_, NamedType), "the front end has checked it"
-    declaration = model.find(type_.name)
+    declaration = _declaration(model, port)
     names = (
         port.type_name,
         declaration.repository_id,
@@ -182,3 +197,9 @@ def _names(model: Model, port: Port) -> tuple[str, ...]:
         declaration.name[-1],
     )
     return tuple(dict.fromkeys(name for name in names if name))
+
+
+def _declaration(model: Model, port: Port) -> Declaration:
+    type_ = model.unalias(port.type)
+    assert isinstance(type_, NamedType), "the front end has checked it"
+    return model.find(type_.name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from contextlib import closing
 from functools import partial
 from pathlib import Path
@@ -12,6 +13,7 @@ from omniORB import CORBA
 from rtgen import compiler
 from rtgen.cli.chosen_component import chosen
 from rtgen.cli.common import Refusal
+from rtgen.cli.conformance.check import Permission
 from rtgen.cli.conformance.report import Report
 from rtgen.cli.conformance.rtc.checks import CHECKS
 from rtgen.cli.conformance.rtc.component import RtcUnderTest
@@ -36,7 +38,7 @@ def tested(
     include: tuple[str, ...],
     *,
     timeout: float,
-    actuate: bool,
+    permissions: Collection[Permission],
 ) -> Report:
     """Return the report of all checks. Raises InputError, Refusal and ToolError."""
     if not is_place(connect):
@@ -51,7 +53,7 @@ def tested(
             found = located(connect, exported, partial(Naming, orb.orb))
             rtc = _answering(connect, expected, found, exported, timeout)
             subject = f"{expected.type_name} {rtc.profile.instance_name}"
-            return checked(rtc, subject, file.as_posix(), actuate=actuate)
+            return checked(rtc, subject, file.as_posix(), permissions)
     except NoNamingServiceError as error:
         hint = "rtgen run and OpenRTM's rtc.conf name the naming service of a component"
         raise ToolError(str(error), hint=hint) from error
@@ -88,11 +90,14 @@ def _answering(
 
 
 def checked(
-    rtc: RtcUnderTest, subject: str, definition: str, *, actuate: bool
+    rtc: RtcUnderTest,
+    subject: str,
+    definition: str,
+    permissions: Collection[Permission],
 ) -> Report:
     """Return the report of all checks. The component is left unchanged, also after Ctrl-C."""
     try:
-        if actuate and rtc.contexts:
+        if Permission.ACTUATE in permissions and rtc.contexts:
             rtc.keep()
     except rtc.faults as fault:
         why = rtc.explained(fault)
@@ -102,7 +107,7 @@ def checked(
         ) from fault
     try:
         with terminable():
-            outcomes = tuple(check.outcome(rtc, actuate=actuate) for check in CHECKS)
+            outcomes = tuple(check.outcome(rtc, permissions) for check in CHECKS)
     except BaseException:
         wrong = [problem for problem in rtc.restore() if problem is not None]
         if wrong:

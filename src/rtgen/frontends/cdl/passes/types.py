@@ -249,7 +249,11 @@ class Types:
             else:
                 members.append(
                     TecsMember(
-                        name=name.text, type=type_, sizes=sizes, span=unit.place(name)
+                        name=name.text,
+                        type=type_,
+                        sizes=sizes,
+                        span=unit.place(name),
+                        doc=self._table.doc(unit, item.start, item.end),
                     )
                 )
         return tuple(members) if good else None

@@ -17,7 +17,6 @@ from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue, PdoDesc
 from rtgen.runtime.canopen.node.emergency_producer import EmergencyProducer
 from rtgen.runtime.canopen.node.object_dictionary import DeviceDictionary
 from rtgen.runtime.canopen.node.pdo_mapping import (
-    TOO_LONG,
     MappedField,
     Mapping,
     checked_field,
@@ -156,7 +155,7 @@ class DevicePdo:
                 self.checked_field(value)
             return
         if value > max(self._dictionary.subindices(self.mapped)):
-            raise SdoAbort(TOO_LONG)
+            raise SdoAbort(sdo.MAPPING_TOO_LONG)
         self.planned(value)
 
     def _check_cob_id(self, new: CobId) -> None:
@@ -173,7 +172,7 @@ class DevicePdo:
         if place <= len(self.description.mapping):
             entry = entry_of(*self.description.mapping[place - 1])
             return own_field(self._dictionary.description, entry)
-        raise SdoAbort(TOO_LONG)
+        raise SdoAbort(sdo.MAPPING_TOO_LONG)
 
     def _parameter(self, subindex: int, absent: int = 0) -> int:
         number = self.communication, subindex

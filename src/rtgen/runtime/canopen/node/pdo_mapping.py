@@ -16,8 +16,6 @@ from rtgen.runtime.canopen.wire.sdo import SdoAbort
 Direction: TypeAlias = Literal["tpdo", "rpdo"]
 
 MAX_BITS: Final = 64
-NOT_MAPPABLE: Final = 0x06040041
-TOO_LONG: Final = 0x06040042
 
 _DUMMY_BITS: Final = {1: 1, 2: 8, 3: 16, 4: 32, 5: 8, 6: 16, 7: 32}
 _GAP: Final = 0x20
@@ -55,7 +53,7 @@ def checked_field(
     if number[0] < _GAP and number[0]:
         dummy = number[0] in description.dummies and not number[1]
         if direction == "tpdo" or not dummy or bits != _DUMMY_BITS.get(number[0], bits):
-            raise SdoAbort(NOT_MAPPABLE)
+            raise SdoAbort(sdo.NOT_MAPPABLE)
         _check_granularity(description, bits)
         return MappedField(None, "octets", bits)
     described = description.by_number.get(number)
@@ -63,7 +61,7 @@ def checked_field(
         raise SdoAbort(sdo.NO_OBJECT)
     allowed = direction in _DIRECTIONS.get(described.access, ("tpdo", "rpdo"))
     if not (described.mappable and allowed and _fits(described.kind, bits)):
-        raise SdoAbort(NOT_MAPPABLE)
+        raise SdoAbort(sdo.NOT_MAPPABLE)
     _check_granularity(description, bits)
     return MappedField(number, described.kind, bits)
 
@@ -87,7 +85,7 @@ def _fits(kind: Kind, bits: int) -> bool:
 
 def _check_granularity(description: DeviceDescription, bits: int) -> None:
     if not description.granularity or bits % description.granularity:
-        raise SdoAbort(NOT_MAPPABLE)
+        raise SdoAbort(sdo.NOT_MAPPABLE)
 
 
 class Mapping:
@@ -97,7 +95,7 @@ class Mapping:
         self.fields = tuple(fields)
         self.bits = sum(field.bits for field in fields)
         if self.bits > MAX_BITS:
-            raise SdoAbort(TOO_LONG)
+            raise SdoAbort(sdo.MAPPING_TOO_LONG)
         # Fields of whole octets are joined and sliced instead of shifted.
         self._whole = all(map(_is_whole, self.fields))
 

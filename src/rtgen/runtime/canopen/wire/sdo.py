@@ -56,6 +56,8 @@ ACCESS_UNSUPPORTED: Final = 0x06010000
 WRITE_ONLY: Final = 0x06010001
 READ_ONLY: Final = 0x06010002
 NO_OBJECT: Final = 0x06020000
+NOT_MAPPABLE: Final = 0x06040041
+MAPPING_TOO_LONG: Final = 0x06040042
 HARDWARE_ERROR: Final = 0x06060000
 LENGTH_MISMATCH: Final = 0x06070010
 LENGTH_TOO_HIGH: Final = 0x06070012
@@ -82,8 +84,8 @@ ABORT_TEXTS: Final = {
     READ_ONLY: "write of a read-only object",
     0x06010003: "sub-index cannot be written while sub-index 0 is not 0",
     NO_OBJECT: "object does not exist",
-    0x06040041: "object cannot be mapped to the PDO",
-    0x06040042: "mapped objects exceed the PDO",
+    NOT_MAPPABLE: "object cannot be mapped to the PDO",
+    MAPPING_TOO_LONG: "mapped objects exceed the PDO",
     0x06040043: "general parameter incompatibility",
     0x06040047: "general internal incompatibility",
     0x06060000: "hardware error",

@@ -74,8 +74,12 @@ class Configuration:
         return True
 
     def remove_configuration_set(self, config_id: str) -> bool:
-        """Return False: sets cannot be removed."""
-        return False
+        """Remove a set; return False for `default`, the active one and an unknown one."""
+        try:
+            self._sets.remove(config_id)
+        except RtcError:
+            return False
+        return True
 
     def set_device_profile(self, profile: object) -> bool:
         """Return False: there are no devices."""

@@ -165,7 +165,6 @@ class ServiceEnd:
             properties,
             self._objects,
             self._exported,
-            lambda ior: ior in self._iors.values(),
         )
 
     def has(self, connector: Connector) -> bool:

@@ -17,6 +17,7 @@ from rtgen.runtime.corba.rt_objects.wire import (
     ConnectorProfile,
     PortInterfaceProfile,
     PortProfile,
+    text_of,
     texts,
     values,
 )
@@ -231,8 +232,15 @@ class PortService:
         connector = offer.connector
         if code is RTC_OK:
             with self._refusing() as refused:
+                # Offers of this port itself are for the other end only.
+                own = offer.properties.items()
+                theirs = [
+                    p
+                    for p in profile.properties
+                    if (p.name, text_of(p.value)) not in own
+                ]
                 connector = connector or self.end.accept(
-                    name, texts(profile.properties), self._lost(identity)
+                    name, texts(theirs), self._lost(identity)
                 )
                 if connector is not None:
                     system.establish(connector)

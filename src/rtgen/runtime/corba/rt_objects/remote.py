@@ -88,11 +88,14 @@ class RemoteRtc:
         found: str = self.configure("get_active_configuration_set").id
         return found
 
-    def set_value(self, set_id: str, name: str, text: str) -> bool:
-        """Set a parameter of a set."""
+    def set_value(
+        self, set_id: str, name: str, text: str, *, add: bool = False
+    ) -> bool:
+        """Set a parameter of a set, which is added if it is to be."""
         pair = NameValue(name, anys.to_any(text))
         given = ConfigurationSet(set_id, "", [pair])
-        return bool(self.configure("set_configuration_set_values", given))
+        change = "add_configuration_set" if add else "set_configuration_set_values"
+        return bool(self.configure(change, given))
 
     # States
 

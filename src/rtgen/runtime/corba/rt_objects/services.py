@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from omniORB import CORBA
@@ -91,18 +91,17 @@ def link(
     properties: Mapping[str, str],
     objects: Objects,
     exported: Exported,
-    own: Callable[[str], bool],
 ) -> ServiceLink:
     """Return the unestablished connection that a connector's properties describe for `port`.
 
-    `own` returns whether an IOR is one that this end offers. Raises PortTypeError for a strict one
-    with a consumer that has no provider.
+    `properties` are those of the other end. Raises PortTypeError for a strict connection with a
+    consumer that has no provider.
     """
     pairs: dict[Consumer[Any], Carrier] = {}
     for consumer in source.consumers:
         ior = _offered(consumer, source.instance, port, properties)
         if ior is None:
-            ior = _only_one(consumer, properties, exported, own)
+            ior = _only_one(consumer, properties, exported)
         reference = None if ior is None else exported.reference(ior)
         if reference is not None:
             pairs[consumer] = objects.remote(consumer.interface, reference)
@@ -124,18 +123,13 @@ def _offered(
 
 
 def _only_one(
-    consumer: Consumer[Any],
-    properties: Mapping[str, str],
-    exported: Exported,
-    own: Callable[[str], bool],
+    consumer: Consumer[Any], properties: Mapping[str, str], exported: Exported
 ) -> str | None:
     """Return the only offered provider of the consumer's interface at the other end."""
     identity = consumer.interface._descriptor_.repository_id
     iors = {text for text in properties.values() if text.startswith("IOR:")}
     fitting = []
     for ior in sorted(iors):
-        if own(ior):
-            continue
         reference = exported.reference(ior)
         try:
             if reference is not None and reference._is_a(identity):

@@ -9,8 +9,10 @@ from typing import ClassVar, Final, Self, TypeAlias
 from rtgen.runtime import idl
 from rtgen.runtime.cdr import Aggregated, AliasCodec, Enumeration, Union, field
 
-VERSION: Final = 3
+VERSION: Final = 4
 """Version of the protocol; a page of another one reloads."""
+MOST_SAMPLES: Final = 2000
+"""Most samples of a channel that a page is given at once: the newest half, and some of those before."""
 Octets: TypeAlias = bytes
 _Octets_alias = idl.alias("Ui::Octets", idl.sequence(idl.OCTET))
 
@@ -71,8 +73,6 @@ class TypeMember(Aggregated):
         labels=idl.sequence(idl.LONG_LONG),
         is_default=idl.BOOLEAN,
         optional=idl.BOOLEAN,
-        unit=idl.STRING,
-        doc=idl.STRING,
     )
 
     name: str = ""
@@ -83,8 +83,6 @@ class TypeMember(Aggregated):
     is_default: bool = False
     """Whether the branch is that of `default`."""
     optional: bool = False
-    unit: str = ""
-    doc: str = ""
 
 
 class TypeNode(Aggregated):
@@ -486,7 +484,6 @@ class BusNode(Aggregated):
         name=idl.STRING,
         device=idl.STRING,
         nmt_state=idl.STRING,
-        instance=idl.STRING,
     )
 
     node_id: int = 0
@@ -494,8 +491,6 @@ class BusNode(Aggregated):
     device: str = ""
     nmt_state: str = ""
     """As CiA 301 names it; empty: unknown."""
-    instance: str = ""
-    """Of the proxy or device; empty: none in this system."""
 
 
 class Bus(Aggregated):
@@ -610,22 +605,6 @@ class BusLoad(Aggregated):
     """In that second."""
 
 
-class Board(Aggregated):
-    """`Ui::Board`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "Ui::Board",
-        instance=idl.STRING,
-        signature=idl.STRING,
-        functions=_Strings_alias,
-    )
-
-    instance: str = ""
-    """Of the communication component."""
-    signature: str = ""
-    functions: Strings = field(default_factory=list)
-
-
 class BoardCall(Aggregated):
     """`Ui::BoardCall`."""
 
@@ -645,13 +624,14 @@ class BoardCall(Aggregated):
     time: float = 0.0
     instance: str = ""
     function: str = ""
-    """`signature.function`; empty: unknown."""
+    """`signature.function`; empty: unknown, and the values, too."""
     request: Octets = b""
     reply: Octets = b""
     request_values: ValueList = field(default_factory=list)
     reply_values: ValueList = field(default_factory=list)
+    """`return` first."""
     round_trip: float = 0.0
-    """[s]; negative: not measured."""
+    """[s] of the machine's time; negative: not measured."""
     error: str = ""
 
 
@@ -727,10 +707,11 @@ class SystemState(Aggregated):
         time=ClockState,
         edits=EditState,
         buses=idl.sequence(Bus),
-        boards=idl.sequence(Board),
         systems=_Strings_alias,
         beside=idl.STRING,
+        keeps=idl.BOOLEAN,
         naming=_NamingServices_alias,
+        foreign=_Strings_alias,
     )
 
     name: str = ""
@@ -742,12 +723,15 @@ class SystemState(Aggregated):
     time: ClockState = field(default_factory=ClockState)
     edits: EditState = field(default_factory=EditState)
     buses: list[Bus] = field(default_factory=list)
-    boards: list[Board] = field(default_factory=list)
     systems: Strings = field(default_factory=list)
     """Files that `open` takes."""
     beside: str = ""
     """Name of the run that is beside this one; empty: none."""
+    keeps: bool = False
+    """Whether this run will be beside the one that begins when time is set back."""
     naming: NamingServices = field(default_factory=list)
+    foreign: Strings = field(default_factory=list)
+    """Paths of the components of other processes that the file has."""
 
 
 class Hello(Aggregated):
@@ -955,7 +939,7 @@ class Result(Aggregated):
     reply: Octets = b""
     """Of a call: XCDR1 with its encapsulation header."""
     text: str = ""
-    """Of an SDO: the value. Of a board's call: the JSON."""
+    """Of an SDO: the value."""
     fits: list[Fit] = field(default_factory=list)
     objects: list[ObjectEntry] = field(default_factory=list)
 
@@ -1501,23 +1485,6 @@ class NodeAddress(Aggregated):
     node_id: int = 0
 
 
-class CallBoard(Aggregated):
-    """`Ui::CallBoard`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "Ui::CallBoard",
-        instance=idl.STRING,
-        function=idl.STRING,
-        arguments=idl.STRING,
-    )
-
-    instance: str = ""
-    function: str = ""
-    """`signature.function`"""
-    arguments: str = ""
-    """JSON, as `rtgen rpc call` takes it."""
-
-
 class Inject(Aggregated):
     """A sample for an InPort, as if a connection had brought it."""
 
@@ -1562,9 +1529,10 @@ class CommandKind(Enumeration):
     COMMAND_SDO_READ = 24
     COMMAND_SDO_WRITE = 25
     COMMAND_OBJECTS = 26
-    COMMAND_CALL_BOARD = 27
-    COMMAND_INJECT = 28
-    COMMAND_LOOK = 29
+    COMMAND_INJECT = 27
+    COMMAND_LOOK = 28
+    COMMAND_BESIDE = 29
+    COMMAND_RESTORE = 30
 
 
 idl.enum(CommandKind, "Ui::CommandKind")
@@ -1603,13 +1571,14 @@ class Command(Union):
         read=idl.case(SdoAccess, CommandKind.COMMAND_SDO_READ),
         written=idl.case(SdoAccess, CommandKind.COMMAND_SDO_WRITE),
         node=idl.case(NodeAddress, CommandKind.COMMAND_OBJECTS),
-        board_call=idl.case(CallBoard, CommandKind.COMMAND_CALL_BOARD),
         injected=idl.case(Inject, CommandKind.COMMAND_INJECT),
+        reset=idl.case(idl.BOOLEAN, CommandKind.COMMAND_RESTORE),
+        kept=idl.case(idl.BOOLEAN, CommandKind.COMMAND_BESIDE),
         looked=idl.case(idl.DOUBLE, CommandKind.COMMAND_LOOK),
     )
 
     discriminator: CommandKind = CommandKind.COMMAND_WATCH
-    value: list[int] | PortAddress | Connect | str | Strings | SetParameter | ActiveSet | Call__ | AddComponent | Moved | bool | float | SendFrame | NmtCommand | SdoAccess | NodeAddress | CallBoard | Inject = field(default_factory=list)  # fmt: skip
+    value: list[int] | PortAddress | Connect | str | Strings | SetParameter | ActiveSet | Call__ | AddComponent | Moved | bool | float | SendFrame | NmtCommand | SdoAccess | NodeAddress | Inject = field(default_factory=list)  # fmt: skip
 
     @classmethod
     def of_channels(cls, value: list[int]) -> Self:
@@ -1909,17 +1878,6 @@ class Command(Union):
         return value
 
     @classmethod
-    def of_board_call(cls, value: CallBoard) -> Self:
-        """A value of the branch `board_call`."""
-        return cls(CommandKind.COMMAND_CALL_BOARD, value)
-
-    @property
-    def board_call(self) -> CallBoard:
-        """The value, if the branch `board_call` is selected."""
-        value: CallBoard = self._selected_("board_call")
-        return value
-
-    @classmethod
     def of_injected(cls, value: Inject) -> Self:
         """A value of the branch `injected`."""
         return cls(CommandKind.COMMAND_INJECT, value)
@@ -1928,6 +1886,28 @@ class Command(Union):
     def injected(self) -> Inject:
         """The value, if the branch `injected` is selected."""
         value: Inject = self._selected_("injected")
+        return value
+
+    @classmethod
+    def of_reset(cls, value: bool) -> Self:
+        """A value of the branch `reset`."""
+        return cls(CommandKind.COMMAND_RESTORE, value)
+
+    @property
+    def reset(self) -> bool:
+        """Have components of other processes wired and configured as the file has it."""
+        value: bool = self._selected_("reset")
+        return value
+
+    @classmethod
+    def of_kept(cls, value: bool) -> Self:
+        """A value of the branch `kept`."""
+        return cls(CommandKind.COMMAND_BESIDE, value)
+
+    @property
+    def kept(self) -> bool:
+        """Keep this run beside those that begin when time is set back; FALSE: forget it."""
+        value: bool = self._selected_("kept")
         return value
 
     @classmethod

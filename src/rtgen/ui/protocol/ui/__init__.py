@@ -5,18 +5,18 @@
 from typing import Final
 
 from .._idl.ui import (
+    MOST_SAMPLES as MOST_SAMPLES,
+    VERSION as VERSION,
     ActiveSet as ActiveSet,
     AddComponent as AddComponent,
     AddedTypes as AddedTypes,
     Binding as Binding,
     BindingKind as BindingKind,
-    Board as Board,
     BoardCall as BoardCall,
     Bus as Bus,
     BusLoad as BusLoad,
     BusNode as BusNode,
     Call__ as Call,
-    CallBoard as CallBoard,
     Channel as Channel,
     ClientMessage as ClientMessage,
     ClockKind as ClockKind,
@@ -79,10 +79,9 @@ from .._idl.ui import (
     TypeNode as TypeNode,
     TypeNodes as TypeNodes,
     TypeNodesCodec as TypeNodesCodec,
-    VERSION as VERSION,
-    Value__ as Value,
     ValueList as ValueList,
     ValueListCodec as ValueListCodec,
+    Value__ as Value,
 )
 
 TYPE_BOOLEAN: Final = TypeKind.TYPE_BOOLEAN
@@ -174,9 +173,10 @@ COMMAND_NMT: Final = CommandKind.COMMAND_NMT
 COMMAND_SDO_READ: Final = CommandKind.COMMAND_SDO_READ
 COMMAND_SDO_WRITE: Final = CommandKind.COMMAND_SDO_WRITE
 COMMAND_OBJECTS: Final = CommandKind.COMMAND_OBJECTS
-COMMAND_CALL_BOARD: Final = CommandKind.COMMAND_CALL_BOARD
 COMMAND_INJECT: Final = CommandKind.COMMAND_INJECT
 COMMAND_LOOK: Final = CommandKind.COMMAND_LOOK
+COMMAND_BESIDE: Final = CommandKind.COMMAND_BESIDE
+COMMAND_RESTORE: Final = CommandKind.COMMAND_RESTORE
 
 __all__ = [
     "ActiveSet",
@@ -188,7 +188,6 @@ __all__ = [
     "BINDING_OBJECT",
     "Binding",
     "BindingKind",
-    "Board",
     "BoardCall",
     "Bus",
     "BusLoad",
@@ -199,8 +198,8 @@ __all__ = [
     "COMMAND_ACTIVATE",
     "COMMAND_ACTIVATE_SET",
     "COMMAND_ADD",
+    "COMMAND_BESIDE",
     "COMMAND_CALL",
-    "COMMAND_CALL_BOARD",
     "COMMAND_CONNECT",
     "COMMAND_CUT",
     "COMMAND_DEACTIVATE",
@@ -216,6 +215,7 @@ __all__ = [
     "COMMAND_REDO",
     "COMMAND_REMOVE",
     "COMMAND_RESET",
+    "COMMAND_RESTORE",
     "COMMAND_SAVE",
     "COMMAND_SDO_READ",
     "COMMAND_SDO_WRITE",
@@ -227,7 +227,6 @@ __all__ = [
     "COMMAND_UNDO",
     "COMMAND_WATCH",
     "Call",
-    "CallBoard",
     "Channel",
     "ClientMessage",
     "ClockKind",
@@ -276,6 +275,7 @@ __all__ = [
     "Hello",
     "Inject",
     "Location",
+    "MOST_SAMPLES",
     "Moved",
     "NamingService",
     "NamingServices",

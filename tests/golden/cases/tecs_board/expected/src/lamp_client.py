@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from robots.tecs.board.components.lamp_client import LampClientBase
+from robots.tecs.board.lamp_marshaller import LampClientBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
 
 

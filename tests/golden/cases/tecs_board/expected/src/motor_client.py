@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from robots.tecs.board.components.motor_client import MotorClientBase
+from robots.tecs.board.motor_marshaller import MotorClientBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
 
 

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from robots.tecs.server.components.server_client import ServerClientBase
+from robots.tecs.server.server_marshaller import ServerClientBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
 
 

@@ -5,6 +5,7 @@
 from typing import Final
 
 from .._idl.board import (
+    LIMIT as LIMIT,
     All as All,
     Call__ as Call,
     Call__Skeleton as CallSkeleton,
@@ -12,7 +13,6 @@ from .._idl.board import (
     Id as Id,
     IdCodec as IdCodec,
     Item as Item,
-    LIMIT as LIMIT,
     Level as Level,
     Mode as Mode,
     Point as Point,

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from rtgen.runtime.canopen.master.managed_node import NodeReport
 from rtgen.runtime.canopen.wire.nmt import NmtCommand
+from rtgen.runtime.library import canopen, rtc
 
-from .. import canopen, rtc
 from ..components.canopen_manager import CanopenManagerBase
 
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from rtgen.runtime.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from ._idl.motor import WHEELS
+    from ._views import WHEELS
 
 __all__ = ["WHEELS"]
-__getattr__ = lazy_names(__name__, {"._idl.motor": ("WHEELS",)})
+__getattr__ = lazy_names(__name__, {"._views": ("WHEELS",)})
 del TYPE_CHECKING, lazy_names

@@ -4,21 +4,74 @@
 
 from __future__ import annotations
 
+from typing import ClassVar, Final, TypeAlias
+
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated, field
+
 from . import _types
-from . import nboard
+
+WHEELS: Final = 2
+GAIN: Final = 1.5
+GEARED: Final = True
+MARK: Final = "m"
+Level: TypeAlias = int
+_Level_alias = idl.alias("nBoard::Level", idl.SHORT)
 
 
-def codec_nBoard_tagPoint(value: nboard.tagPoint) -> _types.nBoard_tagPoint:
+class tagPoint(Aggregated):
+    """`nBoard::tagPoint`."""
+
+    _descriptor_: ClassVar = idl.struct("nBoard::tagPoint", x=idl.SHORT, y=idl.LONG)
+
+    x: int = 0
+    y: int = 0
+
+
+Point: TypeAlias = tagPoint
+_Point_alias = idl.alias("nBoard::Point", tagPoint)
+
+
+class tagState(Aggregated):
+    """`nBoard::tagState`."""
+
+    _descriptor_: ClassVar = idl.struct(
+        "nBoard::tagState",
+        level=_Level_alias,
+        sign=idl.OCTET,
+        code=idl.CHAR,
+        label=idl.array(idl.CHAR, 4),
+        raw=idl.array(idl.OCTET, 3),
+        grid=idl.array(idl.OCTET, 2, 3),
+        nick=idl.STRING,
+        at=tagPoint,
+        data=idl.sequence(idl.OCTET),
+        count=idl.OCTET,
+    )
+
+    level: Level = 0
+    sign: int = 0
+    code: str = "\x00"
+    label: str = "\x00" * 4
+    raw: bytes = bytes(3)
+    grid: list[bytes] = field(default_factory=lambda: [bytes(3) for _ in range(2)])
+    nick: str = ""
+    at: tagPoint = field(default_factory=tagPoint)
+    data: bytes = b""
+    count: int = 0
+
+
+def codec_nBoard_tagPoint(value: tagPoint) -> _types.nBoard_tagPoint:
     """The struct in CDL's types."""
     return _types.nBoard_tagPoint(value.x, value.y)
 
 
-def idl_nBoard_tagPoint(value: _types.nBoard_tagPoint) -> nboard.tagPoint:
+def idl_nBoard_tagPoint(value: _types.nBoard_tagPoint) -> tagPoint:
     """The struct in IDL's types."""
-    return nboard.tagPoint(value.x, value.y)
+    return tagPoint(value.x, value.y)
 
 
-def codec_nBoard_tagState(value: nboard.tagState) -> _types.nBoard_tagState:
+def codec_nBoard_tagState(value: tagState) -> _types.nBoard_tagState:
     """The struct in CDL's types."""
     return _types.nBoard_tagState(
         value.level,
@@ -34,9 +87,9 @@ def codec_nBoard_tagState(value: nboard.tagState) -> _types.nBoard_tagState:
     )
 
 
-def idl_nBoard_tagState(value: _types.nBoard_tagState) -> nboard.tagState:
+def idl_nBoard_tagState(value: _types.nBoard_tagState) -> tagState:
     """The struct in IDL's types."""
-    return nboard.tagState(
+    return tagState(
         value.level,
         value.sign & 255,
         chr(value.code & 255),

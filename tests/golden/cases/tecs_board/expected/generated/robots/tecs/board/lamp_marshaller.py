@@ -4,21 +4,119 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
+from typing import ClassVar
 
-from rtgen.runtime import RTC_OK, ReturnCode_t
+from rtgen.runtime import (
+    RTC_OK,
+    Component,
+    ComponentProfile,
+    ReturnCode_t,
+    Servant,
+    Skeleton,
+    Stub,
+    service_port,
+)
+from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 from rtgen.runtime.opaque_rpc import (
     Channel,
     CommunicationChannel,
+    OpaqueRpc,
     ProxyServant,
     make_tdr,
 )
 
-from . import nboard
 from ._types import nBoard_tagPoint
-from ._views import codec_nBoard_tagPoint
-from .components.lamp_marshaller import LampMarshallerBase
+from ._views import Level, Point, codec_nBoard_tagPoint
 from .lamp_codec import LampCodec
 from .lamp_server import LampTarget
+
+
+class Lamp(Servant):
+    """`nBoard::Lamp`."""
+
+    _descriptor_: ClassVar[InterfaceDescriptor] = InterfaceDescriptor(
+        "IDL:nBoard/Lamp:1.0",
+        "nBoard::Lamp",
+        (
+            "long dim(in octet percent, in nBoard::Level level, in nBoard::Point at)",
+            "boolean lit()",
+        ),
+        (),
+    )
+
+    @abstractmethod
+    def dim(self, percent: int, level: Level, at: Point) -> int: ...
+    @abstractmethod
+    def lit(self) -> bool: ...
+
+
+class LampStub(Lamp, Stub):
+    """Calls a servant of `nBoard::Lamp` through an invoker."""
+
+
+class LampSkeleton(Skeleton, interface=Lamp):
+    """Calls a servant of `nBoard::Lamp` by operation name."""
+
+
+class LampMarshallerBase(Component):
+    """Carries calls of nBoard::sLamp to a TECS board."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="LampMarshaller",
+        kind="DataFlowComponent",
+        category="TECS",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Carries calls of nBoard::sLamp to a TECS board",
+        rate=10.0,
+        max_instances=0,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            service_port("provider", "lamp", Lamp, "What nBoard::sLamp offers."),
+            service_port(
+                "consumer",
+                "communication",
+                OpaqueRpc,
+                "The board's channel.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.lamp = self.add_provider("lamp", "lamp", Lamp)
+        """What nBoard::sLamp offers."""
+        self.communication = self.add_consumer(
+            "communication",
+            "communication",
+            OpaqueRpc,
+        )
+        """The board's channel."""
+
+
+class LampClientBase(Component):
+    """Calls nBoard::sLamp of a TECS board."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="LampClient",
+        kind="DataFlowComponent",
+        category="TECS",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Calls nBoard::sLamp of a TECS board",
+        rate=10.0,
+        max_instances=0,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(service_port("consumer", "lamp", Lamp, "What nBoard::sLamp offers."),),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.lamp = self.add_consumer("lamp", "lamp", Lamp)
+        """What nBoard::sLamp offers."""
 
 
 class LampProxy(LampTarget):
@@ -35,12 +133,12 @@ class LampProxy(LampTarget):
         return self.codec.lit.call(self.channel)
 
 
-class _LampServant(ProxyServant, nboard.Lamp):
+class _LampServant(ProxyServant, Lamp):
     """Carries out calls of `nBoard::Lamp` by a proxy."""
 
     _proxy: LampProxy
 
-    def dim(self, percent: int, level: nboard.Level, at: nboard.Point) -> int:
+    def dim(self, percent: int, level: Level, at: Point) -> int:
         return self._proxy.dim(percent, level, codec_nBoard_tagPoint(at))
 
 

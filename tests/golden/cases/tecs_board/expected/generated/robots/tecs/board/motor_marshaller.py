@@ -4,27 +4,203 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Sequence
+from typing import ClassVar, TypeAlias
 
-from rtgen.runtime import RTC_OK, ReturnCode_t
+from rtgen.runtime import (
+    RTC_OK,
+    Component,
+    ComponentProfile,
+    ReturnCode_t,
+    Servant,
+    Skeleton,
+    Stub,
+    operation,
+    service_port,
+)
+from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 from rtgen.runtime.opaque_rpc import (
     Channel,
     CommunicationChannel,
+    OpaqueRpc,
     ProxyServant,
     make_tdr,
 )
 
-from . import nboard
 from ._types import nBoard_tagPoint, nBoard_tagState
 from ._views import (
+    Level,
+    Point,
     codec_nBoard_tagPoint,
     codec_nBoard_tagState,
     idl_nBoard_tagPoint,
     idl_nBoard_tagState,
+    tagState,
 )
-from .components.motor_marshaller import MotorMarshallerBase
 from .motor_codec import MotorCodec
 from .motor_server import MotorTarget
+
+Motor_CharSeq: TypeAlias = str
+Motor_OctetSeq: TypeAlias = bytes
+Motor_OctetSeq1: TypeAlias = bytes
+Motor_CharSeq1: TypeAlias = str
+Motor_PointSeq1: TypeAlias = list[Point]
+Motor_LongSeq1: TypeAlias = list[int]
+Motor_StringSeq: TypeAlias = list[str]
+Motor_UnsignedShortSeq: TypeAlias = list[int]
+Motor_PointSeq8: TypeAlias = list[Point]
+Motor_BooleanSeq3: TypeAlias = list[bool]
+Motor_OctetArray2x3: TypeAlias = list[bytes]
+Motor_CharSeq4: TypeAlias = str
+
+
+class Motor(Servant):
+    """`nBoard::Motor`."""
+
+    _descriptor_: ClassVar[InterfaceDescriptor] = InterfaceDescriptor(
+        "IDL:nBoard/Motor:1.0",
+        "nBoard::Motor",
+        (
+            "long set(in nBoard::Level level, in octet sign, in nBoard::Motor::CharSeq text, in nBoard::Motor::OctetSeq raw, in long n)",
+            "nBoard::Level get()",
+            "long state(in nBoard::tagState given, out nBoard::tagState state)",
+            "long maybe(in nBoard::Motor::OctetSeq1 in8, inout nBoard::Motor::CharSeq1 letter, in nBoard::Motor::PointSeq1 point, out nBoard::Motor::LongSeq1 out32)",
+            "long names(in nBoard::Motor::StringSeq list, in long n, out string joined, in nBoard::Motor::UnsignedShortSeq wide)",
+            "long part(in nBoard::Motor::PointSeq8 points, in octet n, out nBoard::Point sum, out nBoard::Motor::BooleanSeq3 flags)",
+            "long long wide(in nBoard::Motor::OctetArray2x3 grid, out nBoard::Motor::CharSeq4 label)",
+            "oneway void stop(in char why)",
+            "long stop_all()",
+            "void class(in long None, in long any, in long self, in long Self_, out octet out)",
+        ),
+        (),
+    )
+    CharSeq: TypeAlias = Motor_CharSeq
+    OctetSeq: TypeAlias = Motor_OctetSeq
+    OctetSeq1: TypeAlias = Motor_OctetSeq1
+    CharSeq1: TypeAlias = Motor_CharSeq1
+    PointSeq1: TypeAlias = Motor_PointSeq1
+    LongSeq1: TypeAlias = Motor_LongSeq1
+    StringSeq: TypeAlias = Motor_StringSeq
+    UnsignedShortSeq: TypeAlias = Motor_UnsignedShortSeq
+    PointSeq8: TypeAlias = Motor_PointSeq8
+    BooleanSeq3: TypeAlias = Motor_BooleanSeq3
+    OctetArray2x3: TypeAlias = Motor_OctetArray2x3
+    CharSeq4: TypeAlias = Motor_CharSeq4
+
+    @abstractmethod
+    def set(
+        self,
+        level: Level,
+        sign: int,
+        text: Motor_CharSeq,
+        raw: Motor_OctetSeq,
+        n: int,
+    ) -> int: ...
+    @abstractmethod
+    def get(self) -> Level: ...
+    @abstractmethod
+    def state(self, given: tagState) -> tuple[int, tagState]: ...
+    @abstractmethod
+    def maybe(
+        self,
+        in8: Motor_OctetSeq1,
+        letter: Motor_CharSeq1,
+        point: Motor_PointSeq1,
+    ) -> tuple[int, Motor_CharSeq1, Motor_LongSeq1]: ...
+    @abstractmethod
+    def names(
+        self,
+        list: Motor_StringSeq,
+        n: int,
+        wide: Motor_UnsignedShortSeq,
+    ) -> tuple[int, str]: ...
+    @abstractmethod
+    def part(
+        self,
+        points: Motor_PointSeq8,
+        n: int,
+    ) -> tuple[int, Point, Motor_BooleanSeq3]: ...
+    @abstractmethod
+    def wide(self, grid: Motor_OctetArray2x3) -> tuple[int, Motor_CharSeq4]: ...
+    @abstractmethod
+    @operation(oneway=True)
+    def stop(self, why: str) -> None: ...
+    @abstractmethod
+    def stop_all(self) -> int: ...
+    @abstractmethod
+    @operation("class")
+    def class_(self, None_: int, any: int, self_: int, Self_: int) -> int: ...
+
+
+class MotorStub(Motor, Stub):
+    """Calls a servant of `nBoard::Motor` through an invoker."""
+
+
+class MotorSkeleton(Skeleton, interface=Motor):
+    """Calls a servant of `nBoard::Motor` by operation name."""
+
+
+class MotorMarshallerBase(Component):
+    """Carries calls of nBoard::sMotor to a TECS board."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="MotorMarshaller",
+        kind="DataFlowComponent",
+        category="TECS",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Carries calls of nBoard::sMotor to a TECS board",
+        rate=10.0,
+        max_instances=0,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            service_port("provider", "motor", Motor, "What nBoard::sMotor offers."),
+            service_port(
+                "consumer",
+                "communication",
+                OpaqueRpc,
+                "The board's channel.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.motor = self.add_provider("motor", "motor", Motor)
+        """What nBoard::sMotor offers."""
+        self.communication = self.add_consumer(
+            "communication",
+            "communication",
+            OpaqueRpc,
+        )
+        """The board's channel."""
+
+
+class MotorClientBase(Component):
+    """Calls nBoard::sMotor of a TECS board."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="MotorClient",
+        kind="DataFlowComponent",
+        category="TECS",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Calls nBoard::sMotor of a TECS board",
+        rate=10.0,
+        max_instances=0,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            service_port("consumer", "motor", Motor, "What nBoard::sMotor offers."),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.motor = self.add_consumer("motor", "motor", Motor)
+        """What nBoard::sMotor offers."""
 
 
 class MotorProxy(MotorTarget):
@@ -87,31 +263,31 @@ class MotorProxy(MotorTarget):
         return self.codec.class_.call(self.channel, None_, any_, self_, Self)
 
 
-class _MotorServant(ProxyServant, nboard.Motor):
+class _MotorServant(ProxyServant, Motor):
     """Carries out calls of `nBoard::Motor` by a proxy."""
 
     _proxy: MotorProxy
 
     def set(
         self,
-        level: nboard.Level,
+        level: Level,
         sign: int,
-        text: nboard.Motor.CharSeq,
-        raw: nboard.Motor.OctetSeq,
+        text: Motor_CharSeq,
+        raw: Motor_OctetSeq,
         n: int,
     ) -> int:
         return self._proxy.set(level, sign, text.encode("latin-1"), list(raw), n)
 
-    def state(self, given: nboard.tagState) -> tuple[int, nboard.tagState]:
+    def state(self, given: tagState) -> tuple[int, tagState]:
         returned, state_out = self._proxy.state(codec_nBoard_tagState(given))
         return returned, idl_nBoard_tagState(state_out)
 
     def maybe(
         self,
-        in8: nboard.Motor.OctetSeq1,
-        letter: nboard.Motor.CharSeq1,
-        point: nboard.Motor.PointSeq1,
-    ) -> tuple[int, nboard.Motor.CharSeq1, nboard.Motor.LongSeq1]:
+        in8: Motor_OctetSeq1,
+        letter: Motor_CharSeq1,
+        point: Motor_PointSeq1,
+    ) -> tuple[int, Motor_CharSeq1, Motor_LongSeq1]:
         in8_in = in8[0] if in8 else None
         letter_in = ord(letter) if letter else None
         point_in = codec_nBoard_tagPoint(point[0]) if point else None
@@ -126,9 +302,9 @@ class _MotorServant(ProxyServant, nboard.Motor):
 
     def part(
         self,
-        points: nboard.Motor.PointSeq8,
+        points: Motor_PointSeq8,
         n: int,
-    ) -> tuple[int, nboard.Point, nboard.Motor.BooleanSeq3]:
+    ) -> tuple[int, Point, Motor_BooleanSeq3]:
         (
             returned,
             sum__out,
@@ -136,10 +312,7 @@ class _MotorServant(ProxyServant, nboard.Motor):
         ) = self._proxy.part([codec_nBoard_tagPoint(v1) for v1 in points], n)
         return returned, idl_nBoard_tagPoint(sum__out), flags_out
 
-    def wide(
-        self,
-        grid: nboard.Motor.OctetArray2x3,
-    ) -> tuple[int, nboard.Motor.CharSeq4]:
+    def wide(self, grid: Motor_OctetArray2x3) -> tuple[int, Motor_CharSeq4]:
         returned, label_out = self._proxy.wide(grid)
         return returned, label_out.decode("latin-1")
 

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 from rtgen.runtime.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from ._idl.server import Server, ServerSkeleton, ServerStub
+    from .server_marshaller import Server, ServerSkeleton, ServerStub
 
 __all__ = ["Server", "ServerSkeleton", "ServerStub"]
 __getattr__ = lazy_names(
     __name__,
-    {"._idl.server": ("Server", "ServerSkeleton", "ServerStub")},
+    {".server_marshaller": ("Server", "ServerSkeleton", "ServerStub")},
 )
 del TYPE_CHECKING, lazy_names

@@ -4,14 +4,119 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
+from typing import ClassVar
 
-from rtgen.runtime import RTC_OK, ReturnCode_t
-from rtgen.runtime.opaque_rpc import Channel, CommunicationChannel, ProxyServant
+from rtgen.runtime import (
+    RTC_OK,
+    Component,
+    ComponentProfile,
+    ReturnCode_t,
+    Servant,
+    Skeleton,
+    Stub,
+    service_port,
+)
+from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
+from rtgen.runtime.opaque_rpc import (
+    Channel,
+    CommunicationChannel,
+    OpaqueRpc,
+    ProxyServant,
+)
 
-from . import Server
-from .components.server_marshaller import ServerMarshallerBase
 from .server_codec import ServerCodec
 from .server_server import ServerTarget
+
+
+class Server(Servant):
+    """`Server`."""
+
+    _descriptor_: ClassVar[InterfaceDescriptor] = InterfaceDescriptor(
+        "IDL:Server:1.0",
+        "Server",
+        (
+            "long func1(in long indata)",
+            "long func2(out char outdata)",
+            "long func3(in long long indata, inout unsigned long iodata)",
+        ),
+        (),
+    )
+
+    @abstractmethod
+    def func1(self, indata: int) -> int: ...
+    @abstractmethod
+    def func2(self) -> tuple[int, str]: ...
+    @abstractmethod
+    def func3(self, indata: int, iodata: int) -> tuple[int, int]: ...
+
+
+class ServerStub(Server, Stub):
+    """Calls a servant of `Server` through an invoker."""
+
+
+class ServerSkeleton(Skeleton, interface=Server):
+    """Calls a servant of `Server` by operation name."""
+
+
+class ServerMarshallerBase(Component):
+    """Carries calls of sServer to a TECS board."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="ServerMarshaller",
+        kind="DataFlowComponent",
+        category="TECS",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Carries calls of sServer to a TECS board",
+        rate=10.0,
+        max_instances=0,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(
+            service_port("provider", "server", Server, "What sServer offers."),
+            service_port(
+                "consumer",
+                "communication",
+                OpaqueRpc,
+                "The board's channel.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.server = self.add_provider("server", "server", Server)
+        """What sServer offers."""
+        self.communication = self.add_consumer(
+            "communication",
+            "communication",
+            OpaqueRpc,
+        )
+        """The board's channel."""
+
+
+class ServerClientBase(Component):
+    """Calls sServer of a TECS board."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        type_name="ServerClient",
+        kind="DataFlowComponent",
+        category="TECS",
+        vendor="rtgen",
+        version="1.0.0",
+        description="Calls sServer of a TECS board",
+        rate=10.0,
+        max_instances=0,
+        activity="PERIODIC",
+        execution="PeriodicExecutionContext",
+        ports=(service_port("consumer", "server", Server, "What sServer offers."),),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.server = self.add_consumer("server", "server", Server)
+        """What sServer offers."""
 
 
 class ServerProxy(ServerTarget):

@@ -7,19 +7,9 @@ from typing import TYPE_CHECKING
 from rtgen.runtime.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from .._idl.lamp import Lamp, LampSkeleton, LampStub
-    from .._idl.motor import (
-        GAIN,
-        GEARED,
-        Level,
-        MARK,
-        Motor,
-        MotorSkeleton,
-        MotorStub,
-        Point,
-        tagPoint,
-        tagState,
-    )
+    from .._views import GAIN, GEARED, MARK, Level, Point, tagPoint, tagState
+    from ..lamp_marshaller import Lamp, LampSkeleton, LampStub
+    from ..motor_marshaller import Motor, MotorSkeleton, MotorStub
 
 __all__ = [
     "GAIN",
@@ -39,19 +29,17 @@ __all__ = [
 __getattr__ = lazy_names(
     __name__,
     {
-        ".._idl.lamp": ("Lamp", "LampSkeleton", "LampStub"),
-        ".._idl.motor": (
+        ".._views": (
             "GAIN",
             "GEARED",
             "Level",
             "MARK",
-            "Motor",
-            "MotorSkeleton",
-            "MotorStub",
             "Point",
             "tagPoint",
             "tagState",
         ),
+        "..lamp_marshaller": ("Lamp", "LampSkeleton", "LampStub"),
+        "..motor_marshaller": ("Motor", "MotorSkeleton", "MotorStub"),
     },
 )
 del TYPE_CHECKING, lazy_names

@@ -1,0 +1,117 @@
+"""The checks of resets, lost heartbeats, and the error history of a node."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rtgen.cli.conformance.canopen.node import NodeUnderTest
+from rtgen.cli.conformance.canopen.pdo_checks import receptions
+from rtgen.cli.conformance.canopen.sdo_checks import HEARTBEAT
+from rtgen.cli.conformance.check import Problems, SkipError
+from rtgen.runtime.canopen.wire.emergency import HEARTBEAT_LOST, PDO_TOO_SHORT
+from rtgen.runtime.canopen.wire.frames import (
+    EMERGENCY,
+    ERROR_CONTROL,
+    MAX_NODE_ID,
+    MILLISECOND,
+    Frame,
+)
+from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState
+
+_CONSUMER: Final = (0x1016, 1)
+_GUARD_TIME: Final = (0x100C, 0)
+_LIFE_FACTOR: Final = (0x100D, 0)
+_HISTORY: Final = 0x1003
+_REGISTER: Final = (0x1001, 0)
+_PERIOD: Final = 100
+"""Heartbeat and guard time of the checks, in ms."""
+
+
+def reset(node: NodeUnderTest) -> Problems:
+    """Check that reset node leads to the boot-up message, and to a node that answers."""
+    found = node.restart(NmtCommand.RESET_NODE)
+    if found != NmtState.INITIALISING:
+        yield f"no boot-up within {node.bounds.boot // MILLISECOND} ms"
+        return
+    yield None if node.read_code((0x1000, 0)) is None else "1000h is refused after it"
+
+
+def _emergency(node: NodeUnderTest, within: int) -> int | None:
+    """Return the code of the next emergency of the node, or None."""
+    frame = node.await_frame(EMERGENCY + node.id, within)
+    return None if frame is None else int.from_bytes(frame.data[:2], "little")
+
+
+def _is(code: int | None, wanted: int, what: str) -> str | None:
+    shown = "none" if code is None else f"{code:04X}h"
+    told = f"{what}: the emergency is {shown}, not {wanted:04X}h"
+    return None if code == wanted else told
+
+
+def consumer(node: NodeUnderTest) -> Problems:
+    """Check that the node reports a lost heartbeat, and none that is in time."""
+    thing = node.described.objects.get(_CONSUMER)
+    if thing is None or not thing.access.writable:
+        raise SkipError("1016h:1 is not described as writable")
+    producer = MAX_NODE_ID if node.id != MAX_NODE_ID else MAX_NODE_ID - 1
+    beat = Frame(ERROR_CONTROL + producer, bytes((NmtState.OPERATIONAL,)))
+    try:
+        node.download(_CONSUMER, (producer << 16 | _PERIOD).to_bytes(4, "little"))
+        for _ in range(4):
+            node.line.send(beat)
+            code = _emergency(node, _PERIOD * MILLISECOND // 2)
+            yield None if code is None else f"emergency {code:04X}h between heartbeats"
+        code = _emergency(node, 10 * _PERIOD * MILLISECOND)
+        yield _is(code, HEARTBEAT_LOST, "a heartbeat was lost")
+    finally:
+        node.restart()
+
+
+def life_guarding(node: NodeUnderTest) -> Problems:
+    """Check that a guarded node reports the end of guarding."""
+    things = [node.described.objects.get(n) for n in (_GUARD_TIME, _LIFE_FACTOR)]
+    if not all(thing is not None and thing.access.writable for thing in things):
+        raise SkipError("100Ch and 100Dh are not described as writable")
+    if not node.line.remote_frames:
+        raise SkipError("this interface carries no remote frames")
+    try:
+        if node.has(*HEARTBEAT):
+            node.download(HEARTBEAT, bytes(2))
+        node.download(_GUARD_TIME, _PERIOD.to_bytes(2, "little"))
+        node.download(_LIFE_FACTOR, b"\x02")
+        for _ in range(3):
+            node.line.send(Frame(ERROR_CONTROL + node.id, remote=True))
+            code = _emergency(node, _PERIOD * MILLISECOND)
+            yield None if code is None else f"emergency {code:04X}h while it is guarded"
+        code = _emergency(node, 10 * _PERIOD * MILLISECOND)
+        yield _is(code, HEARTBEAT_LOST, "the guard has gone")
+    finally:
+        node.restart()
+
+
+def entries(node: NodeUnderTest) -> Problems:
+    """Check that an error is in the history and the register; 0 empties the history."""
+    received = next(receptions(node), None)
+    if received is None or not node.has(_HISTORY, 1):
+        raise SkipError("no RPDO can be too short, or 1003h is not described")
+    _, can_id, mapped = received
+    short = b"".join(node.upload(thing.number) for thing in mapped)[:-1]
+    node.command(NmtCommand.START)
+    try:
+        node.line.send(Frame(can_id, short))
+        code = _emergency(node, node.bounds.answer)
+        if code != PDO_TOO_SHORT:
+            raise SkipError("a short RPDO is not reported, see pdo.length")
+        count = node.upload((_HISTORY, 0))[0]
+        yield None if count else "1003h counts no error after an emergency"
+        newest = int.from_bytes(node.upload((_HISTORY, 1)), "little") & 0xFFFF
+        told = f"1003h:1 is {newest:04X}h after emergency {code:04X}h"
+        yield None if newest == code else told
+        register = node.upload(_REGISTER)[0]
+        yield None if register & 1 else f"1001h is {register:02X}h with an error"
+        if node.described.objects[_HISTORY, 0].access.writable:
+            node.download((_HISTORY, 0), b"\0")
+            count = node.upload((_HISTORY, 0))[0]
+            yield f"1003h counts {count} errors after 0 was written" if count else None
+    finally:
+        node.restart()

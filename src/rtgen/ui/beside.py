@@ -1,0 +1,81 @@
+"""A run beside the current one: a recording, or the same system before time was set back."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+from rtgen.diagnostics import ToolError
+from rtgen.recording.errors import RecordingError
+from rtgen.ui.buses import DescriberOf
+from rtgen.ui.history import History
+from rtgen.ui.protocol import ui
+from rtgen.ui.reading import MOST_OCTETS, Reading
+from rtgen.ui.type_table import TypeTable
+
+
+class Beside:
+    """A run whose samples and changes of state are reported at their times in the current run."""
+
+    def __init__(
+        self, name: str, history: History, channels: Mapping[int, ui.Channel]
+    ) -> None:
+        """Set up with the `channels` for pages, by their numbers in the history."""
+        self.name = name
+        self.channels = channels
+        self._history = history
+        self._told = -math.inf
+
+    def begin(self) -> None:
+        """Start the other run again."""
+        self._told = -math.inf
+
+    def until(self, time: float) -> tuple[list[ui.Event], list[ui.Sample]]:
+        """Return the changes of state and samples before a time, since the last call."""
+        start, self._told = self._told, max(time, self._told)
+        changes = self._history.changes_between(start, self._told)
+        samples = self._history.samples_between(start, self._told, self.channels)
+        return [*_told_beside(changes)], [
+            ui.Sample(self.channels[each.channel].id, each.time, each.data)
+            for each in samples
+        ]
+
+
+def _told_beside(changes: Sequence[ui.Event]) -> Iterator[ui.Event]:
+    for event in changes:
+        if event.discriminator is ui.EventKind.EVENT_STATE:
+            yield ui.Event.of_other(event.change)
+        elif event.discriminator is ui.EventKind.EVENT_BESIDE:
+            yield event
+
+
+def read(
+    file: str,
+    types: TypeTable,
+    numbers: Iterator[int],
+    describer: DescriberOf,
+) -> Beside:
+    """Read a recording. Raises ToolError."""
+    reading = Reading(History(MOST_OCTETS), types, numbers, describer, lambda _: None)
+    try:
+        reading.read(file, beside=True)
+    except RecordingError as error:
+        raise ToolError(str(error), hint=error.hint) from error
+    channels = {each.id: each for each in reading.channels}
+    return Beside(Path(file).name, reading.history, channels)
+
+
+def kept(
+    name: str, history: History, channels: Sequence[ui.Channel], numbers: Iterator[int]
+) -> Beside:
+    """Return a run of the same system; its channels get new numbers."""
+    return Beside(
+        name,
+        history,
+        {
+            each.id: ui.Channel(next(numbers), each.port, each.type_number, True)
+            for each in channels
+            if not each.beside
+        },
+    )

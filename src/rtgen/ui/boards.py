@@ -1,0 +1,101 @@
+"""Calls to TECS boards in words: the values in the octets sent by a communication RTC."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import fields, is_dataclass
+from typing import Any, Final
+
+from rtgen.runtime.opaque_rpc.codecs import Codec, Messages
+from rtgen.runtime.opaque_rpc.errors import RpcError
+from rtgen.runtime.opaque_rpc.messages import HEAD, PacketReader
+from rtgen.runtime.opaque_rpc.proxy import ProxyServant
+from rtgen.runtime.rtc.component import Component
+from rtgen.ui.protocol import ui
+
+_RETURN: Final = "return"
+_MOST_ITEMS: Final = 16
+_LONGEST: Final = 200
+"""Maximum characters of a value."""
+
+CodecOf = Callable[[str], Codec | None]
+"""The codec of the marshaller that is connected to a communication RTC; None if none is known."""
+
+
+def codec_of(component: Component) -> Codec | None:
+    """Return the codec of a marshaller RTC; None for another component."""
+    for provider in component.providers.values():
+        if isinstance(provider.servant, ProxyServant):
+            return provider.servant.codec
+    return None
+
+
+def is_marshaller(factory: object) -> bool:
+    """Return whether a factory is the class of a generated marshaller RTC."""
+    module = sys.modules.get(getattr(factory, "__module__", ""))
+    return isinstance(factory, type) and any(
+        isinstance(each, type)
+        and issubclass(each, ProxyServant)
+        and each.__module__ == factory.__module__
+        for each in vars(module).values()
+    )
+
+
+def describe(call: ui.BoardCall, codec: Codec) -> None:
+    """Add function and values to a call, if the codec can decode its octets."""
+    packet = PacketReader(call.request)
+    head = packet.head(HEAD)
+    for function in codec.functions.values():
+        if codec.request_head(function.id) == head:
+            break
+    else:
+        return
+    call.function = function.function
+    try:
+        arguments = function.read_request(packet.more)
+        call.request_values = _values(_names(function.encode_request), arguments)
+        if call.reply and not function.oneway:
+            call.reply_values = _reply(function, call.reply, arguments)
+    except RpcError as error:
+        call.error = call.error or str(error)
+
+
+def _reply(
+    function: Messages[..., Any], octets: bytes, arguments: Sequence[object]
+) -> list[ui.Value]:
+    kept = [arguments[i] for i in function.kept]
+    packet = PacketReader(octets)
+    found, outs = function.read_reply(packet.head(function.first), packet.more, *kept)
+    names = _names(function.encode_reply)[len(kept) :]
+    if function.is_void:
+        return _values(names, outs or ())
+    return _values([_RETURN, *names[1:]], [found, *(outs or ())])
+
+
+def _names(encoder: Any) -> Sequence[str]:
+    """Return the names of the parameters of a method."""
+    code = encoder.__func__.__code__
+    names: Sequence[str] = code.co_varnames[1 : code.co_argcount]
+    return names
+
+
+def _values(names: Sequence[str], values: Sequence[object]) -> list[ui.Value]:
+    return [
+        ui.Value(name=name.strip("_"), text=_text(value)[:_LONGEST])
+        for name, value in zip(names, values, strict=False)
+    ]
+
+
+def _text(value: Any) -> str:
+    if is_dataclass(value):
+        members = (f"{f.name}: {_text(getattr(value, f.name))}" for f in fields(value))
+        return f"{{{', '.join(members)}}}"
+    if isinstance(value, list | tuple):
+        more = ", ..." if len(value) > _MOST_ITEMS else ""
+        return f"[{', '.join(map(_text, value[:_MOST_ITEMS]))}{more}]"
+    if isinstance(value, float):
+        return f"{value:.7g}"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return "null" if value is None else str(value)

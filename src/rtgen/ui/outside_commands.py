@@ -1,0 +1,209 @@
+"""Commands for components of other processes, whose calls run concurrently with the system."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from rtgen.facts.openrtm_ports import KIND
+from rtgen.model import SystemComponent
+from rtgen.ui.calls import decoded
+from rtgen.ui.edits import Edit
+from rtgen.ui.errors import IMPOSSIBLE, UNKNOWN, CommandError
+from rtgen.ui.neighbourhood import restored
+from rtgen.ui.protocol import ui
+from rtgen.ui.protocol.ui import CommandKind
+from rtgen.ui.session import Session
+
+if TYPE_CHECKING:
+    from rtgen.ui.neighbours import Neighbours
+
+Action = Callable[[], None]
+"""Is executed in the thread that calls other processes. Raises CommandError."""
+
+
+class OutsideCommands:
+    """Selects the commands that concern other processes; in the thread of the session's runner."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+
+    def action(self, command: ui.Command, result: ui.Result) -> Action | None:
+        """Return the action that executes a command; None if it only concerns this process.
+
+        Raises CommandError.
+        """
+        neighbours = self._session.neighbours
+        if neighbours is None:
+            return None
+        value: Any = command.value
+        kind = command.discriminator
+        match kind:
+            case CommandKind.COMMAND_UNDO | CommandKind.COMMAND_REDO:
+                return self._back(undo=kind is CommandKind.COMMAND_UNDO)
+            case CommandKind.COMMAND_RESTORE:
+                return partial(self._restore, neighbours, self._differences())
+            case _ if not self._is_outside(command):
+                return None
+            case CommandKind.COMMAND_CALL:
+                return self._call(neighbours, value, result)
+            case CommandKind.COMMAND_INJECT:
+                return self._inject(neighbours, value)
+            case CommandKind.COMMAND_REMOVE:
+                raise CommandError(
+                    IMPOSSIBLE, f"{value} belongs to another process, which removes it"
+                )
+        return partial(self._change, neighbours, command)
+
+    def _is_outside(self, command: ui.Command) -> bool:
+        """Return whether a command is for components of other processes."""
+        value: Any = command.value
+        outside = self._session.outside
+        match command.discriminator:
+            case CommandKind.COMMAND_CUT:
+                return value in outside.connections
+            case CommandKind.COMMAND_REMOVE:
+                return value in outside.components
+            case (
+                CommandKind.COMMAND_ACTIVATE
+                | CommandKind.COMMAND_DEACTIVATE
+                | CommandKind.COMMAND_RESET
+            ):
+                return any(each in outside.components for each in value)
+            case CommandKind.COMMAND_SET | CommandKind.COMMAND_ACTIVATE_SET:
+                return value.instance in outside.components
+            case CommandKind.COMMAND_CALL | CommandKind.COMMAND_INJECT:
+                return value.port.instance in outside.components
+            case CommandKind.COMMAND_CONNECT:
+                ends = value.source.instance, value.target.instance
+                return any(each in outside.components for each in ends)
+        return False
+
+    def _change(self, neighbours: Neighbours, command: ui.Command) -> None:
+        edit = neighbours.carry_out(command)
+        if edit is not None:
+            self._session.runner.submit(partial(self._enter, edit))
+
+    def _restore(self, neighbours: Neighbours, commands: Sequence[ui.Command]) -> None:
+        """Execute as many commands as possible; raise CommandError for the others."""
+        failed = []
+        for command in commands:
+            try:
+                self._change(neighbours, command)
+            except CommandError as error:
+                failed.append(error)
+        if failed:
+            message = "; ".join(dict.fromkeys(map(str, failed)))
+            raise CommandError(failed[0].code, message, failed[0].hint)
+
+    def _differences(self) -> list[ui.Command]:
+        """Return the commands that bring other processes into the state of the file."""
+        session = self._session
+        outside = session.outside
+        names = {
+            known.instance: instance
+            for path, known in session.foreign.items()
+            if (instance := path.removesuffix(f".{KIND}")) in outside.components
+        }
+        found = [
+            command
+            for known in session.foreign.values()
+            if known.instance in names
+            for command in _settings(known, outside.components[names[known.instance]])
+        ]
+        there = {
+            _ends(each.source, each.target) for each in outside.connections.values()
+        }
+        for each in session.profile.connections:
+            source, target = (
+                ui.PortAddress(names.get(end.instance, end.instance), end.port)
+                for end in (each.source, each.target)
+            )
+            is_outside = {each.source.instance, each.target.instance} & names.keys()
+            if is_outside and _ends(source, target) not in there:
+                stated = [ui.Value(*pair) for pair in each.properties]
+                wanted = ui.Connect(source, target, "", restored(stated))
+                found.append(ui.Command.of_wire(wanted))
+        return found
+
+    def _enter(self, edit: Edit) -> None:
+        self._session.edits.enter(edit)
+        self._session.tell_edits()
+
+    def _back(self, *, undo: bool) -> Action | None:
+        edits = self._session.edits
+        edit = edits.next(undo=undo)
+        if not edit.outside:
+            return None
+        edits.begin(edit)
+
+        def carry_out() -> None:
+            done = False
+            try:
+                (edit.undo if undo else edit.redo)()
+                done = True
+            finally:
+                self._session.runner.submit(partial(end, done))
+
+        def end(done: bool) -> None:
+            edits.end(edit, undo=undo, done=done)
+            self._session.tell_edits()
+
+        return carry_out
+
+    def _port(self, address: ui.PortAddress) -> ui.Port:
+        port = self._session.outside.port(address)
+        if port is None:
+            message = f"{address.instance} has no port {address.port!r}"
+            raise CommandError(UNKNOWN, message)
+        return port
+
+    def _call(
+        self, neighbours: Neighbours, wanted: ui.Call, result: ui.Result
+    ) -> Action:
+        offered = {e.name: e for e in self._port(wanted.port).interfaces if e.provided}
+        if wanted.interface_name not in offered:
+            where = f"{wanted.port.instance}.{wanted.port.port}"
+            known = ", ".join(offered) or "none"
+            raise CommandError(
+                UNKNOWN,
+                f"{where} provides no {wanted.interface_name!r}; known: {known}",
+            )
+        type_ = offered[wanted.interface_name].type
+        interface = self._session.project.interface(type_)
+        if interface is None:
+            raise CommandError(IMPOSSIBLE, f"the project does not define {type_}")
+
+        def carry_out() -> None:
+            result.reply = neighbours.call(wanted, interface, type_)
+
+        return carry_out
+
+    def _inject(self, neighbours: Neighbours, wanted: ui.Inject) -> Action:
+        port = self._port(wanted.port)
+        if port.kind is not ui.PortKind.PORT_IN:
+            raise CommandError(
+                IMPOSSIBLE, "of ports of other processes InPorts alone take samples"
+            )
+        type_ = self._session.project.data_type(port.type)
+        if type_ is None:
+            raise CommandError(IMPOSSIBLE, f"the project does not define {port.type}")
+        value = decoded(type_, wanted.data)
+        return partial(neighbours.give, wanted.port, value)
+
+
+def _settings(known: SystemComponent, now: ui.Component) -> Iterator[ui.Command]:
+    """Yield the commands that set the values and the active set of the file."""
+    sets = {s.name: {v.name: v.text for v in s.values} for s in now.configuration_sets}
+    for set_id, values in known.parameter_sets:
+        for name, text in values:
+            if sets.get(set_id, {}).get(name) != text:
+                wanted = ui.SetParameter(now.instance, set_id, name, text)
+                yield ui.Command.of_setting(wanted)
+    if known.active_set != now.active_set:
+        yield ui.Command.of_chosen(ui.ActiveSet(now.instance, known.active_set))
+
+
+def _ends(source: ui.PortAddress, target: ui.PortAddress) -> tuple[str, ...]:
+    return source.instance, source.port, target.instance, target.port

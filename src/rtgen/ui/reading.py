@@ -1,0 +1,281 @@
+"""Reads recordings into a history: samples, and events of components and buses for pages."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from typing import Any, Final
+
+from rtgen.recording import messages
+from rtgen.recording.errors import RecordingError
+from rtgen.recording.events import Decoders, Log
+from rtgen.recording.mcap_reader import Channel, McapFile, Message
+from rtgen.recording.recorder import METADATA
+from rtgen.recording.schema_types import type_of
+from rtgen.runtime.cdr import CdrError
+from rtgen.runtime.opaque_rpc.codecs import Codec
+from rtgen.runtime.return_codes import LifeCycleState
+from rtgen.runtime.timing.clocks import SECOND
+from rtgen.runtime.timing.traffic import BusFrame
+from rtgen.runtime.xcdr import deserialize
+from rtgen.ui import boards
+from rtgen.ui.buses import DescriberOf, SeenBuses
+from rtgen.ui.description import STATES
+from rtgen.ui.history import History
+from rtgen.ui.protocol import ui
+from rtgen.ui.type_table import NO_TYPE, TypeTable
+
+MOST_OCTETS: Final = 512 << 20
+"""Approximate size kept of recordings; the beginning of longer ones is omitted."""
+_SET: Final = "recorded"
+_TOPICS: Final = "topics"
+"""The instance to which topics of other writers belong."""
+_TYPES: Final = {
+    "component": messages.Component,
+    "parameter": messages.Parameter,
+    "connection": messages.Connection,
+    "state": messages.State,
+    "frame": messages.CanFrame,
+    "call": messages.BoardCall,
+}
+
+
+class Reading:
+    """Recordings that are read into `history`. Times count from the start of each run.
+
+    Types are entered in `types`; channels have the next of `numbers`. `codec` gives the codec of a
+    marshaller by its type.
+    """
+
+    def __init__(
+        self,
+        history: History,
+        types: TypeTable,
+        numbers: Iterator[int],
+        describer: DescriberOf,
+        codec: Callable[[str], Codec | None],
+    ) -> None:
+        self.history = history
+        self.components: dict[str, ui.Component] = {}
+        """Those of the runs that are not shown beside another one."""
+        self.channels: list[ui.Channel] = []
+        self._types = types
+        self._channel_numbers = numbers
+        self._numbers: dict[object, int] = {}
+        self._known: list[Any] = []
+        self._decoders = Decoders()
+        self._now = 0.0
+        self._settings: dict[str, dict[str, str]] = {}
+        self._buses = SeenBuses(describer, self._settings.values, self._tell)
+        self._codec_of = codec
+        self._codecs: dict[str, Codec | None] = {}
+        self._changed: set[str] = set()
+        self._of_messages: dict[Channel, ui.Channel] = {}
+        self._joined: list[messages.Connection] = []
+
+    def _tell(self, event: ui.Event) -> None:
+        self.history.tell(self._now, event)
+
+    def read(self, file: str, *, beside: bool) -> None:
+        """Read a recording; beside another run only samples and states.
+
+        Raises RecordingError.
+        """
+        log = Log(file)
+        if log.mcap is None:
+            raise RecordingError(
+                f"{file} is a log in JSON lines",
+                hint="pages show what `rtgen run --record FILE.mcap` writes",
+            )
+        start = _start(log, log.mcap)
+        self._of_messages.clear()
+        for message in log.mcap.messages():
+            if start is None:
+                start = message.time
+            self._now = (message.time - start) / SECOND
+            kind = message.channel.get("kind") or "sample"
+            if kind == "run":
+                break  # what follows belongs to the shutdown
+            if kind == "sample":
+                self._sample(message, beside=beside)
+            elif kind in _TYPES and (not beside or kind == "state"):
+                self._event(message, _content(message, _TYPES[kind]), beside=beside)
+        if not beside:
+            self._add_ports()
+
+    def _sample(self, message: Message, *, beside: bool) -> None:
+        channel = self._of_messages.get(message.channel)
+        if channel is None:
+            channel = self._channel(message.channel, beside=beside)
+        data = message.data
+        if channel.type_number == NO_TYPE:
+            data = json.dumps(self._decoders.value(message)).encode()
+        self.history.sample(ui.Sample(channel=channel.id, time=self._now, data=data))
+
+    def _channel(self, found: Channel, *, beside: bool) -> ui.Channel:
+        """Return the channel of a port; a recording has one for each component that wrote."""
+        address = ui.PortAddress(*_address_of(found))
+        for known in self._of_messages.values():
+            if known.port == address:
+                self._of_messages[found] = known
+                return known
+        number = self._type_number(found)
+        channel = ui.Channel(
+            id=next(self._channel_numbers),
+            port=address,
+            type_number=number,
+            beside=beside,
+        )
+        self._of_messages[found] = channel
+        self.channels.append(channel)
+        if not beside:
+            port = ui.Port(
+                name=address.port,
+                kind=ui.PortKind.PORT_OUT,
+                type=found.schema.name,
+                type_number=number,
+                unit=found.get("unit"),
+            )
+            self._component(address.instance).ports.append(port)
+        return channel
+
+    def _type_number(self, channel: Channel) -> int:
+        if channel.encoding != "cdr" or not channel.schema.encoding:
+            return NO_TYPE
+        if channel.schema not in self._numbers:
+            type_ = type_of(channel.schema)
+            self._known.append(type_)
+            number = self._types.number(type_._descriptor_)
+            self._numbers[channel.schema] = number
+        return self._numbers[channel.schema]
+
+    def _component(self, instance: str) -> ui.Component:
+        if instance not in self.components:
+            self.components[instance] = ui.Component(
+                instance=instance,
+                current=ui.State.STATE_INACTIVE,
+                configuration_sets=[ui.ConfigurationSet(name=_SET)],
+                active_set=_SET,
+            )
+        return self.components[instance]
+
+    def _event(self, message: Message, content: Any, *, beside: bool) -> None:
+        match content:
+            case messages.Component(instance=instance, type=type_, rate=rate):
+                component = self._component(instance)
+                component.type = type_
+                component.contexts = [ui.ExecutionContext(rate=rate, running=True)]
+            case messages.Parameter(instance=instance, parameter=name, value=text):
+                component = self._component(instance)
+                if all(each.name != name for each in component.parameters):
+                    component.parameters.append(ui.Parameter(name=name))
+                self._settings.setdefault(instance, {})[name] = text
+                change = ui.ParameterChange(instance, _SET, name, text, True)
+                self._tell(ui.Event.of_setting(change))
+            case messages.Connection(name=name, connected=True):
+                self._joined.append(content)
+                connection = ui.Connection(
+                    name=name,
+                    source=_address(content.source),
+                    target=_address(content.target),
+                    properties=[ui.Value(p.name, p.value) for p in content.properties],
+                )
+                self._tell(ui.Event.of_connected(connection))
+            case messages.Connection(name=name):
+                self._tell(ui.Event.of_cut(name))
+            case messages.State(instance=instance):
+                self._state(content, beside=beside)
+            case messages.CanFrame(id=can_id, extended=extended, remote=remote):
+                bus = message.channel.get("bus")
+                frame = BusFrame(bus, can_id, content.data, remote, extended)
+                self._buses.on_frame(frame, self._now)
+            case messages.BoardCall(request=request, reply=reply, error=error):
+                call = ui.BoardCall(
+                    time=self._now,
+                    instance=message.channel.get("instance"),
+                    request=request,
+                    reply=reply,
+                    round_trip=-1.0,
+                    error=error,
+                )
+                if codec := self._codec(call.instance):
+                    boards.describe(call, codec)
+                self._tell(ui.Event.of_call(call))
+
+    def _codec(self, communication: str) -> Codec | None:
+        """Return the codec of the marshaller that was connected to a communication RTC."""
+        if communication not in self._codecs:
+            ends = (
+                {_address(each.source).instance, _address(each.target).instance}
+                for each in self._joined
+            )
+            types = [
+                self.components[other].type
+                for pair in ends
+                if communication in pair
+                for other in pair - {communication}
+                if other in self.components
+            ]
+            found = next(filter(None, map(self._codec_of, types)), None)
+            self._codecs[communication] = found
+        return self._codecs[communication]
+
+    def _state(self, content: messages.State, *, beside: bool) -> None:
+        before, after = (_state_of(name) for name in (content.before, content.after))
+        change = ui.StateChange(
+            self._now, content.instance, content.context, before, after, content.reason
+        )
+        if beside:
+            self._tell(ui.Event.of_other(change))
+            return
+        if content.instance not in self._changed:
+            self._changed.add(content.instance)
+            self._component(content.instance).current = before
+        self._tell(ui.Event.of_change(change))
+
+    def _add_ports(self) -> None:
+        """Add ports that are known by their connections only."""
+        sources = {
+            (component.instance, port.name): port
+            for component in self.components.values()
+            for port in component.ports
+        }
+        for connection in self._joined:
+            ends = _address(connection.source), _address(connection.target)
+            source = sources.get((ends[0].instance, ends[0].port))
+            for end in ends:
+                port = ui.Port(end.port, ui.PortKind.PORT_SERVICE, type_number=NO_TYPE)
+                if source is not None:
+                    port.kind, port.type = ui.PortKind.PORT_IN, source.type
+                    port.type_number = source.type_number
+                ports = self._component(end.instance).ports
+                if all(each.name != end.port for each in ports):
+                    ports.append(port)
+
+
+def _start(log: Log, file: McapFile) -> int | None:
+    """Return the start time of the run [ns]; None if missing, as in files of other writers."""
+    return log.start if METADATA in file.metadata else None
+
+
+def _content(message: Message, type_: Any) -> Any:
+    try:
+        return deserialize(type_, message.data)
+    except CdrError as error:
+        raise RecordingError(f"{message.channel.topic}: {error}") from error
+
+
+def _state_of(name: str) -> ui.State:
+    try:
+        return STATES[LifeCycleState[name]]
+    except KeyError:
+        raise RecordingError(f"{name!r} is not a state of a component") from None
+
+
+def _address_of(channel: Channel) -> tuple[str, str]:
+    return channel.get("instance") or _TOPICS, channel.get("port") or channel.topic
+
+
+def _address(text: str) -> ui.PortAddress:
+    instance, _, port = text.partition(".")
+    return ui.PortAddress(instance, port)

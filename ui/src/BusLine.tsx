@@ -1,0 +1,65 @@
+/** A CAN bus below the boxes: a line with its nodes, and what hangs on them. */
+
+import type { Node, NodeProps } from "@xyflow/react";
+import { createContext, useContext } from "react";
+import type { Line } from "./lines.ts";
+import type { Point } from "./layout.ts";
+import { NODE } from "./layout.ts";
+
+/** Where the line of a component begins, from the upper left of the bus. */
+export interface Drop extends Point {
+  chosen: boolean;
+}
+
+export interface BusData extends Record<string, unknown> {
+  line: Line;
+  width: number;
+  /** Where each node stands, and the lines of its components. */
+  nodes: readonly { x: number; proxies: readonly Drop[]; devices: readonly Drop[] }[];
+}
+
+export type BusNode = Node<BusData, "bus">;
+
+/** Opens the view of buses. */
+export const OpenBuses = createContext<() => void>(() => undefined);
+
+const COLOURS: Record<string, string> = { operational: "STATE_ACTIVE", "pre-operational": "STATE_INACTIVE", stopped: "STATE_ERROR" };
+
+export function BusLine({ data: { line, width, nodes } }: NodeProps<BusNode>) {
+  const open = useContext(OpenBuses);
+  return (
+    <section className="bus-line" aria-label={`Bus ${line.name}`} style={{ width }}>
+      <svg aria-hidden width={width} height={NODE.height} overflow="visible">
+        {nodes.map(({ x, proxies, devices }) =>
+          [...proxies, ...devices].map((each, i) => (
+            <path
+              key={`${x} ${i}`}
+              className={`drop ${i < proxies.length ? "proxy" : ""} ${each.chosen ? "chosen" : ""}`}
+              d={each.y < 0 ? `M${each.x},${each.y} V-12 L${x},0` : `M${x},${NODE.height} L${each.x},${each.y}`}
+            />
+          )),
+        )}
+      </svg>
+      <span className="bus-name">
+        {line.name}
+        {line.bitRate > 0 && ` ${line.bitRate / 1000} kbit/s`}
+      </span>
+      {line.nodes.map((node, i) => (
+        <button
+          key={node.id}
+          type="button"
+          className={`bus-node nodrag nopan state ${COLOURS[node.nmtState] ?? "STATE_CREATED"}`}
+          style={{ left: nodes[i]!.x - NODE.width / 2, width: NODE.width, height: NODE.height }}
+          aria-label={`${node.id} ${node.name} ${node.nmtState || "unknown"}, node of ${line.name}`}
+          title={[...node.proxies.map((each) => `proxy ${each}`), ...node.devices.map((each) => `device ${each}`)].join("\n")}
+          onClick={open}
+        >
+          <strong>
+            {node.id} {node.name}
+          </strong>{" "}
+          <small>{node.nmtState || "unknown"}</small>
+        </button>
+      ))}
+    </section>
+  );
+}

@@ -1,0 +1,202 @@
+/** Configuration sets: parameters edited by the widgets that their definitions name. */
+
+import { useState } from "react";
+import type { Component, Parameter } from "./protocol/Ui.ts";
+import { store } from "./store.ts";
+
+/** The limits of a constraint `a<=x<=b`, and the choices of `(a,b)`. */
+export function limits(constraint: string): { min?: number; max?: number; choices?: string[] } {
+  const choices = /^\(([^()]*)\)$/.exec(constraint.trim());
+  if (choices) return { choices: items(choices[1]!) };
+  const range = /^(?:([-+.\deE]+)\s*<=?\s*)?x(?:\s*<=?\s*([-+.\deE]+))?$/.exec(constraint.trim());
+  const least = /^x\s*>=?\s*([-+.\deE]+)$/.exec(constraint.trim());
+  const [min, max] = [range?.[1] ?? least?.[1], range?.[2]];
+  return { ...(min && { min: Number(min) }), ...(max && { max: Number(max) }) };
+}
+
+/** The items of a value that is a list. */
+const items = (text: string): string[] => (text.trim() ? text.split(",").map((each) => each.trim()) : []);
+const isTrue = (text: string): boolean => ["true", "1", "yes", "on"].includes(text.trim().toLowerCase());
+
+interface Slot {
+  parameter: Parameter;
+  text: string;
+  full: boolean;
+  label: string;
+  set: (text: string) => Promise<unknown>;
+}
+
+/** A value that is typed in or pulled, and sent when it is complete. */
+function Entry({ parameter, text, full, label, set }: Slot) {
+  const [edited, edit] = useState<string>();
+  const { min, max } = limits(parameter.constraint);
+  const [kind, step] = [/^\w*/.exec(parameter.widget)![0], Number(/\.(.+)/.exec(parameter.widget)?.[1])];
+  const range = kind === "slider" && min !== undefined && max !== undefined;
+  const commit = () => {
+    if (edited !== undefined && edited !== text) void set(edited).then(() => edit(undefined));
+    else edit(undefined);
+  };
+  return (
+    <>
+      <input
+        aria-label={label}
+        title={parameter.doc}
+        disabled={!full}
+        type={range ? "range" : kind === "spin" ? "number" : "text"}
+        min={min}
+        max={max}
+        step={range ? step || (max - min) / 100 : "any"}
+        value={edited ?? text}
+        onChange={(e) => edit(e.target.value)}
+        onBlur={commit}
+        onPointerUp={range ? commit : undefined}
+        onKeyUp={range ? commit : undefined}
+        onKeyDown={(e) => {
+          if (e.key === "Enter") commit();
+          if (e.key === "Escape") edit(undefined);
+        }}
+      />
+      {range && <output>{edited ?? text}</output>}
+    </>
+  );
+}
+
+/** One of the choices, or any number of them where the value is a list. */
+function Choices({ parameter, text, full, label, set, choices }: Slot & { choices: readonly string[] }) {
+  const several = parameter.widget === "checkbox";
+  const chosen = several ? items(text) : [text.trim()];
+  return (
+    <fieldset className="choices" aria-label={label} title={parameter.doc} disabled={!full}>
+      {choices.map((each) => (
+        <label key={each}>
+          <input
+            type={several ? "checkbox" : "radio"}
+            name={label}
+            checked={chosen.includes(each)}
+            onChange={() => void set(several ? choices.filter((one) => chosen.includes(one) !== (one === each)).join() : each)}
+          />
+          {each}
+        </label>
+      ))}
+    </fieldset>
+  );
+}
+
+/** Choices in an order of their own; each may occur several times. */
+function OrderedList({ parameter, text, full, label, set, choices }: Slot & { choices: readonly string[] }) {
+  const chosen = items(text);
+  const swapped = (i: number) => chosen.with(i - 1, chosen[i]!).with(i, chosen[i - 1]!);
+  return (
+    <fieldset className="choices ordered" aria-label={label} title={parameter.doc} disabled={!full}>
+      <ol>
+        {chosen.map((each, i) => (
+          <li key={i}>
+            {each}{" "}
+            <button type="button" aria-label={`Move ${each} up`} disabled={i === 0} onClick={() => void set(swapped(i).join())}>
+              ↑
+            </button>
+            <button type="button" aria-label={`Remove ${each}, number ${i + 1}`} onClick={() => void set(chosen.filter((_, at) => at !== i).join())}>
+              −
+            </button>
+          </li>
+        ))}
+      </ol>
+      <select aria-label={`Add to ${label}`} value="" onChange={(e) => void set([...chosen, e.target.value].join())}>
+        <option value="">add …</option>
+        {choices.map((each) => (
+          <option key={each}>{each}</option>
+        ))}
+      </select>
+    </fieldset>
+  );
+}
+
+/** The widget that the definition names, else one that suits the type and the constraint. */
+function Field(slot: Slot) {
+  const { parameter, text, full, label, set } = slot;
+  const { choices } = limits(parameter.constraint);
+  if (/^bool(ean)?$/.test(parameter.type) && parameter.widget !== "text" && parameter.widget !== "radio")
+    return <input type="checkbox" aria-label={label} title={parameter.doc} disabled={!full} checked={isTrue(text)} onChange={(e) => void set(String(e.target.checked))} />;
+  if (!choices || parameter.widget === "text") return <Entry {...slot} />;
+  if (parameter.widget === "radio" || parameter.widget === "checkbox") return <Choices {...slot} choices={choices} />;
+  if (/^ordere?d_list$/.test(parameter.widget)) return <OrderedList {...slot} choices={choices} />;
+  return (
+    <select aria-label={label} title={parameter.doc} disabled={!full} value={text} onChange={(e) => void set(e.target.value)}>
+      {[...new Set([text, ...choices])].map((each) => (
+        <option key={each}>{each}</option>
+      ))}
+    </select>
+  );
+}
+
+export function Configuration({ component, full }: { component: Component; full: boolean }) {
+  const [shown, show] = useState("");
+  const [fresh, setFresh] = useState("");
+  const name = component.configuration_sets.some((each) => each.name === shown) ? shown : component.active_set;
+  const set = component.configuration_sets.find((each) => each.name === name);
+  const [first] = component.parameters;
+  if (!first) return <p>This component has no parameters.</p>;
+  const valueOf = (parameter: Parameter) => set?.values.find((each) => each.name === parameter.name)?.text ?? parameter.default_value;
+  const put = (set: string, parameter: Parameter, text: string) =>
+    store.order({ case: "setting", value: { instance: component.instance, set, parameter: parameter.name, text } });
+  return (
+    <>
+      <form
+        className="sets"
+        onSubmit={(e) => {
+          e.preventDefault();
+          // A set is made by giving one of its parameters a value.
+          const made = fresh.trim();
+          if (made) void put(made, first, valueOf(first)).then(() => show(made));
+          setFresh("");
+        }}
+      >
+        <label>
+          Set
+          <select value={name} onChange={(e) => show(e.target.value)}>
+            {component.configuration_sets.map((each) => (
+              <option key={each.name} value={each.name}>
+                {each.name}
+                {each.name === component.active_set ? " (active)" : ""}
+              </option>
+            ))}
+          </select>
+        </label>
+        <button
+          type="button"
+          disabled={!full || name === component.active_set}
+          onClick={() => store.order({ case: "chosen", value: { instance: component.instance, set: name } })}
+        >
+          Use this set
+        </button>
+        <input aria-label="Name of a new set" placeholder="new set" size={8} disabled={!full} value={fresh} onChange={(e) => setFresh(e.target.value)} />
+        <button type="submit" disabled={!full || !fresh.trim()}>
+          Add set
+        </button>
+      </form>
+      <table className="parameters">
+        <tbody>
+          {component.parameters.map((parameter) => (
+            <tr key={`${name} ${parameter.name}`}>
+              <th scope="row" title={parameter.doc}>
+                {parameter.name}
+              </th>
+              <td>
+                <Field
+                  parameter={parameter}
+                  full={full}
+                  label={`${component.instance}.${parameter.name}`}
+                  text={valueOf(parameter)}
+                  set={(text) => put(name, parameter, text)}
+                />
+              </td>
+              <td>
+                {parameter.unit} <small>{limits(parameter.constraint).choices ? "" : parameter.constraint}</small>
+              </td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </>
+  );
+}

@@ -1,0 +1,63 @@
+/** A context menu, by mouse and by keyboard. */
+
+import { useLayoutEffect, useRef } from "react";
+
+export interface Item {
+  name: string;
+  act: () => void;
+}
+
+/** What a menu is about, and where it opens [px of the page]. */
+export interface Place {
+  label: string;
+  x: number;
+  y: number;
+}
+
+export function Menu({ place, items, close }: { place: Place; items: readonly Item[]; close: () => void }) {
+  const menu = useRef<HTMLDivElement>(null);
+  const before = useRef(document.activeElement);
+  useLayoutEffect(() => {
+    const box = menu.current!;
+    box.style.left = `${Math.max(0, Math.min(place.x, window.innerWidth - box.offsetWidth))}px`;
+    box.style.top = `${Math.max(0, Math.min(place.y, window.innerHeight - box.offsetHeight))}px`;
+    (box.firstElementChild as HTMLElement).focus();
+  }, [place]);
+  const end = () => {
+    close();
+    (before.current as HTMLElement | null)?.focus();
+  };
+  return (
+    <div
+      ref={menu}
+      className="menu"
+      role="menu"
+      aria-label={place.label}
+      onKeyDown={(e) => {
+        const each = [...e.currentTarget.children] as HTMLElement[];
+        const at = each.indexOf(e.target as HTMLElement);
+        const next = { ArrowDown: at + 1, ArrowUp: at - 1, Home: 0, End: -1 }[e.key];
+        e.stopPropagation();
+        if (next !== undefined) each.at(next % each.length)!.focus();
+        else if (e.key === "Escape" || e.key === "Tab") end();
+        else return;
+        e.preventDefault();
+      }}
+      onBlur={(e) => e.currentTarget.contains(e.relatedTarget) || close()}
+    >
+      {items.map(({ name, act }) => (
+        <button
+          key={name}
+          type="button"
+          role="menuitem"
+          onClick={() => {
+            end();
+            act();
+          }}
+        >
+          {name}
+        </button>
+      ))}
+    </div>
+  );
+}

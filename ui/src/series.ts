@@ -1,0 +1,12 @@
+/** Values over time, of which old ones are thinned out when there are too many. */
+
+import { MOST_SAMPLES } from "./protocol/Ui.ts";
+
+/** Whether a series is full: it then keeps its newest half, and every other value of those before. */
+export const isFull = (series: readonly unknown[]): boolean => series.length >= MOST_SAMPLES;
+
+export function thin<T>(series: T[]): void {
+  const half = series.length >> 1;
+  const old = series.slice(0, half).filter((_, i) => i % 2 === 0);
+  series.splice(0, half, ...old);
+}
