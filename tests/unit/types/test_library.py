@@ -28,8 +28,10 @@ ROOT = Path(__file__).resolve().parents[3]
 
 def read() -> Model:
     """Return the model of the files, read as those of a project with default settings."""
-    paths = [idl_file(name).relative_to(ROOT) for name in IDL_FILES]
+    folders = [Path("src/rtgen/idl"), Path("specs/idl")]
     with chdir(ROOT):
+        named = [folder / name for name in IDL_FILES for folder in folders]
+        paths = [path for path in named if path.is_file()]
         result = rtgen.read(paths, lowered=True)
     assert not has_errors(result.diagnostics)
     return result.model
