@@ -13,8 +13,8 @@ import time
 from pathlib import Path
 
 from rtgen import runtime
-from rtgen.cli.assembly import assemble
-from rtgen.cli.factories import Factories
+from rtgen.cli.running.assembly import assemble
+from rtgen.cli.running.factories import Factories
 from rtgen.project import load
 from rtgen.systems import timeline
 from rtgen.systems.reading import read_file

@@ -17,8 +17,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
 
 from rtgen import runtime
-from rtgen.cli.assembly import assemble
-from rtgen.cli.factories import Factories
+from rtgen.cli.running.assembly import assemble
+from rtgen.cli.running.factories import Factories
 from rtgen.model import System
 from rtgen.project import load
 from rtgen.recording.mcap_writer import McapWriter

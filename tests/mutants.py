@@ -109,12 +109,12 @@ PARTS: Mapping[str, Part] = {
     ),
     "cdr": Part(
         (
-            "runtime/marshalling/encoder.py",
-            "runtime/marshalling/decoder.py",
-            "runtime/marshalling/reader.py",
-            "runtime/marshalling/writer.py",
+            "runtime/marshalling/source/encoder.py",
+            "runtime/marshalling/source/decoder.py",
+            "runtime/marshalling/dynamic/reader.py",
+            "runtime/marshalling/dynamic/writer.py",
             "runtime/marshalling/octets.py",
-            "runtime/marshalling/octet_reader.py",
+            "runtime/marshalling/dynamic/octet_reader.py",
         ),
         ("types",),
         "fresh_codecs.py",

@@ -161,8 +161,8 @@ def frames(count: int) -> Steps:
 def rh3(seconds: int) -> Steps:
     """Run the navigation pipeline, which also goes on after it has reached the goal."""
     from rtgen import runtime
-    from rtgen.cli.assembly import assemble
-    from rtgen.cli.factories import Factories
+    from rtgen.cli.running.assembly import assemble
+    from rtgen.cli.running.factories import Factories
     from rtgen.project import load
     from rtgen.systems.reading import read_file
 

@@ -27,7 +27,7 @@ from refrobots import iis, rtc
 from rtgen import runtime
 from rtgen.cli import run as rtgen
 from rtgen.cli.common import Console
-from rtgen.cli.transports import await_others
+from rtgen.cli.running.transports import await_others
 from rtgen.diagnostics import ToolError
 from rtgen.runtime import idl, xcdr
 from rtgen.runtime.cdr import Aggregated, CdrError

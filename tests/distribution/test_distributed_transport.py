@@ -12,7 +12,7 @@ from distributed_system import Process, Servant, arrived, sample, wait_for
 from patience import PATIENCE
 
 from rtgen import runtime
-from rtgen.cli.run_view import losses
+from rtgen.cli.running.run_view import losses
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.distribution.control import ControlError
 from rtgen.runtime.distribution.data import Arrivals, encoder

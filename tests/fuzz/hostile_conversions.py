@@ -13,8 +13,8 @@ from hostile_texts import Texts
 
 from rtgen import compiler
 from rtgen.backends.wiring import render, view_of
-from rtgen.cli.adopted import adopted
-from rtgen.cli.component_text import component_idl, component_profile
+from rtgen.cli.components.adopted import adopted
+from rtgen.cli.components.component_text import component_idl, component_profile
 from rtgen.compiler import compile_project
 from rtgen.diagnostics import Diagnostic, has_errors
 from rtgen.frontends import idl, profile_yaml

@@ -36,10 +36,10 @@ from rtgen.runtime.marshalling.descriptors import (
     UnionDescriptor,
     plain,
 )
-from rtgen.runtime.marshalling.dynamic import decoded, encoded
+from rtgen.runtime.marshalling.dynamic.reader import Reader
+from rtgen.runtime.marshalling.dynamic.values import decoded, encoded
+from rtgen.runtime.marshalling.dynamic.writer import Output, Writer
 from rtgen.runtime.marshalling.octets import ObjectReference
-from rtgen.runtime.marshalling.reader import Reader
-from rtgen.runtime.marshalling.writer import Output, Writer
 
 COMMAND = ["rtgen", "-ORBnativeCharCodeSet", "UTF-8"]
 TYPE_CODE = PrimitiveDescriptor("CORBA::TypeCode")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rtgen.runtime.marshalling.descriptors import Descriptor, StringDescriptor
-from rtgen.runtime.marshalling.reader import Reader
+from rtgen.runtime.marshalling.dynamic.reader import Reader
 
 
 class _Padding(Reader):

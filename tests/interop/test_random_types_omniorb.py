@@ -64,7 +64,7 @@ from rtgen.runtime.marshalling.descriptors import (
     ValueDescriptor,
     plain,
 )
-from rtgen.runtime.marshalling.dynamic import decoded, encoded
+from rtgen.runtime.marshalling.dynamic.values import decoded, encoded
 from rtgen.runtime.marshalling.octets import ObjectReference
 
 MODULES = 8

@@ -20,7 +20,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "types"))
 
 import emitted
 
-from rtgen.runtime.marshalling.dynamic import decoded, encoded
+from rtgen.runtime.marshalling.dynamic.values import decoded, encoded
 from rtgen.runtime.values import AnyValue
 
 FILE = Path(__file__).with_name("valuetypes.idl")

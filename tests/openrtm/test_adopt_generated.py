@@ -11,7 +11,7 @@ import pytest
 
 from rtgen import compiler
 from rtgen.cli import run
-from rtgen.cli.adopted import Adopted, adopted
+from rtgen.cli.components.adopted import Adopted, adopted
 from rtgen.inspection.models import inspect
 from rtgen.model import Component, Model
 from rtgen.project import load

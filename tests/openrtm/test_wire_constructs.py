@@ -15,7 +15,7 @@ from wires import Wires, agree, emit, marshalled, values_agree, wired, wired_tex
 
 from rtgen.facts.numeric import Numeric
 from rtgen.runtime.marshalling.descriptors import StructDescriptor
-from rtgen.runtime.marshalling.dynamic import encoded
+from rtgen.runtime.marshalling.dynamic.values import encoded
 from rtgen.runtime.values import AnyValue
 
 INTEROP = Path(__file__).parents[1] / "interop"

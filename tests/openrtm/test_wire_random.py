@@ -17,7 +17,7 @@ from rtgen.runtime.marshalling.descriptors import (
     StringDescriptor,
     ValueDescriptor,
 )
-from rtgen.runtime.marshalling.dynamic import encoded
+from rtgen.runtime.marshalling.dynamic.values import encoded
 
 TYPES = 20
 VALUES = 6

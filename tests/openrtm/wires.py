@@ -42,7 +42,7 @@ from rtgen.runtime.marshalling.descriptors import (
     UnionDescriptor,
     plain,
 )
-from rtgen.runtime.marshalling.dynamic import encoded
+from rtgen.runtime.marshalling.dynamic.values import encoded
 from rtgen.runtime.openrtm import stubs
 
 _numbers = itertools.count()

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from pipeline import profile
 
-from rtgen.cli.assembly import assemble
-from rtgen.cli.factories import Factories
+from rtgen.cli.running.assembly import assemble
+from rtgen.cli.running.factories import Factories
 from rtgen.project import load
 from rtgen.runtime import (
     SECOND,

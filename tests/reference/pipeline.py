@@ -9,8 +9,8 @@ from typing import Any
 
 from refnav.geometry import Pose
 from rtgen import model
-from rtgen.cli.assembly import assemble
-from rtgen.cli.factories import Factories
+from rtgen.cli.running.assembly import assemble
+from rtgen.cli.running.factories import Factories
 from rtgen.project import load
 from rtgen.runtime import (
     ERROR_STATE,

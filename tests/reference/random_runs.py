@@ -25,7 +25,7 @@ from refnav.position_input import ALL_DONE
 from refnav.room import Room, parse
 from refrobots import iis
 from rtgen import model
-from rtgen.cli.summary import Outcome, Tolerance
+from rtgen.cli.running.summary import Outcome, Tolerance
 from rtgen.runtime import (
     ACTIVE_STATE,
     INACTIVE_STATE,

@@ -24,8 +24,8 @@ from pipeline import MAX_DURATION, NAVIGATION, at_end, goal, profile
 from refnav.geometry import Pose, wrap
 from refnav.simulated_motor_board import SimulatedMotorBoard
 from refrobots.rh3 import BoardEvent, BoardEventKind
-from rtgen.cli.assembly import assemble
-from rtgen.cli.factories import Factories
+from rtgen.cli.running.assembly import assemble
+from rtgen.cli.running.factories import Factories
 from rtgen.project import load
 from rtgen.runtime import (
     ACTIVE_STATE,

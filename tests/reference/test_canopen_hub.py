@@ -17,8 +17,8 @@ from pipeline import NAVIGATION, at_end, goal, profile
 
 from refnav.geometry import Pose, wrap
 from rtgen.cli import run
-from rtgen.cli.assembly import assemble
-from rtgen.cli.factories import Factories
+from rtgen.cli.running.assembly import assemble
+from rtgen.cli.running.factories import Factories
 from rtgen.project import load
 from rtgen.runtime import (
     ACTIVE_STATE,

@@ -18,8 +18,8 @@ from refnav.geometry import Pose, wrap
 from refrobots.components import f_palette_proxy as palette
 from refrobots.components import motor_core_unit_proxy as motor
 from rtgen.cli import run
-from rtgen.cli.assembly import assemble
-from rtgen.cli.factories import Factories
+from rtgen.cli.running.assembly import assemble
+from rtgen.cli.running.factories import Factories
 from rtgen.project import load
 from rtgen.runtime import (
     ACTIVE_STATE,

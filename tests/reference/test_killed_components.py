@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 from pipeline import at_end, build, goal, profile, truth
 
-from rtgen.cli.assembly import add_component
 from rtgen.cli.common import Console
-from rtgen.cli.factories import Factories
-from rtgen.cli.failures import FailureOptions, FailureReport
+from rtgen.cli.running.assembly import add_component
+from rtgen.cli.running.factories import Factories
+from rtgen.cli.running.failures import FailureOptions, FailureReport
 from rtgen.facts.connector_properties import own_properties
 from rtgen.project import load
 from rtgen.runtime import SECOND, CheckpointFolder, System

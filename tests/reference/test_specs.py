@@ -24,7 +24,7 @@ from refrobots.components.position_input import PositionInputBase
 from refrobots.components.ref_hard_rh2 import RefHardRh2Base
 from refrobots.components.ref_hard_rh3 import RefHardRh3Base
 from refrobots.components.switch_input_rtc import SwitchInputRTCBase
-from rtgen.cli.factories import Factories
+from rtgen.cli.running.factories import Factories
 from rtgen.project import load
 from rtgen.project.output import component_types
 from rtgen.runtime import Component

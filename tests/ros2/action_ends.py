@@ -13,7 +13,7 @@ import pytest
 from test_networks import await_
 
 from rtgen.cli import run as rtgen
-from rtgen.cli.ros2 import message_classes
+from rtgen.cli.running.ros2 import message_classes
 from rtgen.runtime import RTC_OK, RealClock, System
 from rtgen.runtime.ros2.actions import joints_of
 from rtgen.runtime.ros2.managed import EVENT_INFO

@@ -17,7 +17,7 @@ from typing import Any, ClassVar
 import pytest
 from test_networks import DOMAIN, await_, participant, reliable, zenoh_pair
 
-from rtgen.cli.ros2 import message_classes
+from rtgen.cli.running.ros2 import message_classes
 from rtgen.facts.ros_qos import PROFILES
 from rtgen.runtime import (
     RTC_ERROR,

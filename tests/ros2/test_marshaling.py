@@ -10,7 +10,7 @@ import pytest
 
 from refrobots import rtc
 from rtgen.cli import run as rtgen
-from rtgen.cli.ros2 import message_classes
+from rtgen.cli.running.ros2 import message_classes
 from rtgen.facts.ros_marshaling import CONVERSIONS, messages_for, parse
 from rtgen.facts.ros_qos import PROFILES
 from rtgen.runtime.cdr import CdrError

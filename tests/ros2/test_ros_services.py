@@ -22,7 +22,7 @@ from patience import PATIENCE
 from test_networks import DOMAIN, await_, participant, reliable, zenoh_pair
 
 from rtgen.cli import run as rtgen
-from rtgen.cli.ros2 import message_classes
+from rtgen.cli.running.ros2 import message_classes
 from rtgen.facts.ros_names import dds_type
 from rtgen.frontends.rosidl import load
 from rtgen.layouts.ros_types import service_hash

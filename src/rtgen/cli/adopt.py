@@ -30,8 +30,8 @@ def adopt(
     the same repository that it imports are read, too. Nothing is executed: what only running the
     module settles is reported.
     """
-    from rtgen.cli.adopted import adopted
-    from rtgen.cli.component_text import component_idl
+    from rtgen.cli.components.adopted import adopted
+    from rtgen.cli.components.component_text import component_idl
 
     found = adopted(Path(file), [Path(folder) for folder in include])
     console.findings(found.diagnostics, found.sources)

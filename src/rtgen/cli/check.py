@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import click
 
-from rtgen.cli.cached import build
 from rtgen.cli.can.common import counted
 from rtgen.cli.common import (
     BAD_INPUT,
@@ -21,7 +20,8 @@ from rtgen.cli.common import (
     with_target,
     write_out,
 )
-from rtgen.cli.stages import with_stages
+from rtgen.cli.compiling.cached import build
+from rtgen.cli.compiling.stages import with_stages
 from rtgen.project import behaviours, cache, shown
 from rtgen.project import output as writer
 
@@ -61,7 +61,7 @@ def check(
     strays = (*planned.strays, *planned.leftovers)
     if not planned.changes and not strays:
         return NO if found else OK
-    from rtgen.cli.diffs import diff
+    from rtgen.cli.compiling.diffs import diff
 
     write_out(
         diff(planned.changes)

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 
-from rtgen.cli.chosen_component import chosen
 from rtgen.cli.common import BAD_INPUT, OK, Console, with_console, write_out
+from rtgen.cli.components.chosen_component import chosen
 from rtgen.diagnostics import InputError, has_errors, in_order
 from rtgen.frontends.profile_yaml import YAML_SUFFIXES
 from rtgen.model import Component, Model
@@ -109,7 +109,7 @@ def _component(
 ) -> int:
     from rtgen import compiler
     from rtgen.backends.components.checks import check_component
-    from rtgen.cli.component_text import component_idl
+    from rtgen.cli.components.component_text import component_idl
     from rtgen.project import load, with_arguments
 
     if form not in _OF_COMPONENTS:
@@ -133,7 +133,7 @@ def _component(
 def _profile(
     path: Path, form: str, model: Model, component: Component, project: Project
 ) -> str | bytes:
-    from rtgen.cli.component_text import component_profile
+    from rtgen.cli.components.component_text import component_profile
     from rtgen.frontends import profile_yaml
     from rtgen.frontends.kit import located_xml
 

@@ -9,7 +9,7 @@ import click
 
 from rtgen import stages
 from rtgen.cli.common import NO, OK, Console, Refusal, with_console, write_out
-from rtgen.cli.stages import with_stages
+from rtgen.cli.compiling.stages import with_stages
 from rtgen.diff.changes import Break
 from rtgen.diff.reading import Source, at_revision, opened, source_of
 

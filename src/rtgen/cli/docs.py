@@ -20,7 +20,7 @@ from rtgen.cli.common import (
     with_console,
     with_definitions,
 )
-from rtgen.cli.stages import with_stages
+from rtgen.cli.compiling.stages import with_stages
 from rtgen.diagnostics import ToolError, has_errors, in_order
 from rtgen.project import is_system, output, shown
 from rtgen.project.compilation import Compilation

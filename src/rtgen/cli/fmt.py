@@ -137,7 +137,7 @@ def _content(path: Path) -> bytes:
 
 def _print(changes: list[Change], as_diff: bool) -> None:
     if as_diff:
-        from rtgen.cli.diffs import diff
+        from rtgen.cli.compiling.diffs import diff
 
         write_out(diff(changes))
     else:

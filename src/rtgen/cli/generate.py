@@ -13,8 +13,8 @@ from rtgen.cli.common import (
     with_output,
     with_target,
 )
-from rtgen.cli.generation import Request, generate_once
-from rtgen.cli.stages import with_stages
+from rtgen.cli.compiling.generation import Request, generate_once
+from rtgen.cli.compiling.stages import with_stages
 
 
 @click.command()
@@ -63,7 +63,7 @@ def generate(
         only_diff=only_diff,
     )
     if watching:
-        from rtgen.cli.watch import watch
+        from rtgen.cli.compiling.watch import watch
 
         return watch(console, request)
     return generate_once(console, request)[0]

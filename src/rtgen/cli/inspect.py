@@ -7,7 +7,6 @@ from pathlib import Path
 
 import click
 
-from rtgen.cli import cached
 from rtgen.cli.common import (
     BAD_INPUT,
     OK,
@@ -20,7 +19,8 @@ from rtgen.cli.common import (
     with_node_id,
     write_out,
 )
-from rtgen.cli.stages import with_stages
+from rtgen.cli.compiling import cached
+from rtgen.cli.compiling.stages import with_stages
 from rtgen.project import cache, is_component_profile, is_system
 
 

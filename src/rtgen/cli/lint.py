@@ -19,8 +19,8 @@ from rtgen.cli.common import (
     with_definitions,
     write_out,
 )
-from rtgen.cli.fixing import changed_files
-from rtgen.cli.stages import with_stages
+from rtgen.cli.compiling.fixing import changed_files
+from rtgen.cli.compiling.stages import with_stages
 from rtgen.diagnostics import (
     Diagnostic,
     InputError,
@@ -122,7 +122,7 @@ def _findings(
 
 
 def _print_fixes(project: Project, found: Sequence[Diagnostic]) -> int:
-    from rtgen.cli.diffs import diff
+    from rtgen.cli.compiling.diffs import diff
 
     changes = changed_files(project, found)
     write_out(diff(changes))

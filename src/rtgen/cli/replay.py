@@ -13,8 +13,6 @@ import click
 from msgspec.structs import replace
 
 from rtgen import runtime
-from rtgen.cli import partition
-from rtgen.cli.assembly import assemble
 from rtgen.cli.common import (
     BAD_INPUT,
     NO,
@@ -25,15 +23,22 @@ from rtgen.cli.common import (
     with_console,
     write_out,
 )
-from rtgen.cli.factories import Factories, Factory
-from rtgen.cli.failures import FailureOptions, FailureReport, logged, with_failures
-from rtgen.cli.interrupts import ending
 from rtgen.cli.log.common import reported
-from rtgen.cli.pace import RATE, Pace, pace
-from rtgen.cli.recording import opened
-from rtgen.cli.recording_options import RecordingOptions, with_recording
-from rtgen.cli.run_view import View
-from rtgen.cli.summary import summary
+from rtgen.cli.running import partition
+from rtgen.cli.running.assembly import assemble
+from rtgen.cli.running.factories import Factories, Factory
+from rtgen.cli.running.failures import (
+    FailureOptions,
+    FailureReport,
+    logged,
+    with_failures,
+)
+from rtgen.cli.running.interrupts import ending
+from rtgen.cli.running.pace import RATE, Pace, pace
+from rtgen.cli.running.recording_options import RecordingOptions, with_recording
+from rtgen.cli.running.run_view import View
+from rtgen.cli.running.summary import summary
+from rtgen.cli.running.trajectory import opened
 from rtgen.diagnostics import Span, has_errors, in_order
 from rtgen.model import Connection, PortReference, System, SystemComponent
 from rtgen.project import Project, load_around

@@ -11,8 +11,6 @@ from pathlib import Path
 import click
 
 from rtgen import runtime
-from rtgen.cli import foreign, partition, supervision, transports
-from rtgen.cli.assembly import assemble
 from rtgen.cli.common import (
     BAD_INPUT,
     NO,
@@ -23,24 +21,31 @@ from rtgen.cli.common import (
     with_console,
     write_out,
 )
-from rtgen.cli.curves import Curves, divided, draw_curves, write_curves
-from rtgen.cli.factories import Factories
-from rtgen.cli.failures import FailureOptions, FailureReport, logged, with_failures
-from rtgen.cli.interrupts import ending
-from rtgen.cli.live_options import LiveOptions, with_live
-from rtgen.cli.progress import Progress, progress
-from rtgen.cli.recording import (
+from rtgen.cli.running import foreign, partition, supervision, transports
+from rtgen.cli.running.assembly import assemble
+from rtgen.cli.running.curves import Curves, divided, draw_curves, write_curves
+from rtgen.cli.running.factories import Factories
+from rtgen.cli.running.failures import (
+    FailureOptions,
+    FailureReport,
+    logged,
+    with_failures,
+)
+from rtgen.cli.running.interrupts import ending
+from rtgen.cli.running.live_options import LiveOptions, with_live
+from rtgen.cli.running.progress import Progress, progress
+from rtgen.cli.running.recording_options import RecordingOptions, with_recording
+from rtgen.cli.running.ros2 import join, with_ros2
+from rtgen.cli.running.run_view import View, name_of
+from rtgen.cli.running.summary import summary
+from rtgen.cli.running.trajectory import (
     Sample,
     check_picture,
     draw,
     opened,
     write_csv,
 )
-from rtgen.cli.recording_options import RecordingOptions, with_recording
-from rtgen.cli.ros2 import join, with_ros2
-from rtgen.cli.run_view import View, name_of
-from rtgen.cli.summary import summary
-from rtgen.cli.transports import TransportOptions, with_transport
+from rtgen.cli.running.transports import TransportOptions, with_transport
 from rtgen.diagnostics import InputError, ToolError, has_errors, in_order
 from rtgen.model import System
 from rtgen.project import load_around

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 import click
 
 from rtgen import runtime
-from rtgen.cli.assembly import add_component, assemble
 from rtgen.cli.common import (
     OK,
     Console,
@@ -25,12 +24,13 @@ from rtgen.cli.common import (
     with_console,
     write_out,
 )
-from rtgen.cli.factories import Factories, FactoryImportError
-from rtgen.cli.failures import FailureOptions, FailureReport
-from rtgen.cli.foreign import named
-from rtgen.cli.known_types import KnownTypes
-from rtgen.cli.partition import alone, steps_here
-from rtgen.cli.recording_options import RecordingOptions, with_recording
+from rtgen.cli.components.known_types import KnownTypes
+from rtgen.cli.running.assembly import add_component, assemble
+from rtgen.cli.running.factories import Factories, FactoryImportError
+from rtgen.cli.running.failures import FailureOptions, FailureReport
+from rtgen.cli.running.foreign import named
+from rtgen.cli.running.partition import alone, steps_here
+from rtgen.cli.running.recording_options import RecordingOptions, with_recording
 from rtgen.diagnostics import InputError, ToolError, has_errors, in_order
 from rtgen.model import System, SystemComponent
 from rtgen.project import is_bus_file, load_around

@@ -14,8 +14,8 @@ from rtgen.recording.schemas import Schema, schema_of
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.marshalling.compiler import compiled
 from rtgen.runtime.marshalling.descriptors import Descriptor
-from rtgen.runtime.marshalling.formats import Format, UnsupportedError
-from rtgen.runtime.marshalling.trees import parts, tree_of
+from rtgen.runtime.marshalling.layouts.formats import Format, UnsupportedError
+from rtgen.runtime.marshalling.layouts.trees import parts, tree_of
 from rtgen.runtime.ports.data_ports import OutPort
 from rtgen.runtime.system.json_printers import json_printer
 from rtgen.runtime.system.observation import connection_change

@@ -16,11 +16,11 @@ import msgspec
 from msgspec import field as field
 
 from rtgen.runtime.marshalling.descriptors import register
+from rtgen.runtime.marshalling.dynamic.faults import decoding_error, encoding_error
 from rtgen.runtime.marshalling.equality import holds_numpy, same, same_members
 from rtgen.runtime.marshalling.errors import FAILURES
 from rtgen.runtime.marshalling.errors import Buffer as Buffer
 from rtgen.runtime.marshalling.errors import CdrError as CdrError
-from rtgen.runtime.marshalling.faults import decoding_error, encoding_error
 from rtgen.runtime.marshalling.octets import flags_number
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ class _Compiled:
 
     def _method(self, descriptor: Any) -> Any:
         from rtgen.runtime.marshalling.compiler import compiled
-        from rtgen.runtime.marshalling.formats import Format
+        from rtgen.runtime.marshalling.layouts.formats import Format
 
         if self._kind in ("_read_", "_write_"):
             return staticmethod(compiled(self._kind.strip("_"), descriptor))

@@ -25,14 +25,14 @@ _T = TypeVar("_T")
 
 def encoded(descriptor: Any, value: object, little_endian: bool) -> bytes:
     """Encode a value by its descriptor. Raises CdrError."""
-    from rtgen.runtime.marshalling import dynamic
+    from rtgen.runtime.marshalling.dynamic import values as dynamic
 
     return dynamic.encoded(descriptor, value, little_endian)
 
 
 def decoded(descriptor: Any, data: Buffer, little_endian: bool) -> Any:
     """Decode a value by its descriptor. Raises CdrError."""
-    from rtgen.runtime.marshalling import dynamic
+    from rtgen.runtime.marshalling.dynamic import values as dynamic
 
     return dynamic.decoded(descriptor, data, little_endian)
 

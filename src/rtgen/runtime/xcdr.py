@@ -12,9 +12,9 @@ from typing import Any, TypeVar
 
 from rtgen.runtime.marshalling.compiler import compiled
 from rtgen.runtime.marshalling.descriptors import DataType
-from rtgen.runtime.marshalling.envelopes import identifier
 from rtgen.runtime.marshalling.errors import Buffer, CdrError
-from rtgen.runtime.marshalling.formats import Format
+from rtgen.runtime.marshalling.layouts.envelopes import identifier
+from rtgen.runtime.marshalling.layouts.formats import Format
 
 _T = TypeVar("_T", bound=DataType)
 

@@ -14,7 +14,7 @@ from profile_rules import NAMESPACES, RULES, broken_rules
 from random_components import FILES
 from test_profile_round_trip import SPECS, Folder, declaration, told_of_profiles
 
-from rtgen.cli.component_text import component_idl
+from rtgen.cli.components.component_text import component_idl
 from rtgen.model import Struct
 
 ARM = """\

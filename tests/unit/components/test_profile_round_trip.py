@@ -14,7 +14,7 @@ from profile_rules import check_schema
 from random_components import FILES, Definition, definitions
 
 from rtgen import compiler
-from rtgen.cli.component_text import component_idl, component_profile
+from rtgen.cli.components.component_text import component_idl, component_profile
 from rtgen.diagnostics import Diagnostic, has_errors
 from rtgen.frontends import profile_yaml
 from rtgen.frontends.kit import located_xml

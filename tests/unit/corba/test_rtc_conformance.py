@@ -20,7 +20,7 @@ from omniORB import CORBA
 
 from rtgen import compile as compiled
 from rtgen.cli import run as rtgen
-from rtgen.cli.chosen_component import chosen
+from rtgen.cli.components.chosen_component import chosen
 from rtgen.cli.conformance.check import Permission
 from rtgen.cli.conformance.report import Report, Verdict
 from rtgen.cli.conformance.rtc.checks import CHECKS

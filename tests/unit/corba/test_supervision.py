@@ -17,7 +17,7 @@ pytest.importorskip("omniORB", reason="omniORBpy is not installed")
 from refrobots import checkpoints
 from rtgen.cli import run as rtgen
 from rtgen.cli.common import Refusal
-from rtgen.cli.supervision import divided
+from rtgen.cli.running.supervision import divided
 from rtgen.diagnostics import InputError, Span
 from rtgen.model import System, SystemComponent
 from rtgen.runtime import CheckpointFolder

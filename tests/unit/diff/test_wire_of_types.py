@@ -29,7 +29,7 @@ from rtgen.diff.changes import Change, Wire
 from rtgen.diff.declarations import compare_declarations
 from rtgen.diff.versions import Version
 from rtgen.runtime.cdr import CdrError
-from rtgen.runtime.marshalling.trees import has_headers
+from rtgen.runtime.marshalling.layouts.trees import has_headers
 
 ROOTS = ("Inner", "Choice", "Middle", "Outer")
 MAX_WITNESSES = 400

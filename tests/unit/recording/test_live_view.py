@@ -20,7 +20,8 @@ from websockets.typing import Subprotocol
 
 from refrobots._idl.canopen import ObjectDictionary, SdoAbort
 from refrobots.rtc import TimedLong
-from rtgen.cli import pace, run
+from rtgen.cli import run
+from rtgen.cli.running import pace
 from rtgen.recording import live_view
 from rtgen.recording.errors import RecordingError
 from rtgen.recording.live_services import RefusedError, services_of

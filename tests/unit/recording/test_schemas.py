@@ -21,7 +21,7 @@ from rtgen.runtime.marshalling.descriptors import (
     StructDescriptor,
     UnionDescriptor,
 )
-from rtgen.runtime.marshalling.trees import parts
+from rtgen.runtime.marshalling.layouts.trees import parts
 
 EVERYTHING = """
 module M {

@@ -13,7 +13,7 @@ from small_pipeline import Pipeline
 import rtgen
 from rtgen import plugins
 from rtgen.cli import run
-from rtgen.cli.cached import build
+from rtgen.cli.compiling.cached import build
 from rtgen.project import Project, cache, load, with_arguments
 from rtgen.project.compilation import Compilation
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
-from rtgen.cli.cached import build, inspect
+from rtgen.cli.compiling.cached import build, inspect
 from rtgen.compiler import read
 from rtgen.project import Project, cache, load, with_arguments
 

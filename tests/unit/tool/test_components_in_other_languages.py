@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from rtgen.cli import run
-from rtgen.cli.factories import Factories
+from rtgen.cli.running.factories import Factories
 from rtgen.project import load
 from rtgen.project.output import component_types
 

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from msgspec.structs import replace
 
-from rtgen.cli import partition
+from rtgen.cli.running import partition
 from rtgen.diagnostics import InputError, Span
 from rtgen.model import Connection, PortReference, System, SystemComponent
 from rtgen.systems.measures import parse

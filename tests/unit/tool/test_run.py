@@ -485,7 +485,7 @@ def test_files_that_cannot_be_written_end_it_before_the_run(
 def test_a_missing_extra_ends_it_before_the_run(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("rtgen.cli.recording.find_spec", lambda name: None)
+    monkeypatch.setattr("rtgen.cli.running.trajectory.find_spec", lambda name: None)
     assert rtgen(["run", "m.xml", "--plot", "x.svg"]) == 3
     assert "pip install 'rtgen[plot]'" in capfd.readouterr().err
 

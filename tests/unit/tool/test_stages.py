@@ -16,9 +16,9 @@ from small_pipeline import Pipeline
 
 from rtgen import stages
 from rtgen.cli import run
-from rtgen.cli import stages as shown_stages
-from rtgen.cli.stage_progress import StageProgress
-from rtgen.cli.stage_times import StageTimes
+from rtgen.cli.compiling import stages as shown_stages
+from rtgen.cli.compiling.stage_progress import StageProgress
+from rtgen.cli.compiling.stage_times import StageTimes
 
 MS = 1_000_000
 GENERATE = ["generate", "a.idl", "b.idl"]
@@ -103,7 +103,7 @@ def test_nothing_is_observed_outside() -> None:
 def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return a folder with a struct, and a cache of its own."""
     monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
-    monkeypatch.setattr("rtgen.cli.stage_times._MIN_NS", 0)
+    monkeypatch.setattr("rtgen.cli.compiling.stage_times._MIN_NS", 0)
     work = tmp_path / "work"
     work.mkdir()
     monkeypatch.chdir(work)

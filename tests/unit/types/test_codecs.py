@@ -24,9 +24,9 @@ from rtgen.runtime.marshalling.descriptors import (
     SequenceDescriptor,
     StructDescriptor,
 )
-from rtgen.runtime.marshalling.dynamic import encoded
-from rtgen.runtime.marshalling.reader import Reader
-from rtgen.runtime.marshalling.shapes import SHAPES_KEPT
+from rtgen.runtime.marshalling.dynamic.reader import Reader
+from rtgen.runtime.marshalling.dynamic.values import encoded
+from rtgen.runtime.marshalling.layouts.shapes import SHAPES_KEPT
 from rtgen.runtime.values import AnyValue
 
 CASE = Path(__file__).with_name("constructs.idl")

@@ -11,7 +11,7 @@ import emitted
 import pytest
 
 from rtgen.runtime.marshalling.compiler import compiled
-from rtgen.runtime.marshalling.formats import CLASSIC, Format
+from rtgen.runtime.marshalling.layouts.formats import CLASSIC, Format
 
 GOLDEN = Path(__file__).parents[2] / "golden" / "codecs"
 PRINTED = {

@@ -26,11 +26,11 @@ from rtgen.runtime.marshalling.descriptors import (
     StructDescriptor,
     plain,
 )
-from rtgen.runtime.marshalling.direct import compiled_class
-from rtgen.runtime.marshalling.dynamic import decoded, encoded
+from rtgen.runtime.marshalling.dynamic.direct import compiled_class
+from rtgen.runtime.marshalling.dynamic.reader import Reader
+from rtgen.runtime.marshalling.dynamic.values import decoded, encoded
+from rtgen.runtime.marshalling.dynamic.writer import Output, Writer
 from rtgen.runtime.marshalling.octets import ObjectReference
-from rtgen.runtime.marshalling.reader import Reader
-from rtgen.runtime.marshalling.writer import Output, Writer
 from rtgen.runtime.system.json_printers import plain as plain_sample
 from rtgen.runtime.values import (
     AnyValue,

@@ -19,7 +19,7 @@ from rtgen.runtime.marshalling.descriptors import (
     Descriptor,
     PrimitiveDescriptor,
 )
-from rtgen.runtime.marshalling.dynamic import decoded, encoded
+from rtgen.runtime.marshalling.dynamic.values import decoded, encoded
 
 MODULES = 4
 TYPES = 40

@@ -5,8 +5,8 @@ import pytest
 from refrobots import iis, rtc
 from rtgen.facts.numeric import LONGEST_LIST
 from rtgen.runtime.cdr import CdrError
-from rtgen.runtime.marshalling import repeated
 from rtgen.runtime.marshalling.compiler import CLASSIC, compiled
+from rtgen.runtime.marshalling.source import repeated
 
 
 @pytest.fixture

@@ -21,11 +21,11 @@ from rtgen.runtime.marshalling.descriptors import (
     InterfaceDescriptor,
     PrimitiveDescriptor,
 )
+from rtgen.runtime.marshalling.dynamic.octet_reader import Input, OctetReader
+from rtgen.runtime.marshalling.dynamic.reader import Reader, read_dynamic
+from rtgen.runtime.marshalling.dynamic.writer import Output, Writer, write_dynamic
 from rtgen.runtime.marshalling.errors import LOCATED, Fault
-from rtgen.runtime.marshalling.octet_reader import Input, OctetReader
 from rtgen.runtime.marshalling.octets import ObjectReference
-from rtgen.runtime.marshalling.reader import Reader, read_dynamic
-from rtgen.runtime.marshalling.writer import Output, Writer, write_dynamic
 from rtgen.runtime.values import AnyValue, DynamicUnion, DynamicValue
 
 

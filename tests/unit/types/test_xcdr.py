@@ -18,8 +18,8 @@ from rtgen.frontends.idl import load
 from rtgen.runtime import idl
 from rtgen.runtime.cdr import Aggregated, CdrError, field
 from rtgen.runtime.marshalling.compiler import compiled
-from rtgen.runtime.marshalling.fault_search import fault_in_body
-from rtgen.runtime.marshalling.formats import Format
+from rtgen.runtime.marshalling.dynamic.fault_search import fault_in_body
+from rtgen.runtime.marshalling.layouts.formats import Format
 from rtgen.runtime.xcdr import (
     Representation,
     decode,

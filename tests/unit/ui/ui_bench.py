@@ -16,7 +16,7 @@ from patience import PATIENCE
 
 from rtgen import runtime
 from rtgen.cli.common import Console
-from rtgen.cli.recording_options import RecordingOptions
+from rtgen.cli.running.recording_options import RecordingOptions
 from rtgen.cli.ui import CommandProject
 from rtgen.ui.commands import Commands
 from rtgen.ui.outbox import Outbox

@@ -8,7 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from rtgen.cli.common import Refusal
-from rtgen.cli.recording import PICTURES, reproducible, save_picture
+from rtgen.cli.running.trajectory import PICTURES, reproducible, save_picture
 from rtgen.diagnostics import ToolError
 
 _WIDTH, _HEIGHT = 9.0, 2.6

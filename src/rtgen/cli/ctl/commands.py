@@ -62,7 +62,7 @@ def list_(console: Console, options: CtlOptions, as_json: bool) -> int:
     elif not states:
         console.say("no process of this system has a component")
     else:
-        from rtgen.cli.summary import table
+        from rtgen.cli.running.summary import table
 
         rows = [
             (name, _shown(state), str(state.ticks), str(state.overruns))

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rtgen import runtime
-from rtgen.cli import engines
 from rtgen.cli.common import BAD_INPUT, NO, Console, FiniteRange, ReportedError
-from rtgen.cli.engines import EngineOptions
+from rtgen.cli.running import engines
+from rtgen.cli.running.engines import EngineOptions
 from rtgen.cli.signals import terminable
 from rtgen.diagnostics import ToolError, has_errors
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import click
 
 from rtgen.cli.common import OK, Console, with_console, write_out
-from rtgen.cli.curves import write_curves
 from rtgen.cli.log.values import with_values
-from rtgen.cli.recording import opened
+from rtgen.cli.running.curves import write_curves
+from rtgen.cli.running.trajectory import opened
 
 
 @click.command("csv")

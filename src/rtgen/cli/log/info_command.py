@@ -11,7 +11,7 @@ import click
 
 from rtgen.cli.common import OK, Console, with_console, write_out
 from rtgen.cli.log.common import reported, source
-from rtgen.cli.summary import table
+from rtgen.cli.running.summary import table
 from rtgen.recording.events import Log
 from rtgen.recording.recorder import METADATA
 from rtgen.runtime.timing.clocks import SECOND

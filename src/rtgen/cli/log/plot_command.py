@@ -7,9 +7,9 @@ from pathlib import Path
 import click
 
 from rtgen.cli.common import OK, Console, with_console
-from rtgen.cli.curves import draw_curves
 from rtgen.cli.log.values import curves_of, with_values
-from rtgen.cli.recording import check_picture
+from rtgen.cli.running.curves import draw_curves
+from rtgen.cli.running.trajectory import check_picture
 
 
 @click.command("plot")

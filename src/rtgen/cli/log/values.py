@@ -8,8 +8,8 @@ from pathlib import Path
 
 import click
 
-from rtgen.cli.curves import Curve, Selection
 from rtgen.cli.log.common import reported
+from rtgen.cli.running.curves import Curve, Selection
 from rtgen.diagnostics import InputError
 from rtgen.recording.events import Log
 from rtgen.runtime.timing.clocks import SECOND

@@ -142,8 +142,8 @@ def _model(project: Project) -> Model:
 
 def _generate(console: Console, project: Project) -> None:
     """Generate what belongs to the new files. Raises ReportedError if there are errors."""
-    from rtgen.cli.cached import build
     from rtgen.cli.common import ReportedError
+    from rtgen.cli.compiling.cached import build
     from rtgen.project import output
 
     run = build(project, None)

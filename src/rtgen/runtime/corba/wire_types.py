@@ -45,7 +45,7 @@ from rtgen.runtime.marshalling.descriptors import (
     class_of,
     plain,
 )
-from rtgen.runtime.marshalling.forms import formed, listed
+from rtgen.runtime.marshalling.dynamic.forms import formed, listed
 from rtgen.runtime.marshalling.octets import (
     fixed_octets,
     wide_character,

@@ -31,7 +31,7 @@ from rtgen.runtime.distribution.qos import DEFAULT, qos_of, strongest
 from rtgen.runtime.errors import TransportError
 from rtgen.runtime.failures import log
 from rtgen.runtime.marshalling.compiler import compiled
-from rtgen.runtime.marshalling.formats import Format
+from rtgen.runtime.marshalling.layouts.formats import Format
 from rtgen.runtime.ports.data_ports import DataConnector, InPort, OutPort
 from rtgen.runtime.return_codes import PORT_OK, PortStatus
 from rtgen.runtime.services.transports import RemotePort

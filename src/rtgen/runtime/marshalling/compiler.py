@@ -12,11 +12,11 @@ from typing import Any
 
 from rtgen.runtime.marshalling.descriptors import StructDescriptor
 from rtgen.runtime.marshalling.errors import FAILURES, Buffer, CdrError, Fault
-from rtgen.runtime.marshalling.formats import CLASSIC, Format, UnsupportedError
-from rtgen.runtime.marshalling.functions import FUNCTIONS
-from rtgen.runtime.marshalling.references import References
-from rtgen.runtime.marshalling.text import entered
-from rtgen.runtime.marshalling.trees import can_evolve, unsupported
+from rtgen.runtime.marshalling.layouts.formats import CLASSIC, Format, UnsupportedError
+from rtgen.runtime.marshalling.layouts.trees import can_evolve, unsupported
+from rtgen.runtime.marshalling.source.functions import FUNCTIONS
+from rtgen.runtime.marshalling.source.references import References
+from rtgen.runtime.marshalling.source.text import entered
 
 _LOCK = RLock()
 
@@ -49,7 +49,7 @@ def decoded_again(
 
     Raises CdrError with the place of the error.
     """
-    from rtgen.runtime.marshalling.fault_search import fault_in_body
+    from rtgen.runtime.marshalling.dynamic.fault_search import fault_in_body
 
     descriptor = type_._descriptor_
     name = str(descriptor.name).rpartition("::")[2]

@@ -14,8 +14,8 @@ from typing import Any
 from rtgen.runtime.marshalling.compiler import compiled
 from rtgen.runtime.marshalling.descriptors import UnionDescriptor
 from rtgen.runtime.marshalling.errors import CdrError
-from rtgen.runtime.marshalling.formats import Format, UnsupportedError
-from rtgen.runtime.marshalling.nodes import (
+from rtgen.runtime.marshalling.layouts.formats import Format, UnsupportedError
+from rtgen.runtime.marshalling.layouts.nodes import (
     Atom,
     AtomArray,
     AtomSequence,
@@ -29,7 +29,7 @@ from rtgen.runtime.marshalling.nodes import (
     TextArray,
     TextSequence,
 )
-from rtgen.runtime.marshalling.trees import body_of, tree_of
+from rtgen.runtime.marshalling.layouts.trees import body_of, tree_of
 
 SIZE = 16
 """The size of a hash in octets."""

@@ -15,8 +15,8 @@ from rtgen.runtime.marshalling.descriptors import (
     plain,
 )
 from rtgen.runtime.marshalling.errors import Buffer
-from rtgen.runtime.marshalling.formats import CLASSIC
-from rtgen.runtime.marshalling.nodes import (
+from rtgen.runtime.marshalling.layouts.formats import CLASSIC
+from rtgen.runtime.marshalling.layouts.nodes import (
     Atom,
     AtomArray,
     Group,
@@ -25,8 +25,8 @@ from rtgen.runtime.marshalling.nodes import (
     TextArray,
     minimum_size,
 )
+from rtgen.runtime.marshalling.layouts.trees import tree_of
 from rtgen.runtime.marshalling.numeric import Order
-from rtgen.runtime.marshalling.trees import tree_of
 
 _NATIVE: Order = "<" if sys.byteorder == "little" else ">"
 

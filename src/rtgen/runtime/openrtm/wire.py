@@ -22,9 +22,9 @@ from rtgen.runtime.marshalling.descriptors import (
     PrimitiveDescriptor,
     StringDescriptor,
 )
+from rtgen.runtime.marshalling.dynamic.reader import Reader
+from rtgen.runtime.marshalling.dynamic.writer import Output, Writer
 from rtgen.runtime.marshalling.numeric import NumericArray
-from rtgen.runtime.marshalling.reader import Reader
-from rtgen.runtime.marshalling.writer import Output, Writer
 from rtgen.runtime.openrtm.stubs import StubsMissingError
 from rtgen.runtime.services.servants import ObjectNotExist
 from rtgen.runtime.values import decoded, encoded

@@ -11,8 +11,8 @@ from typing import Any
 from omniORB import CORBA
 
 from rtgen import compiler
-from rtgen.cli.chosen_component import chosen
 from rtgen.cli.common import Refusal
+from rtgen.cli.components.chosen_component import chosen
 from rtgen.cli.conformance.check import Permission
 from rtgen.cli.conformance.report import Report
 from rtgen.cli.conformance.rtc.checks import CHECKS

@@ -1,0 +1,1 @@
+"""Parts of commands that compile definitions: the cache, one run, watching, progress."""

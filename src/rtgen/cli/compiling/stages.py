@@ -1,0 +1,96 @@
+"""Stages of a run as shown by commands: durations with `-v`, progress on a terminal."""
+
+from __future__ import annotations
+
+import functools
+import os
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, replace
+from typing import Concatenate, ParamSpec
+
+import click
+
+from rtgen import stages
+from rtgen.cli.common import Console
+
+P = ParamSpec("P")
+
+LONG_S = 1.0
+"""Duration of work after which its progress is shown [s]."""
+
+
+def with_stages(
+    function: Callable[Concatenate[Console, P], int],
+) -> Callable[..., int]:
+    """Add -v, and show the stages of the run; place it below `with_console`."""
+
+    @click.option(
+        "-v",
+        "--verbose",
+        "verbose",
+        is_flag=True,
+        help="Print the time of each stage on standard error.",
+    )
+    @functools.wraps(function)
+    def wrapped(
+        console: Console, /, verbose: bool, *args: P.args, **kwargs: P.kwargs
+    ) -> int:
+        console = replace(console, verbose=verbose)
+        with shown(console):
+            return function(console, *args, **kwargs)
+
+    return wrapped
+
+
+@contextmanager
+def shown(console: Console) -> Iterator[None]:
+    """Show progress of stages within the block, and their durations afterwards if requested."""
+    with ExitStack() as stack:
+        observers: list[stages.Observer] = []
+        if console.verbose:
+            from rtgen.cli.compiling.stage_times import StageTimes
+
+            times = StageTimes()
+            observers.append(times)
+            stack.callback(lambda: console.say(times.table()))
+        if _shows_progress(console):
+            from rtgen.cli.compiling.stage_progress import StageProgress
+
+            progress = StageProgress(LONG_S)
+            observers.append(progress)
+            stack.callback(progress.close)
+        if observers:
+            stack.enter_context(stages.observed(_All(observers)))
+        yield
+
+
+@dataclass(frozen=True, slots=True)
+class _All:
+    """Several observers."""
+
+    observers: Sequence[stages.Observer]
+
+    def begin(self, stage: str) -> None:
+        for each in self.observers:
+            each.begin(stage)
+
+    def end(self) -> None:
+        for each in self.observers:
+            each.end()
+
+    def file(self, name: str) -> None:
+        for each in self.observers:
+            each.file(name)
+
+    def note(self, text: str) -> None:
+        for each in self.observers:
+            each.note(text)
+
+
+def _shows_progress(console: Console) -> bool:
+    """Return whether to show progress: standard error is a terminal, not a CI log."""
+    plain = os.environ.get("CI") or os.environ.get("TERM") == "dumb"
+    talks = console.form == "text" and not console.quiet
+    return talks and not plain and sys.stderr.isatty()

@@ -1,0 +1,1 @@
+"""Components of definitions and foreign modules, as commands read and print them."""

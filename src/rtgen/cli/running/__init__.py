@@ -1,0 +1,1 @@
+"""Parts of `rtgen run` and its relatives: a system is built, run, reported on and recorded."""

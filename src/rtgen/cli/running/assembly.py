@@ -1,0 +1,398 @@
+"""Builds a runnable system from the model: components, configuration, connections, start."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from msgspec.structs import replace
+
+from rtgen import runtime
+from rtgen.cli.common import BAD_INPUT, FAILED, Console, ReportedError
+from rtgen.cli.running.factories import Factories, FactoryImportError
+from rtgen.cli.running.failures import FailureOptions, FailureReport
+from rtgen.diagnostics import (
+    Diagnostic,
+    InputError,
+    Rule,
+    Span,
+    ToolError,
+    has_errors,
+)
+from rtgen.facts.connector_properties import own_properties
+from rtgen.facts.openrtm_ports import IN, OUT, SERVICE, registered_names
+from rtgen.frontends.kit.suggestions import nearest
+from rtgen.model import Connection, System, SystemComponent
+from rtgen.runtime.rtc.conf_file import read as read_conf
+from rtgen.runtime.services.transports import ForeignTransport
+from rtgen.runtime.system.watchdog import calling
+from rtgen.systems.rules import (
+    CONNECTION,
+    NO_COMPONENT,
+    PARAMETER,
+    TIMELINE,
+    UNKNOWN_TYPE,
+)
+from rtgen.systems.timeline import (
+    SECOND,
+    Action,
+    Ask,
+    Connect,
+    Disconnect,
+    SetParameter,
+    Step,
+)
+from rtgen.typemap.openrtm_ports import InstancePorts, with_definition_names
+
+if TYPE_CHECKING:
+    from rtgen.runtime.services.transports import ProcessTransport
+
+_MILLISECOND = 1_000_000
+_POLL_PERIOD = 20 * _MILLISECOND
+
+
+def assemble(
+    profile: System,
+    factories: Factories,
+    clock: runtime.Clock,
+    settings: Sequence[SetParameter],
+    steps: Sequence[Step],
+    transport: ProcessTransport | None = None,
+    patience: float = 0.0,
+    report: FailureReport | None = None,
+    prepare: Callable[[runtime.System], None] | None = None,
+    checkpoints: runtime.CheckpointFolder | None = None,
+) -> runtime.System:
+    """Assemble the system: all components INACTIVE, their start scheduled on its timeline.
+
+    A component that calls providers of other processes is activated once the components before it
+    in the order of activation are ACTIVE, after `patience` [s] at the latest. `prepare` is called
+    when all components are added, before they are connected. Raises InputError with all
+    inconsistencies, ToolError if a factory cannot be loaded or the transport fails.
+    """
+    findings = [
+        UNKNOWN_TYPE.at(
+            c.span,
+            f"no factory for the type {c.type!r} of {c.instance}",
+            hint=factories.hint(c.type),
+        )
+        for c in profile.components
+        if c.type not in factories
+    ]
+    _raise_if_any(findings)
+    report = report or FailureReport(Console("text", False, False), FailureOptions())
+    system = runtime.System(clock, transport, checkpoints)
+    system.on_failure = report
+    try:
+        _add_all(system, profile, factories, settings, report)
+        if prepare is not None:
+            prepare(system)
+        _fill(system, profile, steps, transport, patience)
+    except BaseException:
+        system.close()
+        raise
+    return system
+
+
+def _add_all(
+    system: runtime.System,
+    profile: System,
+    factories: Factories,
+    settings: Sequence[SetParameter],
+    report: FailureReport,
+) -> None:
+    """Add the components to the system. Raises as `assemble` does."""
+    findings: list[Diagnostic] = []
+    folder = Path(profile.file).absolute().parent
+    for c in profile.components:
+        findings += _add(
+            system,
+            c,
+            factories,
+            folder,
+            [s for s in settings if s.instance == c.instance],
+            report,
+        )
+    _raise_if_any(findings)
+    if report.interrupt is not None:
+        raise report.interrupt
+    if report.raised:
+        raise ReportedError(BAD_INPUT)
+
+
+def add_component(
+    system: runtime.System,
+    component: SystemComponent,
+    factories: Factories,
+    folder: Path,
+    report: FailureReport,
+) -> None:
+    """Add a component to a system, which may be running. Raises as `assemble` does."""
+    if component.type not in factories:
+        hint = factories.hint(component.type)
+        message = f"no factory for the type {component.type!r}"
+        raise InputError([UNKNOWN_TYPE.at(component.span, message, hint=hint)])
+    _raise_if_any([*_add(system, component, factories, folder, (), report)])
+    if report.raised:
+        raise ReportedError(BAD_INPUT)
+
+
+def _fill(
+    system: runtime.System,
+    profile: System,
+    steps: Sequence[Step],
+    transport: ProcessTransport | None,
+    patience: float,
+) -> None:
+    """Add connections and timeline to the system. Raises as `assemble` does."""
+    findings: list[Diagnostic] = []
+    profile = with_definition_names(
+        profile, {name: _ports(system.component(name)) for name in system.instances}
+    )
+    for connection in profile.connections:
+        action = Connect(
+            connection.name,
+            connection.source,
+            connection.target,
+            own_properties(connection.properties),
+        )
+        span, hint = _failed_end(system, connection)
+        found = _findings(CONNECTION, span, _performing(system, action))
+        findings += (replace(finding, hint=hint) for finding in found)
+    for step in steps:
+        if isinstance(step.action, SetParameter):
+            findings += _findings(PARAMETER, step.span, _checking(system, step.action))
+    _raise_if_any(findings)
+    before: list[str] = []
+    for time, instance in _start(profile, system):
+        if instance in system.instances:
+            activate = _performing(system, Ask("activate", instance))
+            if transport is not None and before:
+                is_ready = partial(transport.is_ready, instance, tuple(before))
+                activate = _when(system, is_ready, activate, patience)
+            system.at(time, activate)
+        elif profile.activation:
+            before.append(instance)
+            if isinstance(transport, ForeignTransport) and transport.reaches(instance):
+                activate = partial(transport.activate_foreign, instance)
+                system.at(time, _reporting(activate))
+    for step in steps:
+        system.at(step.time, _with_place(step, _performing(system, step.action)))
+
+
+def _ports(component: runtime.Component) -> InstancePorts:
+    """Return the port names of a component, and the types of its interfaces."""
+    providers, consumers = component.providers, component.consumers
+    keys = [
+        *((IN, name) for name in component.in_ports),
+        *((OUT, name) for name in component.out_ports),
+        *((SERVICE, port) for port, _ in (*providers, *consumers)),
+    ]
+    interfaces = [
+        *((p, "provided", i, each.interface) for (p, i), each in providers.items()),
+        *((p, "required", i, each.interface) for (p, i), each in consumers.items()),
+    ]
+    return InstancePorts(
+        registered_names(keys),
+        {
+            (port, polarity, instance): interface._descriptor_.name
+            for port, polarity, instance, interface in interfaces
+        },
+    )
+
+
+def _failed_end(
+    system: runtime.System, connection: Connection
+) -> tuple[Span, str | None]:
+    """Return the place of a failed connection's error, the end without port, and a suggestion."""
+    for end in (connection.source, connection.target):
+        if end.instance not in system.instances:
+            continue
+        component = system.component(end.instance)
+        services = (*component.providers, *component.consumers)
+        names = {
+            *component.in_ports,
+            *component.out_ports,
+            *(port for port, _ in services),
+        }
+        if end.port not in names and end.span is not None:
+            near = nearest(end.port, sorted(names))
+            return end.span, f"did you mean {near}?" if near else None
+    return connection.span, None
+
+
+def _raise_if_any(findings: Sequence[Diagnostic]) -> None:
+    if has_errors(findings):
+        raise InputError(findings)
+
+
+def _findings(
+    rule: Rule, span: Span | None, action: Callable[[], object]
+) -> Iterator[Diagnostic]:
+    """Yield diagnostics for the runtime's errors in an action."""
+    try:
+        action()
+    except runtime.TransportError as error:
+        raise ToolError(str(error)) from error
+    except runtime.RtcError as error:
+        yield rule.at(span, str(error))
+
+
+def _add(
+    system: runtime.System,
+    c: SystemComponent,
+    factories: Factories,
+    folder: Path,
+    settings: Iterable[SetParameter],
+    report: FailureReport,
+) -> Iterator[Diagnostic]:
+    try:
+        factory = factories[c.type]
+    except FactoryImportError as failed:
+        report.cannot_import(failed, c.span)
+        raise ReportedError(FAILED) from failed
+    try:
+        component = calling(c.instance, "__init__", factory, c.instance)
+    except BaseException as error:
+        report.cannot_make(c.instance, "__init__", error, c.span)
+        return
+    if not isinstance(component, runtime.Component):
+        yield NO_COMPONENT.at(c.span, f"the factory of {c.type} gives no component")
+        return
+    component.folder = folder
+    findings = [*_configure(component, c, folder, settings)]
+    yield from findings
+    if not findings:
+        try:
+            system.add(component, c.rate)
+        except runtime.InitializationError as error:
+            if error.__cause__ is None:
+                yield NO_COMPONENT.at(c.span, str(error))
+            else:
+                report.cannot_make(c.instance, "on_initialize", error.__cause__, c.span)
+        except (runtime.TransportError, runtime.CheckpointError) as error:
+            raise ToolError(str(error)) from error
+        except runtime.RtcError as error:
+            yield NO_COMPONENT.at(c.span, str(error))
+
+
+def _configure(
+    component: runtime.Component,
+    c: SystemComponent,
+    folder: Path,
+    settings: Iterable[SetParameter],
+) -> Iterator[Diagnostic]:
+    """Apply configuration values; later sources override earlier ones."""
+    sets = component.configuration_sets
+    for name in dict.fromkeys((c.type, c.instance)):
+        file = folder / f"{name}.conf"
+        if file.is_file():
+            yield from _findings(PARAMETER, None, partial(_load_conf, sets, file))
+    wrong: set[str] = set()
+    for set_id, pairs in c.parameter_sets:
+        for parameter, text in pairs:
+            span = c.places.get((set_id, parameter), c.span)
+            change = partial(sets.set, parameter, text, set_id)
+            if found := [*_findings(PARAMETER, span, change)]:
+                wrong.add(set_id)
+                yield from found
+    # a set without a valid value is not created
+    if any(pairs for _, pairs in c.parameter_sets) and c.active_set not in wrong:
+        yield from _findings(PARAMETER, c.span, partial(sets.activate, c.active_set))
+    for setting in settings:
+        change = partial(sets.set, setting.parameter, setting.text, sets.active)
+        yield from _findings(PARAMETER, None, change)
+
+
+def _load_conf(sets: runtime.ConfigurationSets, file: Path) -> None:
+    sets.load(read_conf(file))
+
+
+def _start(profile: System, system: runtime.System) -> Iterator[tuple[int, str]]:
+    """Yield the activation times in ns; all components start at 0 unless the profile has an order.
+
+    At the same time, providers of services are activated before their consumers.
+    """
+    instants: dict[int, list[str]] = {}
+    if not profile.activation:
+        instants[0] = [c.instance for c in profile.components]
+    time = 0
+    for step in profile.activation:
+        time += step.wait_ms * _MILLISECOND
+        instants.setdefault(time, []).append(step.instance)
+    for instant, instances in instants.items():
+        yield from ((instant, name) for name in system.activation_order(instances))
+
+
+def _when(
+    system: runtime.System,
+    condition: Callable[[], bool],
+    action: Callable[[], None],
+    patience: float,
+) -> Callable[[], None]:
+    """Postpone the action until the condition holds, for at most `patience` seconds."""
+    latest: int | None = None
+
+    def perform() -> None:
+        nonlocal latest
+        now = system.time
+        latest = now + round(patience * SECOND) if latest is None else latest
+        if now < latest and not condition():
+            system.at(now + _POLL_PERIOD, perform)
+        else:
+            action()
+
+    return perform
+
+
+def _checking(system: runtime.System, action: SetParameter) -> Callable[[], object]:
+    sets = system.component(action.instance).configuration_sets
+    return partial(sets.check, action.parameter, action.text)
+
+
+def _performing(
+    system: runtime.System,
+    action: Action,
+) -> Callable[[], None]:
+    def perform() -> None:
+        match action:
+            case Ask("activate"):
+                system.activate(action.instance)
+            case Ask("deactivate"):
+                system.deactivate(action.instance)
+            case Ask("reset"):
+                system.reset(action.instance)
+            case Connect(name, source, target, properties):
+                ends = (source.instance, source.port), (target.instance, target.port)
+                system.connect(*ends, properties, name)
+            case Disconnect():
+                system.disconnect(action.name)
+            case SetParameter():
+                sets = system.component(action.instance).configuration_sets
+                system.configure(
+                    action.instance, action.parameter, action.text, sets.active
+                )
+
+    return perform
+
+
+def _reporting(action: Callable[[], None]) -> Callable[[], None]:
+    """Return the action, with errors of the transport turned into ToolErrors."""
+
+    def perform() -> None:
+        _raise_if_any([*_findings(CONNECTION, None, action)])
+
+    return perform
+
+
+def _with_place(step: Step, action: Callable[[], None]) -> Callable[[], None]:
+    """Return the action, with errors of the runtime turned into diagnostics at the step's place."""
+
+    def perform() -> None:
+        findings = [*_findings(TIMELINE, step.span, action)]
+        if findings:
+            raise InputError(findings)
+
+    return perform

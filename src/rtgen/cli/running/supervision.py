@@ -1,0 +1,345 @@
+"""`rtgen run --supervise`: a process for each group of components, restarted when it fails."""
+
+from __future__ import annotations
+
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from itertools import chain
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+import click
+
+from rtgen.cli.common import BAD_INPUT, NO, OK, Console, Refusal
+from rtgen.cli.running import partition
+from rtgen.cli.running.transports import TAKES
+from rtgen.cli.signals import terminable
+from rtgen.diagnostics import ToolError
+from rtgen.model import System
+from rtgen.runtime.errors import TransportError
+from rtgen.systems.rules import NOTICE
+from rtgen.systems.timeline import Condition
+
+if TYPE_CHECKING:
+    from rtgen.runtime.corba.name_server import NameServer
+
+_FIRST_DELAY, _MAX_DELAY = 0.5, 10.0
+"""First and longest delay before a restart in seconds; it doubles each time."""
+_STEADY = 60.0
+"""Seconds of running after which earlier failures of a process are forgotten."""
+_POLL_INTERVAL = 0.05
+_SHUTDOWN_TIMEOUT = 15.0
+"""Seconds that a process has for an orderly shutdown."""
+
+_NOT_PASSED_ON = frozenset(
+    {"system", "clock", "until", "settings", "nameserver", "form", "colour"}
+    | {"supervise", "groups", "restarts", "quiet"}
+)
+"""Options of `rtgen run` that are compatible with `--supervise`, but not passed on unchanged."""
+_COMPATIBLE = (
+    _NOT_PASSED_ON
+    | {"timeline_file", "verbose", "transport", "checkpoints"}
+    | {*chain(*TAKES.values())}
+) - {"only"}
+"""All options that are compatible with it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Policy:
+    """Restart policy: a failed process is restarted up to `restarts` times in a row."""
+
+    restart: bool
+    restarts: int
+
+
+@dataclass(slots=True)
+class Worker:
+    """The process of a group of components."""
+
+    name: str
+    command: Sequence[str]
+    decides: bool
+    """Whether the run ends if this process ends by itself."""
+    process: subprocess.Popen[str] | None = None
+    begun: float = 0.0
+    failures: int = 0
+    due: float | None = None
+    done: bool = False
+    output: threading.Thread | None = field(default=None, repr=False)
+
+    @property
+    def runs(self) -> bool:
+        """Whether the process is running."""
+        return self.process is not None and self.process.poll() is None
+
+
+def divided(
+    profile: System, groups: Sequence[str], outside: Sequence[str]
+) -> list[frozenset[str]]:
+    """Return the groups of instances; an ungrouped instance is a group of its own.
+
+    Raises InputError for an unknown instance, Refusal for one in two groups.
+    """
+    found = [partition.named(group, profile, outside) for group in groups]
+    for number, group in enumerate(found):
+        for other in found[:number]:
+            if twice := sorted(group & other):
+                raise Refusal(f"--group: {', '.join(twice)} is in two groups")
+    grouped = frozenset().union(*found)
+    rest = [c.instance for c in profile.components]
+    return found + [frozenset([n]) for n in rest if n not in grouped | {*outside}]
+
+
+def check_options(context: click.Context) -> None:
+    """Raise Refusal for an option that is incompatible with `--supervise`."""
+    for parameter in context.command.params:
+        name = parameter.name or ""
+        source = context.get_parameter_source(name)
+        if source is click.core.ParameterSource.COMMANDLINE and name not in _COMPATIBLE:
+            raise Refusal(f"--supervise does not go with {parameter.opts[-1]}")
+
+
+def handed_on(context: click.Context) -> list[str]:
+    """Return the options that each process gets unchanged."""
+    words: list[str] = []
+    for parameter in context.command.params:
+        name = parameter.name or ""
+        source = context.get_parameter_source(name)
+        if (
+            source is not click.core.ParameterSource.COMMANDLINE
+            or name in _NOT_PASSED_ON
+        ):
+            continue
+        value = context.params.get(name)
+        text = ",".join(value) if isinstance(value, tuple) else str(value)
+        is_flag = isinstance(parameter, click.Option) and (
+            parameter.is_flag or parameter.count
+        )
+        words += (
+            [parameter.opts[-1]] * int(value or 0)
+            if is_flag
+            else [parameter.opts[-1], text]
+        )
+    return words
+
+
+def commands(
+    system: str,
+    profile: System,
+    groups: Sequence[frozenset[str]],
+    condition: Condition,
+    until: str | None,
+    settings: Sequence[tuple[str, str]],
+    more: Sequence[str],
+) -> list[Worker]:
+    """Return the processes; `settings` are pairs of an instance and the text of its `--set`."""
+    order = [c.instance for c in profile.components]
+    made = []
+    for group in groups:
+        names = [name for name in order if name in group]
+        command = [sys.executable, "-m", "rtgen", "run", system, "--clock", "real"]
+        command += ["--only", ",".join(names), *more]
+        if until is not None and (
+            condition.instance is None or condition.instance in group
+        ):
+            command += ["--until", until]
+        for instance, text in settings:
+            command += ["--set", text] if instance in group else []
+        decides = condition.instance in group
+        made.append(
+            Worker(names[0] if len(names) == 1 else ",".join(names), command, decides)
+        )
+    return made
+
+
+class Supervisor:
+    """Starts processes, reports their ends, and restarts them."""
+
+    def __init__(
+        self, workers: Sequence[Worker], policy: Policy, console: Console
+    ) -> None:
+        self._workers = workers
+        self._policy = policy
+        self._console = console
+        self._host = socket.gethostname()
+        self._condition = ""
+
+    def run(self) -> int:
+        """Supervise until the run ends, by itself or by a signal; return its exit code."""
+        code = NO
+        try:
+            with terminable():
+                for worker in self._workers:
+                    self._start(worker)
+                self._tell()
+                while (ended := self._look()) is None:
+                    time.sleep(_POLL_INTERVAL)
+                code = ended
+        except KeyboardInterrupt:
+            code = NO if self._lost else OK
+        finally:
+            self._end_all()
+        return code
+
+    def _start(self, worker: Worker) -> None:
+        worker.due = None
+        worker.begun = time.monotonic()
+        try:
+            worker.process = subprocess.Popen(
+                worker.command,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                stdin=subprocess.DEVNULL,
+                text=True,
+                errors="replace",
+                start_new_session=True,  # Only the supervisor handles Ctrl-C.
+            )
+        except OSError as error:
+            raise ToolError(f"{worker.name} cannot be started: {error}") from error
+        worker.output = threading.Thread(target=self._copy, args=(worker,), daemon=True)
+        worker.output.start()
+
+    def _copy(self, worker: Worker) -> None:
+        """Print a process's output, each line preceded by the name of its group."""
+        assert worker.process is not None
+        assert worker.process.stdout is not None
+        for line in worker.process.stdout:
+            if not self._console.quiet:
+                sys.stderr.write(f"{worker.name} | {line}")
+
+    def _look(self) -> int | None:
+        """Check all processes; return the exit code if the run has ended."""
+        now = time.monotonic()
+        for worker in self._workers:
+            if worker.due is not None and now >= worker.due:
+                self._start(worker)
+                self._tell()
+            code = None if worker.process is None else worker.process.poll()
+            if code is None or worker.done or worker.due is not None:
+                continue
+            if code == BAD_INPUT:
+                return BAD_INPUT
+            if code == OK:
+                worker.done = True
+                if worker.decides:
+                    return OK
+            else:
+                self._failed(worker, code, now)
+                self._tell()
+        if all(worker.done for worker in self._workers):
+            return NO if self._lost else OK
+        return None
+
+    def _failed(self, worker: Worker, code: int, now: float) -> None:
+        """Report that a process has failed, and schedule its restart."""
+        assert worker.process is not None
+        if now - worker.begun > _STEADY:
+            worker.failures = 0
+        worker.failures += 1
+        pause = min(_FIRST_DELAY * 2 ** (worker.failures - 1), _MAX_DELAY)
+        if not self._policy.restart:
+            follows = "it is not started again (--supervise never)"
+        elif worker.failures > self._policy.restarts:
+            follows = f"it is not started again after {self._policy.restarts} restarts"
+        else:
+            worker.due = now + pause
+            follows = f"it is started again in {pause:g} s"
+        worker.done = worker.due is None
+        message = (
+            f"{worker.name}: process {worker.process.pid} on {self._host} "
+            f"{_end_of(code)}; {follows}"
+        )
+        self._console.findings([NOTICE.at(None, message)])
+
+    @property
+    def _lost(self) -> list[Worker]:
+        """Processes that are not restarted."""
+        return [w for w in self._workers if w.done and w.process and w.process.poll()]
+
+    def _tell(self) -> None:
+        """Report the condition of the system if it has changed."""
+        lost = self._lost
+        down = [
+            w.name for w in self._workers if not w.runs and (not w.done or w in lost)
+        ]
+        condition = "complete"
+        if down:
+            condition = "failed" if lost else "degraded"
+            condition += f", without {', '.join(down)}"
+        if condition != self._condition:
+            self._condition = condition
+            self._console.say(f"condition: {condition}")
+
+    def _end_all(self) -> None:
+        """Shut the processes down; kill one that does not end."""
+        for worker in self._workers:
+            if worker.process is not None and worker.runs:
+                worker.process.send_signal(signal.SIGTERM)
+        deadline = time.monotonic() + _SHUTDOWN_TIMEOUT
+        for worker in self._workers:
+            if worker.process is None:
+                continue
+            try:
+                worker.process.wait(max(0.0, deadline - time.monotonic()))
+            except subprocess.TimeoutExpired:
+                worker.process.kill()
+                worker.process.wait()
+            if worker.output is not None:
+                worker.output.join()
+
+
+def _end_of(code: int) -> str:
+    if code >= 0:
+        return f"ended with exit code {code}"
+    try:
+        return f"was ended by {signal.Signals(-code).name}"
+    except ValueError:
+        return f"was ended by signal {-code}"
+
+
+def supervise(
+    workers: Callable[[Sequence[str]], Sequence[Worker]],
+    policy: Policy,
+    console: Console,
+    *,
+    transport: str,
+    nameserver: str | None,
+    checkpoints: str | None,
+) -> int:
+    """Run a system; `workers` returns its processes, given further options.
+
+    Without `nameserver`, a naming service for CORBA is started; without `checkpoints`, they are
+    kept until the run ends. Raises ToolError.
+    """
+    with ExitStack() as closing:
+        words: list[str] = []
+        if transport == "corba":
+            if nameserver is None:
+                nameserver = closing.enter_context(_name_server()).address
+            words = ["--nameserver", nameserver]
+            console.say(f"naming service: {nameserver}")
+        if checkpoints is None:
+            folder = closing.enter_context(TemporaryDirectory(prefix="rtgen-"))
+            words += ["--checkpoints", folder]
+        return Supervisor(workers(words), policy, console).run()
+
+
+def _name_server() -> NameServer:
+    try:
+        from rtgen.runtime.corba.name_server import NameServer
+
+        return NameServer()
+    except ImportError as error:
+        raise ToolError(
+            "--transport corba needs omniORBpy, which is not installed",
+            hint="pip install 'rtgen[corba]'",
+        ) from error
+    except TransportError as error:
+        raise ToolError(str(error)) from error

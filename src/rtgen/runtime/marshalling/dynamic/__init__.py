@@ -1,0 +1,1 @@
+"""Marshalling along descriptors: dynamic types, rare ones, and the location of faults."""

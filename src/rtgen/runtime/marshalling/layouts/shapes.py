@@ -1,0 +1,296 @@
+"""Tables of `struct` calls for the runs of a layout.
+
+A run is given as sections of tokens. `I`, `3d`, `*i` are `struct` codes: one, three, as many as the
+next count; `*48s/8` is 48 octets each, aligned to 8; `*z` is octets of which the last one, a
+string's NUL, is read separately. A leading `@4` says that the section starts at an offset of 4
+modulo 8; `=` that padding is fixed and the rest is a `struct` format; `!` that `struct` does not
+read the section. A negative count is a number of items that are packed as octets, or skipped when
+the section is read.
+"""
+
+from __future__ import annotations
+
+import re
+import struct
+import sys
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from struct import Struct
+from typing import Any, TypeAlias, TypeVar
+
+from rtgen.runtime.marshalling.errors import Buffer
+from rtgen.runtime.marshalling.layouts.envelopes import framing
+from rtgen.runtime.marshalling.layouts.layout import (
+    Run,
+)
+from rtgen.runtime.marshalling.layouts.nodes import (
+    Records,
+)
+
+_V = TypeVar("_V")
+_Reader: TypeAlias = tuple[Callable[..., tuple[Any, ...]], int]
+
+SHAPES_KEPT = 512
+"""Maximum number of cached shapes; a full table is cleared."""
+
+_TOKEN = re.compile(r"(\*?)(\d*)([a-zA-Z])(?:/(\d+))?(?: |$)")
+_SIZES = {
+    "b": 1,
+    "B": 1,
+    "c": 1,
+    "s": 1,
+    "z": 1,
+    "h": 2,
+    "H": 2,
+    "i": 4,
+    "I": 4,
+    "f": 4,
+}
+
+
+_NATIVE = "<" if sys.byteorder == "little" else ">"
+
+
+def _struct(order: str, format_: str) -> Struct:
+    """Return the `Struct` of a format in a byte order.
+
+    If the machine's own layout is the same, native mode is used: it packs and reads doubles in 0.8
+    of the time, but does not reject floats that are too large. Native mode only ever adds padding.
+    """
+    if (
+        order == _NATIVE
+        and "d" in format_
+        and not {"e", "f"} & {*format_}
+        and struct.calcsize(f"@{format_}") == struct.calcsize(order + format_)
+    ):
+        order = "@"
+    return Struct(order + format_)
+
+
+class Fixed:
+    """Layout of a value of fixed size: one `Struct` for each byte order."""
+
+    __slots__ = (
+        "pack_big",
+        "pack_little",
+        "records_big",
+        "records_little",
+        "unpack_big",
+        "unpack_little",
+    )
+
+    def __init__(self, format_: str) -> None:
+        little, big = _struct("<", format_), _struct(">", format_)
+        self.pack_little: Callable[..., bytes] = little.pack
+        self.pack_big: Callable[..., bytes] = big.pack
+        self.unpack_little: Callable[[Buffer], tuple[Any, ...]] = little.unpack
+        self.unpack_big: Callable[[Buffer], tuple[Any, ...]] = big.unpack
+        self.records_little: Callable[[Buffer], Iterator[tuple[Any, ...]]] = (
+            little.iter_unpack
+        )
+        self.records_big: Callable[[Buffer], Iterator[tuple[Any, ...]]] = (
+            big.iter_unpack
+        )
+
+
+class Settled:
+    """Layout of a run without counts that is read in several sections.
+
+    `read_*` has the `unpack_from` of each section.
+    """
+
+    __slots__ = ("pack_big", "pack_little", "read_big", "read_little")
+
+    def __init__(self, *sections: str) -> None:
+        whole = "".join(section[1:] for section in sections)
+        self.pack_little: Callable[..., bytes] = _struct("<", whole).pack
+        self.pack_big: Callable[..., bytes] = _struct(">", whole).pack
+        self.read_little = tuple(_reader("<", s) for s in sections)
+        self.read_big = tuple(_reader(">", s) for s in sections)
+
+
+class Layout:
+    """Layout of a run of values whose size depends on the counts in it.
+
+    `pack_*` is a table from counts (a single one, or a tuple) to the packer of the shape. `read_*`
+    has one reader for each section: `unpack_from` for a fixed one, else a table of (`unpack_from`,
+    size) by count (0 without a count).
+    """
+
+    __slots__ = ("pack_big", "pack_little", "read_big", "read_little")
+
+    def __init__(self, *sections: str) -> None:
+        self.pack_little: Mapping[Any, Callable[..., bytes]] = _Shapes("<", *sections)
+        self.pack_big: Mapping[Any, Callable[..., bytes]] = _Shapes(">", *sections)
+        self.read_little, self.read_big = _readers("<", sections), _readers(
+            ">", sections
+        )
+
+
+class PhasedLayout:
+    """Layout of a run whose start offset is known only at run time.
+
+    `pack_*` takes the offset modulo 8 before the counts. A table of `read_*` is by count if its
+    section's start is given (`@`), else by `count << 3 | offset & 7`.
+    """
+
+    __slots__ = ("pack_big", "pack_little", "read_big", "read_little")
+
+    def __init__(self, *sections: str) -> None:
+        little, big = _PhasedShapes("<", *sections), _PhasedShapes(">", *sections)
+        self.pack_little: Mapping[Any, Callable[..., bytes]] = little
+        self.pack_big: Mapping[Any, Callable[..., bytes]] = big
+        self.read_little, self.read_big = _readers("<", sections), _readers(
+            ">", sections
+        )
+
+
+class Framed:
+    """Layout of a whole value with its encapsulation header; `pack_*` as in `Layout`.
+
+    Without counts it is the packer itself. `number` is the identifier in big-endian order.
+    """
+
+    __slots__ = ("pack_big", "pack_little")
+
+    def __init__(self, run: Run, number: int) -> None:
+        self.pack_little = _framed("<", run, number | 1)
+        self.pack_big = _framed(">", run, number)
+
+
+def _framed(order: str, run: Run, number: int) -> Any:
+    texts = [section.text for section in run.sections]
+    if all(section.settled for section in run.sections):
+        return framing(order, "".join(text[1:] for text in texts), number)
+    return _FramedShapes(order, number, *texts)
+
+
+def _readers(order: str, sections: Iterable[str]) -> tuple[Any, ...]:
+    """Return the readers of the sections that `struct` reads."""
+    return tuple(_reader(order, s) for s in sections if s[0] != "!")
+
+
+def _reader(order: str, section: str) -> Any:
+    if section[0] == "=":
+        return _struct(order, section[1:]).unpack_from
+    kind = _Readers if section[0] == "@" else _PhasedReaders
+    return kind(order, section)
+
+
+class _Table(dict[Any, _V], ABC):
+    """A cache filled on lookup, cleared when full."""
+
+    def __init__(self, order: str, *sections: str) -> None:
+        self._order = order
+        self._sections = sections
+
+    def __missing__(self, key: Any) -> _V:
+        if len(self) >= SHAPES_KEPT:
+            self.clear()
+        value = self[key] = self._made(key)
+        return value
+
+    @abstractmethod
+    def _made(self, key: Any) -> _V:
+        """Compute the value of a key."""
+
+    def shape(self, counts: Iterable[int]) -> Struct:
+        """Return the shape of these counts, from offset 0, for reading."""
+        return self._struct(0, counts, True)
+
+    def _struct(self, phase: int, counts: Iterable[int], reads: bool) -> Struct:
+        arranged = _arranged(self._sections, phase, iter(counts), reads)
+        return _struct(self._order, arranged)
+
+
+class _Shapes(_Table[Callable[..., bytes]]):
+    def _made(self, key: Any) -> Callable[..., bytes]:
+        return self._struct(0, key if isinstance(key, tuple) else (key,), False).pack
+
+
+class _FramedShapes(_Table[Callable[..., bytes]]):
+    def __init__(self, order: str, number: int, *sections: str) -> None:
+        super().__init__(order, *sections)
+        self._number = number
+
+    def _made(self, key: Any) -> Callable[..., bytes]:
+        counts = iter(key if isinstance(key, tuple) else (key,))
+        arranged = _arranged(self._sections, 0, counts, False)
+        return framing(self._order, arranged, self._number)
+
+
+class _PhasedShapes(_Table[Callable[..., bytes]]):
+    def _made(self, key: Any) -> Callable[..., bytes]:
+        phase, *counts = key if isinstance(key, tuple) else (key,)
+        return self._struct(phase, counts, False).pack
+
+
+class _Readers(_Table[_Reader]):
+    def _made(self, key: int) -> _Reader:
+        made = self._struct(int(self._sections[0][1]), (key,), True)
+        return made.unpack_from, made.size
+
+
+class _PhasedReaders(_Table[_Reader]):
+    def _made(self, key: int) -> _Reader:
+        made = self._struct(key & 7, (key >> 3,), True)
+        return made.unpack_from, made.size
+
+
+def _arranged(
+    sections: Iterable[str], phase: int, counts: Iterator[int], reads: bool
+) -> str:
+    """Return the `struct` format of the sections from offset `phase`."""
+    texts: list[str] = []
+    offset = phase
+    for section in sections:
+        if section[0] == "=":
+            texts.append(section[1:])
+            offset += struct.calcsize(f"<{section[1:]}")
+            continue
+        for star, digits, code, align in _TOKEN.findall(section):
+            number = int(digits or 1) * (next(counts) if star else 1)
+            size = _SIZES.get(code, 8)
+            padding = -offset % int(align or size) if number or not star else 0
+            if number < 0:
+                number *= -size
+                code, size = "x" if reads else "s", 1
+            text = f"{number}{code}"
+            if code == "z":
+                text = f"{number}s"
+                if reads:
+                    text = f"{number - 1}sB" if number else "0s0s"
+            texts.append(f"{padding}x{text}")
+            offset += padding + number * size
+    return "".join(texts)
+
+
+class Layouts:
+    """The tables of a function's runs, numbered."""
+
+    def __init__(self) -> None:
+        self._numbers: dict[int, int] = {}
+        self._kept: list[tuple[Run | Records, Any]] = []
+
+    def of(self, part: Run | Records, whole: bool = False) -> Any:
+        """Return the table of a run (`whole`: of a whole value), or of a record's element."""
+        return self._kept[self._number(part, whole) - 1][1]
+
+    def variable(self, kind: str, part: Run | Records) -> str:
+        """Return the variable for an attribute of a table."""
+        return f"{kind}_{self._number(part)}"
+
+    def _number(self, part: Run | Records, whole: bool = False) -> int:
+        if id(part) not in self._numbers:
+            self._kept.append((part, _table(part, whole)))
+            self._numbers[id(part)] = len(self._kept)
+        return self._numbers[id(part)]
+
+
+def _table(part: Run | Records, whole: bool) -> Fixed | Settled | Layout | PhasedLayout:
+    if isinstance(part, Records):
+        return Fixed(part.format)
+    texts = [section.text for section in part.sections]
+    if all(section.settled for section in part.sections):
+        return Fixed(texts[0][1:]) if whole and len(texts) == 1 else Settled(*texts)
+    return Layout(*texts) if part.known else PhasedLayout(*texts)

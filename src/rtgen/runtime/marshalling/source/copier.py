@@ -1,0 +1,111 @@
+"""Generates the source text of functions that copy a value."""
+
+from __future__ import annotations
+
+from rtgen.runtime.marshalling.layouts.nodes import (
+    AtomArray,
+    AtomSequence,
+    Call,
+    Delimited,
+    Group,
+    Member,
+    MemberList,
+    Node,
+    Optional,
+    Path,
+    Records,
+    Repeat,
+)
+from rtgen.runtime.marshalling.numeric import copied
+from rtgen.runtime.marshalling.source.references import References
+from rtgen.runtime.marshalling.source.text import Body, Locals
+
+
+class Copier:
+    """Generates the body of `_snapshot_`.
+
+    `unset`: members of recursive types may be None, since `@external` ones are until assigned.
+    """
+
+    def __init__(self, references: References, unset: bool = False) -> None:
+        self._refer = references
+        self._unset = unset
+        self._locals = Locals(references.namespace)
+        self.body = Body(references.namespace)
+
+    def copy(self, node: Node, value: str, path: Path = ()) -> str:
+        """Return an expression for a deep copy; immutable values are shared."""
+        match node:
+            case AtomSequence() | AtomArray() | Records() if node.form != "list":
+                return self._numbers(value, path)
+            case AtomSequence():
+                return f"list({value})"
+            case AtomArray(dimensions=dimensions):
+                return _copy_nested(value, len(dimensions))
+            case Repeat(key=key) if key is not None:
+                inner = self._inner(node.element)
+                return f"{{key: {inner} for key, item in {value}.items()}}"
+            case Records(element=element) | Repeat(element=element):
+                inner = self._inner(element)
+                return (
+                    f"list({value})"
+                    if inner == "item"
+                    else f"[{inner} for item in {value}]"
+                )
+            case Delimited(node=inner_node):
+                return self.copy(inner_node, value, path)
+            case Optional(node=inner_node) | Member(node=inner_node, optional=True):
+                made = _Inline(self._refer, self._unset).copy(inner_node, value)
+                tested = self._unset and isinstance(inner_node, Call)
+                return made if made == value or tested else _unless_none(value, made)
+            case Member(node=inner_node):
+                return self.copy(inner_node, value, path)
+            case Group(type=type_, members=members) | MemberList(
+                type=type_, members=members
+            ):
+                if path:
+                    variable = self._locals.name(path)
+                    self.body.add(f"{variable} = {value}")
+                    value = variable
+                copies = [self.copy(n, f"{value}.{m}", (*path, m)) for m, n in members]
+                return f"{self._refer.made(type_)}({', '.join(copies)})"
+            case Call():
+                made = f"{value}._snapshot_()"
+                return _unless_none(value, made) if self._unset else made
+        return value
+
+    def _numbers(self, value: str, path: Path) -> str:
+        """Return a copy of numbers in any form; those in a list are copied without a call."""
+        variable = self._locals.name(path)
+        self.body.add(f"{variable} = {value}")
+        copy = f"{self._refer.function(copied)}({variable})"
+        return f"{variable}[:] if {variable}.__class__ is list else {copy}"
+
+    def _inner(self, node: Node) -> str:
+        """Return the copy of `item`, within a comprehension."""
+        return _Inline(self._refer, self._unset).copy(node, "item")
+
+
+class _Inline(Copier):
+    """Generates copies without variables."""
+
+    def copy(self, node: Node, value: str, path: Path = ()) -> str:
+        if isinstance(node, Group):
+            copies = [
+                self.copy(inner, f"{value}.{name}") for name, inner in node.members
+            ]
+            return f"{self._refer.made(node.type)}({', '.join(copies)})"
+        return super().copy(node, value)
+
+    def _numbers(self, value: str, path: Path) -> str:
+        return f"{self._refer.function(copied)}({value})"
+
+
+def _unless_none(value: str, made: str) -> str:
+    return f"None if {value} is None else {made}"
+
+
+def _copy_nested(value: str, depth: int) -> str:
+    if depth == 1:
+        return f"list({value})"
+    return f"[{_copy_nested('row', depth - 1)} for row in {value}]"
