@@ -18,6 +18,7 @@ from rtgen.frontends import FrontendResult
 from rtgen.frontends.kit.library import VirtualFile
 from rtgen.frontends.stage import read_idl
 from rtgen.model import Model
+from rtgen.printed_idl import printed_idl
 from rtgen.project import load, with_arguments
 
 Paths = str | os.PathLike[str]
@@ -60,7 +61,7 @@ def read(
     also = []
     if isinstance(source, str):
         text = VirtualFile(TEXT, source, given=True)
-        printed = compiler.printed_idl(Model())
+        printed = printed_idl(Model())
         also.append(read_idl((), project.reading, text=text, printed=printed))
     return compiler.read(project, lowered=lowered, also=also)
 
@@ -97,9 +98,7 @@ def emit(
         raise ValueError(f"no back end is called {unknown[0]!r}; there are: {known}")
     chosen = [installed[b] if isinstance(b, str) else b for b in backends]
     settings = options or Options("robots", "", __version__)
-    made = stage.together(
-        each.emit(model, settings) for each in chosen or installed.values()
-    )
+    made = stage.emitted(model, settings, chosen or installed.values())
     return replace(
         made,
         artifacts=tuple(made.artifacts),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Final, cast
 
-from rtgen import plugins
+from rtgen import plugins, stages
 from rtgen.backends import (
     Artifact,
     Backend,
@@ -76,6 +76,23 @@ def backends() -> Iterator[Backend]:
     yield from BUILT_IN
     for _, backend in plugins.loaded(plugins.Group.BACKENDS):
         yield cast("Backend", backend)
+
+
+def emitted(
+    model: Model, options: Options, chosen: Iterable[Backend] | None = None
+) -> Emission:
+    """Return what the back ends emit, by default all of them. Raises ToolError as `backends`."""
+    return together(
+        _emission(backend, model, options) for backend in chosen or backends()
+    )
+
+
+def _emission(backend: Backend, model: Model, options: Options) -> Emission:
+    with stages.stage(f"back end {backend.name}"):
+        emission = backend.emit(model, options)
+        for artifact in emission.artifacts:
+            stages.file(artifact.path)
+    return emission
 
 
 def together(emissions: Iterable[Emission]) -> Emission:

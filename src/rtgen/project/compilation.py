@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 
 import msgspec
 
-from rtgen.backends import Artifact, ComponentTypes
-from rtgen.diagnostics import Diagnostic, has_errors
+from rtgen.backends import Artifact, ComponentTypes, Emission
+from rtgen.diagnostics import Diagnostic, has_errors, in_order
+from rtgen.frontends import FrontendResult
 
 
 class Compilation(msgspec.Struct, frozen=True):
@@ -29,3 +30,20 @@ class Compilation(msgspec.Struct, frozen=True):
     def failed(self) -> bool:
         """Whether the input has errors."""
         return has_errors(self.diagnostics)
+
+
+def compilation_of(result: FrontendResult, emission: Emission) -> Compilation:
+    """Return the result of a run from what its front ends and back ends returned."""
+    model = result.model
+    diagnostics = tuple(in_order([*result.diagnostics, *emission.diagnostics]))
+    return Compilation(
+        artifacts=() if has_errors(diagnostics) else tuple(emission.artifacts),
+        inputs={file.key: file.sha256 for file in model.files}
+        | {device.key: device.sha256 for device in model.devices}
+        | {bus.key: bus.sha256 for bus in model.buses}
+        | {system.key: system.sha256 for system in model.systems},
+        diagnostics=diagnostics,
+        dependencies=result.hashes,
+        sources=result.sources,
+        components=emission.components,
+    )

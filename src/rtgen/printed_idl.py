@@ -1,0 +1,54 @@
+"""IDL files that are printed when they are included: those of other definitions, and of ROS 2."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from msgspec.structs import replace
+
+from rtgen.backends import stage as backends
+from rtgen.facts.ros import INTERFACE_SUFFIXES
+from rtgen.frontends import FrontendResult, together
+from rtgen.model import Model
+from rtgen.resources import ros_file, ros_interfaces
+
+
+def printed_idl(model: Model) -> dict[str, Callable[[], str]]:
+    """Return the texts of IDL files that can be included but are on no disk, by name.
+
+    They are printed from definitions in other languages, and from the ROS 2 interfaces that ship
+    with rtgen.
+    """
+    shipped = {
+        f"{name.rpartition('.')[0]}.idl": partial(_idl_of_shipped, name)
+        for name in ros_interfaces()
+    }
+    return {**shipped, **backends.printed_idl(model)}
+
+
+def _idl_of_shipped(name: str) -> str:
+    from rtgen.backends import ros_idl
+    from rtgen.frontends import rosidl
+
+    file = ros_file(name)
+    model = rosidl.load([file], root=file.parents[2]).model
+    return ros_idl.idl_of(model, f"{name.rpartition('.')[0]}.idl")
+
+
+def merged(of_idl: FrontendResult, others: FrontendResult) -> FrontendResult:
+    """Merge all definitions. A ROS 2 interface that was read replaces the IDL printed from it."""
+    if not any(file.name.endswith(INTERFACE_SUFFIXES) for file in others.model.files):
+        return together([of_idl, others])
+    from rtgen.backends.ros_idl import idl_names
+
+    names = idl_names(others.model)
+    model = of_idl.model
+    files = tuple(
+        replace(file, includes=tuple(names.get(each, each) for each in file.includes))
+        for file in model.files
+        if file.name not in names
+    )
+    kept = tuple(d for d in model.declarations if d.file not in names)
+    rest = replace(of_idl, model=replace(model, files=files, declarations=kept))
+    return together([others, rest])
