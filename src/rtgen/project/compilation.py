@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import msgspec
 
 from rtgen.backends import Artifact, ComponentTypes, Emission
 from rtgen.diagnostics import Diagnostic, has_errors, in_order
-from rtgen.frontends import FrontendResult
+
+if TYPE_CHECKING:
+    from rtgen.frontends import FrontendResult
 
 
 class Compilation(msgspec.Struct, frozen=True):
