@@ -11,7 +11,7 @@ import subprocess
 import threading
 from collections import Counter
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -487,6 +487,20 @@ def test_a_process_that_stands_still_is_lost_after_the_lease_of_a_connection(
     run.process.send_signal(signal.SIGSTOP)
     wait_for(lambda: len(seen) > 1)
     assert seen == [True, False]
+
+
+def test_a_peer_connects_to_another_one_that_appears_later_and_returns(
+    stack: ExitStack, locator: str
+) -> None:
+    early = ZenohMedium("s", Endpoints(connect=(locator,), listen=(_any(),)))
+    stack.callback(early.close)
+    seen: list[bool] = []
+    early.watch("", lambda _, present: seen.append(present))
+    for count in (1, 2):
+        with closing(ZenohMedium("s", Endpoints(listen=(locator,)))) as late:
+            late.announce("late")
+            wait_for(lambda count=count: seen.count(True) == count)
+        wait_for(lambda count=count: seen.count(False) == count)
 
 
 @pytest.fixture

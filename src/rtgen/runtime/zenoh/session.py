@@ -140,7 +140,8 @@ def _links(endpoints: Endpoints) -> dict[str, Any]:
             "mode": "peer",
             "listen/endpoints": listen,
             "connect/endpoints": connect,
-            "connect/timeout_ms": 0,
+            # In the background, until each of them appears; 0 would try once.
+            "connect/timeout_ms": -1,
             "connect/exit_on_failure": False,
         }
     return {
