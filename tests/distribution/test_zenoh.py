@@ -440,7 +440,12 @@ def test_files_of_zenoh_encrypt_and_keep_strangers_out(
         (
             ["--clock", "real", "--transport", "zenoh", "--listen", "tcp/192.0.2.1:1"],
             3,
-            "zenoh:",
+            "hint: an address of this machine with a free port",
+        ),
+        (
+            ["--clock", "real", "--transport", "zenoh", "--connect", "tcp/127.0.0.1:1"],
+            3,
+            "hint: start the router, or correct its address",
         ),
     ],
 )

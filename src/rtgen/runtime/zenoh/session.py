@@ -83,8 +83,8 @@ def reported(what: str) -> Iterator[None]:
         raise MediumError(f"{what}: {plain(error)}") from error
 
 
-def plain(error: zenoh.ZError) -> str:
-    """The message of an error."""
+def plain(error: Exception) -> str:
+    """Return the message of an error of Zenoh, without the places in its source."""
     return " ".join(_PLACE_IN_SOURCE.sub("", str(error)).split()).rstrip(".")
 
 
