@@ -19,7 +19,10 @@ if TYPE_CHECKING:
 
 CALL_TIMEOUT = 2.0
 """Seconds that a call may take by default."""
-INTERFACE_HINT = "the name or address of a network interface of this machine, as `ip address` lists them"
+INTERFACE_HINT = (
+    "the name or address of a network interface of this machine, as `ip address` "
+    "lists them"
+)
 _CONNECT_HINT = (
     "start the router, or correct its address; with --listen a process waits for it"
 )
