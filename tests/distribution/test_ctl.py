@@ -141,7 +141,12 @@ def test_parameters_are_read_and_set(node: Process, ctl: Ctl) -> None:
     assert ctl("set", "b.gain=4", "--in", "fast", "--wait", "20")[0] == 0
     assert ctl("use", "b", "fast", "--wait", "20")[0] == 0
     wait_for(lambda: node.node("b").config.gain == 4.0)
-    assert ctl("use", "b", "slow", "--wait", "20")[0] == 1
+    code, _, text = ctl("use", "b", "slow", "--wait", "20")
+    assert code == 1
+    assert text == "Error: b has no configuration set 'slow'; known: default, fast\n"
+    code, _, text = ctl("set", "b.speed=1", "--wait", "20")
+    assert code == 1
+    assert text == "Error: b has no configuration parameter 'speed'; known: gain\n"
 
 
 def test_changes_are_watched(node: Process, ctl: Ctl) -> None:

@@ -11,7 +11,7 @@ import subprocess
 import threading
 from collections import Counter
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -440,7 +440,12 @@ def test_files_of_zenoh_encrypt_and_keep_strangers_out(
         (
             ["--clock", "real", "--transport", "zenoh", "--listen", "tcp/192.0.2.1:1"],
             3,
-            "zenoh:",
+            "hint: an address of this machine with a free port",
+        ),
+        (
+            ["--clock", "real", "--transport", "zenoh", "--connect", "tcp/127.0.0.1:1"],
+            3,
+            "hint: start the router, or correct its address",
         ),
     ],
 )
@@ -487,6 +492,20 @@ def test_a_process_that_stands_still_is_lost_after_the_lease_of_a_connection(
     run.process.send_signal(signal.SIGSTOP)
     wait_for(lambda: len(seen) > 1)
     assert seen == [True, False]
+
+
+def test_a_peer_connects_to_another_one_that_appears_later_and_returns(
+    stack: ExitStack, locator: str
+) -> None:
+    early = ZenohMedium("s", Endpoints(connect=(locator,), listen=(_any(),)))
+    stack.callback(early.close)
+    seen: list[bool] = []
+    early.watch("", lambda _, present: seen.append(present))
+    for count in (1, 2):
+        with closing(ZenohMedium("s", Endpoints(listen=(locator,)))) as late:
+            late.announce("late")
+            wait_for(lambda count=count: seen.count(True) == count)
+        wait_for(lambda count=count: seen.count(False) == count)
 
 
 @pytest.fixture

@@ -97,6 +97,24 @@ def test_read_back(tmp_path: Path) -> None:
     assert [m.name for m in reply.members] == ["return_value", "speed", "text"]
 
 
+def test_of_an_included_file_what_is_contained(tmp_path: Path) -> None:
+    text = (
+        '#include "BasicDataType.idl"\n'
+        "module Lab { struct Arm { RTC::TimedLong angle; }; };\n"
+    )
+    emission = BACKEND.emit(rtgen.compile(text), OPTIONS)
+    assert {artifact.path for artifact in emission.artifacts} == {
+        *("ros2/lab/msg/Arm.msg", "ros2/rtc/msg/TimedLong.msg", "ros2/rtc/msg/Time.msg")
+    }
+    assert not emission.diagnostics
+    wide = text.replace("TimedLong", "TimedWChar")
+    emission = BACKEND.emit(rtgen.compile(wide), OPTIONS)
+    assert [a.path for a in emission.artifacts] == ["ros2/rtc/msg/Time.msg"]
+    assert [d.message.partition(" has ")[0] for d in emission.diagnostics] == [
+        *("RTC::TimedWChar", "Lab::Arm")
+    ]
+
+
 def test_rosbags_reads_them(tmp_path: Path) -> None:
     """Its hashes equal rtgen's; it has no `wstring`, and another definition of `char`."""
     typesys = pytest.importorskip("rosbags.typesys")

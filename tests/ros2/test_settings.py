@@ -125,6 +125,33 @@ def test_refused_before_the_start(
     assert message in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("kind", "setting", "message"),
+    [
+        (
+            "dds",
+            'interface = "nowhere0"\ndomain = 92',
+            "[ros2] interface: Cyclone DDS does not start with 'nowhere0'\n  hint: the name",
+        ),
+        ("zenoh", 'zenoh = "none.json5"', "Zenoh cannot be opened: "),
+    ],
+)
+def test_networks_that_cannot_be_opened(
+    system: str,
+    kind: str,
+    setting: str,
+    message: str,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    pytest.importorskip({"dds": "cyclonedds", "zenoh": "zenoh"}[kind])
+    Path("rtgen.toml").write_text(f"{system}[ros2]\n{setting}\n")
+    command = ["run", "s.xml", "--ros2", kind, "--until", "1", "--clock", "real"]
+    assert rtgen(command) == 3
+    text = capsys.readouterr().err
+    assert message in text
+    assert ".rs:" not in text
+
+
 def test_domain_of_the_environment(
     system: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -1,7 +1,7 @@
 """Live view of a run: a server of Foxglove's WebSocket protocol (`foxglove-sdk`).
 
-Clients see the channels of a recording, set parameters and call services. Their requests are
-executed in the thread of the run, between its steps; the run never waits for a client.
+Clients see the channels of a recording, set parameters and call services. Calls are executed in
+the thread of the run, between its steps; the run never waits for a client.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ from concurrent.futures import CancelledError, Future
 from concurrent.futures import TimeoutError as FutureTimeoutError
 from decimal import Decimal
 from enum import Enum
-from functools import partial
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -31,7 +30,7 @@ from rtgen.runtime.timing.traffic import Event, ParameterChange
 
 if TYPE_CHECKING:
     from foxglove import Parameter, ServiceRequest, StatusLevel
-    from foxglove.websocket import Client
+    from foxglove.websocket import Client, ServerListener
 
 LOOPBACK: Final = "127.0.0.1"
 PORT: Final = 8765
@@ -80,7 +79,6 @@ class LiveView:
         self._system = system
         self._waiting: queue.Queue[_Request] = queue.Queue(_MAX_WAITING)
         self._closed = False
-        listener: Any = _Listener(self)
         context = Context()
         self.recorder = Recorder(system, LiveChannels(context))
         try:
@@ -95,7 +93,7 @@ class LiveView:
                 ],
                 supported_encodings=["json"],
                 services=[self._service(each) for each in services_of(system)],
-                server_listener=listener,
+                server_listener=_listener(self),
                 context=context,
                 message_backlog_size=_BACKLOG,
             )
@@ -170,19 +168,15 @@ class LiveView:
         return found
 
     def _set(self, instance: str, name: str, text: str) -> Parameter:
-        """Set a parameter in the thread of the run; return it with its new value."""
-        from foxglove import Parameter
-
-        sets = self._sets(instance)
+        """Set a parameter, which takes effect between two cycles; return its new value."""
+        if self._closed:
+            raise RefusedError("the run is over")
         if name == ACTIVE_SET:
-            sets.texts(text)  # raises UnknownConfigurationSetError
-            value: Any = text
-            action = partial(self._system.activate_set, instance, text)
+            self._system.activate_set(instance, text)
         else:
-            value = _native(sets.value(name, text))
-            action = partial(self._system.configure, instance, name, text, sets.active)
-        self._submit(action)
-        return Parameter(f"{instance}.{name}", value=value)
+            active = self._sets(instance).active
+            self._system.configure(instance, name, text, active)
+        return self._parameter(instance, name)
 
     def _parameter(self, instance: str, name: str) -> Parameter:
         from foxglove import Parameter
@@ -272,26 +266,25 @@ class _Request(NamedTuple):
             raise
 
 
-class _Listener:
-    """Callbacks of the server."""
+def _listener(view: LiveView) -> ServerListener:
+    """Return the callbacks of the server."""
+    from foxglove.websocket import ServerListener
 
-    def __init__(self, view: LiveView) -> None:
-        self._view = view
+    class Listener(ServerListener):
+        def on_get_parameters(
+            self, client: Client, param_names: list[str], request_id: str | None = None
+        ) -> list[Parameter]:
+            return view.parameters(param_names)
 
-    def on_get_parameters(
-        self, client: Client, names: list[str], request_id: str | None = None
-    ) -> list[Parameter]:
-        """Return the parameters of these names, all if there are none."""
-        return self._view.parameters(names)
+        def on_set_parameters(
+            self,
+            client: Client,
+            parameters: list[Parameter],
+            request_id: str | None = None,
+        ) -> list[Parameter]:
+            return view.set_parameters(parameters)
 
-    def on_set_parameters(
-        self,
-        client: Client,
-        parameters: list[Parameter],
-        request_id: str | None = None,
-    ) -> list[Parameter]:
-        """Set parameters; return them with their current values."""
-        return self._view.set_parameters(parameters)
+    return Listener()
 
 
 def _native(value: Any) -> Any:

@@ -43,6 +43,15 @@ def test_each_sample_of_an_out_port_is_a_row() -> None:
     assert float(rows[-1][3]) == pytest.approx(0.3)
 
 
+def test_a_column_is_selected_by_its_name() -> None:
+    whole = "RefHardRh30.OutWheelAngle"
+    assert run([*SHORT, "-q", "--csv", whole, "--csv", "whole.csv"]) == 0
+    header, rows = _table("whole.csv")
+    assert header == ["t", f"{whole}[0]", f"{whole}[1]"]
+    assert run([*SHORT, "-q", "--csv", f"{whole}[1]", "--csv", "one.csv"]) == 0
+    assert _table("one.csv") == (["t", header[2]], [[row[0], row[2]] for row in rows])
+
+
 def test_members_in_ports_and_observables() -> None:
     selected = [
         "PathFollower0.velocity.data.va",

@@ -1,7 +1,8 @@
 """Writes ROS 2 interface files: `ros2/PACKAGE/msg/Name.msg`, `ros2/PACKAGE/srv/Name.srv`.
 
-A module is a package, a struct a message, an operation a service. Declarations that ROS 2 cannot
-express are reported and omitted, with those that contain them. The octets are those of the IDL
+A module is a package, a struct a message, an operation a service. Of files that are only included,
+structs are written that these contain. Declarations that ROS 2 cannot express are reported and
+omitted, with those that contain them. The octets are those of the IDL
 types in CDR.
 """
 
@@ -55,6 +56,7 @@ class _Writer:
     def __init__(self, model: Model) -> None:
         self._model = model
         self._keys = {file.name: file.key for file in model.files}
+        self._main = {file.name for file in model.files if file.main}
         self._found: list[Diagnostic] = []
         self._artifacts: dict[str, Artifact] = {}
         self._written: dict[ScopedName, bool] = {}
@@ -62,6 +64,8 @@ class _Writer:
 
     def emission(self) -> Emission:
         for declaration in self._model.declarations:
+            if declaration.file not in self._main:
+                continue
             if isinstance(declaration, Struct):
                 self._has_message(declaration.name)
             elif isinstance(declaration, Interface) and not is_interface(

@@ -183,9 +183,17 @@ class Curves:
 
 
 def _inside(value: Any, label: str, path: list[str | int]) -> tuple[Any, str]:
-    """Return the part of a sample that a path selects, with its label; None if missing."""
+    """Return the part of a sample that a path selects, with its label; None if missing.
+
+    A path may leave out the only member beside the time stamp, as labels do.
+    """
     for step in path:
         label += f"[{step}]" if isinstance(step, int) else f".{step}"
+        while isinstance(value, dict) and step not in value:
+            members = _timeless(value)
+            if len(members) != 1:
+                break
+            [value] = members.values()
         if isinstance(step, int):
             is_there = isinstance(value, list) and step < len(value)
         else:
@@ -208,6 +216,11 @@ def _members(value: Any, path: list[str | int]) -> str | None:
     return None
 
 
+def _timeless(value: dict[str, Any]) -> dict[str, Any]:
+    """Return the members without the time stamp, which is left if there are no others."""
+    return {k: v for k, v in value.items() if k != "tm"} or value
+
+
 def _numbers(value: Any, label: str) -> Iterator[tuple[str, Number]]:
     """Yield the numbers in a sample with their labels, without time stamps of other members."""
     match value:
@@ -221,7 +234,7 @@ def _numbers(value: Any, label: str) -> Iterator[tuple[str, Number]]:
             for index, item in enumerate(value):
                 yield from _numbers(item, f"{label}[{index}]")
         case dict():
-            members = {k: v for k, v in value.items() if k != "tm"} or value
+            members = _timeless(value)
             for name, item in members.items():
                 inner = label if len(members) == 1 else f"{label}.{name}"
                 yield from _numbers(item, inner)

@@ -19,6 +19,16 @@ if TYPE_CHECKING:
 
 CALL_TIMEOUT = 2.0
 """Seconds that a call may take by default."""
+INTERFACE_HINT = (
+    "the name or address of a network interface of this machine, as `ip address` "
+    "lists them"
+)
+_CONNECT_HINT = (
+    "start the router, or correct its address; with --listen a process waits for it"
+)
+_LISTEN_HINT = (
+    "an address of this machine with a free port; tcp/127.0.0.1:0 means any port"
+)
 
 
 def _locators(
@@ -189,8 +199,7 @@ def _dds(options: EngineOptions, partition: str, lease: float | None) -> Medium:
         if options.interface is not None:
             raise ToolError(
                 f"--interface {options.interface}: Cyclone DDS does not start with it",
-                hint="the name or address of a network interface of this machine, "
-                "as `ip address` lists them",
+                hint=INTERFACE_HINT,
             ) from error
         raise
 
@@ -205,6 +214,8 @@ def _zenoh(options: EngineOptions, partition: str, lease: float | None) -> Mediu
             "--transport zenoh needs eclipse-zenoh, which is not installed",
             hint="pip install 'rtgen[zenoh]'",
         ) from error
+    from rtgen.runtime.distribution.medium import MediumError
+
     config = options.transport_config
     endpoints = Endpoints(
         None if config is None else Path(config),
@@ -212,7 +223,13 @@ def _zenoh(options: EngineOptions, partition: str, lease: float | None) -> Mediu
         options.listen or (),
         lease,
     )
-    return ZenohMedium(partition, endpoints)
+    try:
+        return ZenohMedium(partition, endpoints)
+    except MediumError as error:
+        if config is None and (options.connect or options.listen):
+            hint = _LISTEN_HINT if options.listen else _CONNECT_HINT
+            raise ToolError(str(error), hint=hint) from error
+        raise
 
 
 _ENGINES: dict[str, Callable[[Any, str, float | None], Medium]] = {

@@ -13,6 +13,7 @@ import click
 
 from rtgen import runtime
 from rtgen.cli.common import Refusal
+from rtgen.cli.running.engines import INTERFACE_HINT
 from rtgen.diagnostics import Diagnostic, InputError, ToolError
 from rtgen.facts import ros_names
 from rtgen.facts.connector_properties import MARSHALING
@@ -312,9 +313,7 @@ def _network(
     """Return the network. Raises ToolError, Ros2Error."""
     try:
         if kind == "dds":
-            from rtgen.runtime.ros2.dds import DdsNetwork
-
-            return DdsNetwork(node, interface=settings.interface)
+            return _dds(node, settings.interface)
         from rtgen.runtime.ros2.zenoh import ZenohNetwork
     except ImportError as error:
         needed = {"dds": "cyclonedds", "zenoh": "eclipse-zenoh"}[kind]
@@ -324,3 +323,17 @@ def _network(
     return ZenohNetwork(
         node, config=None if config is None else Path(project.root, config)
     )
+
+
+def _dds(node: RosNode, interface: str | None) -> RosNetwork:
+    """Return the network of DDS. Raises ToolError, Ros2Error, ImportError."""
+    from rtgen.runtime.ros2.dds import DdsNetwork
+    from rtgen.runtime.ros2.network import Ros2Error
+
+    try:
+        return DdsNetwork(node, interface=interface)
+    except Ros2Error as error:
+        if interface is None:
+            raise
+        message = f"[ros2] interface: Cyclone DDS does not start with {interface!r}"
+        raise ToolError(message, hint=INTERFACE_HINT) from error

@@ -222,7 +222,8 @@ class _Reader:
         text = match["value"]
         span = self._span(number, *match.span("value"))
         many = type_.is_array or type_.is_sequence
-        if type_.is_message or (constant and many):
+        bounded = type_.length is not None
+        if type_.is_message or (constant and (many or bounded)):
             message = (
                 f"{match['type']} has no {'constants' if constant else 'defaults'}"
             )

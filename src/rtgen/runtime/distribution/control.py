@@ -205,10 +205,16 @@ class Asker:
                 )
             answer = msgspec.json.decode(octets, type=_Answer)
             if answer.error:
-                raise RefusedError(f"{self.instance}: {answer.error}")
+                raise RefusedError(self._named(answer.error))
             return msgspec.convert(answer.result, type_)
         except MediumError as error:
             raise ControlError(f"{self.instance}: {error}") from error
         except ValueError as error:
             message = f"{self.instance}: the answer is wrong: {error}"
             raise ControlError(message) from error
+
+    def _named(self, reason: str) -> str:
+        """Return a reason with the name of the instance, which it may begin with already."""
+        if reason.startswith(f"{self.instance} "):
+            return reason
+        return f"{self.instance}: {reason}"

@@ -33,6 +33,7 @@ from rtgen.runtime.services.servants import (
     ObjectNotExist,
 )
 from rtgen.runtime.zenoh.declared import matches
+from rtgen.runtime.zenoh.session import plain
 
 ROUTER = "tcp/localhost:7447"
 """Default address of rmw_zenoh's router."""
@@ -68,7 +69,7 @@ class ZenohNetwork:
                 config = zenoh.Config.from_file(str(config))
             self._session: Any = zenoh.open(config or configuration())
         except (zenoh.ZError, OSError, ValueError) as error:
-            raise Ros2Error(f"Zenoh cannot be opened: {error}") from error
+            raise Ros2Error(f"Zenoh cannot be opened: {plain(error)}") from error
         identity = str(self._session.zid())
         self._node = Node(node.domain, identity, 0, node.name, node.namespace)
         self._nodes: dict[str, Node] = {}

@@ -83,8 +83,8 @@ def reported(what: str) -> Iterator[None]:
         raise MediumError(f"{what}: {plain(error)}") from error
 
 
-def plain(error: zenoh.ZError) -> str:
-    """The message of an error."""
+def plain(error: Exception) -> str:
+    """Return the message of an error of Zenoh, without the places in its source."""
     return " ".join(_PLACE_IN_SOURCE.sub("", str(error)).split()).rstrip(".")
 
 
@@ -140,7 +140,8 @@ def _links(endpoints: Endpoints) -> dict[str, Any]:
             "mode": "peer",
             "listen/endpoints": listen,
             "connect/endpoints": connect,
-            "connect/timeout_ms": 0,
+            # In the background, until each of them appears; 0 would try once.
+            "connect/timeout_ms": -1,
             "connect/exit_on_failure": False,
         }
     return {
