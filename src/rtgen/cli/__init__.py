@@ -48,9 +48,9 @@ _INTERRUPTED = 130
 )
 @click.version_option(__version__, prog_name="rtgen", message="%(prog)s %(version)s")
 def application() -> None:
-    """An interface compiler for robot software: definitions in, running Python out.
+    """An interface compiler for robot software: from definitions to running Python.
 
-    Exit codes: 0 done, 1 the answer is no, 2 the input has errors, 3 the environment failed.
+    Exit codes: 0 success, 1 negative result, 2 errors in the input, 3 failure of the environment.
     """
 
 

@@ -77,6 +77,6 @@ def check(
     if planned.strays:
         console.say(
             f"{where}: {counted(len(planned.strays), 'file')} not made by rtgen, which"
-            " generate leaves; move what is yours elsewhere, delete the rest"
+            " generate leaves; move your files elsewhere, delete the rest"
         )
     return NO

@@ -199,7 +199,7 @@ def _as(thing: DescribedObject, kind: Kind | None, *, raw: bool) -> DescribedObj
 def _octets(thing: DescribedObject, value: str | None, file: Path | None) -> bytes:
     """Return the octets to write. Raises Refusal, ToolError."""
     if (value is None) == (file is None):
-        raise click.UsageError("`write` takes a value, or --file")
+        raise click.UsageError("`write` requires a value, or --file")
     if file is not None:
         try:
             return file.read_bytes()

@@ -64,7 +64,7 @@ _COMPONENTS = (".idl", ".xml", ".yaml", ".yml")
     "--exit",
     "may_exit",
     is_flag=True,
-    help="Exit the component at the end.",
+    help="Call exit of the component at the end.",
 )
 @click.option(
     "--signature",

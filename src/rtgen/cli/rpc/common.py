@@ -57,7 +57,7 @@ def with_representation(function: Callable[P, R]) -> Callable[..., R]:
         type=click.Choice(["network", "little", "big"]),
         default="network",
         show_default=True,
-        help="Data representation: network order, or native order of a machine.",
+        help="Data representation: network order, or native to such machines.",
     )
     @click.option(
         "--reply-order",

@@ -165,7 +165,7 @@ def _reply_differences(
 def _compare(what: str, expected: bytes | str, found: bytes | str) -> Iterator[str]:
     if expected != found:
         shown = [v.hex() if isinstance(v, bytes) else v for v in (expected, found)]
-        yield f"{what}: {shown[0]} was recorded, {shown[1]} is what the codec makes"
+        yield f"{what}: {shown[0]} was recorded, the codec encodes {shown[1]}"
 
 
 def _compare_values(
@@ -173,7 +173,7 @@ def _compare_values(
 ) -> Iterator[str]:
     if not _is_object(items, expected, found):
         texts = (json.dumps(expected), json.dumps(found))
-        yield f"{what}: {texts[0]} was recorded, {texts[1]} is what the codec reads"
+        yield f"{what}: {texts[0]} was recorded, the codec decodes {texts[1]}"
 
 
 def _is_object(items: tuple[Item, ...], expected: Json, found: Json) -> bool:
