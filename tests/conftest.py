@@ -19,7 +19,7 @@ from hypothesis import settings
 settings.register_profile("rtgen", deadline=None)
 settings.load_profile("rtgen")
 
-# Which bus python-can takes without being told: no test may get at a real one.
+# The default bus of python-can: no test may access a real one.
 for _variable in ("CAN_INTERFACE", "CAN_CHANNEL", "CAN_BITRATE", "CAN_CONFIG"):
     os.environ.pop(_variable, None)
 

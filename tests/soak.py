@@ -198,8 +198,8 @@ def openrtm(seconds: int) -> Steps:
         folder = Path(out, "generated/openrtm/rh3_goal")
         with socket.create_server(("127.0.0.1", 0)) as found:
             place = f"127.0.0.1:{found.getsockname()[1]}"
-        told = ["--nameserver", place, "--rate-scale", "0.2"]
-        _script(folder / "start.sh", *told)
+        arguments = ["--nameserver", place, "--rate-scale", "0.2"]
+        _script(folder / "start.sh", *arguments)
         try:
             files = folder.glob("run/*.pid")
             processes = tuple(int(file.read_text()) for file in files)

@@ -75,8 +75,8 @@ def test_names_stay_names(
     value = ["--", f"{name}.count"]
 
     assert run(["log", "info", "--json", file]) == 0
-    told = json.loads(capfd.readouterr().out)
-    assert f"{name}.count" in {source["of"] for source in told["sources"]}
+    printed = json.loads(capfd.readouterr().out)
+    assert f"{name}.count" in {source["of"] for source in printed["sources"]}
 
     table = tmp_path / "values.csv"
     assert run(["log", "csv", file, "-o", str(table), *value]) == 0

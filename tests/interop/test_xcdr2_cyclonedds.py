@@ -6,7 +6,7 @@ both ways, in both byte orders, as XCDR2 and, where cyclonedds follows DDS-XType
 What cyclonedds 11.0 does differently from DDS-XTypes 1.3 is not drawn here; test_xcdr.py has the
 octets that the standard requires:
 
-- maps of strings or constructed types have no DHEADER (rule 14 asks for one);
+- maps of strings or constructed types have no DHEADER (rule 14 requires one);
 - enums with a `bit_bound` that is not 8, 16 or 32 take a wrong size, in XCDR1 all take 4 octets;
 - `@must_understand` on an optional member of a final struct sets the wrong bit in XCDR1;
 - a discriminator that selects nothing in an appendable union is read as another one;

@@ -163,7 +163,7 @@ ENTRIES = (
     ),
     Entry(
         "specs/canopen/rh3_beego.xml",
-        "RH3 on two CANopen drives: what the base asks for, and what the drives report.",
+        "RH3 on two CANopen drives: the commands of the base, and the reports of the drives.",
         panels=tuple(
             Panel(
                 f"{side} drive [rad/s]",

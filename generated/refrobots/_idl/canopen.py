@@ -210,7 +210,7 @@ ObjectDictionary._calls_ = ".canopen_calls"
 
 
 class NmtState(Enumeration):
-    """What a node last told of its state (CiA 301, 7.3.2.2)."""
+    """Last state that a node reported (CiA 301, 7.3.2.2)."""
 
     NMT_UNKNOWN = 0
     """Nothing has come from it, or its heartbeat is lost."""
@@ -238,11 +238,11 @@ class NodePhase(Enumeration):
     NODE_READY = 5
     """It is configured, and is not to be started."""
     NODE_STARTING = 6
-    """It was told to start."""
+    """It got the command to start."""
     NODE_RUNNING = 7
     """It is operational."""
     NODE_HALTED = 8
-    """It was told to leave operational."""
+    """It got the command to leave operational."""
     NODE_MISSING = 9
     """It may be missing, and is."""
     NODE_FAILED = 10

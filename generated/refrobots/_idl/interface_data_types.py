@@ -400,7 +400,7 @@ class FiducialFOV(Aggregated):
 
 
 class GPSTime(Aggregated):
-    """The time that a GPS receiver tells."""
+    """The time reported by a GPS receiver."""
 
     _descriptor_: ClassVar = idl.struct(
         "RTC::GPSTime",

@@ -13,27 +13,27 @@ from rtgen.cli.groups import LazyGroup
 from rtgen.facts.version import __version__
 
 COMMANDS = {
-    "new": "Start a project, or add a component, device, board or system to one.",
-    "generate": "Make the files that the definitions ask for.",
-    "docs": "Describe the project as a site: types, components, devices, systems.",
-    "check": "Compare the tree with what generate would make.",
-    "diff": "Compare two versions of definitions: what changed, what breaks, and whom.",
-    "lint": "Look for what is better done otherwise.",
-    "fmt": "Put definitions in their form: spaces and line ends, never a token.",
+    "new": "Create a project, or add a component, device, board or system to one.",
+    "generate": "Generate files from definitions.",
+    "docs": "Generate a documentation site: types, components, devices, systems.",
+    "check": "Check that generated files are up to date.",
+    "diff": "Compare two versions of definitions and report breaking changes.",
+    "lint": "Run the lint rules on definitions.",
+    "fmt": "Format definitions: indentation, spaces and line ends.",
     "inspect": "Show the resolved model of definitions or systems.",
     "run": "Run a system on the embedded runtime.",
-    "ctl": "Watch and steer components that run in other processes.",
+    "ctl": "Watch and control components in other processes.",
     "ui": "Show a system in a browser: wire it, drive it, watch it.",
-    "replay": "Play a recorded run, into a part of a system if wanted.",
-    "log": "Look at recorded runs: what is in them, values, differences.",
+    "replay": "Replay a recorded run, optionally into a part of a system.",
+    "log": "Show, export and compare recorded runs.",
     "graph": "Draw a system's components and connections as SVG.",
-    "convert": "Write a component or system in another form: IDL, RTC.xml, RtsProfile, YAML.",
-    "adopt": "Make a definition of a component of OpenRTM-aist-Python.",
-    "rpc": "Call functions of TECS devices, or look at the bytes of such calls.",
-    "can": "Look at CAN buses, take part in them, or make one.",
+    "convert": "Convert a component or system: IDL, RTC.xml, RtsProfile, YAML.",
+    "adopt": "Write a definition for a component of OpenRTM-aist-Python.",
+    "rpc": "Call functions of TECS devices, or inspect the bytes of calls.",
+    "can": "Monitor CAN buses, access their nodes, or run a bus.",
     "conformance": "Test a real device or a running component against its definition.",
-    "lsp": "Serve editors: the language server.",
-    "explain": "Tell what a diagnostic means.",
+    "lsp": "Run the language server for editors.",
+    "explain": "Explain a diagnostic.",
 }
 """Commands with their help lines; the module has a function, both with the command's name."""
 
@@ -48,9 +48,9 @@ _INTERRUPTED = 130
 )
 @click.version_option(__version__, prog_name="rtgen", message="%(prog)s %(version)s")
 def application() -> None:
-    """An interface compiler for robot software: definitions in, running Python out.
+    """An interface compiler for robot software: from definitions to running Python.
 
-    Exit codes: 0 done, 1 the answer is no, 2 the input has errors, 3 the environment failed.
+    Exit codes: 0 success, 1 negative result, 2 errors in the input, 3 failure of the environment.
     """
 
 

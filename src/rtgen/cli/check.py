@@ -41,11 +41,11 @@ def check(
     node_id: int | None,
     target: str | None,
 ) -> int:
-    """Compare the tree with what generate would make.
+    """Check that generated files are up to date.
 
-    PATH is read as by generate. Exit code 0: the same; 1: files are changed, missing, no longer
-    made, or not rtgen's, and a unified diff is printed; or a behaviour uses a component or a port
-    that no definition has. Nothing is written.
+    PATH is read as by generate. Exit code 0: up to date; 1: files are changed, missing, obsolete
+    or not rtgen's, and a unified diff is printed, or a behaviour uses a component or a port that
+    no definition has. Nothing is written.
     """
     project = project_of(
         definitions, output, add=output is None, node_id=node_id, target=target
@@ -77,6 +77,6 @@ def check(
     if planned.strays:
         console.say(
             f"{where}: {counted(len(planned.strays), 'file')} not made by rtgen, which"
-            " generate leaves; move what is yours elsewhere, delete the rest"
+            " generate leaves; move your files elsewhere, delete the rest"
         )
     return NO

@@ -182,15 +182,15 @@ def with_console(
         type=click.Choice(["text", "json", "sarif", "github"]),
         default="text",
         show_default=True,
-        help="Form of the findings on standard error.",
+        help="Format of diagnostics on standard error.",
     )
-    @click.option("-q", "--quiet", is_flag=True, help="Print findings only.")
+    @click.option("-q", "--quiet", is_flag=True, help="Print diagnostics only.")
     @click.option(
         "--color",
         type=click.Choice(["auto", "always", "never"]),
         default="auto",
         show_default=True,
-        help="Colour in findings.",
+        help="Colour of diagnostics.",
     )
     @functools.wraps(function)
     def wrapped(
@@ -246,17 +246,17 @@ def with_definitions(command: Callable[..., int]) -> Callable[..., int]:
         click.option(
             "--kcode",
             type=click.Choice(KCODES),
-            help="The encoding of CDL files; default: what rtgen.toml says, else auto.",
+            help="Encoding of CDL files; default: from rtgen.toml, else auto.",
         ),
         click.option(
             "--prelude",
             type=click.Choice(PRELUDES),
-            help="The types that CDL knows without an import; default: kernel.",
+            help="Types that CDL files have without an import; default: kernel.",
         ),
         click.option(
             "--ignore-case-clashes",
             is_flag=True,
-            help="Take names that differ in case only for different names.",
+            help="Treat names that differ only in case as different names.",
         ),
         click.option(
             "-D",
@@ -271,7 +271,7 @@ def with_definitions(command: Callable[..., int]) -> Callable[..., int]:
             "include",
             multiple=True,
             metavar="DIR",
-            help="Look for included files there.",
+            help="Search DIR for included files.",
         ),
         click.argument("paths", nargs=-1, metavar="[PATH]..."),
     ):
@@ -316,7 +316,7 @@ def with_target(function: Callable[P, int]) -> Callable[P, int]:
         "--target",
         type=click.Choice(TARGETS),
         metavar=f"[{'|'.join(AVAILABLE_TARGETS)}]",
-        help="What the components run on; default: what rtgen.toml says, else embedded.",
+        help="Runtime of the components; default: from rtgen.toml, else embedded.",
     )(function)
 
 

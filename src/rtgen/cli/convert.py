@@ -24,17 +24,19 @@ _OF_SYSTEMS = ("rts-xml", "rts-yaml")
     "to",
     required=True,
     type=click.Choice((*_OF_COMPONENTS, *_OF_SYSTEMS)),
-    help="The form to write.",
+    help="Output format.",
 )
 @click.option(
-    "--component", metavar="NAME", help="The component, where FILE defines several."
+    "--component",
+    metavar="NAME",
+    help="Name of the component, if FILE defines several.",
 )
 @click.option(
     "-I",
     "include",
     multiple=True,
     metavar="DIR",
-    help="Look for included files, and for the types of ports, there.",
+    help="Search DIR for included files and for types of ports.",
 )
 @with_console
 def convert(
@@ -44,11 +46,11 @@ def convert(
     component: str | None,
     include: tuple[str, ...],
 ) -> int:
-    """Write a component or a system in another form, to standard output.
+    """Convert a component or a system to another format, on standard output.
 
     FILE is a definition with a component (*.idl), an RtcProfile (RTC.xml, or the YAML that
-    rtc-template writes), or an RtsProfile (XML, or the YAML of rtshell). A profile that is asked
-    for in its own form is written as it was.
+    rtc-template writes), or an RtsProfile (XML, or the YAML of rtshell). A profile whose format is
+    already the output format is copied unchanged.
     """
     if _is_system(Path(file)):
         return _system(console, Path(file), to)

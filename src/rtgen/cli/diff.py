@@ -21,13 +21,13 @@ _CLASSES = [str(each) for each in Break]
 @click.option(
     "--against",
     metavar="REVISION",
-    help="OLD is this git revision; then the argument is what to compare of both.",
+    help="Use this git revision as OLD; the argument is the path to compare in both.",
 )
 @click.option(
     "--use",
     metavar="CLASS[,CLASS]...",
-    help="The classes that make the exit code 1: wire, source, stored, compatible; "
-    "default: what rtgen.toml says, else wire,source,stored.",
+    help="Classes of changes for exit code 1: wire, source, stored, compatible; "
+    "default: from rtgen.toml, else wire,source,stored.",
 )
 @click.option("--json", "json_wanted", is_flag=True, help="Print JSON (rtgen-diff/1).")
 @with_console
@@ -39,11 +39,11 @@ def diff(
     use: str | None,
     json_wanted: bool,
 ) -> int:
-    """Compare two versions of definitions: what changed, what breaks, and whom.
+    """Compare two versions of definitions: changes, their classes, and affected readers.
 
-    OLD and NEW are files, folders, or git revisions (main, HEAD~3, v1.2:specs/idl); NEW is the
-    working folder's project by default. Exit code 0: no change of the classes asked for;
-    1: some; 2: errors. Allowed breaks stand in rtgen.toml, each with a reason.
+    OLD and NEW are files, folders, or git revisions (main, HEAD~3, v1.2:specs/idl); NEW defaults
+    to the project of the working folder. Exit code 0: no change of the selected classes; 1: some
+    changes; 2: errors. Allowed breaks are listed in rtgen.toml, each with a reason.
 
     Example: rtgen diff --against main --use wire,stored
     """
@@ -80,7 +80,7 @@ def _sources(versions: Sequence[str], against: str | None) -> list[Source]:
     """Return the old and the new version."""
     if against is not None:
         if len(versions) > 1:
-            raise Refusal("--against takes one argument: what to compare of both")
+            raise Refusal("--against accepts one argument: the path to compare in both")
         old = source_of(against, revision=True)
         if not versions:
             return [old, Source("the working tree")]

@@ -38,9 +38,11 @@ _DEFAULT = "build/docs"
     show_default=True,
     help="Write mkdocs.yml and the folder docs there.",
 )
-@click.option("--title", metavar="TEXT", help="The title; default: the package's name.")
 @click.option(
-    "--build", "building", is_flag=True, help="Build the site, too, in FOLDER/site."
+    "--title", metavar="TEXT", help="Title of the site; default: the package's name."
+)
+@click.option(
+    "--build", "building", is_flag=True, help="Also build the site in FOLDER/site."
 )
 @with_console
 @with_stages
@@ -51,11 +53,11 @@ def docs(
     title: str | None,
     building: bool,
 ) -> int:
-    """Describe the project's types, components, devices, boards and systems as a site.
+    """Generate a site about the project's types, components, devices, boards and systems.
 
     The pages are Markdown, for MkDocs with the theme Material (pip install 'rtgen[docs]'), which
     --build runs. The built site needs no server and no network: open FOLDER/site/index.html.
-    FOLDER belongs to rtgen: files of an earlier run that are no longer made are removed.
+    rtgen owns FOLDER: obsolete files of earlier runs are removed.
     """
     from rtgen import compiler
     from rtgen.documentation.site import site

@@ -13,7 +13,7 @@ from rtgen.cli.common import BAD_INPUT, OK, Console, with_console, write_out
 @click.argument("code", required=False)
 @with_console
 def explain(console: Console, code: str | None) -> int:
-    """Tell what a diagnostic means; without CODE, list all codes."""
+    """Explain a diagnostic; without CODE, list all codes."""
     from rtgen.diagnostics.explain import rules, similar, story
 
     known = rules()

@@ -35,21 +35,21 @@ def _lines(
 
 @click.command(epilog="\b\nExample:\n  rtgen fmt --check specs")
 @click.argument("paths", nargs=-1, metavar="[PATH|-]...")
-@click.option("--check", is_flag=True, help="Print the files that are not in form.")
+@click.option("--check", is_flag=True, help="List the files that are not formatted.")
 @click.option("--diff", "as_diff", is_flag=True, help="Print a unified diff instead.")
 @click.option(
     "--range",
     "lines",
     metavar="FIRST:LAST",
     callback=_lines,
-    help="Change statements in these lines of a single file only.",
+    help="Format only the statements in these lines of a single file.",
 )
 @click.option(
     "--stdin-filename",
     metavar="FILE",
     default="stdin.idl",
     show_default=True,
-    help="The name that standard input is formatted and reported as.",
+    help="File name of standard input: selects the format, and appears in diagnostics.",
 )
 @with_console
 def fmt(
@@ -60,11 +60,11 @@ def fmt(
     lines: tuple[int, int] | None,
     stdin_filename: str,
 ) -> int:
-    """Put IDL, CDL and bus files in their form: indentation, spaces, line ends.
+    """Format IDL, CDL and bus files: indentation, spaces, line ends.
 
-    PATH is a file, a folder with such files below it, or - for standard input; without PATH the
-    sources of rtgen.toml. Comments, preprocessor lines and tokens stay as they are. Exit code 0:
-    done; 1: --check or --diff has found files that are not in form; 2: errors, and nothing is
+    PATH is a file, a folder with such files below it, or - for standard input; the default is the
+    sources of rtgen.toml. Comments, preprocessor lines and tokens are not changed. Exit code 0:
+    done; 1: --check or --diff found files that are not formatted; 2: errors, and nothing is
     written.
     """
     project = load()

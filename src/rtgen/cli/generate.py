@@ -25,13 +25,16 @@ from rtgen.cli.compiling.stages import with_stages
 @click.option(
     "--representation",
     type=click.Choice(["cdr", "xcdr2"]),
-    help="What to_cdr gives where no annotation says it; default: what rtgen.toml says, else cdr.",
+    help="Representation of types without an annotation; default: from rtgen.toml, else cdr.",
 )
 @click.option(
     "--diff", "only_diff", is_flag=True, help="Print what would change; write nothing."
 )
 @click.option(
-    "--watch", "watching", is_flag=True, help="Go on, and run again on every change."
+    "--watch",
+    "watching",
+    is_flag=True,
+    help="Keep running, and generate again on every change.",
 )
 @with_console
 @with_stages
@@ -46,12 +49,13 @@ def generate(
     only_diff: bool,
     watching: bool,
 ) -> int:
-    """Make the files that the definitions ask for.
+    """Generate files from definitions.
 
-    PATH is a definition file or a folder of them. Without PATH the sources of rtgen.toml are
-    read, which is looked for here and upwards. PATH is read beside them, so the tree stays whole;
-    with -o alone. Files that rtgen owns are overwritten, and removed once nothing asks for them.
-    Skeletons are created once and then left alone.
+    PATH is a definition file or a folder of such files. Without PATH, the sources of rtgen.toml
+    are read, from the working folder or the nearest folder above it. PATH is added to these
+    sources, so that the generated tree stays complete; with -o, PATH replaces them. Files that
+    rtgen owns are overwritten, and removed when no definition needs them. Skeletons are created
+    once and never overwritten.
     """
     request = Request(
         definitions=definitions,

@@ -19,13 +19,13 @@ from rtgen.systems import timeline
 @click.command()
 @click.argument("system", metavar="SYSTEM")
 @click.option(
-    "-o", "output", metavar="FILE", help="Write there instead of standard output."
+    "-o", "output", metavar="FILE", help="Output file; default: standard output."
 )
 @click.option(
     "--timeline",
     "timeline_file",
     metavar="FILE",
-    help="Draw the connections that it makes; by default timeline.toml of the folder.",
+    help="Also draw the connections of this timeline; default: timeline.toml of the folder.",
 )
 @with_console
 def graph(
@@ -33,9 +33,9 @@ def graph(
 ) -> int:
     """Draw a system's components, connections and buses as SVG.
 
-    SYSTEM is an RtsProfile or a folder with system.xml and perhaps timeline.toml. The project's
-    definitions, if there are any, state the ports that are not connected, the types of all ports,
-    and the buses and lines that components are attached to.
+    SYSTEM is an RtsProfile or a folder with system.xml and optionally timeline.toml. The
+    definitions of the project, if any, add unconnected ports, the types of all ports, and the buses
+    and serial lines of components.
     """
     from rtgen.backends.wiring import (
         ComponentView,

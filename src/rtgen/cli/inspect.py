@@ -48,8 +48,8 @@ def inspect(
 
     PATH is a definition file (*.idl, *.cdl, *.eds, *.dcf, RTC.xml, a bus file *.toml), a folder of
     them, or a system (RtsProfile, XML or YAML), which is checked against definitions beside it.
-    Without PATH the sources of rtgen.toml are shown. Input with errors: these alone are printed;
-    --json prints what could be read, too, with the findings in it.
+    The default is the sources of rtgen.toml. If the input has errors, only the errors are printed;
+    --json also prints the readable part, and includes the diagnostics.
     """
     profiles = [p for p in definitions.paths if _is_system(Path(p))]
     others = tuple(p for p in definitions.paths if p not in profiles)

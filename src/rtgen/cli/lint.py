@@ -37,13 +37,14 @@ MAX_ROUNDS = 10
 
 @click.command(epilog="Example: rtgen lint --fix specs")
 @with_definitions
+@click.option("--ignore", multiple=True, metavar="CODE", help="Disable a rule.")
 @click.option(
-    "--ignore", multiple=True, metavar="CODE", help="Leave a rule's findings out."
+    "--select",
+    multiple=True,
+    metavar="CODE",
+    help="Enable a rule that is off by default.",
 )
-@click.option(
-    "--select", multiple=True, metavar="CODE", help="Check a rule that is on demand."
-)
-@click.option("--fix", is_flag=True, help="Carry out the safe fixes of findings.")
+@click.option("--fix", is_flag=True, help="Apply safe fixes.")
 @click.option("--diff", "as_diff", is_flag=True, help="Print the fixes as a diff.")
 @with_console
 @with_stages
@@ -55,12 +56,12 @@ def lint(
     fix: bool,
     as_diff: bool,
 ) -> int:
-    """Look for what is allowed in definitions, but better done otherwise.
+    """Run the lint rules on definitions.
 
-    Exit code 0: nothing, or notes only; 1: warnings, those of reading the definitions included;
-    2: errors. Rules are silenced one by one: --ignore CODE, or `[lint] ignore` in rtgen.toml;
-    `[lint] select` is as --select. A comment `rtgen: ignore[CODE]` silences a rule for its line.
-    --fix changes the files that were given, --diff shows what it would change.
+    Exit code 0: nothing, or only notes; 1: warnings, including those of reading the definitions;
+    2: errors. --ignore CODE, or `[lint] ignore` in rtgen.toml, disables a rule; --select CODE, or
+    `[lint] select`, enables one. A comment `rtgen: ignore[CODE]` disables a rule for its line.
+    --fix changes the given files, --diff prints the changes instead.
     `rtgen explain CODE` describes a rule.
     """
     from rtgen.linting import unknown, unknown_codes

@@ -20,15 +20,15 @@ from rtgen.diagnostics import ToolError
     type=click.Choice(["error", "warning", "info", "debug"]),
     default="error",
     show_default=True,
-    help="What is logged, on standard error.",
+    help="Level of the log on standard error.",
 )
 @with_console
 def lsp(console: Console, log_level: str) -> int:
-    """Serve editors: findings while typing, hover, definitions, completion, rename, hints.
+    """Run the language server: diagnostics, hover, definitions, completion, rename, hints.
 
-    The server speaks the Language Server Protocol on standard input and output until its editor
-    ends it. Editors start it themselves; docs/editors.md has the settings of each. It needs the
-    extra `lsp`: pip install "rtgen[lsp]".
+    The server implements the Language Server Protocol on standard input and output until its
+    editor stops it. Editors start the server; docs/editors.md has the settings of each. The server
+    requires the extra `lsp`: pip install "rtgen[lsp]".
 
     \b
     Settings of the editor Helix (languages.toml):

@@ -63,29 +63,29 @@ _MAX_SECONDS = 1e9
 @click.option(
     "--into",
     metavar="SYSTEM",
-    help="Let components of this system run; by default the events are printed.",
+    help="Run components of this system; default: print the events.",
 )
 @click.option(
-    "--only", metavar="INSTANCE,...", help="Of the system only these components."
+    "--only", metavar="INSTANCE,...", help="Run only these components of the system."
 )
 @click.option(
     "--rate",
     type=RATE,
     metavar="FACTOR",
-    help="How much faster than recorded; by default as fast as possible.",
+    help="Speed factor; default: as fast as possible.",
 )
 @click.option(
     "--until",
     type=FiniteRange(0, _MAX_SECONDS),
     metavar="SECONDS",
-    help="End before the end.",
+    help="Stop at this time of the recording.",
 )
 @click.option(
     "--set",
     "settings",
     multiple=True,
     metavar="INSTANCE.PARAMETER=VALUE",
-    help="Give a configuration parameter another value.",
+    help="Set a configuration parameter.",
 )
 @click.option(
     "--log", metavar="FILE", help="Write state changes and samples as JSON lines."
@@ -105,12 +105,11 @@ def replay(
     recording: RecordingOptions,
     shown_failures: FailureOptions,
 ) -> int:
-    """Play a run that `rtgen run --record` has recorded, in simulated time.
+    """Replay a run that `rtgen run --record` has recorded, in simulated time.
 
-    With --into the components of SYSTEM run, and what the others wrote in the recording drives
-    their InPorts over the recorded connections. What the components of SYSTEM are to begin with,
-    their parameters, and the timeline that concerns them, are SYSTEM's. Exit code 1: a component's
-    own code raised an exception.
+    With --into, the components of SYSTEM run, and the recorded samples of the other components
+    reach their InPorts over the recorded connections. The initial states, parameters and timeline
+    of the components are those of SYSTEM. Exit code 1: component code raised an exception.
     """
     if into is None:
         if only or settings or log or recording.file:

@@ -75,19 +75,23 @@ _PROGRESS_PERIOD = SECOND // 10
     show_default=True,
     help="Simulated time, as fast as the machine allows, or real time.",
 )
-@click.option("--until", metavar="SECONDS|INSTANCE=STATE", help="When the run ends.")
+@click.option(
+    "--until",
+    metavar="SECONDS|INSTANCE=STATE",
+    help="End the run at this time or state.",
+)
 @click.option(
     "--set",
     "settings",
     multiple=True,
     metavar="INSTANCE.PARAMETER=VALUE",
-    help="Give a configuration parameter another value.",
+    help="Set a configuration parameter.",
 )
 @click.option(
     "--timeline",
     "timeline_file",
     metavar="FILE",
-    help="What happens meanwhile; by default timeline.toml of the folder.",
+    help="Timeline of the run; default: timeline.toml of the folder.",
 )
 @click.option(
     "--csv",
@@ -109,12 +113,12 @@ _PROGRESS_PERIOD = SECOND // 10
 @click.option(
     "--checkpoints",
     metavar="FOLDER",
-    help="Keep the declared state of components there, and start from what is there.",
+    help="Save the declared state of components there, and restore it at the start.",
 )
 @click.option(
     "--supervise",
     type=click.Choice(["never", "on-failure"]),
-    help="A process for each component, which is started again, or not, when it dies.",
+    help="Run each component in its own process, with a restart policy.",
 )
 @click.option(
     "--group",
@@ -129,7 +133,7 @@ _PROGRESS_PERIOD = SECOND // 10
     default=5,
     show_default=True,
     metavar="NUMBER",
-    help="How often in a row a process is started again (--supervise).",
+    help="Maximum number of consecutive restarts of a process (--supervise).",
 )
 @with_recording
 @with_ros2
@@ -159,19 +163,20 @@ def run(
 ) -> int:
     """Run a system on the embedded runtime.
 
-    SYSTEM is an RtsProfile, or a folder with system.xml and perhaps timeline.toml. Exit code 0:
-    the condition of --until, or of the system's property rtgen.run.until, was met; 1: the time
-    was over before, the robot ended beyond rtgen.run.tolerance, or a component's own code raised
-    an exception; 3: the module of a component cannot be imported. A run in simulated time that
-    waits for a state only ends after ten minutes.
+    SYSTEM is an RtsProfile, or a folder with system.xml and optionally timeline.toml. Exit code 0:
+    the condition of --until, or of the system's property rtgen.run.until, was met; 1: it was not
+    met in time, the robot ended beyond rtgen.run.tolerance, or component code raised an exception;
+    3: the module of a component cannot be imported. A run in simulated time that only waits for a
+    state ends after ten minutes.
 
-    --csv and --plot can be given several times: INSTANCE.PORT, INSTANCE.PORT.member and
-    INSTANCE.PORT[index] are values over time, anything else is the file, by default values.csv and
-    values.svg below build. Without any of them the file gets the trajectory.
+    --csv and --plot may be repeated: INSTANCE.PORT, INSTANCE.PORT.member and INSTANCE.PORT[index]
+    are values over time, anything else is the output file, by default values.csv and values.svg
+    below build. Without values, the file contains the trajectory.
 
-    With --transport corba service calls go over omniORB, and components show as OpenRTM's; with
-    --transport dds or zenoh samples and calls go over DDS or Zenoh. With --only this process runs
-    a part of the system, and they go to the processes that run the rest.
+    With --transport corba, service calls use omniORB, and components appear as components of
+    OpenRTM; with --transport dds or zenoh, samples and calls use DDS or Zenoh. With --only, this
+    process runs a part of the system, and exchanges samples and calls with the processes that run
+    the rest.
     """
     simulated = clock == "sim"
     carrying.check(simulated=simulated)

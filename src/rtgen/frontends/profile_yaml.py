@@ -251,7 +251,7 @@ def _element(form: _Form, name: tuple[str, str], node: Node, depth: int) -> Elem
     if isinstance(content, str):
         return Element(name, {}, node.key, text=_text(content, local, node))
     if isinstance(content, tuple):
-        raise YamlError(f"`{local}` stands once only", node.key)
+        raise YamlError(f"`{local}` may occur only once", node.key)
     attributes: dict[tuple[str, str], str] = {}
     places: dict[str, Span] = {}
     children: list[Element] = []
@@ -317,7 +317,7 @@ def _date_text(parts: Mapping[str, Node], node: Node) -> str:
     try:
         year, *rest = (int(texts.get(name) or 0) for name in _DATE_PARTS)
     except ValueError:
-        raise YamlError("a date is not made of numbers", node.span) from None
+        raise YamlError("a date must consist of numbers", node.span) from None
     month, day, hour, minute, second = rest
     more = "".join(texts.get(name) or "" for name in _DATE_REST)
     date = f"{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}{more}"

@@ -153,7 +153,7 @@ def unbounded_on_boards(context: Context) -> Iterator[Diagnostic]:
                 port.span,
                 f"the data of {port.name} holds a {what} without a bound{inside}",
                 related=[] if field is None else [Related(field.span, "here")],
-                hint="a board keeps room for as many elements as [small] says; declare a bound",
+                hint="a board reserves the number of elements given by [small]; declare a bound",
             )
 
 

@@ -30,7 +30,7 @@ def heartbeats(context: Context) -> Iterator[Diagnostic]:
 
 
 def identities(context: Context) -> Iterator[Diagnostic]:
-    """Report devices without an identity, which cannot be told apart from others."""
+    """Report devices without an identity, which cannot be distinguished from others."""
     for device in context.model.devices:
         vendor = device.find(_IDENTITY, _VENDOR)
         vendor_id = device.vendor_id or (None if vendor is None else vendor.current)
@@ -69,8 +69,8 @@ def unreachable(context: Context) -> Iterator[Diagnostic]:
 def names(context: Context) -> Iterator[Diagnostic]:
     """Report application objects with equal names, whose fields are numbered."""
     for device in context.model.devices:
-        for alike in _with_equal_names(device):
-            first, *others = alike
+        for group in _with_equal_names(device):
+            first, *others = group
             numbers = ", ".join(f"{v.index:04X}:{v.subindex:X}" for v in others)
             yield rules.SAME_NAME.at(
                 first.span,
@@ -85,7 +85,7 @@ def _with_equal_names(device: Device) -> list[list[Variable]]:
     for variable in device.variables:
         if variable.index >= _FIRST_OF_DEVICE and not _is_count(device, variable):
             found[identifier(variable.name).lower()].append(variable)
-    return [alike for alike in found.values() if len(alike) > 1]
+    return [group for group in found.values() if len(group) > 1]
 
 
 def _is_count(device: Device, variable: Variable) -> bool:

@@ -72,11 +72,11 @@ def service_pairs(
             else:
                 offered = ends[there.instance].model
                 fitting = [p for p in providers if _serves(offered, p, consumer)]
-                alike = [c for c in consumers if c.type == consumer.type]
+                same_type = [c for c in consumers if c.type == consumer.type]
                 same = [p for p in fitting if p.instance == consumer.instance]
                 if same:
                     fitting = same[:1]
-                elif len(alike) > 1 or len(fitting) > 1:
+                elif len(same_type) > 1 or len(fitting) > 1:
                     fitting = []
             if fitting:
                 pairs.append(Pair(here, consumer, there, fitting[0]))

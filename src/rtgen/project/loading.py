@@ -485,5 +485,5 @@ def _check_folders(
             yield PATH_OVERLAP.at(
                 settings.span("output", "dir"),
                 f"the output folder holds the {what}: {shown(other)}",
-                hint="rtgen owns its output folder; keep what you write outside it",
+                hint="rtgen owns its output folder; keep your own files outside it",
             )

@@ -342,7 +342,7 @@ def _check_links(
             yield LINK_IN_OUTPUT.at(
                 None,
                 f"{shown(folder / step)} is a symbolic link",
-                hint="remove the link; rtgen makes what it needs",
+                hint="remove the link; rtgen creates the files that it needs",
             )
 
 

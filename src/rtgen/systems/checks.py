@@ -37,7 +37,7 @@ PROPERTY_VALUE = Rule(
     "RTC0584", "connector property with a value that it does not take", Severity.ERROR
 )
 DATA_TYPE = Rule(
-    "RTC0585", "connector says another type than its ports", Severity.WARNING
+    "RTC0585", "connector declares another type than its ports", Severity.WARNING
 )
 SYSTEM_PARAMETER = Rule(
     "RTC0586",
@@ -220,7 +220,7 @@ def _data(connection: Connection, ends: Mapping[str, Known]) -> Iterator[Diagnos
     declared = dict(connection.properties).get(_TYPE_KEY, types[0])
     if declared not in (types[0], str(source.type)):
         span = connection.places.get(_TYPE_KEY, connection.span)
-        message = f"the connector says {declared!r}, its ports have {types[0]!r}"
+        message = f"the connector declares {declared!r}, its ports have {types[0]!r}"
         yield DATA_TYPE.at(span, message)
     model = ends[connection.source.instance].model
     yield from units.check(connection, source, target, model)

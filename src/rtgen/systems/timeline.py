@@ -116,7 +116,7 @@ def condition(text: str, system: System, span: Span | None) -> Condition:
             )
         else:
             raise InputError(
-                [CONDITION.at(span, f"{text!r} says the same kind of thing twice")]
+                [CONDITION.at(span, f"{text!r} has two conditions of the same kind")]
             )
     return found
 
@@ -358,7 +358,7 @@ class _Reader:
     def _between(self, value: dict[str, Any], span: Span) -> _Link:
         """Return the only connection of two ports, in either direction."""
         if set(value) != _ENDS:
-            message = "'disconnect' takes a name, or a table of from and to"
+            message = "'disconnect' requires a name, or a table of from and to"
             raise InputError([TIMELINE.at(span, message)])
         ends = {self._end(value[key], span) for key in ("from", "to")}
         found = {k.name: k for k in self.links if {k.source, k.target} == ends}
@@ -380,7 +380,7 @@ class _Reader:
             isinstance(v, str) for v in (*texts.values(), *properties.values())
         ):
             message = (
-                "'connect' takes a name, or a table of from, to, name and properties"
+                "'connect' requires a name, or a table of from, to, name and properties"
             )
             raise InputError([TIMELINE.at(span, message)])
         ends = [self._end(texts[key], span) for key in ("from", "to")]

@@ -6,7 +6,9 @@ from rtgen.diagnostics import Rule, Severity
 
 NOT_A_PROFILE = Rule("RTC0530", "not an RtcProfile", Severity.ERROR)
 MISSING = Rule("RTC0531", "the component has no name", Severity.ERROR)
-LEFT_OUT = Rule("RTC0532", "what the schema asks for is left out", Severity.WARNING)
+LEFT_OUT = Rule(
+    "RTC0532", "element required by the schema is left out", Severity.WARNING
+)
 MISSPELT = Rule("RTC0533", "misspelt or misplaced attribute", Severity.WARNING)
 UNKNOWN_WORD = Rule("RTC0534", "unknown word", Severity.WARNING)
 BAD_NUMBER = Rule("RTC0535", "bad number", Severity.WARNING)

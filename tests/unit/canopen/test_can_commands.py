@@ -211,7 +211,7 @@ def test_sdo_of_a_node_that_nobody_described(
         assert out(capfd) == "0xFFFF01"
         write = ["stranger", "sdo", "write", "9", "1017", "--no-look"]
         assert command(*write, "5") == 2
-        assert "or tell its --type" in shown(capfd.readouterr().err)
+        assert "or set its --type" in shown(capfd.readouterr().err)
         assert command(*write, "0500", "--type", "u16") == 0
         assert command(*base, "Vendor_ID", "--no-look") == 2
         assert "give --bus or --eds" in shown(capfd.readouterr().err)

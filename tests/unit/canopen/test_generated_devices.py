@@ -444,7 +444,7 @@ def test_a_tpdo_that_nobody_can_ask_for_is_named(
     system = System()
     system.add(device("requested"))
     assert caplog.messages == [
-        "requested: what is written to tpdo1 is never sent: its transmission type 253 waits "
+        "requested: samples written to tpdo1 are never sent: its transmission type 253 waits "
         "for a remote frame, and its COB-ID allows none"
     ]
     system.close()

@@ -115,7 +115,7 @@ def test_a_device_that_does_not_keep_its_configuration(
         bench.node.objects.write = lambda index, subindex, value: None  # type: ignore[method-assign]
         bench.system.activate("Drive0")
         bench.until("ERROR")
-        assert bench.reason == "node 5 does not keep what is written to 1017h:0"
+        assert bench.reason == "node 5 does not keep the value written to 1017h:0"
 
 
 def test_a_device_that_tells_no_lengths_keeps_its_configuration(

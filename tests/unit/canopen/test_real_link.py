@@ -392,9 +392,9 @@ def test_no_hub() -> None:
 @pytest.mark.parametrize(
     ("greeting", "answer", "text"),
     [
-        (b"HTTP/1.1 400\r\n", b"", "the hub says 'HTTP/1.1 400"),
-        (b"< hi >", b"< error no such device >", "the hub says '< error no such"),
-        (b"", b"", "the hub says 'nothing'"),
+        (b"HTTP/1.1 400\r\n", b"", "the hub replied 'HTTP/1.1 400"),
+        (b"< hi >", b"< error no such device >", "the hub replied '< error no such"),
+        (b"", b"", "the hub replied 'nothing'"),
     ],
 )
 def test_no_proper_hub(greeting: bytes, answer: bytes, text: str) -> None:

@@ -65,10 +65,10 @@ def test_values(argument: str, expected: dict[str, str]) -> None:
     [
         ('"8931"', "a name is missing here"),
         ('"a=1,,b=2"', "a name is missing here"),
-        ('"a"', "= is missing behind a"),
-        ('"a b=1"', "= is missing behind a"),
+        ('"a"', "= is missing after a"),
+        ('"a b=1"', "= is missing after a"),
         ('"a=\'b"', "the value of a is never closed"),
-        ("\"a='b'c, d=1\"", "there is text behind the value of a"),
+        ("\"a='b'c, d=1\"", "there is text after the value of a"),
     ],
 )
 def test_mistakes(argument: str, message: str) -> None:

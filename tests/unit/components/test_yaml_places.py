@@ -51,11 +51,15 @@ def test_a_system() -> None:
         ("rtsProfile: {id: x,\n rts::id: y}", (2, 2), "`id` is given twice"),
         ('rtsProfile: {id: "\\0"}', (1, 18), "`id` has a character that XML cannot"),
         ('rtsProfile: {id: "\\ud800"}', (1, 18), "`id` has a character"),
-        ("rtsProfile:\n  components: [[a]]", (2, 16), "`Components` stands once only"),
+        (
+            "rtsProfile:\n  components: [[a]]",
+            (2, 16),
+            "`Components` may occur only once",
+        ),
         (
             "rtsProfile:\n  creationDate: {year: soon}",
             (2, 17),
-            "a date is not made of numbers",
+            "a date must consist of numbers",
         ),
         ("- a", (1, 1), "there is neither `rtcProfile` nor `rtsProfile`"),
         ("", (1, 1), "there is neither `rtcProfile` nor `rtsProfile`"),

@@ -161,8 +161,8 @@ def test_a_component_of_ours_passes_every_check(
 ) -> None:
     report = report_of(expected, names)
     skipped = {
-        "life-cycle.error": "it is not in ERROR, to which nobody outside can bring it",
-        "exit": "it ends with its process alone: exit returned UNSUPPORTED",
+        "life-cycle.error": "it is not in ERROR, and no request leads there",
+        "exit": "it ends only with its process: exit returned UNSUPPORTED",
     }
     assert [(o.check, o.verdict, o.problems) for o in report.outcomes] == [
         (
@@ -587,7 +587,7 @@ def test_a_component_in_error_stays_there(
     report = report_of(expected, names)
     verdicts = {o.check: (o.verdict, o.problems) for o in report.outcomes}
     assert verdicts["life-cycle.error"] == (Verdict.PASSED, ())
-    left = (Verdict.SKIPPED, ("it is in ERROR, where it is left",))
+    left = (Verdict.SKIPPED, ("it is in ERROR, and stays there",))
     assert verdicts["life-cycle.activation"] == left
     assert report.passed
     assert state_of(gauge) == "ERROR_STATE"
@@ -672,7 +672,7 @@ def test_a_connection_that_failed_to_end_is_ended(
     [outcome] = [o for o in report.outcomes if o.check == "connections"]
     assert [problem.partition(": ")[2] for problem in outcome.problems] == [
         "its connector is still listed",
-        "it has not told the other port of the end",
+        "it did not notify the other port of the disconnection",
     ]
     assert ended[-1].startswith("rtgen-conformance-")
     assert failed(report_of(expected, names)) == []

@@ -107,8 +107,8 @@ class Reading:
         match writer, reader:
             case PrimitiveDescriptor(a), PrimitiveDescriptor(b):
                 octets = {"octet", "uint8"}
-                alike = a == b or {a, b} == octets
-                return alike and bool(written == read)
+                is_same = a == b or {a, b} == octets
+                return is_same and bool(written == read)
             case StringDescriptor(), StringDescriptor():
                 return bool(written == read)
             case SequenceDescriptor(a), SequenceDescriptor(b):

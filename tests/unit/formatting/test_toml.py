@@ -148,8 +148,8 @@ def test_without_tombi(
     assert run(["fmt", "bus.toml"]) == 3
     assert "pip install 'rtgen[fmt]'" in capfd.readouterr().err
     assert run(["fmt", "."]) == 0
-    told = capfd.readouterr().err
-    assert "FMT0003" in told
-    assert "bus.toml is left as it is" in told
+    printed = capfd.readouterr().err
+    assert "FMT0003" in printed
+    assert "bus.toml is left as it is" in printed
     assert Path("a.idl").read_text() == "struct S { long a; };\n"
     assert Path("bus.toml").read_text() == "[bus]\nbit_rate=500\n"

@@ -138,12 +138,12 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "comma for semicolon": (
         "struct S { long a§, };",
         "IDL0101: a ';' is wanted here, not a ','",
-        "a ',' stands between names of one type; each declaration ends with ';'",
+        "a ',' separates names of one type; each declaration ends with ';'",
     ),
     "comma for semicolon 2": (
         "struct S {\n long a§,\n long b;\n};",
         "IDL0101: a ';' is wanted here, not a ','",
-        "a ',' stands between names of one type; each declaration ends with ';'",
+        "a ',' separates names of one type; each declaration ends with ';'",
     ),
     "colon for semicolon": (
         "struct S { long a§: long b; };",
@@ -167,7 +167,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "direction after": (
         "interface I { void f(long §in a); };",
-        "IDL0100: 'in' stands before the type of the parameter",
+        "IDL0100: 'in' belongs before the type of the parameter",
         "write 'in TYPE NAME'",
     ),
     "direction ref": (
@@ -403,7 +403,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "1'000": (
         "const long A = 1§'000;",
         "IDL0109: this character literal is not closed",
-        "a character stands between two ', as in 'x'",
+        "a character literal is enclosed in ', as in 'x'",
     ),
     "true": (
         "const boolean A = §true;",
@@ -453,7 +453,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "unclosed char": (
         "const char A = §'a;",
         "IDL0109: this character literal is not closed",
-        "a character stands between two ', as in 'x'",
+        "a character literal is enclosed in ', as in 'x'",
     ),
     "long char": (
         "const char A = §'ab';",
@@ -533,7 +533,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "const without value": (
         "const long A§;",
         "IDL0124: the value of the constant is missing here",
-        "write '= VALUE' behind the name",
+        "write '= VALUE' after the name",
     ),
     "define as const": (
         "#define N 10;\nstruct S { long a[§N]; };",
@@ -567,12 +567,12 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "include no quotes": (
         "§#include wheel.idl\nstruct S { Wheel a; };",
-        'IDL0012: #include needs "file" or <file> behind it',
+        'IDL0012: #include needs "file" or <file> after it',
         'write #include "wheel.idl"',
     ),
     "include one quote": (
         '§#include "wheel.idl\nstruct S { Wheel a; };',
-        'IDL0012: #include needs "file" or <file> behind it',
+        'IDL0012: #include needs "file" or <file> after it',
         'write #include "wheel.idl"',
     ),
     "include angle": (
@@ -592,7 +592,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "import no quotes": (
         "§import wheel.idl;\nstruct S { Wheel a; };",
-        "IDL0100: 'import' takes no file name",
+        "IDL0100: 'import' does not accept a file name",
         'write #include "file.idl" for a file; import takes a name and a semicolon',
     ),
     "include without hash": (
@@ -757,17 +757,17 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "string[]": (
         "struct S { string §[] a; };",
-        "IDL0123: the size of an array stands behind the name",
+        "IDL0123: the size of an array follows the name",
         "write TYPE NAME[SIZE], or sequence<TYPE> NAME if the size varies",
     ),
     "array before name": (
         "struct S { long§[3] a; };",
-        "IDL0123: the size of an array stands behind the name",
+        "IDL0123: the size of an array follows the name",
         "write TYPE NAME[SIZE], or sequence<TYPE> NAME if the size varies",
     ),
     "array before name typedef": (
         "typedef long§[3] A;",
-        "IDL0123: the size of an array stands behind the name",
+        "IDL0123: the size of an array follows the name",
         "write TYPE NAME[SIZE], or sequence<TYPE> NAME if the size varies",
     ),
     "open array": (
@@ -782,7 +782,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "array parens": (
         "struct S { long a§(3); };",
-        "IDL0123: the size of an array stands in brackets",
+        "IDL0123: the size of an array is written in brackets",
         "write a[3]",
     ),
     "auto/var": (
@@ -793,16 +793,16 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "ros array": (
         "struct S { sequence<long§ a; };",
         "IDL0124: a '>' is missing here",
-        "put '>' behind 'long'",
+        "put '>' after 'long'",
     ),
     "sequence without type": (
         "struct S { sequence§ a; };",
         "IDL0124: a '<' is missing here",
-        "put '<' behind 'sequence'",
+        "put '<' after 'sequence'",
     ),
     "sequence parens": (
         "struct S { sequence§(long) a; };",
-        "IDL0124: 'sequence' takes '<' and '>', not '(' and ')'",
+        "IDL0124: 'sequence' requires '<' and '>', not '(' and ')'",
         "write sequence<...>",
     ),
     "sequence bound first": (
@@ -842,7 +842,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "trailing comma": (
         "enum E { A, B§, };",
-        "IDL0115: no comma behind the last enumerator",
+        "IDL0115: no comma after the last enumerator",
         "remove the ','",
     ),
     "enum value": (
@@ -858,7 +858,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "enum semicolons": (
         "enum E { A§; B; };",
         "IDL0124: a ',' is wanted here, not a ';'",
-        "enumerators are separated by ','; there is none behind the last",
+        "enumerators are separated by ','; the last has none",
     ),
     "enum missing comma": (
         "enum E { A§ B };",
@@ -943,12 +943,12 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "missing open brace": (
         "struct S§\n    long a;\n};",
         "IDL0124: a '{' is missing here",
-        "put '{' behind 'S'",
+        "put '{' after 'S'",
     ),
     "missing open brace interface": (
         "interface I§\n    void f();\n};",
         "IDL0124: a '{' is missing here",
-        "put '{' behind 'I'",
+        "put '{' after 'I'",
     ),
     "extra brace": (
         "struct S { long a; };\n§};",
@@ -963,7 +963,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "missing open paren": (
         "interface I { void f§ in long a); };",
         "IDL0124: a '(' is missing here",
-        "put '(' behind 'f'",
+        "put '(' after 'f'",
     ),
     "parens missing": (
         "interface I { void f§; };",
@@ -988,12 +988,12 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "public:": (
         "interface I { §public: void f(); };",
         "IDL0121: IDL has no 'public:'",
-        "leave it out: what a struct or an interface has is public",
+        "remove it: members of structs and interfaces are public",
     ),
     "public: in struct": (
         "struct S { §public: long a; };",
         "IDL0121: IDL has no 'public:'",
-        "leave it out: what a struct or an interface has is public",
+        "remove it: members of structs and interfaces are public",
     ),
     "private member in struct": (
         "struct S { §private long a; };",
@@ -1003,7 +1003,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "public in interface": (
         "interface I { §public void f(); };",
         "IDL0122: 'public' cannot stand in an interface",
-        "leave it out: what an interface has is public",
+        "remove it: members of an interface are public",
     ),
     "const in struct": (
         "struct S { §const long A = 1; long b; };",
@@ -1057,7 +1057,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "raises without parenthesis": (
         "exception E {}; interface I { void f() raises §E; };",
-        "IDL0124: a '(' is missing behind 'raises'",
+        "IDL0124: a '(' is missing after 'raises'",
         "write raises (E)",
     ),
     "raises empty": (
@@ -1067,7 +1067,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "raises before": (
         "exception E {};\ninterface I { void §raises (E) f(); };",
-        "IDL0100: 'raises' stands behind the parameters",
+        "IDL0100: 'raises' follows the parameters",
         "write TYPE NAME(...) raises (EXCEPTION)",
     ),
     "oneway result": (
@@ -1088,12 +1088,12 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "exception type": (
         "exception E {}; struct S { §E a; };",
         "IDL0210: the exception E can only be raised",
-        "put what it holds into a struct",
+        "put its contents into a struct",
     ),
     "exception sequence": (
         "exception E {}; typedef sequence<§E> Es;",
         "IDL0210: the exception E can only be raised",
-        "put what it holds into a struct",
+        "put its contents into a struct",
     ),
     "raises struct": (
         "struct E { long a; }; interface I { void f() raises (§E); };",
@@ -1128,7 +1128,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "case without colon": (
         "union U switch (long) { case 1§ long a; };",
         "IDL0124: a ':' is missing here",
-        "put ':' behind '1'",
+        "put ':' after '1'",
     ),
     "missing switch": (
         "union U§ { case 1: long a; };",
@@ -1138,7 +1138,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "switch without parens": (
         "union U switch§ long { case 1: long a; };",
         "IDL0124: a '(' is missing here",
-        "put '(' behind 'switch'",
+        "put '(' after 'switch'",
     ),
     "switch with name": (
         "union U switch (long §d) { case 1: long a; };",
@@ -1148,7 +1148,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "default colon": (
         "union U switch (long) { case 1: long a; default§ long b; };",
         "IDL0124: a ':' is missing here",
-        "put ':' behind 'default'",
+        "put ':' after 'default'",
     ),
     "union without case": (
         "union U switch (long) { §long a; };",
@@ -1412,7 +1412,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "inheritance paren": (
         "interface A {};\ninterface B§(A) {};",
-        "IDL0100: a base stands behind ':'",
+        "IDL0100: a base follows ':'",
         "write interface B : A",
     ),
     "inherit struct": (
@@ -1447,7 +1447,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "readonly without attribute": (
         "interface I { readonly §long a; };",
-        "IDL0125: 'attribute' is missing behind 'readonly'",
+        "IDL0125: 'attribute' is missing after 'readonly'",
         "write readonly attribute TYPE NAME;",
     ),
     "attribute in struct": (
@@ -1477,7 +1477,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "enum used as scope": (
         "enum E { A };\nconst E X = E::§A;",
-        "IDL0213: A stands beside the enum, not inside it",
+        "IDL0213: A is declared beside the enum, not inside it",
         "write A",
     ),
     "module lowercase end": (
@@ -1493,12 +1493,12 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "nothing between templates": (
         "typedef sequence<§> L;",
         "IDL0125: a type is missing here",
-        "write what it holds: sequence<long>",
+        "write the type of its elements: sequence<long>",
     ),
     "missing >": (
         "typedef sequence<long§ L;",
         "IDL0124: a '>' is missing here",
-        "put '>' behind 'long'",
+        "put '>' after 'long'",
     ),
     "extra >": (
         "typedef sequence<long>§> L;",
@@ -1508,7 +1508,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "missing <": (
         "typedef sequence§ long> L;",
         "IDL0124: a '<' is missing here",
-        "put '<' behind 'sequence'",
+        "put '<' after 'sequence'",
     ),
     "semicolon after brace": (
         "struct S {§; long a; };",
@@ -1528,7 +1528,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "comma leading": (
         "interface I { void f(in long a, §); };",
         "IDL0125: a parameter is missing here",
-        "remove the ',', or write a parameter behind it",
+        "remove the ',', or write a parameter after it",
     ),
     "union switch enum literal": (
         "enum E { A }; union U switch (E) { case §1: long a; };",
@@ -1563,7 +1563,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "const in module ok but =": (
         "module M { const long A§ 1; };",
         "IDL0124: a '=' is missing here",
-        "put '=' behind 'A'",
+        "put '=' after 'A'",
     ),
     "==": (
         "const long A §== 1;",
@@ -1622,13 +1622,13 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "name ending": (
         "struct S { CORBA§:: ; };",
-        "IDL0125: a name is missing behind '::'",
-        "'::' stands between the parts of a scoped name",
+        "IDL0125: a name is missing after '::'",
+        "'::' separates the parts of a scoped name",
     ),
     "name ending 2": (
         "struct S { sequence<CORBA§::> a; };",
-        "IDL0125: a name is missing behind '::'",
-        "'::' stands between the parts of a scoped name",
+        "IDL0125: a name is missing after '::'",
+        "'::' separates the parts of a scoped name",
     ),
     "end without brace": (
         "module M {\n    struct S { long a; };\n§;\nstruct T { long b; };",
@@ -1657,17 +1657,17 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "word twice": (
         "struct S { long a §a; };",
-        "IDL0100: 'a' stands twice",
+        "IDL0100: 'a' is repeated",
         "remove one",
     ),
     "type twice": (
         "struct S { double §double a; };",
-        "IDL0100: 'double' stands twice",
+        "IDL0100: 'double' is repeated",
         "remove one",
     ),
     "enumerator twice": (
         "enum E { A §A, B };",
-        "IDL0100: 'A' stands twice",
+        "IDL0100: 'A' is repeated",
         "remove one",
     ),
     "missing close brace struct, semicolon left": (
@@ -1683,6 +1683,6 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "missing open brace of annotated": (
         "@nested\nstruct S§\n    long a;\n};",
         "IDL0124: a '{' is missing here",
-        "put '{' behind 'S'",
+        "put '{' after 'S'",
     ),
 }

@@ -42,7 +42,7 @@ def test_lines_of_python(tree: Path) -> None:
     files = list((tree / "robots" / "tecs").rglob("*.py"))
     lines = sum(file.read_text("utf-8").count("\n") for file in files)
     assert lines <= 27 * 20 * 20
-    assert not list(tree.rglob("*_calls.py")), "nobody asks for calls over CORBA"
+    assert not list(tree.rglob("*_calls.py")), "no definition uses calls over CORBA"
 
 
 def test_one_marshaller_imports_one_signature(tree: Path) -> None:

@@ -356,7 +356,7 @@ WRONG_OCTETS: list[tuple[Descriptor, str, tuple[Any, ...], str, str]] = [
         "I",
         (0x7FFFFF00,),
         "",
-        "a value that does not say what it is",
+        "a value without its type",
     ),
     (basic("ValueBase"), "I i", (0xFFFFFFFF, -4), "", "an indirection to no value"),
     (
@@ -449,7 +449,7 @@ def test_numbers_are_in_one_chunk() -> None:
         (struct.pack(">i", 0), "a value ends before its state does"),
         (struct.pack(">i", -1), "a value ends before its state does"),
         (struct.pack(">i", 0x7FFFFF00), "a value ends before its state does"),
-        (struct.pack(">i 3x", 4), "a chunk is longer than what is left"),
+        (struct.pack(">i 3x", 4), "a chunk is longer than the remaining octets"),
         (b"\0\0\0", "truncated: 4 octets are needed, 3 are left"),
         (b"", "truncated: 4 octets are needed, 0 are left"),
     ],
@@ -479,7 +479,7 @@ def test_skipped_octets() -> None:
     assert reader.offset == 5
     reader._skip(1)
     assert reader.offset == 6
-    with pytest.raises(Fault, match=r"^a chunk is longer than what is left$"):
+    with pytest.raises(Fault, match=r"^a chunk is longer than the remaining octets$"):
         reader._skip(1)
 
 

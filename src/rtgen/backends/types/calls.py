@@ -109,7 +109,7 @@ class Calls:
     def _calls(self, interface: Interface) -> Iterator[Call]:
         operations = [o for a in interface.attributes for o in _accessors(a)]
         parts = [(o, *_bodies(o)) for o in (*operations, *interface.operations)]
-        alike = Counter(
+        numbers = Counter(
             (kind, _shape(members))
             for _, given, results in parts
             for kind, members in (("request", given), ("reply", results))
@@ -134,7 +134,7 @@ class Calls:
                 shape = kind, _shape(members)
                 body = shared.get(shape) if members else None
                 if members and body is None:
-                    number = len(shared) + 1 if alike[shape] > _MANY else 0
+                    number = len(shared) + 1 if numbers[shape] > _MANY else 0
                     body = self._body(interface, operation, kind, what, members, number)
                     if number:
                         shared[shape] = body
@@ -177,7 +177,7 @@ class Calls:
         identity = Member(span=exception.span, name=_ID, type=StringType())
         body = Struct(
             span=exception.span,
-            doc=f"The reply that tells of `{exception.scoped}`.",
+            doc=f"The reply with the exception `{exception.scoped}`.",
             name=(f"{'.'.join(name)} raised",),
             repository_id=exception.repository_id,
             file=self._file(exception).name,

@@ -37,14 +37,14 @@ def _faults(
     type=WholeRange(0, 65535),
     default=SOCKETCAND_PORT,
     show_default=True,
-    help="0 takes a free one.",
+    help="TCP port; 0: any free port.",
 )
 @click.option(
     "--bitrate",
     type=WholeRange(0, 1_000_000),
     default=0,
     metavar="BIT/S",
-    help="Give frames the time that they take; default: none.",
+    help="Simulate the transmission time of frames; default: none.",
 )
 @click.option(
     "--queue",
@@ -52,20 +52,20 @@ def _faults(
     default=QUEUE,
     show_default=True,
     metavar="N",
-    help="Frames that may wait for a client; who lets more wait is cut off.",
+    help="Maximum number of frames queued for a client, which is disconnected beyond it.",
 )
 @click.option(
     "--slcan-pty",
     "ptys",
     count=True,
-    help="Make a pseudo-terminal for slcan; may be given several times.",
+    help="Create a pseudo-terminal for slcan; may be repeated.",
 )
 @click.option(
     "--slcan-channel",
     default="can0",
     show_default=True,
     metavar="NAME",
-    help="The bus of the pseudo-terminals.",
+    help="Bus of the pseudo-terminals.",
 )
 @click.option(
     "--fault",
@@ -76,7 +76,7 @@ def _faults(
     help="loss=P[@ID], delay=MS[@ID] or bus-off=AT:FOR (seconds); ID is hex.",
 )
 @click.option(
-    "--seed", type=int, default=0, show_default=True, help="Of what faults take."
+    "--seed", type=int, default=0, show_default=True, help="Seed of random faults."
 )
 @with_console
 def hub_(
@@ -93,7 +93,7 @@ def hub_(
     """Run a CAN bus for the processes of this machine, until Ctrl-C.
 
     python-can's interface socketcand (with tcp_tune=True) connects to it; each channel name is a
-    bus of its own. The first line printed is `listening HOST:PORT`, then `slcan PATH` for each
+    separate bus. The first line of the output is `listening HOST:PORT`, then `slcan PATH` for each
     pseudo-terminal. Disconnected clients and refused frames are reported on standard error.
     """
     settings = HubSettings(bitrate, queue, faults, seed)

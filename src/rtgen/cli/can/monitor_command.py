@@ -13,17 +13,19 @@ from rtgen.cli.common import OK, Console, with_console, write_out
 
 
 @click.command("monitor")
-@click.option("--plain", is_flag=True, help="A line for each frame, no table.")
-@click.option("--json", "as_json", is_flag=True, help="A line of JSON for each frame.")
 @click.option(
-    "--node", "nodes", multiple=True, metavar="NODE", help="Show that node only."
+    "--plain", is_flag=True, help="Print a line per frame instead of a table."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print a line of JSON per frame.")
+@click.option(
+    "--node", "nodes", multiple=True, metavar="NODE", help="Show only this node."
 )
 @click.option(
     "--kind",
     "kinds",
     multiple=True,
     metavar="KIND",
-    help="Show such frames only: nmt, heartbeat, emcy, sync, time, sdo, tpdo, rpdo1, ...",
+    help="Show only this kind: nmt, heartbeat, emcy, sync, time, sdo, tpdo, rpdo1, ...",
 )
 @with_span
 @with_nodes
@@ -40,10 +42,10 @@ def monitor_(
     nodes: tuple[str, ...],
     kinds: tuple[str, ...],
 ) -> int:
-    """Show the frames of a bus in words, with values, names and units.
+    """Decode and show the frames of a bus, with values, names and units.
 
-    On a terminal a table, with a row for each identifier; elsewhere, or with --plain, a line for
-    each frame. It ends at Ctrl-C, or as --for and --count say.
+    On a terminal, the output is a table with a row per identifier; elsewhere, or with --plain, a
+    line per frame. The command stops at Ctrl-C, or according to --for and --count.
     """
     known = described.known()
     wanted = Wanted(known, nodes, kinds)

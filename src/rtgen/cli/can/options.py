@@ -69,7 +69,7 @@ def with_bus(function: Callable[P, R]) -> Callable[..., R]:
         metavar="NAME",
         help="python-can's interface: socketcan, socketcand, slcan, ...",
     )
-    @click.option("--channel", metavar="NAME", help=f"The channel; default: {CHANNEL}.")
+    @click.option("--channel", metavar="NAME", help=f"Channel; default: {CHANNEL}.")
     @click.option(
         "--bitrate",
         type=WholeRange(min=1),
@@ -82,7 +82,7 @@ def with_bus(function: Callable[P, R]) -> Callable[..., R]:
         multiple=True,
         metavar="KEY=VALUE",
         callback=_arguments,
-        help="A further argument of the interface, such as host=127.0.0.1.",
+        help="Additional argument of the interface, such as host=127.0.0.1.",
     )
     @functools.wraps(function)
     def wrapped(
@@ -119,7 +119,7 @@ def with_nodes(function: Callable[P, R]) -> Callable[..., R]:
         "bus_file",
         type=click.Path(dir_okay=False, path_type=Path),
         metavar="FILE",
-        help="The bus file (TOML) that describes the nodes.",
+        help="Bus file (TOML) that describes the nodes.",
     )
     @click.option(
         "--eds",
@@ -127,7 +127,7 @@ def with_nodes(function: Callable[P, R]) -> Callable[..., R]:
         multiple=True,
         metavar="NODE-ID=FILE",
         callback=_descriptions,
-        help="The EDS or DCF of a node; a DCF may tell the node-id itself.",
+        help="EDS or DCF of a node; a DCF may contain the node-id.",
     )
     @functools.wraps(function)
     def wrapped(
@@ -149,13 +149,13 @@ def with_span(function: Callable[P, R]) -> Callable[P, R]:
         "seconds",
         type=FiniteRange(min=0, min_open=True),
         metavar="SECONDS",
-        help="End after that time; default: at Ctrl-C.",
+        help="Stop after this time; default: at Ctrl-C.",
     )(function)
     return click.option(
         "--count",
         type=WholeRange(min=1),
         metavar="N",
-        help="End after N frames.",
+        help="Stop after N frames.",
     )(function)
 
 

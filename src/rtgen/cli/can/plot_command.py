@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     "record",
     type=click.Path(dir_okay=False, path_type=Path),
     metavar="FILE",
-    help="Take the values from a record; default: from the bus.",
+    help="Read values from a recording; default: from the bus.",
 )
 @click.option(
     "-o",
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     required=True,
     type=click.Path(dir_okay=False, path_type=Path),
     metavar="FILE",
-    help="Where to: .svg, .png, .pdf or .csv; may be given several times.",
+    help="Output file: .svg, .png, .pdf or .csv; may be repeated.",
 )
 @with_span
 @with_nodes
@@ -52,11 +52,11 @@ def plot_(
     seconds: float | None,
     count: int | None,
 ) -> int:
-    """Draw values of objects over time, from a record or a bus.
+    """Plot values of objects over time, from a recording or a bus.
 
-    An OBJECT is NODE.NAME or NODE.6401:1; without a node, it is that of every node that has it.
-    Values are those that PDOs and SDO carry, physical where there is a factor. From a bus it ends
-    at Ctrl-C, or as --for and --count say. Exit code 1: there was no value at all.
+    OBJECT is NODE.NAME or NODE.6401:1; without NODE, it selects the object of every node that has
+    it. Values come from PDOs and SDO, and are physical if the object has a factor. On a bus, the
+    command stops at Ctrl-C, or according to --for and --count. Exit code 1: there was no value.
     """
     known = described.known()
     for path in outputs:

@@ -25,10 +25,10 @@ def record_(
     seconds: float | None,
     count: int | None,
 ) -> int:
-    """Write every frame of a bus with its time to FILE.
+    """Record every frame of a bus with its time to FILE.
 
-    The suffix selects the format: .log (candump), .asc or .blf (Vector). It ends at Ctrl-C, or as
-    --for and --count say; the file is then complete.
+    The suffix selects the format: .log (candump), .asc or .blf (Vector). The command stops at
+    Ctrl-C, or according to --for and --count; the file is then complete.
     """
     check_kind(file)
     found = 0

@@ -29,24 +29,26 @@ if TYPE_CHECKING:
     default=1.0,
     show_default=True,
     metavar="FACTOR",
-    help="How much faster than recorded.",
+    help="Speed factor.",
 )
 @click.option("--at-once", is_flag=True, help="Send without pauses.")
-@click.option("--decode", is_flag=True, help="Print the frames in words; use no bus.")
-@click.option("--json", "as_json", is_flag=True, help="With --decode: lines of JSON.")
+@click.option("--decode", is_flag=True, help="Decode and print the frames; use no bus.")
+@click.option(
+    "--json", "as_json", is_flag=True, help="With --decode: print lines of JSON."
+)
 @click.option(
     "--node",
     "nodes",
     multiple=True,
     metavar="NODE",
-    help="With --decode: that node only.",
+    help="With --decode: only this node.",
 )
 @click.option(
     "--kind",
     "kinds",
     multiple=True,
     metavar="KIND",
-    help="With --decode: such frames only.",
+    help="With --decode: only this kind.",
 )
 @with_nodes
 @with_bus
@@ -63,11 +65,10 @@ def replay_(
     nodes: tuple[str, ...],
     kinds: tuple[str, ...],
 ) -> int:
-    """Send the frames of a record to a bus, or print them in words.
+    """Send the frames of a recording to a bus, or decode and print them.
 
-    FILE is a record: .log (candump), .asc or .blf (Vector). What --decode prints of a frame is what
-    `monitor` prints when it comes from the bus. Error frames and those of CAN FD are not sent, nor
-    are remote frames over socketcand.
+    FILE is a recording: .log (candump), .asc or .blf (Vector). --decode prints frames as `monitor`
+    does. Error frames and frames of CAN FD are not sent, nor are remote frames over socketcand.
     """
     known = described.known()
     if decode:

@@ -37,9 +37,11 @@ class _Row:
     default=1.0,
     show_default=True,
     metavar="SECONDS",
-    help="How long heartbeats and answers are awaited.",
+    help="Time to wait for heartbeats and responses.",
 )
-@click.option("--no-lss", is_flag=True, help="Do not look for nodes without node-id.")
+@click.option(
+    "--no-lss", is_flag=True, help="Do not search for nodes without a node-id."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @with_nodes
 @with_bus
@@ -54,9 +56,9 @@ def scan_(
 ) -> int:
     """Find the nodes of a bus, and compare them with a bus file.
 
-    Each node-id is asked by SDO for its device type, and those that answer for identity and name;
-    heartbeats tell of nodes that have no SDO now. LSS fastscan finds nodes without node-id; it
-    changes nothing in them. Exit code 1: with --bus or --eds, a node is missing or another one.
+    The device type of each node-id is read by SDO, then identity and name of nodes that respond;
+    heartbeats reveal nodes that do not serve SDO now. LSS fastscan finds nodes without a node-id,
+    and does not change them. Exit code 1: with --bus or --eds, a node is missing or different.
     """
     known = described.known()
     with opened(access.on(known)) as bus:

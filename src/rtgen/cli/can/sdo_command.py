@@ -72,15 +72,17 @@ def _unmarked(
     "kind",
     type=click.Choice(get_args(Kind)),
     metavar="KIND",
-    help="What the value is: u8 to u64, i8 to i64, r32, r64, bool, string, octets, ...; "
-    "default: as the description says.",
+    help="Type of the value: u8 to u64, i8 to i64, r32, r64, bool, string, octets, ...; "
+    "default: from the description.",
 )
-@click.option("--raw", is_flag=True, help="The value as on the bus, without factor.")
+@click.option(
+    "--raw", is_flag=True, help="Use the raw value of the bus, without a factor."
+)
 @click.option(
     "--file",
     type=click.Path(dir_okay=False, path_type=Path),
     metavar="FILE",
-    help="Read the octets into a file, or write those of a file.",
+    help="Read octets into a file, or write the octets of a file.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @click.option(
@@ -89,9 +91,9 @@ def _unmarked(
     default=1.0,
     show_default=True,
     metavar="S",
-    help="Seconds to wait for each answer.",
+    help="Seconds to wait for each response.",
 )
-@click.option("--no-look", is_flag=True, help="Do not look for a manager first.")
+@click.option("--no-look", is_flag=True, help="Do not check for a manager first.")
 @with_nodes
 @with_bus
 @with_console
@@ -113,8 +115,8 @@ def sdo_(
     """Read or write an object of a node.
 
     NODE is a name of the bus file or a node-id, OBJECT a name of the description or a number such
-    as 6040 or 6401:1. Long values go by block transfer where the node has it. Exit code 1: the node
-    refuses, and why.
+    as 6040 or 6401:1. Long values use block transfer if the node supports it. Exit code 1: the node
+    refuses, and the reason is printed.
     """
     known = described.known()
     node_id = known.node(node)
@@ -197,7 +199,7 @@ def _as(thing: DescribedObject, kind: Kind | None, *, raw: bool) -> DescribedObj
 def _octets(thing: DescribedObject, value: str | None, file: Path | None) -> bytes:
     """Return the octets to write. Raises Refusal, ToolError."""
     if (value is None) == (file is None):
-        raise click.UsageError("`write` takes a value, or --file")
+        raise click.UsageError("`write` requires a value, or --file")
     if file is not None:
         try:
             return file.read_bytes()

@@ -24,19 +24,19 @@ from rtgen.runtime.canopen.bus.python_can import OpenBus
     "--file",
     type=click.Path(dir_okay=False, path_type=Path),
     metavar="FILE",
-    help="Send the sequence of a file.",
+    help="Send the frames in a file.",
 )
 @click.option(
     "--every",
     type=FiniteRange(min=0, min_open=True),
     metavar="SECONDS",
-    help="Send again after that time, until --count or Ctrl-C.",
+    help="Repeat at this interval, until --count or Ctrl-C.",
 )
 @click.option(
     "--count",
     type=WholeRange(min=1),
     metavar="N",
-    help="Send so many times; default: once, with --every without end.",
+    help="Number of times to send; default: 1, with --every unlimited.",
 )
 @with_nodes
 @with_bus
@@ -50,14 +50,14 @@ def send_(
     every: float | None,
     count: int | None,
 ) -> int:
-    """Send frames once, again and again, or as a file says.
+    """Send frames once, periodically, or from a file.
 
     A FRAME is ID#HEX or ID#R with 3 or 8 hexadecimal digits of identifier; sync; 'nmt COMMAND NODE'
     (start, stop, pre-operational, reset-node, reset-communication; a node or all); or, for nodes
-    that are described, 'NODE.rpdoN OBJECT=VALUE ...' with physical values, others 0.
+    with a description, 'NODE.rpdoN OBJECT=VALUE ...' with physical values, others 0.
 
-    Lines of a file are [TIME] FRAME: seconds since the start, with + since the line before;
-    # begins a comment.
+    Lines of a file are [TIME] FRAME: TIME is in seconds since the start, or with + since the
+    previous line; # starts a comment.
     """
     if bool(texts) == (file is not None):
         raise click.UsageError(f"give frames, or --file; a frame is {FORMS}")

@@ -25,12 +25,12 @@ _BIT_RATES = (10, 20, 50, 100, 125, 250, 500, 800, 1000)
 @click.option(
     "--bit-rate",
     type=click.Choice([str(rate) for rate in _BIT_RATES]),
-    help="Work it out for another bit rate, in kbit/s.",
+    help="Calculate for another bit rate, in kbit/s.",
 )
 @click.option(
     "--system",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
-    help="Take the rates at which the components of a system write to the proxies.",
+    help="Use the rates at which the components of a system write to the proxies.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @with_console
@@ -41,11 +41,11 @@ def timing_(
     system: Path | None,
     as_json: bool,
 ) -> int:
-    """Tell the load of a bus, and how late each of its messages can be in the worst case.
+    """Calculate the load of a bus, and the worst-case response time of each message.
 
-    After Davis, Burns, Bril and Lukkien (2007), with the worst number of stuff bits, and with a
-    queue for what the manager and proxies send. Exit code 1: a message has no bound, or can be
-    later than the next one of it.
+    The analysis follows Davis, Burns, Bril and Lukkien (2007), with the maximum number of stuff
+    bits, and one queue for the messages of the manager and the proxies. Exit code 1: a message has
+    no bound, or can be later than its next instance.
     """
     from rtgen.frontends import bus as front_end
 

@@ -24,7 +24,7 @@ def parsed_value(thing: DescribedObject, text: str) -> ObjectValue:
     except (ValueError, OverflowError) as error:
         if isinstance(error, ObjectValueError):
             raise Refusal(f"{thing}: {error}") from error
-        hint = "" if thing.name else ", or tell its --type"
+        hint = "" if thing.name else ", or set its --type"
         problem = f"{text!r} is not {_called(thing.kind)}{hint}"
         raise Refusal(f"{thing}: {problem}") from error
 

@@ -59,7 +59,7 @@ def adopted(path: Path, include: Sequence[Path]) -> Adopted:
     ):
         return from_profile
     plain = _with_neighbours(path, include, profile)
-    message = f"{beside.as_posix()} says something else"
+    message = f"{beside.as_posix()} describes another component"
     other = OTHER_PROFILE.at(Span(shown, 1, 1, 1, 2), message)
     return replace(plain, diagnostics=tuple(in_order([*plain.diagnostics, other])))
 

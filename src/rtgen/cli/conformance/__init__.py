@@ -47,68 +47,68 @@ _COMPONENTS = (".idl", ".xml", ".yaml", ".yml")
     "node_id",
     type=WholeRange(1, 127),
     metavar="NODE-ID",
-    help="The node-id; default: that of a DCF.",
+    help="Node-id; default: that of a DCF.",
 )
 @click.option(
     "--actuate",
     is_flag=True,
-    help="Make the checks that may move something, too: OPERATIONAL, writes to the application, "
+    help="Also run checks that may move something: OPERATIONAL, writes to the application, "
     "calls of functions, activation and configuration of components.",
 )
 @click.option(
     "--defaults",
     is_flag=True,
-    help="Compare values with the defaults of the definition: nobody has set others on purpose.",
+    help="Compare values with the defaults of the definition.",
 )
 @click.option(
     "--exit",
     "may_exit",
     is_flag=True,
-    help="Let the component exit at the end.",
+    help="Call exit of the component at the end.",
 )
 @click.option(
     "--signature",
     metavar="SIG",
-    help="The signature of the board, if there are several.",
+    help="Signature of the board, if FILE has several.",
 )
 @click.option(
     "--function",
     "functions",
     multiple=True,
     metavar="NAME",
-    help="Call this function of the board only; may be repeated.",
+    help="Call only this function of the board; may be repeated.",
 )
 @click.option(
     "--component",
     metavar="NAME",
-    help="The component, where FILE defines several.",
+    help="Name of the component, if FILE defines several.",
 )
 @click.option(
     "-I",
     "include",
     multiple=True,
     metavar="DIR",
-    help="Look for the types of a component's ports there.",
+    help="Search DIR for types of a component's ports.",
 )
 @click.option(
     "--baud",
     type=WholeRange(min=1),
     default=BAUDRATE,
     show_default=True,
-    help="Of a serial line.",
+    help="Baud rate of a serial line.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @click.option(
     "--junit",
     type=click.Path(dir_okay=False, path_type=Path),
     metavar="FILE",
-    help="Write JUnit's XML to a file, too.",
+    help="Also write JUnit XML to a file.",
 )
 @click.option(
     "--html",
     type=click.Path(dir_okay=False, path_type=Path),
     metavar="FILE",
-    help="Write a page to a file, too.",
+    help="Also write an HTML page to a file.",
 )
 @click.option(
     "--timeout",
@@ -116,7 +116,7 @@ _COMPONENTS = (".idl", ".xml", ".yaml", ".yml")
     default=1.0,
     show_default=True,
     metavar="S",
-    help="Seconds within which the node, board or component must answer.",
+    help="Time-out for a response of the node, board or component, in seconds.",
 )
 @click.option(
     "--boot",
@@ -124,13 +124,13 @@ _COMPONENTS = (".idl", ".xml", ".yaml", ".yml")
     default=5.0,
     show_default=True,
     metavar="S",
-    help="Seconds within which the node must boot.",
+    help="Time-out for the boot-up of the node, in seconds.",
 )
 @click.option(
     "--stall",
     type=FiniteRange(min=0.01),
     metavar="S",
-    help="Seconds within which the board must give up a client that is silent within a request.",
+    help="Time-out after which the board must disconnect a client that stalls in a request.",
 )
 @with_bus
 @with_representation
@@ -160,9 +160,9 @@ def conformance(
     """Test a CANopen node against its EDS or DCF, a TECS board against its CDL, or a running RT
     component against its IDL or RTC.xml.
 
-    A node is read, asked for what it must refuse, and its communication is reset; it ends in
-    PRE-OPERATIONAL with the values that it had. A board gets requests that it must refuse, a
-    component is asked what it is. Nothing moves, no function is called, and nothing is activated
+    A node is read, gets requests that it must refuse, and its communication is reset; it ends in
+    PRE-OPERATIONAL with its former values. A board gets requests that it must refuse, and the
+    profile of a component is read. Nothing moves, no function is called, and nothing is activated
     or configured unless --actuate permits it. Exit code 1: a check has failed.
     """
     from rtgen.cli.conformance.report import as_html, as_json_text, as_junit, as_text

@@ -105,7 +105,7 @@ def as_html(report: Report) -> str:
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         f"<title>{title}</title>\n<style>{_STYLE}</style></head>\n<body><h1>{title}</h1>\n"
         f"<p>{_escaped(report.definition)}</p>\n<table><thead><tr><th>verdict</th><th>check</th>"
-        f"<th>what</th><th>tried</th><th>by</th></tr></thead>\n<tbody>\n{rows}</tbody></table>\n"
+        f"<th>title</th><th>tried</th><th>clause</th></tr></thead>\n<tbody>\n{rows}</tbody></table>\n"
         "</body></html>\n"
     )
 

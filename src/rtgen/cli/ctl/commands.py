@@ -41,7 +41,7 @@ _set_option = click.option(
     "--in",
     "set_id",
     metavar="SET",
-    help="The configuration set; by default the active one.",
+    help="Configuration set; default: the active one.",
 )
 
 
@@ -52,7 +52,7 @@ _set_option = click.option(
 def list_(console: Console, options: CtlOptions, as_json: bool) -> int:
     """List the components of all processes with their states.
 
-    With --system its condition, too: which of its components no process has, or are in ERROR.
+    With --system, also report components that no process has, and components in ERROR.
     """
     profile = profile_of(console, options)
     with joined(console, options, profile) as peers:
@@ -119,7 +119,7 @@ def show_(console: Console, options: CtlOptions, instance: str, as_json: bool) -
 @with_system
 @with_console
 def activate_(console: Console, options: CtlOptions, instances: tuple[str, ...]) -> int:
-    """Make components ACTIVE; exit code 1 if one refuses or ends in ERROR."""
+    """Activate components; exit code 1 if one refuses or ends in ERROR."""
     return _steer(console, options, instances, lambda a: a.activate(), "ACTIVE")
 
 
@@ -130,7 +130,7 @@ def activate_(console: Console, options: CtlOptions, instances: tuple[str, ...])
 def deactivate_(
     console: Console, options: CtlOptions, instances: tuple[str, ...]
 ) -> int:
-    """Make components INACTIVE; exit code 1 if one refuses or ends in ERROR."""
+    """Deactivate components; exit code 1 if one refuses or ends in ERROR."""
     return _steer(console, options, instances, lambda a: a.deactivate(), "INACTIVE")
 
 
@@ -139,7 +139,7 @@ def deactivate_(
 @with_system
 @with_console
 def reset_(console: Console, options: CtlOptions, instances: tuple[str, ...]) -> int:
-    """Make components INACTIVE that are in ERROR; exit code 1 if one refuses."""
+    """Reset components that are in ERROR; exit code 1 if one refuses."""
     return _steer(console, options, instances, lambda a: a.reset(), "INACTIVE")
 
 
@@ -156,7 +156,7 @@ def get_(
     set_id: str | None,
     as_json: bool,
 ) -> int:
-    """Print the values of parameters, as they are set."""
+    """Print the values of parameters."""
     found: dict[str, dict[str, str]] = {}
     with joined(console, options) as peers:
         for name in names:
@@ -194,9 +194,9 @@ def set_(
     settings: tuple[str, ...],
     set_id: str | None,
 ) -> int:
-    """Set parameters; a component takes them over between two of its cycles.
+    """Set parameters; a component applies them between two of its cycles.
 
-    Exit code 1: a component refuses a value, and why. Values before it are set.
+    Exit code 1: a component refuses a value, and the reason is printed. Earlier values stay set.
     """
     parts = [_setting(text) for text in settings]
     with joined(console, options) as peers:
@@ -211,7 +211,7 @@ def set_(
 @with_system
 @with_console
 def use_(console: Console, options: CtlOptions, instance: str, set_id: str) -> int:
-    """Make a configuration set the active one."""
+    """Activate a configuration set."""
     with joined(console, options) as peers:
         asker(peers, instance, options).activate_set(set_id)
     return OK
@@ -224,7 +224,7 @@ def use_(console: Console, options: CtlOptions, instance: str, set_id: str) -> i
     "seconds",
     type=FiniteRange(min=0, min_open=True),
     metavar="SECONDS",
-    help="End after that time; by default at Ctrl-C.",
+    help="Stop after this time; default: at Ctrl-C.",
 )
 @_json
 @with_system
@@ -236,7 +236,7 @@ def watch_(
     seconds: float | None,
     as_json: bool,
 ) -> int:
-    """Print changes of state as they happen, first all states; of all components by default."""
+    """Print the states of components, then each change; default: of all components."""
     from rtgen.runtime.distribution.watching import Watch
 
     begun = time.monotonic()

@@ -48,13 +48,13 @@ _OPTIONS = (
         "--transport",
         type=click.Choice([*engines.TAKES]),
         required=True,
-        help="What the processes are joined by.",
+        help="Transport of the processes.",
     ),
     click.option(
         "--system",
         type=click.Path(),
         metavar="FILE",
-        help="The RtsProfile of the system, or its folder, whose name is the partition.",
+        help="RtsProfile of the system, or its folder; the name of the system is the partition.",
     ),
     *engines.OPTIONS,
     click.option(
@@ -63,7 +63,7 @@ _OPTIONS = (
         default=2.0,
         show_default=True,
         metavar="SECONDS",
-        help="How long to look for components, and to wait for a state.",
+        help="Time to wait for components, and for a state.",
     ),
 )
 

@@ -7,10 +7,10 @@ import click
 from rtgen.cli.groups import LazyGroup
 
 COMMANDS: dict[str, str] = {
-    "info": "Tell what is in a file.",
-    "cat": "Print its events as JSON lines.",
-    "csv": "Write values of ports over time.",
-    "plot": "Draw values of ports over time.",
+    "info": "Show the contents of a file.",
+    "cat": "Print the events of a file as JSON lines.",
+    "csv": "Write values of ports as CSV.",
+    "plot": "Plot values of ports over time.",
     "diff": "Compare two files.",
 }
 """Command to its line of help; the module `<command>_command` has a function `<command>_`."""
@@ -18,7 +18,7 @@ COMMANDS: dict[str, str] = {
 
 @click.group(cls=LazyGroup, summaries=COMMANDS, target="rtgen.cli.log.{0}_command:{0}_")
 def log() -> None:
-    """Look at recorded runs.
+    """Show, export and compare recorded runs.
 
-    FILE is what `rtgen run` writes: MCAP by --record, or JSON lines by --log.
+    FILE is a file that `rtgen run` wrote: MCAP by --record, or JSON lines by --log.
     """

@@ -19,9 +19,9 @@ from rtgen.recording.events import Log
 def cat_(
     console: Console, file: Path, names: tuple[str, ...], kinds: tuple[str, ...]
 ) -> int:
-    """Print the events of FILE as lines of JSON, in the form of `rtgen run --log`.
+    """Print the events of FILE as lines of JSON, in the format of `rtgen run --log`.
 
-    All, or those of the instances, ports and buses that are named.
+    Names select instances, ports and buses; the default is all events.
     """
     with reported():
         for event in Log(file).events(choice(names, kinds)):

@@ -42,7 +42,7 @@ def with_choice(command: Callable[..., int]) -> Callable[..., int]:
             "kinds",
             type=click.Choice(KINDS),
             multiple=True,
-            help="Events of that kind only; may be given several times.",
+            help="Only events of this kind; may be repeated.",
         ),
     )
     for option in reversed(options):

@@ -16,7 +16,7 @@ from rtgen.cli.running.trajectory import opened
 @click.command("csv")
 @with_values
 @click.option(
-    "-o", "output", metavar="FILE", help="Where to; default: standard output."
+    "-o", "output", metavar="FILE", help="Output file; default: standard output."
 )
 @with_console
 def csv_(

@@ -33,9 +33,9 @@ def diff_(
 ) -> int:
     """Compare the events of FILE and OTHER, MCAP or JSON lines.
 
-    The events of each port, bus and so on are compared one after the other; of each the first
-    difference is shown. Only kinds of events that both forms hold are compared. Exit code 1: they
-    differ.
+    The events of each source (port, bus and so on) are compared in order, and the first difference
+    of each source is shown. Only kinds of events that both formats contain are compared. Exit code
+    1: the files differ.
     """
     with reported():
         logs = Log(file), Log(other)

@@ -24,7 +24,7 @@ _HEADER = ("event", "of", "type", "count", "from [s]", "to [s]")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON (rtgen-log/1).")
 @with_console
 def info_(console: Console, file: Path, as_json: bool) -> int:
-    """Tell what is in FILE: its form, and each source of events with count and times."""
+    """Show the format of FILE, and each source of events with count and times."""
     with reported():
         log = Log(file)
         counts: Counter[tuple[str, str]] = Counter()

@@ -15,11 +15,15 @@ from rtgen.cli.running.trajectory import check_picture
 @click.command("plot")
 @with_values
 @click.option(
-    "-o", "output", metavar="FILE", required=True, help="A .svg, .png or .pdf file."
+    "-o",
+    "output",
+    metavar="FILE",
+    required=True,
+    help="Output file: .svg, .png or .pdf.",
 )
 @with_console
 def plot_(console: Console, file: Path, selectors: tuple[str, ...], output: str) -> int:
-    """Draw values of ports in FILE over time, a frame for each unit."""
+    """Plot values of ports in FILE over time, with a panel for each unit."""
     check_picture(output, "rtgen log plot")
     draw_curves(output, file.name, curves_of(file, selectors), "time [s]")
     return OK

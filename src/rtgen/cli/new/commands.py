@@ -27,7 +27,7 @@ if TYPE_CHECKING:  # loaded by the commands that need it
 )
 @with_console
 def project(console: Console, name: str, source: str | None) -> int:
-    """Make the folder NAME with a component, a system of two, and their tests."""
+    """Create the folder NAME with a component, a system of two, and their tests."""
     from rtgen.scaffold import starters, writing
     from rtgen.scaffold.names import names
 
@@ -86,9 +86,9 @@ def board(console: Console, name: str) -> int:
 def system(console: Console, name: str, components: tuple[str, ...]) -> int:
     """Add a system of components of the project, and a test that runs it.
 
-    COMPONENT can stand several times; without any, there is one of each that needs neither a bus
-    nor a board. Data flows in this order: an InPort is connected to the nearest OutPort of its
-    type before it, a consumer to the nearest provider of its interface.
+    COMPONENT may be repeated; the default is one of each component that needs neither a bus nor a
+    board. Data flows in this order: an InPort is connected to the nearest preceding OutPort of its
+    type, a consumer to the nearest provider of its interface.
     """
     from rtgen.scaffold import starters
 
@@ -103,7 +103,7 @@ def system(console: Console, name: str, components: tuple[str, ...]) -> int:
 @click.argument("name", metavar="NAME")
 @with_console
 def backend(console: Console, name: str) -> int:
-    """Make the folder NAME with a back end: a package that extends rtgen once installed."""
+    """Create the folder NAME with a back end: a package that extends rtgen once installed."""
     from rtgen.scaffold import starters, writing
     from rtgen.scaffold.names import names
 

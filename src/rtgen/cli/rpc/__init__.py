@@ -12,16 +12,16 @@ COMMANDS = {
     "check": "Compare the signature of a device with that of a CDL file.",
     "encode": "Print the bytes of a request or a reply.",
     "decode": "Print the values in a request or a reply.",
-    "serve": "Stand in for a device.",
-    "replay": "Compare recorded calls with freshly generated codecs.",
+    "serve": "Simulate a device.",
+    "replay": "Compare recorded calls with newly generated codecs.",
 }
 """Commands with their help lines; module `<command>_command` has a function `<command>_`."""
 
 
 @click.group(cls=LazyGroup, summaries=COMMANDS, target="rtgen.cli.rpc.{0}_command:{0}_")
 def rpc() -> None:
-    """Call the functions of TECS devices, or look at the bytes of such calls.
+    """Call the functions of TECS devices, or inspect the bytes of calls.
 
-    Values are JSON as in recorded calls: arguments an object by name; a reply
-    {"return": ..., "outs": {...}}; characters 0 to 255; inf, -inf and nan as text.
+    Values are JSON as in recorded calls: arguments are an object by name; a reply is
+    {"return": ..., "outs": {...}}; characters are 0 to 255; inf, -inf and nan are text.
     """

@@ -33,7 +33,7 @@ from rtgen.runtime.opaque_rpc.values import is_rpc_error
 
 @click.command("call")
 @click.argument("words", metavar="[HOST:PORT] SIG.FUNC [JSON]", nargs=-1)
-@click.option("--serial", metavar="DEV", help="Call over a serial line.")
+@click.option("--serial", metavar="DEV", help="Use a serial line.")
 @click.option("--baud", type=WholeRange(min=1), default=BAUDRATE, show_default=True)
 @with_cdl
 @with_peer
@@ -47,11 +47,11 @@ def call_(
     baud: int,
     peer: Peer,
 ) -> int:
-    """Call a function of a device and print what it returned.
+    """Call a function of a device and print the result.
 
-    JSON is the object of the arguments, {} without it. What comes out is {"return": ..., "outs":
-    {...}}, in one line. A call that failed on the way gives exit code 3; where the function
-    returns ER, its code is printed all the same.
+    JSON is the object of the arguments, by default {}. The output is {"return": ..., "outs": {...}}
+    in one line. Exit code 3: the call failed in transport; if the function returns ER, the error
+    code is still printed.
     """
     address, rest = ((), words) if serial else (words[:1], words[1:])
     if not 1 <= len(rest) <= 2:

@@ -23,7 +23,7 @@ from rtgen.runtime.opaque_rpc.serial import BAUDRATE
 
 @click.command("check")
 @click.argument("words", metavar="[HOST:PORT] SIG", nargs=-1)
-@click.option("--serial", metavar="DEV", help="Ask over a serial line.")
+@click.option("--serial", metavar="DEV", help="Use a serial line.")
 @click.option("--baud", type=WholeRange(min=1), default=BAUDRATE, show_default=True)
 @with_cdl
 @with_peer
@@ -39,8 +39,8 @@ def check_(
 ) -> int:
     """Compare the digest of a device's signature with that of the CDL file.
 
-    Prints both in one line of JSON. The exit code is 1 if they differ, 3 without an answer: boards
-    that were not made with RTCPlugin.rb do not know the question, and close the connection.
+    Prints both in one line of JSON. Exit code 1: the digests differ; 3: no response. Boards built
+    without RTCPlugin.rb do not know the request, and close the connection.
     """
     address, rest = ((), words) if serial else (words[:1], words[1:])
     if len(rest) != 1:

@@ -57,14 +57,14 @@ def with_representation(function: Callable[P, R]) -> Callable[..., R]:
         type=click.Choice(["network", "little", "big"]),
         default="network",
         show_default=True,
-        help="Data representation: network order, or native of such a machine.",
+        help="Data representation: network order, or native to such machines.",
     )
     @click.option(
         "--reply-order",
         type=click.Choice(["tecsgen", "paper"]),
         default="tecsgen",
         show_default=True,
-        help="Return value before the outs, or after them.",
+        help="Position of the return value: before or after the outs.",
     )
     @click.option(
         "--long-bits",
@@ -109,7 +109,11 @@ def with_peer(function: Callable[P, R]) -> Callable[..., R]:
 def with_cdl(function: Callable[P, R]) -> Callable[P, R]:
     """Add --cdl and -I; the function gets `cdl` and `include`."""
     function = click.option(
-        "-I", "include", multiple=True, metavar="DIR", help="Look for imports there."
+        "-I",
+        "include",
+        multiple=True,
+        metavar="DIR",
+        help="Search DIR for imported files.",
     )(function)
     return click.option(
         "--cdl",

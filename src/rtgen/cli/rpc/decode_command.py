@@ -41,8 +41,8 @@ def decode_(
 ) -> int:
     """Print the values in the bytes of a request or a reply as JSON.
 
-    With both options it is the reply to that request. Some replies depend on their request: on
-    sizes, on what was NULL. Without it, sizes are taken that fit, and nothing for NULL.
+    With both options, it is the reply to that request. Some replies depend on sizes and NULL
+    arguments of their request; by default, sizes fit the values, and no argument is NULL.
     """
     called = function_of(read_unit(cdl, include), function, peer)
     try:

@@ -40,8 +40,8 @@ def encode_(
 ) -> int:
     """Print the bytes of a request or a reply in hex.
 
-    With both options it is the reply to that request. Some replies depend on their request: on
-    sizes, on what was NULL. Without it, sizes are taken that fit, and nothing for NULL.
+    With both options, it is the reply to that request. Some replies depend on sizes and NULL
+    arguments of their request; by default, sizes fit the values, and no argument is NULL.
     """
     called = function_of(read_unit(cdl, include), function, peer)
     try:

@@ -20,7 +20,7 @@ from rtgen.typemap.tecs_texts import sizes_text
 def list_(console: Console, cdl: Path, include: tuple[str, ...], peer: Peer) -> int:
     """List the functions of all signatures with their ids.
 
-    A signature with what OpaqueRPC cannot carry is listed with the reason.
+    A signature that OpaqueRPC does not support is listed with the reason.
     """
     unit = read_unit(cdl, include)
     lines = []

@@ -33,14 +33,14 @@ _ORDERS = {"tNBOTDR": "network", "tTDR": "little"}
 
 @click.command("replay")
 @click.argument("traces", type=click.Path(dir_okay=False, path_type=Path))
-@click.option("--verbose", is_flag=True, help="Name each case.")
+@click.option("--verbose", is_flag=True, help="Print each case.")
 @with_peer
 @with_console
 def replay_(console: Console, traces: Path, verbose: bool, peer: Peer) -> int:
-    """Compare recorded calls with what freshly generated codecs make of them.
+    """Compare recorded calls with newly generated codecs.
 
-    Request and reply of each case are encoded from the values, and decoded to values. The data
-    representation is that of the case. Exit code 1: some case differs.
+    The request and the reply of each case are encoded from values, and decoded to values, in the
+    data representation of the case. Exit code 1: a case differs.
     """
     try:
         recorded = json.loads(traces.read_text("utf-8"))
@@ -165,7 +165,7 @@ def _reply_differences(
 def _compare(what: str, expected: bytes | str, found: bytes | str) -> Iterator[str]:
     if expected != found:
         shown = [v.hex() if isinstance(v, bytes) else v for v in (expected, found)]
-        yield f"{what}: {shown[0]} was recorded, {shown[1]} is what the codec makes"
+        yield f"{what}: {shown[0]} was recorded, the codec encodes {shown[1]}"
 
 
 def _compare_values(
@@ -173,7 +173,7 @@ def _compare_values(
 ) -> Iterator[str]:
     if not _is_object(items, expected, found):
         texts = (json.dumps(expected), json.dumps(found))
-        yield f"{what}: {texts[0]} was recorded, {texts[1]} is what the codec reads"
+        yield f"{what}: {texts[0]} was recorded, the codec decodes {texts[1]}"
 
 
 def _is_object(items: tuple[Item, ...], expected: Json, found: Json) -> bool:

@@ -30,14 +30,14 @@ from rtgen.runtime.opaque_rpc.serial import BAUDRATE
 
 
 @click.command("serve")
-@click.option("--signature", required=True, metavar="SIG", help="What is served.")
+@click.option("--signature", required=True, metavar="SIG", help="Signature to serve.")
 @click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS")
 @click.option(
     "--port",
     type=WholeRange(0, 65535),
     default=FIRST_PORT,
     show_default=True,
-    help="0 takes a free one.",
+    help="TCP port; 0: any free port.",
 )
 @click.option("--serial", metavar="DEV", help="Serve a serial line.")
 @click.option("--baud", type=WholeRange(min=1), default=BAUDRATE, show_default=True)
@@ -45,10 +45,12 @@ from rtgen.runtime.opaque_rpc.serial import BAUDRATE
     "--script",
     type=click.Path(dir_okay=False, path_type=Path),
     metavar="FILE",
-    help="What calls return: a JSON object in each line.",
+    help="Replies to calls: a JSON object per line.",
 )
 @click.option(
-    "--echo", is_flag=True, help="Return 0, inouts unchanged, outs zero (default)."
+    "--echo",
+    is_flag=True,
+    help="Reply with 0, unchanged inouts and zero outs (default).",
 )
 @click.option("--verbose", is_flag=True, help="Print each call as JSON.")
 @with_cdl
@@ -68,12 +70,12 @@ def serve_(
     verbose: bool,
     peer: Peer,
 ) -> int:
-    """Stand in for a device until Ctrl-C. The first line printed is `listening HOST:PORT`.
+    """Simulate a device until Ctrl-C. The first line of the output is `listening HOST:PORT`.
 
     A line of a script is {"function": ..., "args": {...}, "return": ..., "outs": {...}, "delay":
-    SECONDS}; args, outs and delay may be missing. A call takes the first line that fits its
-    function and arguments and was not used, the last one again and again. A call without a line is
-    not answered: the connection is closed. Outs that a line does not name are as with --echo.
+    SECONDS}; args, outs and delay are optional. A call uses the first unused line that matches its
+    function and arguments; the last matching line is reused. A call without a matching line gets no
+    reply: the connection is closed. Outs missing from a line have the values of --echo.
     """
     if script is not None and echo:
         raise click.UsageError("--script and --echo exclude each other")

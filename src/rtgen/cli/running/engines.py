@@ -63,31 +63,31 @@ OPTIONS = (
     click.option(
         "--interface",
         metavar="NAME|ADDRESS",
-        help="Network interface (dds); by default loopback.",
+        help="Network interface (dds); default: loopback.",
     ),
     click.option(
         "--domain",
         type=WholeRange(0, 232),
         metavar="NUMBER",
-        help="DDS domain (dds); by default 0.",
+        help="DDS domain (dds); default: 0.",
     ),
     click.option(
         "--connect",
         callback=_locators,
         metavar="LOCATOR,...",
-        help="Routers or peers (zenoh), as tcp/HOST:PORT; by default those of this machine.",
+        help="Routers or peers (zenoh), as tcp/HOST:PORT; default: those of this machine.",
     ),
     click.option(
         "--listen",
         callback=_locators,
         metavar="LOCATOR,...",
-        help="Where other peers reach this one (zenoh); by default loopback.",
+        help="Locators of this peer for other peers (zenoh); default: loopback.",
     ),
     click.option(
         "--partition",
         callback=_partition,
         metavar="NAME",
-        help="Name that the processes of a system share; by default the system's.",
+        help="Name shared by the processes of a system; default: the name of the system.",
     ),
     click.option(
         "--transport-config",
@@ -99,7 +99,7 @@ OPTIONS = (
         "--call-timeout",
         type=FiniteRange(0.001, 3600),
         metavar="SECONDS",
-        help="How long a call between processes may take; by default 2.",
+        help="Time-out of calls between processes; default: 2.",
     ),
 )
 

@@ -59,13 +59,13 @@ def with_failures(command: Callable[..., int]) -> Callable[..., int]:
             "--verbose",
             "verbose",
             count=True,
-            help="Print what the runtime notes; -vv: all of it.",
+            help="Print messages of the runtime; -vv: all messages.",
         ),
         click.option(
             "--pdb",
             "debug",
             is_flag=True,
-            help="Open the debugger where a component's code raises; leaving it ends the run.",
+            help="Open the debugger where component code raises; quitting it ends the run.",
         ),
         click.option(
             "--traceback",
@@ -73,7 +73,7 @@ def with_failures(command: Callable[..., int]) -> Callable[..., int]:
             type=click.Choice(["none", "short", "full"]),
             default="short",
             show_default=True,
-            help="The traceback of a component's code that fails; short: its own files only.",
+            help="Traceback of component code that fails; short: its own files only.",
         ),
     ):
         function = decorate(function)

@@ -76,13 +76,13 @@ def with_live(command: Callable[..., int]) -> Callable[..., int]:
         flag_value=str(_PORT),
         callback=_place,
         metavar="[[HOST:]PORT]",
-        help=f"Show the run to Foxglove; by default at {_LOOPBACK}:{_PORT}, 0: any port.",
+        help=f"Serve the run to Foxglove; default: {_LOOPBACK}:{_PORT}; port 0: any free port.",
     )
     @click.option(
         "--rate",
         type=RATE,
         metavar="FACTOR",
-        help="Simulated seconds in a second; by default as fast as possible.",
+        help="Simulated seconds per second; default: as fast as possible.",
     )
     @functools.wraps(command)
     def wrapped(

@@ -82,7 +82,7 @@ def with_recording(command: Callable[..., int]) -> Callable[..., int]:
     @click.option(
         "--compression",
         type=click.Choice(["zstd", "lz4", "none"]),
-        help="How --record compresses; by default zstd.",
+        help="Compression of --record; default: zstd.",
     )
     @functools.wraps(command)
     def wrapped(

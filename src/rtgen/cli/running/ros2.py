@@ -42,7 +42,7 @@ def with_ros2(command: Callable[..., int]) -> Callable[..., int]:
     @click.option(
         "--ros2",
         type=click.Choice(["dds", "zenoh"]),
-        help="Make the ports of [ros2.topics] topics of ROS 2 (real time).",
+        help="Map the ports of [ros2.topics] to topics of ROS 2 (real time).",
     )
     @functools.wraps(command)
     def wrapped(*args: Any, **kwargs: Any) -> int:

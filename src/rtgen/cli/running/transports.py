@@ -54,35 +54,35 @@ _OPTIONS = (
         type=_Transport(),
         default="direct",
         show_default=True,
-        help="What carries service calls, and samples between processes.",
+        help="Transport of service calls, and of samples between processes.",
     ),
     click.option(
         "--only",
         metavar="INSTANCE,...",
-        help="The components of this process; others run the rest (real time).",
+        help="Components of this process; other processes run the rest (real time).",
     ),
     click.option(
         "--foreign",
         metavar="INSTANCE,...",
-        help="Components that rtgen does not run: they are found, connected, activated (corba).",
+        help="Components that rtgen does not run, but connects and activates (corba).",
     ),
     click.option(
         "--nameserver",
         type=Place(),
         metavar="HOST[:PORT]",
-        help="Naming service (corba); by default that of this machine, else one of our own.",
+        help="Naming service (corba); default: that of this machine, else a new one.",
     ),
     click.option(
         "--endpoint",
         metavar="HOST",
-        help="Where other processes reach this one (corba); by default 127.0.0.1.",
+        help="Address of this process for other processes (corba); default: 127.0.0.1.",
     ),
     *engines.OPTIONS,
     click.option(
         "--wait",
         type=FiniteRange(0, 86400),
         metavar="SECONDS",
-        help="How long to wait for other processes; by default 30.",
+        help="Time to wait for other processes; default: 30.",
     ),
 )
 _WAIT = 30.0

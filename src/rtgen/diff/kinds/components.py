@@ -55,7 +55,7 @@ COMPONENT_INSTANCES_MORE = Kind(
     "DIF0308",
     "number of instances raised",
     _NONE,
-    "what could be created still can",
+    "former numbers of instances are still possible",
 )
 COMPONENT_TEXTS = Kind(
     "DIF0309",
@@ -91,7 +91,7 @@ PORT_KIND = Kind(
     "DIF0323",
     "port of another kind",
     _BOTH,
-    "data goes the other way, or the port offers what it called",
+    "data flows in the other direction, or the port provides the interface that it called",
 )
 PORT_TYPE = Kind(
     "DIF0324",

@@ -39,7 +39,7 @@ DEVICE_BIT_RATE_ADDED = Kind(
     "DIF0505",
     "bit rate added",
     _NONE,
-    "what was supported still is",
+    "the supported bit rates are only extended",
 )
 DEVICE_INFO = Kind(
     "DIF0506",
@@ -65,7 +65,7 @@ OBJECT_ADDED = Kind(
     "DIF0510",
     "object added",
     _NONE,
-    "no peer asked for the object",
+    "no peer accessed the object",
 )
 OBJECT_REMOVED = Kind(
     "DIF0511",
@@ -98,7 +98,7 @@ OBJECT_ACCESS_WIDENED = Kind(
     "DIF0515",
     "access right added",
     _NONE,
-    "what was allowed still is",
+    "access is only extended",
 )
 OBJECT_DEFAULT = Kind(
     "DIF0516",
@@ -123,7 +123,7 @@ OBJECT_WIDENED = Kind(
     "DIF0519",
     "limits of an object widened",
     _NONE,
-    "what was valid still is",
+    "valid values stay valid",
 )
 OBJECT_UNIT = Kind(
     "DIF0520",

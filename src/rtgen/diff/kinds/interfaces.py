@@ -114,7 +114,7 @@ PARAMETER_TYPE = Kind(
     "DIF0218",
     "parameter of another type",
     _SOURCE,
-    "the receiver takes the octets for a value of its own type",
+    "the receiver interprets the octets as a value of its own type",
     (Wire.GIOP,),
 )
 PARAMETER_ALIAS = Kind(
@@ -127,7 +127,7 @@ RESULT_TYPE = Kind(
     "DIF0220",
     "result of another type",
     _SOURCE,
-    "the caller takes the octets for a value of its own type",
+    "the caller interprets the octets as a value of its own type",
     (Wire.GIOP,),
 )
 ONEWAY = Kind(
@@ -180,7 +180,7 @@ ATTRIBUTE_TYPE = Kind(
     "DIF0232",
     "attribute of another type",
     _SOURCE,
-    "the receiver takes the octets for a value of its own type",
+    "the receiver interprets the octets as a value of its own type",
     (Wire.GIOP,),
 )
 ATTRIBUTE_READONLY = Kind(
@@ -200,7 +200,7 @@ ATTRIBUTE_RAISES = Kind(
     "DIF0235",
     "exceptions of an attribute changed",
     _SOURCE,
-    "callers and servants disagree on what is raised",
+    "callers and servants disagree on exceptions",
     (Wire.GIOP,),
 )
 VALUETYPE_CHANGED = Kind(
@@ -214,7 +214,7 @@ VALUETYPE_KIND = Kind(
     "DIF0241",
     "valuetype made abstract, custom or truncatable",
     _SOURCE,
-    "the header of a value, and what truncates it, depends on the modifier",
+    "the header and the truncation of a value depend on the modifier",
     (Wire.GIOP,),
 )
 VALUETYPE_INTERFACE = Kind(

@@ -84,7 +84,7 @@ FUNCTION_RESULT = Kind(
     "DIF0416",
     "function with another result",
     _SOURCE,
-    "the caller takes the octets for a value of its own type",
+    "the caller interprets the octets as a value of its own type",
     (Wire.TDR,),
 )
 PARAMETER_ADDED = Kind(
@@ -126,7 +126,7 @@ PARAMETER_TYPE = Kind(
     "DIF0425",
     "parameter of another C type",
     _SOURCE,
-    "the receiver takes the octets for a value of its own type",
+    "the receiver interprets the octets as a value of its own type",
     (Wire.TDR,),
 )
 PARAMETER_ALIAS = Kind(
@@ -232,7 +232,7 @@ STRUCT_MEMBER_TYPE = Kind(
     "DIF0446",
     "member of a C struct of another type",
     _SOURCE,
-    "the receiver takes the octets for a value of its own type",
+    "the receiver interprets the octets as a value of its own type",
     (Wire.TDR,),
 )
 STRUCT_MEMBER_SIZES = Kind(
@@ -246,7 +246,7 @@ TYPEDEF = Kind(
     "DIF0448",
     "C typedef of another type",
     _SOURCE,
-    "whatever has the type of the typedef has another one",
+    "everything of the typedef's type has another type",
 )
 ENUM = Kind(
     "DIF0449",

@@ -85,7 +85,7 @@ VALUE_REMOVED = Kind(
     "DIF0619",
     "configuration value removed",
     _STORED,
-    "the default takes the place of the value",
+    "the default replaces the value",
 )
 VALUE_CHANGED = Kind(
     "DIF0620",
@@ -202,8 +202,7 @@ EXTENSIBILITY = Kind(
     "DIF0706",
     "default extensibility changed",
     _NONE,
-    "each type without an annotation has other headers; its own change says what "
-    "breaks",
+    "each type without an annotation has other headers, which is a separate change",
 )
 SMALL_ROOM = Kind(
     "DIF0707",
@@ -215,7 +214,7 @@ SMALL_ROOM_MORE = Kind(
     "DIF0708",
     "room on small targets raised",
     _NONE,
-    "what fitted still fits",
+    "values that fitted still fit",
 )
 TECS_CORBA = Kind(
     "DIF0709",
@@ -234,13 +233,13 @@ READING = Kind(
     "DIF0711",
     "macros, include folders or encodings of sources changed",
     _NONE,
-    "whatever the definitions mean otherwise is a change of its own",
+    "other effects on definitions are separate changes",
 )
 SOURCES = Kind(
     "DIF0712",
     "paths of the sources changed",
     _NONE,
-    "whatever comes or goes is a change of its own",
+    "each addition or removal is a separate change",
 )
 TOOLS = Kind(
     "DIF0713",

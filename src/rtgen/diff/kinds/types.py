@@ -70,7 +70,7 @@ MEMBER_TYPE = Kind(
     "DIF0115",
     "member of another type",
     _BOTH,
-    "a reader takes the octets for a value of its own type",
+    "a reader interprets the octets as a value of its own type",
 )
 MEMBER_ALIAS = Kind(
     "DIF0116",
@@ -149,7 +149,7 @@ BASE = Kind(
     "DIF0128",
     "base struct changed",
     _SOURCE,
-    "code that takes a value for one of its base finds another class",
+    "code that uses a value as one of its base finds another class",
 )
 NESTED = Kind(
     "DIF0129",
@@ -180,7 +180,7 @@ MEMBER_RANGE_WIDENED = Kind(
     "DIF0133",
     "range of a member widened",
     _NONE,
-    "what was valid stays valid",
+    "valid values stay valid",
 )
 MEMBER_DEFAULT = Kind(
     "DIF0134",
@@ -288,13 +288,13 @@ BITFIELDS = Kind(
     "DIF0159",
     "bit fields changed",
     _BOTH,
-    "a reader takes the bits for other fields",
+    "a reader interprets the bits as other fields",
 )
 TYPEDEF = Kind(
     "DIF0160",
     "typedef of another type",
     _BOTH,
-    "whatever has the typedef's type has another one",
+    "everything of the typedef's type has another type",
 )
 CONST_VALUE = Kind(
     "DIF0161",

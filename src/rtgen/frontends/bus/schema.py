@@ -198,7 +198,7 @@ SCHEMA: dict[str, Any] = {
                 },
                 "from",
                 "to",
-                description="An RPDO that takes another node's TPDO: node.tpdo1, node.rpdo2.",
+                description="An RPDO that receives another node's TPDO: node.tpdo1, node.rpdo2.",
             ),
         },
     },

@@ -194,7 +194,7 @@ class _Reader:
                 lexical.STRAY_COMMENT, self._whole(number, line), message
             )
         elif (found := _KEY_WITH_COLON.fullmatch(line)) is not None:
-            message = f"the ':' behind {found[1]} is taken for '='"
+            message = f"the ':' after {found[1]} is read as '='"
             self._findings.add(lexical.COLON, self._whole(number, line), message)
             self._entry(number, found)
         elif (found := _KEY.fullmatch(line)) is not None:
@@ -217,7 +217,7 @@ class _Reader:
             message = "malformed header of a section"
             self._findings.add(lexical.BAD_HEADER, span, message)
         elif behind:
-            message = "a comment stands on a line of its own"
+            message = "a comment must be on its own line"
             self._findings.add(lexical.STRAY_COMMENT, span, message)
         self._section = None
         if not name:
@@ -242,7 +242,7 @@ class _Reader:
             found.start(2) + 1,
         )
         if self._section is None:
-            message = "this key stands before the first section; it is ignored"
+            message = "this key precedes the first section; it is ignored"
             self._findings.add(lexical.OUTSIDE, entry.key_span, message)
         elif not entry.key:
             message = "there is no key before the '='; the line is ignored"

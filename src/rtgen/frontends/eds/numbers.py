@@ -80,7 +80,7 @@ def without_comment(entry: Entry, findings: Findings) -> str:
         start = entry.value_column + len(text)
         end = entry.value_column + len(entry.value)
         span = Span(entry.file, entry.line, start, entry.line, end)
-        message = "a comment stands on a line of its own"
+        message = "a comment must be on its own line"
         findings.add(lexical.STRAY_COMMENT, span, message)
     return text
 

@@ -138,7 +138,7 @@ def _place_object(
     index = int(digits, 16)
     subindex = None if sub is None else int(sub, 16)
     if subindex is not None and subindex > 0xFF:
-        message = f"there is no sub-index {sub}; the section is passed over"
+        message = f"there is no sub-index {sub}; the section is ignored"
         findings.add(objects.BAD_SUBINDEX, section.span, message)
         return True
     padded = sub is not None and len(sub) > 1 and sub[0] == "0"

@@ -103,7 +103,7 @@ def decode(data: bytes, file: str) -> str:
         ) from None
 
 
-_NO_XML = "profiles and systems are XML or YAML; rtgen generate takes definitions"
+_NO_XML = "profiles and systems are XML or YAML; rtgen generate accepts definitions"
 _NEWLINE = re.compile(r"\r\n?|\n")
 
 

@@ -107,7 +107,7 @@ class Ports:
             self._report_at(rules.NOT_ADDED, span, f"the port {name} is left out")
             return None
         if not (added[made] and made.certain):
-            message = f"whether there is a port {name} depends on the run"
+            message = f"the existence of the port {name} depends on the run"
             self._report_at(rules.COMPUTED, span, message)
         if is_made(made, *_EVENTS):
             return self._event_port(made, name, span)
@@ -172,7 +172,7 @@ class Ports:
         if len(types) > 1:
             self._chosen(span, name, list(types))
         elif not types:
-            message = f"the port {name} takes events of any type"
+            message = f"the port {name} accepts events of any type"
             self._report_at(rules.COMPUTED, span, message)
         return ProfileDataPort(
             name=name,
@@ -211,7 +211,7 @@ class Ports:
             elif name not in seen:
                 seen.add(name)
                 if not made.certain:
-                    message = f"whether there is a port {name} depends on the run"
+                    message = f"the existence of the port {name} depends on the run"
                     self._report_at(rules.COMPUTED, span, message)
                 interfaces = tuple(self._interfaces(made))
                 yield ProfileServicePort(name=name, interfaces=interfaces)

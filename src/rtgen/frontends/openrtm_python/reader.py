@@ -263,7 +263,7 @@ class ModuleReader:
                 self._report_at(rules.COMPUTED, self._place(call), message)
                 continue
             if not call.made.certain:
-                message = f"whether there is a parameter {name} depends on the run"
+                message = f"the existence of the parameter {name} depends on the run"
                 self._report_at(rules.COMPUTED, self._place(call), message)
             yield name, call
 

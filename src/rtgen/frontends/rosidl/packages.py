@@ -43,7 +43,7 @@ def identity(path: Path, findings: Findings, span: Span) -> tuple[str, str, str]
     if not PACKAGE_NAME.fullmatch(package):
         message = f"{package} is not a name of a package"
         hint = (
-            f"the file stands in PACKAGE/{kind}/; lower-case letters, digits, single _"
+            f"the file must be in PACKAGE/{kind}/; lower-case letters, digits, single _"
         )
         findings.add(rules.BAD_NAME, span, message, hint=hint)
         return None

@@ -117,7 +117,7 @@ class _Run:
         expected = len(PARTS[kind])
         if len(parts) != expected:
             text = f"number of parts: {len(parts)}; a .{kind} file has {expected}"
-            hint = "a line --- stands between two parts"
+            hint = "a line --- separates two parts"
             self._findings.add(rules.SECTIONS, start, text, hint=hint)
             return
         messages = list(messages_of(package, kind, stem, parts, start))
@@ -213,9 +213,7 @@ class _Run:
             if name not in self._places:
                 where = file_of(name)
                 message = f"{'/'.join(name)} is not found"
-                hint = (
-                    f"{where} is looked for beside the package and in [sources] include"
-                )
+                hint = f"{where} is searched for beside the package and in [sources] include"
                 self._findings.add(rules.UNKNOWN_TYPE, type_.span, message, hint=hint)
             return None
         if not self._known[name]:

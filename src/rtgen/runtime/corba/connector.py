@@ -153,7 +153,7 @@ class RemoteProvider:
         chosen = self._chosen(found)
         if chosen is None:
             raise PortTypeError(
-                f"{self.port} has no provider for {self.consumer}, which asks for "
+                f"{self.port} has no provider for {self.consumer}, which requires "
                 f"{self._wanted.repository_id}; it has: {', '.join(found)}"
             )
         offered = signatures(chosen)

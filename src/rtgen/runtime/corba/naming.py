@@ -65,7 +65,7 @@ class Naming:
             ) from error
         if self._root is None:
             raise NoNamingServiceError(
-                f"what answers at {self.address} is not a naming service"
+                f"the object at {self.address} is not a naming service"
             )
 
     def bind(self, port: tuple[str, str], name: str, reference: Any) -> None:

@@ -165,7 +165,7 @@ class CorbaTransport:
     ) -> RemoteConnector | ServicePeer:
         """Return a connection to a port of another process. Raises ConnectError."""
         if self._naming is None:
-            raise TransportError(f"{there} is in no process that could be asked")
+            raise TransportError(f"{there} is in no reachable process")
         directory = self._directory
         if directory is not None and there.instance in directory.foreign:
             assert self._rt_objects is not None  # set together with the directory
@@ -207,7 +207,7 @@ class CorbaTransport:
         properties: Mapping[str, str],
     ) -> PeerConnection:
         if self._rt_objects is None:
-            raise TransportError(f"{there} is in no process that could be asked")
+            raise TransportError(f"{there} is in no reachable process")
         made = PeerConnection(name, here, there, properties, self._rt_objects)
         self._peers.append(made)
         return made

@@ -82,7 +82,7 @@ class ServiceTypes:
 
 @dataclass(frozen=True, slots=True)
 class Qos:
-    """Quality of service of a publisher (what it offers) or a subscription (what it asks for).
+    """Quality of service of a publisher (offered) or a subscription (requested).
 
     `reliable`: samples are sent again until they arrive; `depth`: samples that the engine keeps for
     each publisher, None for all of them: a slow subscription then slows the publisher down, which
@@ -242,7 +242,7 @@ def check_lease(topic: Topic, qos: Qos, own: float | None) -> None:
     if qos.lease is not None and (own is None or qos.lease < own):
         stated = "that of its configuration" if own is None else f"{own:g} s"
         raise MediumError(
-            f"{topic.name}: a lease of {qos.lease:g} s is asked for, but that of the process is "
+            f"{topic.name}: a lease of {qos.lease:g} s is requested, but that of the process is "
             f"{stated}; it is set when the medium is opened"
         )
 

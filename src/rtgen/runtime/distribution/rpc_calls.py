@@ -156,7 +156,7 @@ class RpcClient:
             return (values or (None,))[0] if len(values) < 2 else values
         found = types.exceptions.get(result.discriminator)
         if found is None:
-            raise UnknownException(f"{operation} raised what it does not declare")
+            raise UnknownException(f"{operation} raised an undeclared exception")
         _, exception = found
         if types.octets:
             raise exception.from_cdr(bytes(result.value.octets))

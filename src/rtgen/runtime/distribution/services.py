@@ -219,7 +219,7 @@ class RemoteProvider:
         chosen = self._fitting(found, wanted.repository_id)
         if chosen is None:
             raise PortTypeError(
-                f"{self.port} has no provider for {self.consumer}, which asks for "
+                f"{self.port} has no provider for {self.consumer}, which requires "
                 f"{wanted.repository_id}; it has: {', '.join(found)}"
             )
         missing = [s for s in wanted.operations if s not in chosen.operations]

@@ -271,7 +271,7 @@ class TypeCodeReader:
             return simple
         length = self._number("I")
         if length > self._end - self._offset:
-            raise Fault("a type code is longer than what it stands in")
+            raise Fault("a type code is longer than its enclosing encapsulation")
         base, order, end = self._base, self._order, self._end
         self._base = self._offset
         stop = self._offset + length

@@ -251,7 +251,7 @@ class ZenohNetwork:
         if not (info.routers_zid() or info.peers_zid()):
             log.warning(
                 "no router or peer of Zenoh was found, so no node of another process is seen: "
-                "rmw_zenoh's router is looked for at %s, unless a configuration is given",
+                "rmw_zenoh's router is expected at %s, unless a configuration is given",
                 ROUTER,
             )
 

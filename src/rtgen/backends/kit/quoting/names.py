@@ -21,5 +21,5 @@ def quote_name(value: object) -> str:
         return value
     text = str(value)
     if isinstance(value, Code) or not _NAME.fullmatch(text):
-        raise UnquotableError(text, "a file that takes names alone")
+        raise UnquotableError(text, "a file that allows only names")
     return Names(text)

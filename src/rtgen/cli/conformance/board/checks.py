@@ -66,7 +66,9 @@ def digest(board: BoardUnderTest) -> Problems:
     try:
         found = peer_digest(channel, codec)
     except ChannelError:
-        raise SkipError("the board does not tell the digest of its signature") from None
+        raise SkipError(
+            "the board does not report the digest of its signature"
+        ) from None
     finally:
         channel.close()
     same = found == codec.digest
@@ -119,7 +121,7 @@ def stalled_requests(board: BoardUnderTest) -> Problems:
         with board.stalled(request[:-1]):
             answer = board.raw([_unknown(board)], wanted=1, within=board.stall)
         served = answer.closed and not answer.data
-        yield None if served else f"{what}: another one is not served in time"
+        yield None if served else f"{what}: another client is not served in time"
 
 
 def answers(board: BoardUnderTest) -> Problems:
@@ -326,7 +328,7 @@ CHECKS: Final = (
     ),
     Check(
         "request.start",
-        "a request that does not begin as one is refused",
+        "a request with a wrong start is refused",
         _WIRE,
         wrong_starts,
     ),
@@ -335,13 +337,13 @@ CHECKS: Final = (
     ),
     Check(
         "request.cut",
-        "a client that leaves within a request does not keep others out",
+        "a client that disconnects within a request does not block others",
         _WIRE,
         cut_requests,
     ),
     Check(
         "request.stalled",
-        "a client that falls silent within a request is given up",
+        "a client that stalls within a request is disconnected",
         _WIRE,
         stalled_requests,
     ),
@@ -354,14 +356,14 @@ CHECKS: Final = (
     ),
     Check(
         "request.segments",
-        "requests are taken in pieces",
+        "requests are accepted in pieces",
         _WIRE,
         segments,
         ACTUATE,
     ),
     Check(
         "call.order",
-        "requests in one piece are answered in their order",
+        "requests in one piece are answered in order",
         _WIRE,
         order,
         ACTUATE,
@@ -369,12 +371,12 @@ CHECKS: Final = (
     Check("call.reply", "each function answers as declared", _WIRE, answers, ACTUATE),
     Check(
         "call.limits",
-        "numbers are taken at both ends of their types",
+        "numbers are accepted at both limits of their types",
         _WIRE,
         limits,
         ACTUATE,
     ),
-    Check("call.arrays", "arrays are taken empty and full", _WIRE, arrays, ACTUATE),
+    Check("call.arrays", "arrays are accepted empty and full", _WIRE, arrays, ACTUATE),
     Check(
         "call.long-arrays",
         "arrays beyond their bound are refused",
@@ -382,10 +384,10 @@ CHECKS: Final = (
         long_arrays,
         ACTUATE,
     ),
-    Check("call.texts", "texts are taken empty and full", _WIRE, texts, ACTUATE),
+    Check("call.texts", "texts are accepted empty and full", _WIRE, texts, ACTUATE),
     Check(
         "call.null",
-        "nullable parameters are taken as NULL",
+        "nullable parameters accept NULL",
         _WIRE,
         nulls,
         ACTUATE,

@@ -459,7 +459,7 @@ CHECKS: Final = (
     ),
     Check(
         "sdo.same-value",
-        "objects take the values that they have",
+        "objects accept their current values",
         _SDO,
         same_value,
         ACTUATE,
@@ -473,7 +473,7 @@ CHECKS: Final = (
     ),
     Check(
         "pdo.reception",
-        "objects have what an RPDO carries",
+        "objects get the values of an RPDO",
         "CiA 301, 7.2.2.2",
         reception,
         ACTUATE,
@@ -487,7 +487,7 @@ CHECKS: Final = (
     ),
     Check(
         "pdo.mapping",
-        "mappings are set, and refused where they cannot be",
+        "mappings are set, and invalid ones are refused",
         "CiA 301, 7.5.2.36",
         pdo_changes.mapping,
         ACTUATE,
@@ -508,7 +508,7 @@ CHECKS: Final = (
     ),
     Check(
         "pdo.synchronous-reception",
-        "synchronous RPDOs are taken at a SYNC",
+        "synchronous RPDOs take effect at a SYNC",
         "CiA 301, 7.5.2.35",
         pdo_changes.synchronous_reception,
         ACTUATE,
@@ -542,9 +542,9 @@ CHECKS: Final = (
         ACTUATE,
     ),
     Check(
-        "lss.address", "selected by its LSS address alone", "CiA 305, 3.7", lss_address
+        "lss.address", "selected only by its LSS address", "CiA 305, 3.7", lss_address
     ),
-    Check("lss.identity", "tells its identity", "CiA 305, 3.11", lss_identity),
+    Check("lss.identity", "reports its identity", "CiA 305, 3.11", lss_identity),
     Check(
         "lss.refusals",
         "node-ids and bit rates out of range are refused",

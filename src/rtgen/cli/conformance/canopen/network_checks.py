@@ -44,8 +44,8 @@ def _emergency(node: NodeUnderTest, within: int) -> int | None:
 
 def _is(code: int | None, wanted: int, what: str) -> str | None:
     shown = "none" if code is None else f"{code:04X}h"
-    told = f"{what}: the emergency is {shown}, not {wanted:04X}h"
-    return None if code == wanted else told
+    problem = f"{what}: the emergency is {shown}, not {wanted:04X}h"
+    return None if code == wanted else problem
 
 
 def consumer(node: NodeUnderTest) -> Problems:
@@ -105,8 +105,8 @@ def entries(node: NodeUnderTest) -> Problems:
         count = node.upload((_HISTORY, 0))[0]
         yield None if count else "1003h counts no error after an emergency"
         newest = int.from_bytes(node.upload((_HISTORY, 1)), "little") & 0xFFFF
-        told = f"1003h:1 is {newest:04X}h after emergency {code:04X}h"
-        yield None if newest == code else told
+        problem = f"1003h:1 is {newest:04X}h after emergency {code:04X}h"
+        yield None if newest == code else problem
         register = node.upload(_REGISTER)[0]
         yield None if register & 1 else f"1001h is {register:02X}h with an error"
         if node.described.objects[_HISTORY, 0].access.writable:

@@ -204,8 +204,8 @@ def _cyclic(each: ChangedPdo, kind: int) -> str | None:
         for _ in range(2 * kind):
             node.line.send(Frame(SYNC))
             counted += node.await_frame(each.can_id, _QUIET) is not None
-    told = f"{each.name}, type {kind}: {counted} after {2 * kind} SYNCs"
-    return None if counted == 2 else told
+    problem = f"{each.name}, type {kind}: {counted} after {2 * kind} SYNCs"
+    return None if counted == 2 else problem
 
 
 def _remote(each: ChangedPdo, kind: int) -> str | None:
@@ -217,8 +217,8 @@ def _remote(each: ChangedPdo, kind: int) -> str | None:
             return f"{each.name}, type {kind}: sent without a remote frame"
         node.line.send(Frame(each.can_id, remote=True))
         found = node.await_frame(each.can_id, node.bounds.answer)
-    told = f"{each.name}, type {kind}: no answer to a remote frame"
-    return None if found is not None else told
+    problem = f"{each.name}, type {kind}: no answer to a remote frame"
+    return None if found is not None else problem
 
 
 def times(node: NodeUnderTest) -> Problems:
@@ -250,8 +250,8 @@ def _spaced(each: ChangedPdo, what: str, *, exactly: bool) -> str | None:
     mean = (times[-1] - times[1]) / (_SENT - 1) / MILLISECOND
     tolerance = node.bounds.period_tolerance * _PERIOD
     fits = mean >= _PERIOD - tolerance and (not exactly or mean <= _PERIOD + tolerance)
-    told = f"{each.name}: PDOs each {mean:.0f} ms with an {what} of {_PERIOD} ms"
-    return None if fits else told
+    problem = f"{each.name}: PDOs each {mean:.0f} ms with an {what} of {_PERIOD} ms"
+    return None if fits else problem
 
 
 def synchronous_reception(node: NodeUnderTest) -> Problems:

@@ -62,7 +62,7 @@ def segments(node: NodeUnderTest) -> Problems:
         _begin(node, command, announced)
     except SdoAbort as abort:
         if abort.code in _NO_TRANSFER:
-            raise SkipError("1017h takes no segments") from None
+            raise SkipError("1017h does not accept segments") from None
         raise
     answer = node.ask(Segments(before).next(sdo.DOWNLOAD_SEGMENT))
     taken = answer[0] & ~sdo.TOGGLE == sdo.DOWNLOAD_SEGMENT_DONE

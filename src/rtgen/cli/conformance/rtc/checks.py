@@ -77,7 +77,7 @@ def properties(rtc: RtcUnderTest) -> Problems:
 
 def identity(rtc: RtcUnderTest) -> Problems:
     """Check that the component is alive, and its SDO id is its instance name."""
-    yield None if rtc.is_alive() else "is_alive says that it is not"
+    yield None if rtc.is_alive() else "is_alive returned false"
     wanted = rtc.profile.instance_name
     yield _unequal("the SDO id", rtc.call("get_sdo_id"), wanted)
 
@@ -195,10 +195,10 @@ def default_values(rtc: RtcUnderTest) -> Problems:
     values = rtc.sets().get(active, {})
     for name, parameter in rtc.expected.parameters.items():
         if name in values and parameter.problem(values[name]) is None:
-            told = (
+            problem = (
                 f"set {active}: {name} is {values[name]!r}, not {parameter.default!r}"
             )
-            yield None if parameter.is_default(values[name]) else told
+            yield None if parameter.is_default(values[name]) else problem
 
 
 def active_set(rtc: RtcUnderTest) -> Problems:
@@ -254,7 +254,9 @@ def set_values(rtc: RtcUnderTest) -> Problems:
 def _requires_texts_checked(rtc: RtcUnderTest) -> None:
     """Raise SkipError for a component of OpenRTM, whose configuration accepts any text."""
     if not rtc.is_of_rtgen:
-        raise SkipError("OpenRTM's configuration takes any text, and looks at it later")
+        raise SkipError(
+            "OpenRTM's configuration accepts any text, and validates it later"
+        )
 
 
 def _wrong_value(rtc: RtcUnderTest, name: str, text: str, before: str) -> str | None:
@@ -325,7 +327,7 @@ def context_profiles(rtc: RtcUnderTest) -> Problems:
         yield _unequal("its kind", found.kind, rtc.ask(context, "get_kind"))
         yield _unequal("its rate", found.rate, rtc.ask(context, "get_rate"))
         owned = found.owner is not None and found.owner._is_equivalent(rtc.reference)
-        yield None if owned else "its owner is another one"
+        yield None if owned else "its owner is another component"
 
 
 def context_handles(rtc: RtcUnderTest) -> Problems:
@@ -334,7 +336,7 @@ def context_handles(rtc: RtcUnderTest) -> Problems:
         handle = rtc.call("get_context_handle", context)
         found = rtc.call("get_context", handle)
         same = found is not None and found._is_equivalent(context)
-        yield None if same else f"get_context({handle}) is another one"
+        yield None if same else f"get_context({handle}) returned another context"
         alive = rtc.call("is_alive", context)
         yield None if alive else f"it is not alive in context {handle}"
 
@@ -352,8 +354,8 @@ def _rows(rtc: RtcUnderTest, rows: tuple[_Row, ...]) -> Problems:
     for operation, wanted in rows:
         code = rtc.ask(context, operation, rtc.reference)
         same = code is wanted
-        told = f"{before.name}: {operation} returned {code.name}, not {wanted.name}"
-        yield None if same else told
+        problem = f"{before.name}: {operation} returned {code.name}, not {wanted.name}"
+        yield None if same else problem
     yield _unequal("the state after refused calls", rtc.state().name, before.name)
 
 
@@ -393,7 +395,7 @@ def refused_active(rtc: RtcUnderTest) -> Problems:
 def refused_in_error(rtc: RtcUnderTest) -> Problems:
     """Check that a component in ERROR is neither activated nor deactivated."""
     if rtc.state() is not ERROR_STATE:
-        raise SkipError("it is not in ERROR, to which nobody outside can bring it")
+        raise SkipError("it is not in ERROR, and no request leads there")
     yield from _rows(rtc, _IN_ERROR)
 
 
@@ -404,7 +406,7 @@ def initialization(rtc: RtcUnderTest) -> Problems:
     for operation in ("initialize", "finalize"):
         code = rtc.call(operation)
         yield _unequal(operation, code.name, PRECONDITION_NOT_MET.name)
-    yield None if rtc.is_alive() else "it is not alive any more"
+    yield None if rtc.is_alive() else "it is no longer alive"
 
 
 class _Stranger:
@@ -460,7 +462,7 @@ def exits(rtc: RtcUnderTest) -> Problems:
     """Check that a component is gone in time after `exit`."""
     code = rtc.call("exit")
     if code is UNSUPPORTED and rtc.is_alive():
-        raise SkipError("it ends with its process alone: exit returned UNSUPPORTED")
+        raise SkipError("it ends only with its process: exit returned UNSUPPORTED")
     yield _unequal("exit", code.name, RTC_OK.name)
     yield None if rtc.ends() else "it is still alive"
 
@@ -486,7 +488,7 @@ CHECKS: Final = (
         "docs/openrtm.md",
         properties,
     ),
-    Check("profile.identity", "it is alive, and has one name", _PROFILE, identity),
+    Check("profile.identity", "it is alive, and its names agree", _PROFILE, identity),
     Check("ports.names", "the ports are those of the definition", _PORTS, port_names),
     Check("ports.directions", "ports have their directions", _PORTS, directions),
     Check("ports.types", "data ports have their types", _PORTS, data_types),
@@ -498,7 +500,7 @@ CHECKS: Final = (
     ),
     Check(
         "ports.references",
-        "each port is listed, and tells of itself",
+        "each port is listed with its profile",
         _PORTS,
         port_references,
     ),
@@ -534,10 +536,15 @@ CHECKS: Final = (
         _SETS,
         unknown_names,
     ),
-    Check("contexts.kind", "it owns a context of its kind", _CONTEXTS, context_kinds),
+    Check(
+        "contexts.kind",
+        "it owns a context of the declared kind",
+        _CONTEXTS,
+        context_kinds,
+    ),
     Check(
         "contexts.profile",
-        "contexts tell kind, rate and owner",
+        "contexts report kind, rate and owner",
         _CONTEXTS,
         context_profiles,
     ),
@@ -587,14 +594,14 @@ CHECKS: Final = (
     ),
     Check(
         "contexts.rate",
-        "its context takes rates above 0 alone",
+        "its context accepts only rates above 0",
         _CONTEXTS,
         rates,
         ACTUATE,
     ),
     Check(
         "configuration.set",
-        "parameters take other values",
+        "parameters accept other values",
         _SETS,
         set_values,
         ACTUATE,
@@ -629,7 +636,7 @@ CHECKS: Final = (
     ),
     Check(
         "connections.services",
-        "provided interfaces are of their types, and so must be those for required ones",
+        "provided interfaces have their types, required ones accept only theirs",
         _PORTS,
         connections.services,
         ACTUATE,
@@ -648,7 +655,9 @@ CHECKS: Final = (
         connections.other_interfaces,
         ACTUATE,
     ),
-    Check("left", "it is as it was found", "docs/conformance.md", left, ACTUATE),
+    Check(
+        "left", "its state is as before the test", "docs/conformance.md", left, ACTUATE
+    ),
     Check(
         "life-cycle.initialization",
         "it is neither initialized again nor finalized",

@@ -121,7 +121,7 @@ class RtcUnderTest(RemoteRtc):
             raise SkipError("its execution context does not run")
         state = self.state()
         if state is ERROR_STATE:
-            raise SkipError("it is in ERROR, where it is left")
+            raise SkipError("it is in ERROR, and stays there")
         if state is ACTIVE_STATE:
             self.ask(context, "deactivate_component", self.reference)
             if not self.becomes(INACTIVE_STATE):

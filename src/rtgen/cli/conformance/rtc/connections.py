@@ -138,13 +138,13 @@ def _connected(rtc: RtcUnderTest, port: Any, partner: _Partner) -> Problems:
     yield None if identity in listed else "its connector is not listed"
     found = call("get_connector_profile", identity)
     known = found.connector_id == identity and found.name == identity
-    yield None if known else "get_connector_profile gives another one"
+    yield None if known else "get_connector_profile returned another profile"
     code = call("disconnect", identity)
     yield None if code is RTC_OK else f"disconnect returned {code.name}"
     listed = [each.connector_id for each in call("get_connector_profiles")]
     yield "its connector is still listed" if identity in listed else None
-    told = identity in partner.ended
-    yield None if told else "it has not told the other port of the end"
+    notified = identity in partner.ended
+    yield None if notified else "it did not notify the other port of the disconnection"
 
 
 def _refused(rtc: RtcUnderTest, properties: Mapping[str, str]) -> Problems:
@@ -229,4 +229,4 @@ def _required(
         asked = _profile(port, partner, _STRICT)
         code, _ = rtc.at_port(port, "connect", asked)
         _dropped(rtc, port, asked.connector_id)
-        return "it takes another type" if code is RTC_OK else None
+        return "it accepts another type" if code is RTC_OK else None

@@ -85,7 +85,7 @@ def _answering(
         return RtcUnderTest(expected, found, exported, timeout)
     except CORBA.SystemException as error:
         raise ToolError(
-            f"what is at {connect} does not answer as a component: {error!r}"
+            f"the object at {connect} does not respond as a component: {error!r}"
         ) from error
 
 
@@ -102,7 +102,7 @@ def checked(
     except rtc.faults as fault:
         why = rtc.explained(fault)
         raise ToolError(
-            f"{subject} does not tell what --actuate would have to restore: {why}",
+            f"{subject} does not report the state that --actuate would have to restore: {why}",
             hint="without --actuate nothing is changed",
         ) from fault
     try:
@@ -112,6 +112,6 @@ def checked(
         wrong = [problem for problem in rtc.restore() if problem is not None]
         if wrong:
             what = "; ".join(wrong)
-            raise ToolError(f"{subject} is not as it was found: {what}") from None
+            raise ToolError(f"{subject} was not restored: {what}") from None
         raise
     return Report(subject, definition, outcomes)

@@ -167,7 +167,7 @@ class Headers:
         if run.missing:
             self.lacking = True
             names = ", ".join(dict.fromkeys(run.missing))
-            message = f"{file.name} includes what is not found: {names}"
+            message = f"{file.name} includes files that are not found: {names}"
             hint = "name their folder by -I"
             self._report(rules.MISSING_INCLUDE.at(place, message, hint=hint))
         return Header(tuple(self._declarations(pieces, place, run.spans)))

@@ -120,7 +120,7 @@ class Analysis:
             if specifier.word not in allowed:
                 what = _CALLED.get(type(item.node)) or type(item.node).__name__.lower()
                 span = unit.span(specifier.start, specifier.end)
-                message = f"'{specifier.word}' cannot stand before a {what}"
+                message = f"'{specifier.word}' cannot precede a {what}"
                 self._report(syntax.MISPLACED_SPECIFIER.at(span, message))
 
     def _typedef(

@@ -168,7 +168,7 @@ class Cells:
                 self._report(
                     rules.CELL_IN_NAMESPACE.at(
                         span,
-                        f"the cell {name} stands in the name space {scope.name[-1]}",
+                        f"the cell {name} is in the name space {scope.name[-1]}",
                         hint="put it at the top or into a region",
                     )
                 )
@@ -276,7 +276,7 @@ class Cells:
             self._report(
                 region_rules.THROUGH_ATTRIBUTE.at(
                     place.unit.span(given[0].start, given[-1].end),
-                    f"{name} is an attribute: through stands before joins of call ports",
+                    f"{name} is an attribute: through precedes joins of call ports",
                     hint="remove it",
                 )
             )

@@ -400,7 +400,7 @@ class Celltypes:
                 self._report(
                     rules.SIZED_INITIALISER.at(
                         variable.place.span(value),
-                        f"{variable.name} has size_is and takes a list",
+                        f"{variable.name} has size_is and requires a list",
                         hint="write { ... }",
                     )
                 )

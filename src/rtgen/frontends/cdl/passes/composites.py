@@ -197,7 +197,7 @@ class Composites:
                     spans[1],
                     f"{inner.name} and {outer.name} have different {difference}",
                     related=related,
-                    hint="declare both alike",
+                    hint="declare both in the same way",
                 )
             )
 

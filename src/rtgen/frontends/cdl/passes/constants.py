@@ -143,7 +143,9 @@ class _Initial:
         """Return the model of a value of the type; None, after a diagnostic, if invalid."""
         if isinstance(value, tree.CExp):
             if isinstance(resolve(type_), CArrayType):
-                self._report(rules.SHAPE, value, "an array takes its values in braces")
+                self._report(
+                    rules.SHAPE, value, "an array requires its values in braces"
+                )
                 return None
             return CExpression(value.text.text)
         if isinstance(value, tree.Aggregate):
@@ -178,7 +180,9 @@ class _Initial:
                 self._report(rules.SURPLUS, value, message)
             wanted = [member.type for member in members]
         else:
-            self._report(rules.SHAPE, value, f"{type_} takes a single value, no braces")
+            self._report(
+                rules.SHAPE, value, f"{type_} requires a single value, without braces"
+            )
             return None
         models = [
             self.of(item, element)
@@ -193,12 +197,12 @@ class _Initial:
         wanted = operand_class_of(type_)
         target = resolve(type_)
         if isinstance(target, CArrayType):
-            self._report(rules.SHAPE, node, "an array takes its values in braces")
+            self._report(rules.SHAPE, node, "an array requires its values in braces")
             return None
         if wanted is OperandClass.STRUCT:
             if found.type is not None and resolve(found.type) == target:
                 return found.model
-            self._report(rules.SHAPE, node, f"{target} takes its values in braces")
+            self._report(rules.SHAPE, node, f"{target} requires its values in braces")
             return None
         if isinstance(target, CPointerType):
             return self._pointer(node, found, target)

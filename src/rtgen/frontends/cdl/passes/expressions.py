@@ -254,7 +254,7 @@ class ExpressionAnalysis:
         assert isinstance(found, CPointerType | CArrayType)
         target = found.target if isinstance(found, CPointerType) else found.element
         if operand.value is not None or isinstance(operand.model, Literal):
-            message = "what a pointer leads to has no value before the program runs"
+            message = "the target of a pointer has no value before the program runs"
             raise self.error(rules.CANNOT_EVALUATE, node, message)
         return Operand(operand_class_of(target), None, model, target)
 

@@ -179,7 +179,7 @@ class OpenEnds:
             self._report(
                 celltype_rules.SIZED_INITIALISER.at(
                     place.span(value),
-                    f"{variable.name} has size_is and takes a list",
+                    f"{variable.name} has size_is and requires a list",
                     related=[Related(variable.span, "declared here")],
                     hint="write { ... }",
                 )

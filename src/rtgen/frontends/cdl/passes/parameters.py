@@ -180,7 +180,7 @@ class ParameterAnalysis(SignatureAnalysis):
     def _report_void(self, item: tree.Parameter) -> None:
         span = self._unit.span(item.start, item.end)
         message = (
-            "'void' stands alone in the parentheses of a function without parameters"
+            "'void' must be alone in the parentheses of a function without parameters"
         )
         self._table.report(type_rules.VOID_VALUE.at(span, message))
 
@@ -188,7 +188,7 @@ class ParameterAnalysis(SignatureAnalysis):
         for specifier in bracket.items:
             word = specifier.word
             if word not in _ALLOWED:
-                message = f"'{word}' cannot stand before a parameter"
+                message = f"'{word}' cannot precede a parameter"
                 self._report(syntax.MISPLACED_SPECIFIER, specifier, message)
                 parameter.good = False
             elif word in _DIRECTIONS:
@@ -309,14 +309,12 @@ class ParameterAnalysis(SignatureAnalysis):
         name, direction = parameter.name, parameter.direction
         if direction is TecsDirection.IN:
             if not is_const(target):
-                message = f"'{name.text}' is in, so what it leads to must be const"
+                message = f"'{name.text}' is in, so its target must be const"
                 hint = f"write const {target} *{name.text}"
                 self._report(rules.IN_NOT_CONST, name, message, hint)
                 parameter.good = False
         elif is_const(target) and not self.deviate:
-            message = (
-                f"'{name.text}' is {direction}, so what it leads to cannot be const"
-            )
+            message = f"'{name.text}' is {direction}, so its target cannot be const"
             self._report(rules.OUT_CONST, name, message, "leave out const")
             parameter.good = False
 

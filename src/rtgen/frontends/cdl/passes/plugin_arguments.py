@@ -74,7 +74,7 @@ class _Reader:
         self._place = name.end()
         self._skip()
         if not self._text.startswith("=", self._place):
-            self._complain(f"= is missing behind {name[0]}", f"write {name[0]}=value")
+            self._complain(f"= is missing after {name[0]}", f"write {name[0]}=value")
             return None
         self._place += 1
         self._skip()
@@ -111,7 +111,7 @@ class _Reader:
         self._skip()
         if self._place < len(text) and text[self._place] != ",":
             self._complain(
-                f"there is text behind the value of {name}",
+                f"there is text after the value of {name}",
                 "a comma is between two options",
             )
             return None

@@ -99,7 +99,7 @@ class Requirements:
             self._report(
                 rules.UNKNOWN_REQUIRED.at(
                     place.span(owner),
-                    f"{owner} {what}: what is required is a celltype or a cell",
+                    f"{owner} {what}: a requirement names a celltype or a cell",
                     hint=place.near(owner.parts[-1], *_REQUIRABLE) or DECLARE,
                 )
             )

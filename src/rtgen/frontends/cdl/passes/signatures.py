@@ -110,7 +110,7 @@ class _Signature(SignatureAnalysis):
             elif specifier.word == "oneway":
                 oneway = True
             else:
-                message = f"'{specifier.word}' cannot stand before a function"
+                message = f"'{specifier.word}' cannot precede a function"
                 self._report(syntax.MISPLACED_SPECIFIER, specifier, message)
         name = node.declarator.name
         assert name is not None
@@ -124,7 +124,7 @@ class _Signature(SignatureAnalysis):
                 rules.NOT_A_FUNCTION,
                 name,
                 f"'{name.text}' is not a function",
-                "put its parameters behind it, or ( void )",
+                "put its parameters after it, or ( void )",
             )
             return None
         types = self._types

@@ -41,7 +41,7 @@ def accepted(
             report(
                 syntax.MISPLACED_SPECIFIER.at(
                     place.span(specifier),
-                    f"{specifier.word} cannot stand before {what}",
+                    f"{specifier.word} cannot precede {what}",
                     hint=hint,
                 )
             )

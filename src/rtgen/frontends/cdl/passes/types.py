@@ -273,7 +273,7 @@ class Types:
         for specifier in bracket.items:
             span = unit.span(specifier.start, specifier.end)
             if specifier.word not in ("size_is", "count_is", "string"):
-                message = f"'{specifier.word}' cannot stand before a struct member"
+                message = f"'{specifier.word}' cannot precede a struct member"
                 self._report(syntax.MISPLACED_SPECIFIER.at(span, message))
                 return None
             if specifier.word in given:

@@ -150,7 +150,7 @@ def _end(s: ErrorContext) -> Recovery | None:
 
 
 def _semicolon(s: ErrorContext) -> Recovery:
-    hint = "every statement ends with ';', also behind a closing brace"
+    hint = "every statement ends with ';', also after a closing brace"
     return s.recovery(
         syntax.MISSING_SEMICOLON,
         "a ';' is missing here",
@@ -167,7 +167,7 @@ def _angle(s: ErrorContext) -> Recovery | None:
     return s.recovery(
         lexical.ANGLE,
         f"{text[:60]} is taken for one name, as in import( <file> )",
-        "put what comes behind the '<' operator on a line without '>'",
+        "put the text after the '<' operator on a line without '>'",
     )
 
 
@@ -208,7 +208,7 @@ def _empty(s: ErrorContext) -> Recovery | None:
         return None
     return s.recovery(
         syntax.EMPTY_BLOCK,
-        "there is nothing in this block",
+        "this block is empty",
         "remove it, or declare something in it",
         at=(s.opening, s.end),
         feed=("ERROR",),
@@ -255,7 +255,7 @@ def _qualifier(s: ErrorContext) -> Recovery | None:
         return None
     return s.recovery(
         syntax.QUALIFIER,
-        f"'{s.text}' stands before the type, or behind a '*'",
+        f"'{s.text}' belongs before the type, or after a '*'",
         instead=True,
     )
 
@@ -321,7 +321,7 @@ def _unknown_type(s: ErrorContext) -> Recovery | None:
         hint = (
             f"did you mean '{near}'?"
             if near
-            else "declare it by typedef, or import what declares it"
+            else "declare it with typedef, or import the file that declares it"
         )
     return s.recovery(
         types.UNKNOWN_TYPE,
@@ -459,9 +459,7 @@ def bad_character(unit: Unit, start: int) -> tuple[Diagnostic, int]:
     if character == "'":
         rest = text.find("'", start + 1, line_end)
         end = rest + 1 if rest >= 0 else end
-        message = (
-            "this is not a character literal: one character stands between the quotes"
-        )
+        message = "this is not a character literal, which has one character between the quotes"
         return lexical.BAD_CHARACTER.at(unit.span(start, end), message), end
     message = f"the character {character!r} cannot stand here"
     mark = _ascii(character)

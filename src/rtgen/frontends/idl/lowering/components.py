@@ -166,7 +166,7 @@ class Components:
         entity = self._types.tables.entities[node.name]
         if node.keyword not in _KINDS or node.keyword.endswith("multiple"):
             message = f"'{node.keyword}' is read only"
-            hint = "nothing is made of it"
+            hint = "rtgen generates nothing for it"
             self._report(rules.PASSED_OVER.at(entity.span, message, hint=hint))
             if node.keyword not in _KINDS:
                 return None

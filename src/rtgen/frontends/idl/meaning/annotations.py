@@ -87,7 +87,7 @@ class Annotations:
                     hint=(
                         f"did you mean @{near}?"
                         if near
-                        else "it is kept, but nothing is made of it"
+                        else "it is kept, but has no effect"
                     ),
                 )
             )

@@ -366,7 +366,7 @@ class Constants:
                 case "/":
                     return DIGITS_31.divide(left, right)
         hint = "floating- and fixed-point numbers have + - * /"
-        self._fail(rules.WRONG_KIND, node, f"'{operator}' takes integers", hint)
+        self._fail(rules.WRONG_KIND, node, f"'{operator}' requires integers", hint)
         raise _NoValueError
 
     def _integers(
@@ -488,10 +488,10 @@ class Constants:
         )
         if abs(cut) >= Decimal(10) ** (digits - scale):
             message = f"{value} does not fit into fixed<{digits},{scale}>"
-            hint = f"it takes {max(digits - scale, 0)} digits before the point"
+            hint = f"it allows {max(digits - scale, 0)} digits before the point"
             self._fail(rules.OUT_OF_RANGE, node, message, hint)
         if cut != value:
-            message = f"{value} is cut to {scale} digits behind the point"
+            message = f"{value} is cut to {scale} digits after the point"
             self._report_at(rules.PRECISION, node, message, f"write {cut}d")
             return cut
         return value

@@ -84,7 +84,7 @@ class Enumerations:
             span = unit.span(node.trailing, node.trailing + 1)
             self._report(
                 syntax.TRAILING_COMMA.at(
-                    span, "no comma behind the last enumerator", hint="remove the ','"
+                    span, "no comma after the last enumerator", hint="remove the ','"
                 )
             )
             good = False

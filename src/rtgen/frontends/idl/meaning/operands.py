@@ -73,9 +73,9 @@ EXAMPLES = {
     OperandClass.FLOAT: "write a number with a point, such as 1.5",
     OperandClass.FIXED: "write a number that ends with d, such as 1.5d",
     OperandClass.CHARACTER: "write one character in single quotes, such as 'x'",
-    OperandClass.WIDE_CHARACTER: "write one character in single quotes behind L, such as L'x'",
+    OperandClass.WIDE_CHARACTER: "write one character in single quotes after L, such as L'x'",
     OperandClass.TEXT: 'write text in double quotes, such as "text"',
-    OperandClass.WIDE_TEXT: 'write text in double quotes behind L, such as L"text"',
+    OperandClass.WIDE_TEXT: 'write text in double quotes after L, such as L"text"',
     OperandClass.BOOLEAN: "write TRUE or FALSE",
     OperandClass.ENUM: "write the name of an enumerator",
 }

@@ -216,7 +216,7 @@ class Types:
                 rules.BAD_FIXED.at(
                     unit.span(node.start, node.end),
                     f"fixed<{digits},{scale}> is not possible",
-                    hint="it has 1 to 31 digits, of which 0 to all stand behind the point",
+                    hint="it has 1 to 31 digits, of which 0 to all are after the point",
                 )
             )
             return None

@@ -113,7 +113,7 @@ class Lookup:
                             unit.span(part.start, part.end),
                             f"{called(entity)} has no names inside it",
                             related=[Related(entity.span, "declared here")],
-                            hint="'::' stands behind a module, an interface or a struct",
+                            hint="'::' follows a module, an interface or a struct",
                         )
                     )
                 return None
@@ -156,7 +156,7 @@ class Lookup:
         self._report(
             rules.ENUM_SCOPE.at(
                 unit.span(part.start, part.end),
-                f"{part.text} stands beside the enum, not inside it",
+                f"{part.text} is declared beside the enum, not inside it",
                 hint=f"write {found.scoped}",
             )
         )
@@ -388,7 +388,7 @@ class Lookup:
             elif name[0] == "_":
                 what = "has more than one leading underscore"
             else:
-                what = "has no letter behind its underscore"
+                what = "has no letter after its underscore"
             hint = (
                 f"write {name.lstrip('_') or 'a name'}"
                 if name[0] == "_"

@@ -172,7 +172,7 @@ class Naming(ABC):
                 rules.UNKNOWN_NAME.at(
                     span,
                     f"{text} is not declared before the pragma",
-                    hint="put the pragma behind the declaration",
+                    hint="put the pragma after the declaration",
                 )
             )
         return entity
@@ -324,7 +324,7 @@ class Naming(ABC):
                     f"{called(entity)} {what}",
                     related=[Related(entity.span, "declared here")],
                     hint=(
-                        "put what it holds into a struct"
+                        "put its contents into a struct"
                         if entity.kind is Kind.EXCEPTION
                         else None
                     ),

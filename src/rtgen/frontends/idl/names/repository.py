@@ -74,7 +74,7 @@ class Identities:
                 if near
                 else "it is let pass, as it may be for another tool"
             )
-            message = f"nothing is made of the pragma {kind}"
+            message = f"the pragma {kind} is ignored"
             self._report(rules.UNKNOWN_PRAGMA.at(pragma.span, message, hint=hint))
 
     def _malformed(self, pragma: Pragma, form: str) -> None:

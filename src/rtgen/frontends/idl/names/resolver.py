@@ -330,7 +330,7 @@ class Resolver(TypeNames):
         self._report(
             annotation_rules.PASSED_OVER.at(
                 entity.span,
-                f"the home {entity.name} is read, but nothing is made of it",
+                f"the home {entity.name} is read, but rtgen generates nothing for it",
                 hint="components are made by the factory of their module",
             )
         )
@@ -448,7 +448,7 @@ class Resolver(TypeNames):
         self._report(
             type_rules.READ_ONLY.at(
                 self._unit.span(name.start, name.end) if name else None,
-                f"{what} is read, but nothing is made of it",
+                f"{what} is read, but rtgen generates nothing for it",
                 hint="declarations of modules, types and interfaces are used",
             )
         )

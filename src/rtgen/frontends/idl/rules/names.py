@@ -28,7 +28,7 @@ NEVER_DEFINED_INTERFACE = Rule(
 TWO_DEFINITIONS = Rule(
     "IDL0217", "two definitions of one name in a project", Severity.ERROR
 )
-DECLARED_ALIKE = Rule("IDL0218", "type declared alike in two files", Severity.NOTE)
+DECLARED_ALIKE = Rule("IDL0218", "same type declared in two files", Severity.NOTE)
 CONSTANT_AS_TYPE = Rule("IDL0219", "constant used as a type", Severity.WARNING)
 
 RULES = (

@@ -77,7 +77,7 @@ WORDS = {
     "volatile": "leave the word out: IDL describes data, not memory",
     "register": "leave the word out: IDL describes data, not memory",
     "synchronized": "leave the word out: IDL describes data, not threads",
-    "protected": "leave the word out: what an interface has is public",
+    "protected": "remove the word: members of an interface are public",
     "property": "write attribute",
     "function": "write TYPE NAME(in TYPE NAME, ...);",
     "def": "write TYPE NAME(in TYPE NAME, ...);",

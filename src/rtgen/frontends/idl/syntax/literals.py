@@ -150,11 +150,11 @@ def _unescaped(inner: str, wide: bool, unknown: list[str]) -> str:
             return chr(int(short, 16))
         if long is not None:
             if not wide:
-                message = "\\u stands in wide literals only"
+                message = "\\u is allowed only in wide literals"
                 raise LiteralError(message, "put L before the literal")
             return chr(int(long, 16))
         if other is None or other in "xu":
-            message = f"\\{other or ''} needs digits behind it"
+            message = f"\\{other or ''} needs digits after it"
             raise LiteralError(message, "write \\\\ for a backslash")
         if other not in _SIMPLE:
             unknown.append(other)

@@ -100,7 +100,7 @@ class _Run:
                 unit.lacking = True
                 unit.events.clear()
                 message = f"this is {language}"
-                hint = "rtgen reads the IDL of OMG (CORBA, DDS): declare there what you need"
+                hint = "rtgen reads the IDL of OMG (CORBA, DDS): write the declarations in it"
                 self._report(
                     syntax.OTHER_LANGUAGE.at(unit.span(start, end), message, hint=hint)
                 )

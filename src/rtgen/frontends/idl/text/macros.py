@@ -252,7 +252,7 @@ class Expander:
             if token.text == "#" and macro.parameters is not None:
                 if following is None or body[following].text not in arguments:
                     raise ExpansionError(
-                        f"in {macro.name}, '#' needs a parameter behind it"
+                        f"in {macro.name}, '#' needs a parameter after it"
                     )
                 result.append(_quoted(arguments[body[following].text]))
                 index = following

@@ -279,7 +279,7 @@ class _File:
                     lexical.TIME_OF_TRANSLATION.at(
                         span,
                         f"{name} is always {TIMES[name].body[0].text} here",
-                        hint=f"say what it is: -D {name}=...",
+                        hint=f"define it: -D {name}=...",
                     )
                 )
 
@@ -456,7 +456,7 @@ class _File:
             self._report(
                 lexical.BAD_INCLUDE.at(
                     span,
-                    '#include needs "file" or <file> behind it',
+                    '#include needs "file" or <file> after it',
                     hint=f'write #include "{name}"',
                 )
             )

@@ -63,7 +63,7 @@ class SocketcandBus(can.BusABC):
         except Malformed as error:
             answer = str(error)
         if answer != expected:
-            raise can.CanInitializationError(f"the hub says {answer!r}")
+            raise can.CanInitializationError(f"the hub replied {answer!r}")
 
     def _answer(self) -> str:
         while (words := self._elements.take()) is None:

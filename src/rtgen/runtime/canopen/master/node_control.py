@@ -263,7 +263,7 @@ class NodeControl:
         for number, write in last.items():
             if not same((yield from self._upload(number)), write.octets(node_id)):
                 raise NodeError(
-                    f"{self} does not keep what is written to {_text(number)}"
+                    f"{self} does not keep the value written to {_text(number)}"
                 )
 
     def _await_answer(self) -> Steps:

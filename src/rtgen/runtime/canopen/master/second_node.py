@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final, Protocol
 
-FOREIGN_ANSWERS: Final = "SDO answers come that were not asked for"
+FOREIGN_ANSWERS: Final = "SDO responses arrive without a request"
 _MANY_ANSWERS: Final = 3
 """Number of unexpected SDO responses during set-up that indicate a second node (or client)."""
 _BEATS: Final = 16

@@ -178,7 +178,7 @@ class CanopenDevice(DeviceHooks, Component):
                 why = f"{link} carries none"
             if why:
                 log.warning(
-                    "%s: what is written to tpdo%d is never sent: its transmission type %d "
+                    "%s: samples written to tpdo%d are never sent: its transmission type %d "
                     "waits for a remote frame, and %s",
                     *(self.instance_name, pdo.number, pdo.transmission_type, why),
                 )
@@ -366,6 +366,6 @@ class CanopenDevice(DeviceHooks, Component):
 
     def _on_bit_rate(self, bit_rate: int, delay: int) -> None:
         log.warning(
-            "%s: LSS asks for %d kbit/s, which takes a new start",
+            "%s: LSS requests %d kbit/s, which requires a restart",
             self.instance_name, bit_rate,
         )  # fmt: skip

@@ -60,7 +60,7 @@ class Keeper:
             if instance not in self._lost:
                 self._lost.add(instance)
                 log.warning(
-                    "%s is lost: its process does not answer; it is looked for again",
+                    "%s is lost: its process does not respond; searching for it again",
                     instance,
                 )
             self._tried(instance, partial(self._directory.find, instance))

@@ -23,7 +23,7 @@ from .canopen import (
 
 
 class CANopen_SdoAbort_raised(Aggregated):
-    """The reply that tells of `CANopen::SdoAbort`."""
+    """The reply with the exception `CANopen::SdoAbort`."""
 
     _descriptor_: ClassVar = idl.struct(
         "CANopen.SdoAbort raised",
@@ -41,7 +41,7 @@ class CANopen_SdoAbort_raised(Aggregated):
 
 
 class CANopen_BusGone_raised(Aggregated):
-    """The reply that tells of `CANopen::BusGone`."""
+    """The reply with the exception `CANopen::BusGone`."""
 
     _descriptor_: ClassVar = idl.struct(
         "CANopen.BusGone raised",
@@ -151,7 +151,7 @@ class Manager_states_reply(Aggregated):
 
 
 class CANopen_Refused_raised(Aggregated):
-    """The reply that tells of `CANopen::Refused`."""
+    """The reply with the exception `CANopen::Refused`."""
 
     _descriptor_: ClassVar = idl.struct(
         "CANopen.Refused raised",

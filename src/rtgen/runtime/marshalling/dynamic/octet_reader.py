@@ -76,7 +76,7 @@ class OctetReader:
         if self._closed or not 0 < size < VALUE_TAG:
             raise Fault("a value ends before its state does")
         if size > len(self._data) - self.offset:
-            raise Fault("a chunk is longer than what is left")
+            raise Fault("a chunk is longer than the remaining octets")
         self._chunk_end = self.offset + size
 
     def _between(self, code: str) -> int:
@@ -105,5 +105,5 @@ class OctetReader:
 
     def _skip(self, size: int) -> None:
         if size > len(self._data) - self.offset:
-            raise Fault("a chunk is longer than what is left")
+            raise Fault("a chunk is longer than the remaining octets")
         self.offset += size

@@ -392,7 +392,7 @@ class Reader(OctetReader):
         """Return the type of the created value, and whether it truncates the state."""
         if not ids:
             if formal is None:
-                raise Fault("a value that does not say what it is")
+                raise Fault("a value without its type")
             return formal, False
         for index, repository_id in enumerate(ids):
             found = registered(repository_id)

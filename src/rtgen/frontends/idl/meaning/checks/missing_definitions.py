@@ -32,7 +32,7 @@ def report(tables: Tables, context: Context) -> None:
                     rules.LEFT_OUT,
                     entity.unit,
                     used,
-                    f"{used} is left out, as nothing is made of it",
+                    f"{used} is left out, as rtgen generates nothing for it",
                     hint="declare it outside of template modules",
                 )
 

@@ -72,7 +72,7 @@ def unopened(s: ErrorContext) -> Recovery | None:
         return None
     if not any(word.text in DEFINERS for word in s.before):
         return None
-    return s.missing("{", f"put '{{' behind '{s.previous}'", feed="LBRACE")
+    return s.missing("{", f"put '{{' after '{s.previous}'", feed="LBRACE")
 
 
 def doubled(s: ErrorContext) -> Recovery | None:

@@ -50,7 +50,7 @@ _HINTS = {
     "!": "IDL has no logical operators; complement is ~",
     "$": "names hold ASCII letters, digits and underscores",
     "`": "strings stand in \"...\", characters in '...'",
-    "\\": "a backslash stands in strings, or at the end of a line that goes on",
+    "\\": "a backslash is allowed in strings, or at the end of a continued line",
     ".": "parts of a name are joined by ::",
 }
 _QUOTED = re.compile("[\N{LEFT DOUBLE QUOTATION MARK}\N{RIGHT DOUBLE QUOTATION MARK}]")
@@ -70,7 +70,7 @@ def bad_character(unit: Unit, text: str, start: int) -> Diagnostic:
         return syntax.BAD_LITERAL.at(
             span,
             "this character literal is not closed",
-            hint="a character stands between two ', as in 'x'",
+            hint="a character literal is enclosed in ', as in 'x'",
         )
     if is_blank(character):
         called = (
@@ -82,7 +82,7 @@ def bad_character(unit: Unit, text: str, start: int) -> Diagnostic:
             else "remove it; nothing is seen of it"
         )
         number = text.count(character)
-        more = f" (it stands in this file {number} times)" if number > 1 else ""
+        more = f" (it occurs in this file {number} times)" if number > 1 else ""
         message = f"the {called} cannot stand here{more}"
         return lexical.BAD_CHARACTER.at(span, message, hint=hint)
     replacement = _REPLACEMENTS.get(character)

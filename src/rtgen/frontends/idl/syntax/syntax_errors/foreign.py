@@ -50,7 +50,9 @@ def inclusion(s: ErrorContext) -> Recovery | None:
         hint = (
             'write #include "file.idl" for a file; import takes a name and a semicolon'
         )
-        return s.recover(syntax.UNEXPECTED, "'import' takes no file name", hint)
+        return s.recover(
+            syntax.UNEXPECTED, "'import' does not accept a file name", hint
+        )
     if s.text == "include":
         s.unit.lacking = True
     return None

@@ -52,7 +52,7 @@ def colon_behind_access(s: ErrorContext) -> Recovery | None:
         return s.recover(
             syntax.FOREIGN,
             f"IDL has no '{s.text}:'",
-            "leave it out: what a struct or an interface has is public",
+            "remove it: members of structs and interfaces are public",
             at=(s.start, end),
             back=True,
             resume=end,
@@ -95,7 +95,7 @@ def misplaced_direction(s: ErrorContext) -> Recovery | None:
     if s.following not in (",", ")", "["):
         return s.recover(
             syntax.UNEXPECTED,
-            f"'{s.text}' stands before the type of the parameter",
+            f"'{s.text}' belongs before the type of the parameter",
             f"write '{s.text} TYPE NAME'",
         )
     return None
@@ -112,13 +112,13 @@ def misplaced_clause(s: ErrorContext) -> Recovery | None:
     if s.text == "raises" and s.following == "(" and "RAISES" not in s.accepted:
         return s.recover(
             syntax.UNEXPECTED,
-            "'raises' stands behind the parameters",
+            "'raises' follows the parameters",
             "write TYPE NAME(...) raises (EXCEPTION)",
         )
     if s.previous in ("raises", "getraises", "setraises") and s.kind == "IDENT":
         return s.recover(
             syntax.MISSING_MARK,
-            f"a '(' is missing behind '{s.previous}'",
+            f"a '(' is missing after '{s.previous}'",
             f"write {s.previous} ({s.text})",
         )
     return None
@@ -144,7 +144,7 @@ def misplaced(s: ErrorContext) -> Recovery | None:
     if body in ("interface", "component"):
         if s.text in _ACCESS:
             message = f"'{s.text}' cannot stand in an {body}"
-            return _move(s, message, "leave it out: what an interface has is public")
+            return _move(s, message, "remove it: members of an interface are public")
         if s.text in ("module", "interface", "valuetype", "component"):
             message = f"'{s.text}' cannot stand in an {body}"
             return _move(s, message, f"put it before the {body}")
@@ -186,7 +186,7 @@ def _method(s: ErrorContext) -> Recovery | None:
         if s.following.isdigit():
             return s.recover(
                 syntax.BAD_ARRAY,
-                "the size of an array stands in brackets",
+                "the size of an array is written in brackets",
                 f"write {s.previous}[{s.following}]",
             )
         message = f"an operation cannot stand in a {s.construct}"
@@ -264,7 +264,7 @@ def brackets(s: ErrorContext) -> Recovery | None:
     if s.text == "[" and "IDENT" in s.accepted and s.before:
         return s.recover(
             syntax.BAD_ARRAY,
-            "the size of an array stands behind the name",
+            "the size of an array follows the name",
             "write TYPE NAME[SIZE], or sequence<TYPE> NAME if the size varies",
         )
     if s.text == "[" and not s.before:
@@ -292,13 +292,13 @@ def parenthesis(s: ErrorContext) -> Recovery | None:
     if s.previous in ("sequence", "string", "wstring", "fixed", "map"):
         return s.recover(
             syntax.MISSING_MARK,
-            f"'{s.previous}' takes '<' and '>', not '(' and ')'",
+            f"'{s.previous}' requires '<' and '>', not '(' and ')'",
             f"write {s.previous}<...>",
         )
     if s.first in ("interface", "struct", "valuetype") and "COLON" in s.accepted:
         return s.recover(
             syntax.UNEXPECTED,
-            "a base stands behind ':'",
+            "a base follows ':'",
             f"write {s.first} {s.previous} : {s.following}",
         )
     return None
@@ -322,7 +322,7 @@ def marks(s: ErrorContext) -> Recovery | None:
         and "COLON" in s.accepted
         and (s.text in RESERVED or s.kind == "IDENT")
     ):
-        return s.missing(":", f"put ':' behind '{s.previous}'", feed="COLON")
+        return s.missing(":", f"put ':' after '{s.previous}'", feed="COLON")
     if s.text[:1] in ("-", "/") and s.unit.text[s.last : s.start] == "":
         if "IDENT" in s.accepted and "NUMBER" not in s.accepted and s.before:
             return s.recover(
@@ -401,7 +401,7 @@ def marks(s: ErrorContext) -> Recovery | None:
     if s.text in RESERVED and s.previous == "readonly":
         return s.recover(
             syntax.MISSING_WORD,
-            "'attribute' is missing behind 'readonly'",
+            "'attribute' is missing after 'readonly'",
             "write readonly attribute TYPE NAME;",
             feed=("ATTRIBUTE",),
             resume=s.start,

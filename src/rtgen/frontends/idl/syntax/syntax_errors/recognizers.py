@@ -111,7 +111,7 @@ def _comma_for_semicolon(s: ErrorContext, comma: Word, resume: int) -> Recovery:
     return s.recover(
         syntax.MISSING_SEMICOLON,
         "a ';' is wanted here, not a ','",
-        "a ',' stands between names of one type; each declaration ends with ';'",
+        "a ',' separates names of one type; each declaration ends with ';'",
         at=comma,
         back=True,
         resume=resume,
@@ -148,7 +148,7 @@ def _wrong_separator(s: ErrorContext) -> Recovery | None:
             return s.recover(
                 syntax.MISSING_MARK,
                 "a ',' is wanted here, not a ';'",
-                "enumerators are separated by ','; there is none behind the last",
+                "enumerators are separated by ','; the last has none",
             )
         if s.kind in ("IDENT", "ANNOTATION"):
             return s.missing(",", "enumerators are separated by ','", feed="COMMA")
@@ -304,7 +304,7 @@ def _doubled_word(s: ErrorContext) -> Recovery | None:
     """Recognize a duplicated word."""
     if s.text != s.previous or not s.before[-1].is_word or s.fresh_line:
         return None
-    message = f"'{s.text}' stands twice"
+    message = f"'{s.text}' is repeated"
     return s.recover(syntax.UNEXPECTED, message, "remove one", instead=True)
 
 
@@ -348,7 +348,7 @@ def _missing_mark(s: ErrorContext) -> Recovery | None:
         return s.recover(
             syntax.MISSING_MARK,
             "the value of the constant is missing here",
-            "write '= VALUE' behind the name",
+            "write '= VALUE' after the name",
             behind=True,
         )
     if mark == "=" and s.text == ":":
@@ -382,16 +382,16 @@ def _missing_word(s: ErrorContext) -> Recovery | None:
     if s.previous == "::":
         return s.recover(
             syntax.MISSING_WORD,
-            "a name is missing behind '::'",
-            "'::' stands between the parts of a scoped name",
+            "a name is missing after '::'",
+            "'::' separates the parts of a scoped name",
             at=s.before[-1],
         )
     if s.previous in (",", "(", "<") and type_wanted:
         what = "parameter" if s.in_parameters else "type"
         hint = (
-            "remove the ',', or write a parameter behind it"
+            "remove the ',', or write a parameter after it"
             if s.previous == "," and s.in_parameters
-            else "write what it holds: sequence<long>"
+            else "write the type of its elements: sequence<long>"
         )
         return s.recover(syntax.MISSING_WORD, f"a {what} is missing here", hint)
     if s.previous == ",":

@@ -28,7 +28,7 @@ class LeftBrakeServant(lab.Brake):
         raise NotImplementedError
 
     def engage(self, force: float, from_: str) -> tuple[bool, str, float]:
-        """Brakes; `left` tells the force that is left."""
+        """Brakes; `left` is the remaining force."""
         raise NotImplementedError
 
     def release(self) -> None:
@@ -54,7 +54,7 @@ class RightBrakeServant(lab.Brake):
         raise NotImplementedError
 
     def engage(self, force: float, from_: str) -> tuple[bool, str, float]:
-        """Brakes; `left` tells the force that is left."""
+        """Brakes; `left` is the remaining force."""
         raise NotImplementedError
 
     def release(self) -> None:

@@ -17,7 +17,7 @@ class SafetyServant(drive.Safety):
 
 
 class Driver(DriverBase):
-    """Drives where it is told to."""
+    """Drives to the commanded position."""
 
     def on_initialize(self) -> ReturnCode_t:
         """Called once, when it is created."""

@@ -26,7 +26,7 @@ class Halt__get_halted_reply(Aggregated):
 
 
 class Halt_Busy_raised(Aggregated):
-    """The reply that tells of `Halt::Busy`."""
+    """The reply with the exception `Halt::Busy`."""
 
     _descriptor_: ClassVar = idl.struct(
         "Halt.Busy raised",

@@ -26,7 +26,7 @@ class Mover__get_speed_reply(Aggregated):
 
 
 class Shapes_Blocked_raised(Aggregated):
-    """The reply that tells of `Shapes::Blocked`."""
+    """The reply with the exception `Shapes::Blocked`."""
 
     _descriptor_: ClassVar = idl.struct(
         "Shapes.Blocked raised",

@@ -27,7 +27,7 @@ class DriverConfiguration:
 
 
 class DriverBase(Component):
-    """Drives where it is told to."""
+    """Drives to the commanded position."""
 
     profile: ClassVar[ComponentProfile] = ComponentProfile(
         type_name="Driver",
