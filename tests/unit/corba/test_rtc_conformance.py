@@ -686,7 +686,7 @@ def test_nil_references_are_reported(
     report = report_of(expected, names, ())
     assert failed(report) == ["ports.references", "ports.unknown"]
     monkeypatch.setattr(RtObject, "get_configuration", lambda self: None)
-    with pytest.raises(ToolError, match="what --actuate would have to restore"):
+    with pytest.raises(ToolError, match="state that --actuate would have to restore"):
         report_of(expected, names)
 
 
@@ -777,7 +777,7 @@ def test_its_profile_is_a_definition_too(
                 "Idle",
             ],
             3,
-            "does not answer as a component",
+            "does not respond as a component",
         ),
         (["missing.idl", "--connect", "{0}/Gauge0.rtc"], 2, "missing.idl"),
         (["rtgen.toml", "--connect", "{0}/Gauge0.rtc"], 2, "definition of a component"),

@@ -548,7 +548,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "extra endif": (
         "struct S { long a; };\n§#endif",
         "IDL0014: #endif without #if",
-        "remove it, or look for an #if that is missing before it",
+        "remove it, or add the #if that is missing before it",
     ),
     "missing include": (
         '§#include "gone.idl"\nstruct S { Gone a; };',
@@ -953,7 +953,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "extra brace": (
         "struct S { long a; };\n§};",
         "IDL0106: this '}' closes nothing",
-        "remove it, or look for a '{' that is missing before it",
+        "remove it, or add the '{' that is missing before it",
     ),
     "missing paren": (
         "interface I { void f(in long a§; };",

@@ -18,7 +18,7 @@ from ...eposdrive import DESCRIPTION, EposDriveObjects
 
 
 class EposDriveSlave(CanopenDevice):
-    """What the component EposDriveDevice is made of, ports aside."""
+    """What the component EposDriveDevice consists of, apart from ports."""
 
     description = DESCRIPTION
     networks = "refrobots.canopen.networks"

@@ -17,7 +17,7 @@ from ...fpalette import DESCRIPTION, FPaletteObjects
 
 
 class FPaletteSlave(CanopenDevice):
-    """What the component FPaletteDevice is made of, ports aside."""
+    """What the component FPaletteDevice consists of, apart from ports."""
 
     description = DESCRIPTION
     networks = "refrobots.canopen.networks"

@@ -18,7 +18,7 @@ from ...ftmd import DESCRIPTION, FtmdObjects
 
 
 class FtmdSlave(CanopenDevice):
-    """What the component FtmdDevice is made of, ports aside."""
+    """What the component FtmdDevice consists of, apart from ports."""
 
     description = DESCRIPTION
     networks = "refrobots.canopen.networks"

@@ -17,7 +17,7 @@ from ...motorcoreunit import DESCRIPTION, MotorCoreUnitObjects
 
 
 class MotorCoreUnitSlave(CanopenDevice):
-    """What the component MotorCoreUnitDevice is made of, ports aside."""
+    """What the component MotorCoreUnitDevice consists of, apart from ports."""
 
     description = DESCRIPTION
     networks = "refrobots.canopen.networks"

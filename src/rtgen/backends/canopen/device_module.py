@@ -55,7 +55,7 @@ class _DeviceModule(ComponentModule):
         outgoing = list(self._outgoing())
         incoming = (f"{s.pdo.number}: _incoming_{s.name}" for s in self._received)
         taken = (f"{string_literal(name)}: {taker}" for name, taker, _ in outgoing)
-        about = f"What the component {self.component.name[-1]} is made of, ports aside."
+        about = f"What the component {self.component.name[-1]} consists of, apart from ports."
         body = [
             f"class {self._name}(CanopenDevice):",
             docstring(about, 4).rstrip("\n"),

@@ -43,7 +43,7 @@ class TecsBackend:
         if not any(
             is_emitted(d) or isinstance(d, Component) for d in model.declarations
         ):
-            title = "What is made of CDL files."
+            title = "Code generated from CDL files."
             artifacts.append(_package(options, title, shared.sources))
             typed = f"{options.folder}/py.typed"
             artifacts.append(Artifact(typed, "", artifacts[0].origin))

@@ -47,7 +47,7 @@ class Package:
         scoped = "::".join(self.scope)
         if scoped:
             return f"The IDL module `{scoped}`."
-        return "What stands in the global scope of IDL."
+        return "Definitions in the global scope of IDL."
 
     def add(self, home: str, local: str, public: str) -> None:
         if home != self.name:

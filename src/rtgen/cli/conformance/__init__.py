@@ -58,7 +58,7 @@ _COMPONENTS = (".idl", ".xml", ".yaml", ".yml")
 @click.option(
     "--defaults",
     is_flag=True,
-    help="Compare values with the defaults of the definition.",
+    help="Compare values with the defaults of the definition, if none was changed on purpose.",
 )
 @click.option(
     "--exit",
@@ -116,7 +116,7 @@ _COMPONENTS = (".idl", ".xml", ".yaml", ".yml")
     default=1.0,
     show_default=True,
     metavar="S",
-    help="Time-out for a response of the node, board or component, in seconds.",
+    help="Seconds to wait for a response of the node, board or component.",
 )
 @click.option(
     "--boot",
@@ -124,13 +124,13 @@ _COMPONENTS = (".idl", ".xml", ".yaml", ".yml")
     default=5.0,
     show_default=True,
     metavar="S",
-    help="Time-out for the boot-up of the node, in seconds.",
+    help="Seconds to wait for the boot-up of the node.",
 )
 @click.option(
     "--stall",
     type=FiniteRange(min=0.01),
     metavar="S",
-    help="Time-out after which the board must disconnect a client that stalls in a request.",
+    help="Seconds after which the board must disconnect a client that stalls in a request.",
 )
 @with_bus
 @with_representation

@@ -91,7 +91,9 @@ class ObjectReader:
             self._findings.add(rules.RESERVED_INDEX, head.span, message)
         if type_ in (ObjectType.VAR, ObjectType.DOMAIN):
             for sub in subs.values():
-                message = f"{name} is a variable and has no sub-objects; this one is passed over"
+                message = (
+                    f"{name} is a variable and has no sub-objects; this one is ignored"
+                )
                 self._findings.add(rules.OF_A_VAR, sub.span, message)
             made = self._variables.read(
                 head, index, 0, name, domain=type_ is ObjectType.DOMAIN

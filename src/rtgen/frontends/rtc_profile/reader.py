@@ -222,7 +222,7 @@ class Reader:
             try:
                 return facts_from(item.get(RTC_EXT, "value")), place
             except ValueError as error:
-                message = f"the property {PROPERTY} is passed over: {error}"
+                message = f"the property {PROPERTY} is ignored: {error}"
                 self._findings.add(rules.FACTS, place, message)
         return {}, element.span
 

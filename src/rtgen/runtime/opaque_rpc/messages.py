@@ -215,7 +215,7 @@ class SharedUnmarshaller:
             try:
                 self._exchange(head, reader, send)
             except ProtocolError as error:
-                log.info("passed over: %s", error)
+                log.info("ignored: %s", error)
 
     def _exchange(self, head: bytes, reader: MessageReader, send: Send) -> None:
         self._expect(head + reader.more(2 - len(head)), SHARED_BEGIN)

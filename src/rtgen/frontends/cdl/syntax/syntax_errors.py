@@ -177,7 +177,7 @@ def _stray_brace(s: ErrorContext) -> Recovery | None:
     return s.recovery(
         syntax.STRAY_BRACE,
         "this brace closes nothing",
-        "remove it, or look for the missing '{'",
+        "remove it, or find the missing '{'",
         instead=True,
         resume=_behind_semicolon(s),
     )

@@ -66,7 +66,7 @@ class Conditionals:
         """Process an `#elif`, `#else` or `#endif`."""
         if not self._open:
             message = f"#{name} without #if"
-            hint = "remove it, or look for an #if that is missing before it"
+            hint = "remove it, or add the #if that is missing before it"
             self._report(lexical.STRAY_CONDITIONAL.at(span, message, hint=hint))
             return
         current = self._open[-1]

@@ -381,7 +381,7 @@ class _File:
             case "include" | "include_next":
                 self._include(rest, span, further=name == "include_next")
             case "assert" | "unassert":
-                message = f"#{name} is passed over"
+                message = f"#{name} is ignored"
                 hint = "use #define and #undef"
                 self._report(lexical.PASSED_OVER.at(span, message, hint=hint))
             case "error":

@@ -142,5 +142,5 @@ def stray(s: ErrorContext) -> Recovery | None:
     return s.recover(
         syntax.STRAY_BRACE,
         "this '}' closes nothing",
-        "remove it, or look for a '{' that is missing before it",
+        "remove it, or add the '{' that is missing before it",
     )

@@ -329,7 +329,7 @@ def _missing_mark(s: ErrorContext) -> Recovery | None:
     mark = _MARKS.get(terminal)
     if mark is None:
         return None
-    where = f"behind '{s.previous}'" if s.previous else "here"
+    where = f"after '{s.previous}'" if s.previous else "here"
     hint = f"put '{mark}' {where}"
     if mark == "{" and s.first == "enum" and s.text == ":":
         return s.recover(

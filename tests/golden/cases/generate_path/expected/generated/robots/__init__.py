@@ -2,4 +2,4 @@
 #   idl/a.idl
 #   more/extra.idl
 # Owned by rtgen: edits are overwritten by the next run.
-"""What stands in the global scope of IDL."""
+"""Definitions in the global scope of IDL."""

@@ -19,7 +19,7 @@ from ...sampler import DESCRIPTION, SamplerObjects
 
 
 class SamplerSlave(CanopenDevice):
-    """What the component SamplerDevice is made of, ports aside."""
+    """What the component SamplerDevice consists of, apart from ports."""
 
     description = DESCRIPTION
     networks = "lab.canopen.networks"

@@ -19,7 +19,7 @@ from ...samplerpieces import DESCRIPTION, SamplerPiecesObjects
 
 
 class SamplerPiecesSlave(CanopenDevice):
-    """What the component SamplerPiecesDevice is made of, ports aside."""
+    """What the component SamplerPiecesDevice consists of, apart from ports."""
 
     description = DESCRIPTION
     networks = "lab.canopen.networks"
