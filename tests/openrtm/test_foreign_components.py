@@ -144,7 +144,7 @@ def test_rh3_reaches_its_goal_with_a_foreign_operator_that_comes_late_and_is_kil
     operator = launch("operator", formats=formats)
     operator.says("going")
     operator.end(signal.SIGKILL)
-    ours.says("warning[SYS0024]: PositionInput0 is lost: its process does not answer")
+    ours.says("warning[SYS0024]: PositionInput0 is lost: its process does not respond")
     again = launch("operator", formats=formats)
     ours.says("PositionInput0 is there again")
     again.says("FINISH")

@@ -397,5 +397,5 @@ def test_a_shared_connection_goes_on_behind_what_is_no_exchange(
         assert serve(shared, PacketReader(bad + whole), sent.append)
         assert sent[-1:] == [ECHOED]
         (said,) = caplog.messages
-        assert said.startswith("passed over: ")
+        assert said.startswith("ignored: ")
         assert said.endswith(reason)
