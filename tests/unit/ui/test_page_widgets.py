@@ -145,8 +145,10 @@ def test_sets_are_made_and_switched(
     note.press("Enter")
     until(page, lambda: sets.texts("slow")["note"] == "slowly")
     assert settings().note == ""
-    page.get_by_role("button", name="Use this set").click()
+    use = page.get_by_role("button", name="Use this set")
+    use.click()
     until(page, lambda: settings().note == "slowly")
     chooser.select_option("default")
-    page.get_by_role("button", name="Use this set").press("Enter")
+    until(page, use.is_enabled)  # the page knows the new active set
+    use.press("Enter")
     until(page, lambda: settings().note == "")
