@@ -62,11 +62,18 @@ def _values(body: Sequence[ast.stmt]) -> Iterator[ast.expr]:
         if isinstance(statement, ast.ClassDef):
             yield from _values(statement.body)
         elif isinstance(statement, ast.Assign | ast.AnnAssign) and statement.value:
-            if isinstance(statement.value, ast.Subscript):  # a type
+            if _is_type(statement.value):
                 continue
             targets = getattr(statement, "targets", [getattr(statement, "target", 0)])
             if not any(isinstance(t, ast.Name) and t.id in _LEFT_OUT for t in targets):
                 yield statement.value
+
+
+def _is_type(value: ast.expr) -> bool:
+    match value:
+        case ast.Subscript() | ast.Call(func=ast.Name(id="TypeVar" | "ParamSpec")):
+            return True
+    return False
 
 
 def _changes(

@@ -9,7 +9,7 @@ last of which has the sign: 24 bits are `Hb`.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from enum import StrEnum
+from enum import Enum, auto
 
 import msgspec
 
@@ -22,16 +22,16 @@ class PdoLayoutError(ValueError):
     """A mapping without a layout; the message is the reason."""
 
 
-class Kind(StrEnum):
+class Kind(Enum):
     """The interpretation of a field's bits; times are one unsigned number."""
 
-    BOOLEAN = "bool"
-    SIGNED = "signed"
-    UNSIGNED = "unsigned"
-    REAL = "real"
-    CHARACTER = "character"
-    TEXT = "text"
-    OCTETS = "octets"
+    BOOLEAN = auto()
+    SIGNED = auto()
+    UNSIGNED = auto()
+    REAL = auto()
+    CHARACTER = auto()
+    TEXT = auto()
+    OCTETS = auto()
 
 
 class Mapped(msgspec.Struct, frozen=True):

@@ -14,6 +14,7 @@ from rtgen.layouts.tdr import TransferError
 from rtgen.layouts.tdr_messages import problems
 from rtgen.model.tecs import Signature
 from rtgen.runtime.opaque_rpc import (
+    E_BOVR,
     E_MAGIC,
     E_NOMEM,
     E_PAR,
@@ -445,6 +446,31 @@ def test_values_that_do_not_fit_are_refused(text: str, args: dict[str, Any]) -> 
     function = only(service(text))
     with pytest.raises(ArgumentError, match=r"^sOne\.f\("):
         function.encode_request(function.arguments_from_json(args))
+
+
+@pytest.mark.parametrize(
+    ("text", "arguments"),
+    [
+        ("ER f( [in,string(16)] const char_t *s );", (5,)),
+        ("ER f( [in] const int32_t v[2] );", (None,)),
+        ("ER f( [in] int32_t v );", ("1",)),
+    ],
+)
+def test_values_of_wrong_types_are_refused(
+    text: str, arguments: tuple[Any, ...]
+) -> None:
+    function = only(service(text))
+    with pytest.raises(ArgumentError, match=r"^sOne\.f\("):
+        function.encode_request(arguments)
+
+
+def test_a_client_holds_16_mib_unless_told_otherwise() -> None:
+    declared = "ER f( [receive(sAlloc),size_is(*n)] int8_t **v, [out] uint32_t *n );"
+    function = only(service(declared))
+    for size, code in ((1 << 24, E_BOVR), ((1 << 24) + 1, E_NOMEM)):
+        with pytest.raises(RpcError) as caught:
+            function.decode_reply(bytes.fromhex(f"561e00000000{size:08x}"), ())
+        assert caught.value.sub == code
 
 
 def test_a_zero_flag_alone_is_present_and_any_truth_value_true() -> None:

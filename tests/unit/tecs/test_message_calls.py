@@ -179,6 +179,7 @@ def test_a_call_ends_with_its_reply() -> None:
     call("note")(channel, 2)
     call("hint")(channel, 2)
     assert channel.done[1::2] == ["end", "end"]
+    assert codec().functions["hint"].first == 0, "oneway: no reply is waited for"
 
 
 @pytest.mark.parametrize(
@@ -351,7 +352,7 @@ def test_a_target_that_fails_leaves_the_call_without_reply(
     with pytest.raises(ChannelError):
         call("twice")(channel, 1)
     record = caplog.records[0]
-    assert record.levelno == logging.ERROR
+    assert (record.name, record.levelno) == ("rtgen.runtime.opaque_rpc", logging.ERROR)
     assert "a call from a client failed and has no reply: " in record.getMessage()
     assert "no motor" in record.getMessage()
     assert record.exc_info is not None

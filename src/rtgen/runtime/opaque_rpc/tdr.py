@@ -37,11 +37,11 @@ class Tdr:
     """
 
     order: Order
-    short_bits: int = 16
-    int_bits: int = 32
-    long_bits: int = 32
-    intptr_bits: int = 32
-    low_word_first: bool = True
+    short_bits: int
+    int_bits: int
+    long_bits: int
+    intptr_bits: int
+    low_word_first: bool
 
     def __post_init__(self) -> None:
         if self.order not in ("network", "little", "big"):
