@@ -398,6 +398,10 @@ def test_they_are_saved_with_the_system_and_restored(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     follower = f"{names}/PathFollower0"
+    page.until(
+        lambda: len(page.components) == 6
+        and not any(each.silent for each in page.components.values())
+    )
     page.done("place", ui.Moved(follower, ui.Location(30.0, 40.0)))
     page.done("file", "others.xml")
     page.until(lambda: page.edits.saved)
@@ -418,8 +422,10 @@ def test_they_are_saved_with_the_system_and_restored(
     page.done("connection", page.wires()[SOURCE, TARGET])
     other = Watcher(names, file="others.xml")
     try:
-        other.until(lambda: len(other.components) == 6)
-        assert other.session.foreign.keys() == {f"{n}.rtc" for n in other.components}
+        other.until(
+            lambda: len(other.components) == 6
+            and other.session.foreign.keys() == {f"{n}.rtc" for n in other.components}
+        )
         assert other.components[follower].where == ui.Location(30.0, 40.0)
         other.done("reset", True)
         other.until(lambda: (SOURCE, TARGET) in other.wires())
