@@ -113,6 +113,7 @@ def test_lines_between_their_boxes_are_drawn(
     page.keyboard.press("Enter")
     page.keyboard.press("Delete")
     until(page, lambda: not connected())
+    edge.wait_for(state="detached")  # the page refuses what it knows as connected
     page.get_by_label(f"out port {source}").drag_to(
         page.get_by_label(f"in port {target}")
     )
