@@ -11,6 +11,7 @@ import struct
 import sys
 from array import array
 from collections.abc import Iterable
+from functools import cache
 from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias, TypeVar
 
 from rtgen.facts.numeric import Numeric as Numeric
@@ -88,10 +89,17 @@ def _numpy_for(count: int) -> Any:
     return sys.modules.get("numpy") if count >= _SWAPPED_BY_NUMPY else None
 
 
+@cache
+def _words(size: int) -> tuple[Any, Any]:
+    """Return numpy's types of words of this size: in the machine's byte order, in the other one."""
+    words = sys.modules["numpy"].dtype(f"u{size}")
+    return words, words.newbyteorder()
+
+
 def _swap(numpy: Any, made: Any, numbers: Any, size: int) -> None:
     """Fill a buffer with the octets of numbers of this size, each swapped."""
-    items = numpy.frombuffer(made, f"u{size}")
-    items[...] = numpy.frombuffer(numbers, items.dtype.newbyteorder())
+    words, swapped = _words(size)
+    numpy.frombuffer(made, words)[...] = numpy.frombuffer(numbers, swapped)
 
 
 def swapped_array(octets: Any, code: str) -> NumericArray[Any]:
