@@ -22,7 +22,7 @@ from rtgen.inspection.models import inspect
 from rtgen.lowering.profiles.lower import lower
 from rtgen.lowering.settings import Settings
 from rtgen.model import Model
-from rtgen.typemap.profile_rules import RULES
+from rtgen.typemap.profiles.rules import RULES
 
 ROOT = Path(__file__).parents[2]
 CASES = ROOT / "tests/golden"

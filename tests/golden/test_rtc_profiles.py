@@ -13,7 +13,7 @@ from rtgen.diagnostics import Diagnostic, has_errors, in_order
 from rtgen.frontends import idl, rtc_profile
 from rtgen.lowering.profiles.lower import lower
 from rtgen.lowering.settings import Settings
-from rtgen.typemap import profile_rules as rules
+from rtgen.typemap.profiles import rules
 
 CASES = Path(__file__).parent / "rtc_profile"
 SPECS = Path(__file__).parents[2] / "specs" / "idl"

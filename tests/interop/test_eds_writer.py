@@ -17,7 +17,7 @@ from rtgen.diagnostics import has_errors
 from rtgen.frontends.eds import load
 from rtgen.model.canopen import DataType, Device, Variable, resolved
 from rtgen.runtime.canopen.values import encode
-from rtgen.typemap.canopen_values import object_value
+from rtgen.typemap.canopen.values import object_value
 
 ROOT = Path(__file__).parents[2]
 GOLDEN = ROOT.parent / "shared" / "golden" / "eds"

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from rtgen.frontends.eds import load
-from rtgen.typemap.canopen_names import field_names
+from rtgen.typemap.canopen.names import field_names
 
 FOLDER = Path(__file__).parents[2] / "specs" / "canopen"
 

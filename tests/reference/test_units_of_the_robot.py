@@ -10,7 +10,7 @@ import pytest
 import rtgen
 from rtgen.cli import run
 from rtgen.model.system_links import DATA_KINDS
-from rtgen.typemap.drive_units import NoFactorError, drive_factor
+from rtgen.typemap.canopen.drive_units import NoFactorError, drive_factor
 
 ROOT = Path(__file__).parents[2]
 SYSTEMS = sorted(

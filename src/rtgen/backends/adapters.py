@@ -24,8 +24,8 @@ from rtgen.model import (
     SequenceType,
     Struct,
 )
-from rtgen.typemap.idl_python_names import PythonNames
-from rtgen.typemap.python_names import module_name
+from rtgen.typemap.python.idl_names import PythonNames
+from rtgen.typemap.python.names import module_name
 
 _METHODS = frozenset({"annotations", "ec_id", "int", "made", "sample", "self"})
 _CONVERSIONS = "rtgen.runtime.ros2.conversions"

@@ -35,10 +35,10 @@ from rtgen.model import (
     PortKind,
 )
 from rtgen.model.rtc_profile import EVENT, EVENT_ARGUMENTS, EVENT_PORT
-from rtgen.typemap import profile_facts
-from rtgen.typemap.component_actions import ACTIONS
-from rtgen.typemap.parameters import Parameters
-from rtgen.typemap.profile_escapes import written
+from rtgen.typemap.components.actions import ACTIONS
+from rtgen.typemap.components.parameters import Parameters
+from rtgen.typemap.profiles import facts as profile_facts
+from rtgen.typemap.profiles.escapes import written
 
 _DATA_PORTS = {
     PortKind.INPORT: ("DataInPort", "LEFT"),

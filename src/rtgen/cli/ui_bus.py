@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from rtgen.cli.can.decoding import Decoder
-from rtgen.cli.can.node_index import NodeIndex, read_node_index
-from rtgen.cli.can.object_values import Field, sdo_value
-from rtgen.cli.can.value_parsing import parsed_value
+from rtgen.cli.can.decoding.decoder import Decoder
+from rtgen.cli.can.decoding.node_index import NodeIndex, read_node_index
+from rtgen.cli.can.decoding.object_values import Field, sdo_value
+from rtgen.cli.can.parsing.values import parsed_value
 from rtgen.cli.common import Refusal
 from rtgen.layouts.can_messages import messages
 from rtgen.layouts.can_timing import load

@@ -27,7 +27,7 @@ MODULES = (
     "rtgen.frontends.idl.rules",
     "rtgen.frontends.openrtm_python.rules",
     "rtgen.frontends.rosidl.rules",
-    "rtgen.typemap.profile_rules",
+    "rtgen.typemap.profiles.rules",
     "rtgen.frontends.rts_profile",
     "rtgen.formatting.rules",
     "rtgen.lint.rules",

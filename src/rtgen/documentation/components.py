@@ -8,7 +8,7 @@ from rtgen.backends.kit.quoting.markdown import Markdown, code
 from rtgen.documentation.pages import Content, Page
 from rtgen.documentation.places import Kind
 from rtgen.model import Component, ConfigurationParameter, Port, PortKind
-from rtgen.typemap.component_actions import ACTIONS
+from rtgen.typemap.components.actions import ACTIONS
 
 _KINDS = {
     PortKind.INPORT: "InPort",

@@ -9,7 +9,7 @@ from rtgen.diagnostics import Diagnostic, Related
 from rtgen.lint import rules
 from rtgen.lint.context import Context
 from rtgen.model.canopen import Device, Variable
-from rtgen.typemap.canopen_names import identifier
+from rtgen.typemap.canopen.names import identifier
 
 _HEARTBEAT = 0x1017
 _IDENTITY = 0x1018

@@ -10,7 +10,7 @@ from rtgen.diagnostics import Diagnostic, Span
 from rtgen.lint import rules
 from rtgen.lint.context import Context
 from rtgen.model import Component, Enum, ExceptionDecl, Interface, Struct, Union
-from rtgen.typemap.idl_python_names import PythonNames, is_emitted
+from rtgen.typemap.python.idl_names import PythonNames, is_emitted
 
 _BUILTINS = frozenset(dir(builtins))
 

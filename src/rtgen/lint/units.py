@@ -10,7 +10,11 @@ from rtgen.diagnostics import Diagnostic, Span
 from rtgen.lint import rules
 from rtgen.lint.context import Context, fields
 from rtgen.model import Component
-from rtgen.typemap.drive_units import BY_DESCRIPTION, NoFactorError, drive_factor
+from rtgen.typemap.canopen.drive_units import (
+    BY_DESCRIPTION,
+    NoFactorError,
+    drive_factor,
+)
 
 _SAME: Final = 1e-3
 """Relative difference up to which factors count as equal, since one may be rounded."""

@@ -41,7 +41,7 @@ from rtgen.model import (
     Type,
 )
 from rtgen.resources import OPENRTM_IDL, idl_source, ros_interfaces
-from rtgen.typemap.python_names import module_name
+from rtgen.typemap.python.names import module_name
 
 _NAME: Final = re.compile(r"[A-Za-z]\w*", re.ASCII)
 _UNIT: Final = re.compile(r"\[([^,\]]+)\]")

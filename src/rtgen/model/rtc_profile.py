@@ -1,6 +1,6 @@
 """A component as described by an RtcProfile: texts, before types are resolved.
 
-`facts` are properties of rtgen's profiles beyond the schema: see `rtgen.typemap.profile_facts`.
+`facts` are properties of rtgen's profiles beyond the schema: see `rtgen.typemap.profiles.facts`.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from rtgen.diagnostics import InputError
 from rtgen.scaffold.rules import UNUSABLE_NAME
 from rtgen.typemap.idl_keywords import escaped
-from rtgen.typemap.python_names import module_name
+from rtgen.typemap.python.names import module_name
 
 MAX_LENGTH = 64
 _FORM = re.compile(r"[A-Za-z][A-Za-z0-9]*([_-][A-Za-z0-9]+)*")

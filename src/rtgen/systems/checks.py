@@ -23,7 +23,7 @@ from rtgen.model import (
 from rtgen.model.declarations import OPAQUE
 from rtgen.model.system_links import DATA_KINDS, Known, interfaces, service_pairs
 from rtgen.systems import units
-from rtgen.typemap.parameters import Parameters, ValueMismatchError
+from rtgen.typemap.components.parameters import Parameters, ValueMismatchError
 
 UNKNOWN_COMPONENT = Rule(
     "RTC0580", "system with a component that is not defined", Severity.ERROR

@@ -15,7 +15,7 @@ from fuzzing import log_uniform
 from doors import Door
 from doors.mixing import mixing
 from refrobots.rtc import TimedLong
-from rtgen.cli.can import logs
+from rtgen.cli.can.parsing import logs
 from rtgen.recording.errors import RecordingError
 from rtgen.recording.events import Log
 from rtgen.recording.mcap_reader import McapFile

@@ -17,7 +17,7 @@ from rtgen.runtime.canopen.bus.links import open_link
 from rtgen.runtime.canopen.description import DeviceDescription
 from rtgen.runtime.canopen.node.node import DeviceNode
 from rtgen.runtime.timing.clocks import RealClock
-from rtgen.typemap.canopen_ports import DevicePorts
+from rtgen.typemap.canopen.ports import DevicePorts
 
 OPTIONS = Options("devices", "", "0")
 SPECS = Path(__file__).parents[3] / "specs" / "canopen"

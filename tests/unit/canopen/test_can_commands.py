@@ -23,9 +23,9 @@ from device_bench import DEVICE, NODE_ID, number_of
 from json_schemas import valid
 
 from rtgen.cli import run
-from rtgen.cli.can import lss_scan
-from rtgen.cli.can.frame_parsing import frame_of_text
-from rtgen.cli.can.node_index import read_node_index
+from rtgen.cli.can.decoding.node_index import read_node_index
+from rtgen.cli.can.live import lss_scan
+from rtgen.cli.can.parsing.frames import frame_of_text
 from rtgen.cli.common import Refusal
 from rtgen.runtime.canopen.bus.links import open_link
 from rtgen.runtime.canopen.node.node import DeviceNode
@@ -433,7 +433,9 @@ def test_plot_live_and_refusals(
     assert "the suffix is one of" in shown(capfd.readouterr().err)
     missing = ["plot", "palette.Angle", "--bus", LINKED, "-o", target]
     assert command("plot", *missing) == 2
-    monkeypatch.setattr("rtgen.cli.can.time_series.find_spec", lambda name: None)
+    monkeypatch.setattr(
+        "rtgen.cli.can.decoding.time_series.find_spec", lambda name: None
+    )
     assert command("plot", *base, "-o", str(tmp_path / "p.svg")) == 3
     assert "rtgen[plot]" in shown(capfd.readouterr().err)
 
@@ -463,6 +465,6 @@ def test_a_command_without_its_extra(
 
 
 def test_the_commands_of_nmt_are_all_known() -> None:
-    from rtgen.cli.can.frame_parsing import _COMMANDS
+    from rtgen.cli.can.parsing.frames import _COMMANDS
 
     assert set(_COMMANDS.values()) == set(NmtCommand)

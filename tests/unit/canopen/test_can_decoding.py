@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sdo_line import LOST, ONCE, Values, line
 
-from rtgen.cli.can.decoding import Decoded, Decoder
-from rtgen.cli.can.node_index import NodeIndex, number_of, read_node_index
-from rtgen.cli.can.sdo_decoding import MAX_VALUE, SdoFollower
+from rtgen.cli.can.decoding.decoder import Decoded, Decoder
+from rtgen.cli.can.decoding.node_index import NodeIndex, number_of, read_node_index
+from rtgen.cli.can.decoding.sdo_decoding import MAX_VALUE, SdoFollower
 from rtgen.cli.common import Refusal
 from rtgen.diagnostics import InputError
 from rtgen.runtime.canopen.wire.frames import Frame, rpdo, tpdo

@@ -32,10 +32,10 @@ from patience import PATIENCE
 from rich.console import Console as Terminal
 
 from rtgen.cli import run
-from rtgen.cli.can import logs
-from rtgen.cli.can.frame_printing import MessageDecoder, Wanted
-from rtgen.cli.can.live_table import show
-from rtgen.cli.can.node_index import NodeIndex, read_node_index
+from rtgen.cli.can.decoding.frame_printing import MessageDecoder, Wanted
+from rtgen.cli.can.decoding.live_table import show
+from rtgen.cli.can.decoding.node_index import NodeIndex, read_node_index
+from rtgen.cli.can.parsing import logs
 from rtgen.cli.common import Refusal
 
 SPECS = Path(__file__).parents[3] / "specs" / "canopen"

@@ -13,7 +13,7 @@ from can_nodes import SPECS, description, nodes
 from json_schemas import valid
 
 from rtgen.cli import run
-from rtgen.cli.can.node_index import read_node_index
+from rtgen.cli.can.decoding.node_index import read_node_index
 from rtgen.cli.conformance.canopen.checks import CHECKS
 from rtgen.cli.conformance.canopen.node import NodeUnderTest
 from rtgen.cli.conformance.canopen.testing import checked

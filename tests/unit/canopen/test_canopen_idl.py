@@ -6,8 +6,8 @@ import pytest
 
 from rtgen.diagnostics import Span
 from rtgen.model.canopen import Access, DataType, Variable
-from rtgen.typemap.canopen_idl import ROWS, Source, limits, row
-from rtgen.typemap.canopen_names import field_names, identifier
+from rtgen.typemap.canopen.idl import ROWS, Source, limits, row
+from rtgen.typemap.canopen.names import field_names, identifier
 
 NOWHERE = Span("a.eds", 1, 1, 1, 1)
 

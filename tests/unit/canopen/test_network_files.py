@@ -20,7 +20,7 @@ from rtgen.layouts.can_startup import concise_dcf, start_up
 from rtgen.layouts.can_timing import response_times
 from rtgen.model.can_bus import Bus
 from rtgen.model.canopen import Device
-from rtgen.typemap.canopen_ports import DevicePorts
+from rtgen.typemap.canopen.ports import DevicePorts
 
 CASE = Path(__file__).parents[2] / "golden/cases/canopen_devices/input/specs"
 OPTIONS = Options(package="lab", skeleton_package="mylab", version="0")

@@ -19,7 +19,7 @@ from rtgen.frontends.eds import load as load_eds
 from rtgen.project import load, output
 from rtgen.project.compilation import Compilation
 from rtgen.resources import idl_file
-from rtgen.typemap.canopen_ports import DevicePorts
+from rtgen.typemap.canopen.ports import DevicePorts
 
 NAMES = (
     *("class", "None", "match", "type", "print", "len", "int", "str", "bytes", "list"),

@@ -15,7 +15,7 @@ from rtgen.model.can_bus import kind_of
 from rtgen.runtime.canopen.description import DeviceDescription, Write
 from rtgen.runtime.canopen.node.node import DeviceNode
 from rtgen.runtime.canopen.wire.frames import Frame
-from rtgen.typemap.canopen_ports import DevicePorts
+from rtgen.typemap.canopen.ports import DevicePorts
 
 HEAD = """
 [DeviceInfo]

@@ -36,7 +36,7 @@ from rtgen.model import (
     SourceFile,
     Struct,
 )
-from rtgen.typemap.component_names import COMPONENT_NAMES
+from rtgen.typemap.components.names import COMPONENT_NAMES
 
 
 def artifacts(found: Model) -> dict[str, Artifact]:

@@ -4,8 +4,8 @@ from rtgen.runtime import Component
 from rtgen.runtime.canopen.master.manager import CanopenManager
 from rtgen.runtime.canopen.master.proxy import CanopenProxy
 from rtgen.runtime.canopen.node.device import CanopenDevice
-from rtgen.typemap.component_actions import ACTIONS
-from rtgen.typemap.component_names import CANOPEN_NAMES, COMPONENT_NAMES
+from rtgen.typemap.components.actions import ACTIONS
+from rtgen.typemap.components.names import CANOPEN_NAMES, COMPONENT_NAMES
 
 
 def test_names_are_those_of_the_component_class() -> None:

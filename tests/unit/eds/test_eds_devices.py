@@ -20,7 +20,7 @@ from rtgen.model.canopen import (
     ObjectType,
     PdoEntry,
 )
-from rtgen.typemap.canopen_names import module_name
+from rtgen.typemap.canopen.names import module_name
 
 BASE = Path(__file__).parents[2] / "golden/eds_errors/base.eds"
 

@@ -21,7 +21,7 @@ from rtgen.facts.canopen import (
 from rtgen.layouts.can_values import CanValueError, octets
 from rtgen.model.canopen import Value
 from rtgen.runtime.canopen.values import ObjectValueError, decode, encode, size
-from rtgen.typemap.canopen_values import object_value
+from rtgen.typemap.canopen.values import object_value
 
 RAW: tuple[Value, ...] = (0, 1, -1, 127, 128, -128, 255, 256, 1 << 31, 1 << 63, 1 << 64)
 TEXTS = ("", "a", "ä", "Ã¤", "日本", "\ud800")

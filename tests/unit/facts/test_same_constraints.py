@@ -12,7 +12,7 @@ from rtgen.facts.constraints import ConstraintError
 from rtgen.model import ConfigurationParameter, Model, Primitive, PrimitiveType
 from rtgen.runtime import ConfigurationError, ParameterProfile, ParameterValueError
 from rtgen.runtime.rtc.parameter_values import Converter
-from rtgen.typemap.parameters import Parameters
+from rtgen.typemap.components.parameters import Parameters
 
 NUMBERS = ("0", "10", "-1.5", "1e3", "nan", "inf", "1_0", "٣", "", "y")
 RELATIONS = ("<", "<=", ">", ">=", "=", "==", "<>")

@@ -8,7 +8,7 @@ from rtgen.facts.primitives import INTEGERS
 from rtgen.model import Model, Primitive, PrimitiveType, SequenceType, Type
 from rtgen.runtime import ParameterProfile, ParameterValueError
 from rtgen.runtime.rtc.parameter_values import Converter
-from rtgen.typemap.parameters import Parameters, ValueMismatchError
+from rtgen.typemap.components.parameters import Parameters, ValueMismatchError
 
 PARAMETERS = Parameters(Model())
 TEXTS = (

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from rtgen.typemap.python_names import identifier, module_name
+from rtgen.typemap.python.names import identifier, module_name
 
 
 @given(st.text())

@@ -23,7 +23,7 @@ from rtgen.runtime.opaque_rpc import (
     make_tdr,
 )
 from rtgen.runtime.opaque_rpc.serial import BAUDRATE
-from rtgen.typemap.tecs_idl import Widths
+from rtgen.typemap.tecs.idl import Widths
 
 
 def text_of(folder: Path, name: str, options: str, count: int = 1) -> str:

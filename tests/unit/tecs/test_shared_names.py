@@ -16,9 +16,9 @@ import pytest
 from boards import emit, imported, joined, write
 
 from rtgen.runtime import Servant, Skeleton, Stub
-from rtgen.typemap.python_names import module_name
-from rtgen.typemap.python_support import BASE_NAMES, HOMES
-from rtgen.typemap.tecs_python import MARSHALLER_NAMES
+from rtgen.typemap.python.names import module_name
+from rtgen.typemap.python.support import BASE_NAMES, HOMES
+from rtgen.typemap.tecs.python import MARSHALLER_NAMES
 
 BOUND = sorted(
     {*BASE_NAMES, *HOMES, *MARSHALLER_NAMES, "codec_One", "idl_One"}

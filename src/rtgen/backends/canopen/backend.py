@@ -17,8 +17,8 @@ from rtgen.backends.kit.python_module import PythonModule
 from rtgen.backends.kit.python_text import header
 from rtgen.lowering.canopen.kinds import file_name, kinds_of, package_of
 from rtgen.model import Component, Model
-from rtgen.typemap.canopen_ports import DevicePorts
-from rtgen.typemap.idl_python_names import PythonNames
+from rtgen.typemap.canopen.ports import DevicePorts
+from rtgen.typemap.python.idl_names import PythonNames
 
 
 class CanopenBackend:

@@ -19,8 +19,8 @@ from rtgen.backends.kit.python_module import (
 from rtgen.lowering.canopen.kinds import package_of
 from rtgen.model import Component, Model, NamedType, ScopedName, Struct
 from rtgen.model.canopen import PdoDirection
-from rtgen.typemap.canopen_ports import DevicePorts, ObjectPort, PdoSample, Quantity
-from rtgen.typemap.idl_python_names import PythonNames
+from rtgen.typemap.canopen.ports import DevicePorts, ObjectPort, PdoSample, Quantity
+from rtgen.typemap.python.idl_names import PythonNames
 
 TIME = ("RTC", "Time")
 

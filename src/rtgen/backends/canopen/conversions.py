@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from rtgen.backends.kit.quoting.python import number_literal, string_literal
 from rtgen.model.canopen import DataType
-from rtgen.typemap.canopen_ports import Quantity
+from rtgen.typemap.canopen.ports import Quantity
 
 _REALS = (DataType.REAL32, DataType.REAL64)
 _SECONDS: dict[int, str] = {

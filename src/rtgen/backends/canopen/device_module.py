@@ -12,9 +12,9 @@ from rtgen.backends.kit.python_module import PythonModule
 from rtgen.backends.kit.quoting.python import docstring, string_literal
 from rtgen.model import Component, Model
 from rtgen.model.canopen import PdoDirection
-from rtgen.typemap.canopen_names import table_class
-from rtgen.typemap.canopen_ports import DevicePorts, ObjectPort, PdoSample, Quantity
-from rtgen.typemap.idl_python_names import PythonNames
+from rtgen.typemap.canopen.names import table_class
+from rtgen.typemap.canopen.ports import DevicePorts, ObjectPort, PdoSample, Quantity
+from rtgen.typemap.python.idl_names import PythonNames
 
 _HOOKS = "rtgen.runtime.canopen.hooks"
 

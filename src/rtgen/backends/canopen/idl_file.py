@@ -10,8 +10,8 @@ from rtgen.backends.kit.idl_text import idl_text
 from rtgen.lowering.canopen.kinds import file_name, kinds_of
 from rtgen.lowering.canopen.types import declarations
 from rtgen.model import Model
-from rtgen.typemap.canopen_labels import line
-from rtgen.typemap.canopen_ports import DevicePorts
+from rtgen.typemap.canopen.labels import line
+from rtgen.typemap.canopen.ports import DevicePorts
 
 
 def idl_of(ports: DevicePorts) -> str:

@@ -14,7 +14,7 @@ from rtgen.backends.kit.python_module import (
 )
 from rtgen.backends.kit.quoting.python import string_literal
 from rtgen.model import Component, Model
-from rtgen.typemap.idl_python_names import PythonNames
+from rtgen.typemap.python.idl_names import PythonNames
 
 NAME = "CanopenManager"
 

@@ -35,10 +35,10 @@ from rtgen.model.canopen import (
     Value,
     Variable,
 )
-from rtgen.typemap.canopen_labels import line
-from rtgen.typemap.canopen_names import TABLES, identifier, table_class
-from rtgen.typemap.canopen_ports import DevicePorts
-from rtgen.typemap.canopen_values import kind, object_value, python_type
+from rtgen.typemap.canopen.labels import line
+from rtgen.typemap.canopen.names import TABLES, identifier, table_class
+from rtgen.typemap.canopen.ports import DevicePorts
+from rtgen.typemap.canopen.values import kind, object_value, python_type
 
 DESCRIPTION, CONFIGURATION, REMAPPED = TABLES
 """The description, the writes that configure the device, and its PDOs after them."""

@@ -22,10 +22,10 @@ from rtgen.lowering.canopen.components import SERVICE_PORT
 from rtgen.lowering.canopen.kinds import service_of
 from rtgen.model import Component, Interface, Model, PortKind
 from rtgen.model.canopen import NodeRelative, PdoDirection
-from rtgen.typemap.canopen_names import table_class
-from rtgen.typemap.canopen_ports import DevicePorts, ObjectPort, PdoSample, Quantity
-from rtgen.typemap.canopen_values import kind, object_value, python_type
-from rtgen.typemap.idl_python_names import PythonNames
+from rtgen.typemap.canopen.names import table_class
+from rtgen.typemap.canopen.ports import DevicePorts, ObjectPort, PdoSample, Quantity
+from rtgen.typemap.canopen.values import kind, object_value, python_type
+from rtgen.typemap.python.idl_names import PythonNames
 
 _HOOKS = "rtgen.runtime.canopen.hooks"
 _SAMPLES = "rtgen.runtime.canopen.port_samples"

@@ -10,7 +10,7 @@ from rtgen.backends.kit.python_module import python_module
 from rtgen.backends.kit.python_text import header
 from rtgen.model import Model
 from rtgen.resources import idl_file
-from rtgen.typemap.idl_python_names import PythonNames
+from rtgen.typemap.python.idl_names import PythonNames
 
 _SHARED = ("BasicDataType.idl", "Canopen.idl")
 """The IDL files of rtgen that those of devices include."""

@@ -30,8 +30,8 @@ from rtgen.backends.components.skeleton import skeleton_module
 from rtgen.backends.kit.python_module import PythonModule, composed, python_module
 from rtgen.diagnostics import Diagnostic, has_errors
 from rtgen.model import Component, Model
-from rtgen.typemap.idl_python_names import PythonNames
-from rtgen.typemap.python_names import module_name
+from rtgen.typemap.python.idl_names import PythonNames
+from rtgen.typemap.python.names import module_name
 
 _LANGUAGE = re.compile(r"[A-Za-z0-9][A-Za-z0-9+#.]{0,15}")
 

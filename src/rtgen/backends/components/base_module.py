@@ -39,10 +39,10 @@ from rtgen.model import (
     SequenceType,
     Type,
 )
-from rtgen.typemap.component_names import CONFIGURATION_NAMES
-from rtgen.typemap.idl_python_names import PythonNames
-from rtgen.typemap.parameters import Parameters
-from rtgen.typemap.python_support import BASE_NAMES, CANOPEN_NAMES
+from rtgen.typemap.components.names import CONFIGURATION_NAMES
+from rtgen.typemap.components.parameters import Parameters
+from rtgen.typemap.python.idl_names import PythonNames
+from rtgen.typemap.python.support import BASE_NAMES, CANOPEN_NAMES
 
 _TAKEN = CONFIGURATION_NAMES | BASE_NAMES | {"super", "self", "instance_name"}
 _FLOATING = (PrimitiveType(Primitive.FLOAT), PrimitiveType(Primitive.DOUBLE))

@@ -21,14 +21,14 @@ from rtgen.model import (
     Struct,
     Union,
 )
-from rtgen.typemap.dates import is_date
-from rtgen.typemap.parameters import (
+from rtgen.typemap.components.parameters import (
     Parameters,
     ValueMismatchError,
     value_text,
 )
-from rtgen.typemap.python_names import module_name
-from rtgen.typemap.widgets import is_widget, needs_range, needs_values
+from rtgen.typemap.components.widgets import is_widget, needs_range, needs_values
+from rtgen.typemap.profiles.dates import is_date
+from rtgen.typemap.python.names import module_name
 from rtgen.xml_text import NOT_IN_XML
 
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,119}")

@@ -6,9 +6,9 @@ from collections.abc import Collection
 
 from rtgen.backends.kit.python_module import Import, imports_of
 from rtgen.model import Model, ScopedName
-from rtgen.typemap.idl_python import PythonMapping
-from rtgen.typemap.idl_python_names import PythonNames
-from rtgen.typemap.python_names import identifier
+from rtgen.typemap.python.idl import PythonMapping
+from rtgen.typemap.python.idl_names import PythonNames
+from rtgen.typemap.python.names import identifier
 
 
 class Imports:

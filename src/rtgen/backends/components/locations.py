@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from rtgen.backends import Options
 from rtgen.model import Component, Model, SourceFile
-from rtgen.typemap import profile_escapes
-from rtgen.typemap.python_names import identifier, module_name
+from rtgen.typemap.profiles import escapes as profile_escapes
+from rtgen.typemap.python.names import identifier, module_name
 
 _COMPONENTS = "components"
 

@@ -6,12 +6,12 @@ from collections.abc import Collection
 from dataclasses import dataclass
 
 from rtgen.model import Component, ConfigurationParameter, Port
-from rtgen.typemap.component_names import (
+from rtgen.typemap.components.names import (
     CANOPEN_NAMES,
     COMPONENT_NAMES,
     CONFIGURATION_NAMES,
 )
-from rtgen.typemap.idl_python_names import distinct
+from rtgen.typemap.python.idl_names import distinct
 
 
 @dataclass(frozen=True, slots=True)

@@ -27,9 +27,9 @@ from rtgen.model import (
     Port,
     PortKind,
 )
-from rtgen.typemap.component_actions import ACTIONS
-from rtgen.typemap.idl_python_names import PythonNames, distinct
-from rtgen.typemap.python_names import identifier
+from rtgen.typemap.components.actions import ACTIONS
+from rtgen.typemap.python.idl_names import PythonNames, distinct
+from rtgen.typemap.python.names import identifier
 
 _TAKEN = frozenset(
     {"RTC_OK", "ReturnCode_t", "NotImplementedError", "annotations", "property", "self"}

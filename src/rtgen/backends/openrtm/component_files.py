@@ -11,7 +11,7 @@ from rtgen.backends.kit.rendering import render
 from rtgen.backends.openrtm.component_module import component_module
 from rtgen.backends.openrtm.plan import ComponentPlan
 from rtgen.backends.rtc_profile import profile_text
-from rtgen.typemap.parameters import Parameters
+from rtgen.typemap.components.parameters import Parameters
 
 
 def component_files(plan: ComponentPlan) -> Iterator[Artifact]:

@@ -20,9 +20,9 @@ from rtgen.backends.openrtm.plan import (
 from rtgen.backends.openrtm.wire_names import WireNames
 from rtgen.facts.constraints import text_of
 from rtgen.model import Interface, SequenceType, StringType
-from rtgen.typemap.component_actions import ACTIONS
-from rtgen.typemap.parameters import Parameters
-from rtgen.typemap.python_names import identifier
+from rtgen.typemap.components.actions import ACTIONS
+from rtgen.typemap.components.parameters import Parameters
+from rtgen.typemap.python.names import identifier
 
 _RESERVED = frozenset(
     {

@@ -29,14 +29,14 @@ from rtgen.model import (
     ScopedName,
     SourceFile,
 )
-from rtgen.typemap.implementation_modules import implementation_modules, referred
 from rtgen.typemap.openrtm_ports import (
     OPENRTM_NAME,
     chosen_name,
     key_of,
     names_of,
 )
-from rtgen.typemap.python_names import identifier
+from rtgen.typemap.python.implementation_modules import implementation_modules, referred
+from rtgen.typemap.python.names import identifier
 
 ROOT = "openrtm"
 """The folder of all modules and systems, below the output folder."""

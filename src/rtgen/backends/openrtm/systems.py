@@ -46,8 +46,8 @@ from rtgen.model.system_links import (
     interfaces,
     service_pairs,
 )
+from rtgen.typemap.components.parameters import Parameters
 from rtgen.typemap.openrtm_ports import key_of, names_of
-from rtgen.typemap.parameters import Parameters
 
 PER_CYCLE = "rtgen.openrtm.per_cycle"
 """Property of a system that lists parameters in units of one execution."""

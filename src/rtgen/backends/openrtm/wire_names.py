@@ -9,8 +9,8 @@ from functools import cached_property
 from rtgen.backends.openrtm.plan import Unit
 from rtgen.model import Declaration, Interface, ScopedName, Struct
 from rtgen.model.declarations import OPAQUE
-from rtgen.typemap.idl_python import PythonMapping
-from rtgen.typemap.idl_python_names import PythonNames
+from rtgen.typemap.python.idl import PythonMapping
+from rtgen.typemap.python.idl_names import PythonNames
 
 CORBA_PACKAGE = "_corba"
 """The package of the conversions, beside `_idl`."""

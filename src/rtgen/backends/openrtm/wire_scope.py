@@ -9,7 +9,7 @@ from rtgen.backends.kit.quoting.python import string_literal
 from rtgen.backends.openrtm.plan import Unit
 from rtgen.backends.openrtm.wire_names import CORBA_PACKAGE, WireNames, wire_id
 from rtgen.model import Declaration, Enum, ExceptionDecl, ScopedName
-from rtgen.typemap.python_names import identifier
+from rtgen.typemap.python.names import identifier
 
 WIRE = "rtgen.runtime.openrtm.wire"
 """The runtime module used by conversions."""

@@ -20,7 +20,7 @@ from rtgen.model import (
     Struct,
     Type,
 )
-from rtgen.typemap.python_names import snake_case
+from rtgen.typemap.python.names import snake_case
 
 _PRIMITIVES: Final[Mapping[str, str]] = {
     Primitive.BOOLEAN: "bool",

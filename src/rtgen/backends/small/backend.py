@@ -24,8 +24,8 @@ from rtgen.model import (
     SequenceType,
     Struct,
 )
-from rtgen.typemap.idl_python_names import PythonNames, package_path
-from rtgen.typemap.python_names import module_name
+from rtgen.typemap.python.idl_names import PythonNames, package_path
+from rtgen.typemap.python.names import module_name
 
 ROOT = "small"
 """Folder below the output folder, to be copied to a board."""

@@ -25,8 +25,8 @@ from rtgen.model import (
     StringType,
     Struct,
 )
-from rtgen.typemap.idl_python_names import PythonNames, package_path
-from rtgen.typemap.python_names import identifier
+from rtgen.typemap.python.idl_names import PythonNames, package_path
+from rtgen.typemap.python.names import identifier
 
 _HELPERS = (*("Numbers", "Values", "bounded", "copy_array", "copy_items", "exactly"),)
 """Names imported with a leading `_`, which names of definitions never have."""

@@ -24,7 +24,7 @@ from rtgen.lowering.tecs.idl_model import IdlService
 from rtgen.lowering.tecs.plan import FOLDER, TecsPackage
 from rtgen.model import Component, Declaration, Model, SourceFile
 from rtgen.model.tecs import TecsConst
-from rtgen.typemap.idl_python_names import PythonNames, is_emitted
+from rtgen.typemap.python.idl_names import PythonNames, is_emitted
 
 
 class TecsBackend:

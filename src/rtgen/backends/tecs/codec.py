@@ -24,8 +24,8 @@ from rtgen.layouts.tdr import (
 )
 from rtgen.layouts.tdr_messages import layout_of
 from rtgen.model.tecs import Signature, TecsFunction, TecsUnit
-from rtgen.typemap.python_names import identifier
-from rtgen.typemap.tecs_python import (
+from rtgen.typemap.python.names import identifier
+from rtgen.typemap.tecs.python import (
     CODEC_IMPORTS,
     IMPORTED_NAMES,
     codec_class,

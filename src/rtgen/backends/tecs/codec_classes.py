@@ -35,8 +35,8 @@ from rtgen.layouts.tdr import (
 )
 from rtgen.layouts.tdr_messages import is_error_code
 from rtgen.model.tecs import TecsDirection
-from rtgen.typemap.python_names import identifier
-from rtgen.typemap.tecs_python import (
+from rtgen.typemap.python.names import identifier
+from rtgen.typemap.tecs.python import (
     annotation,
     argument_annotation,
     item_annotation,
@@ -44,7 +44,7 @@ from rtgen.typemap.tecs_python import (
     struct_class,
     zero,
 )
-from rtgen.typemap.tecs_texts import function_text
+from rtgen.typemap.tecs.texts import function_text
 
 _EOP = {True: "EOP_NOTHING_FOLLOWS", False: "EOP_REPLY_FOLLOWS"}
 

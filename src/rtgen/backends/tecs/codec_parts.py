@@ -20,8 +20,8 @@ from rtgen.layouts.tdr import (
     references,
 )
 from rtgen.model.c_types import Expression
-from rtgen.typemap.python_names import identifier
-from rtgen.typemap.tecs_python import IMPORTED_NAMES
+from rtgen.typemap.python.names import identifier
+from rtgen.typemap.tecs.python import IMPORTED_NAMES
 
 _LOCALS = (
     *("self", "more", "first", "returned", "budget", "parts", "failure"),

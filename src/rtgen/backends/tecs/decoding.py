@@ -25,7 +25,7 @@ from rtgen.layouts.tdr import (
     String,
     is_fixed,
 )
-from rtgen.typemap.tecs_python import annotation, item_annotation, struct_class
+from rtgen.typemap.tecs.python import annotation, item_annotation, struct_class
 
 MAGIC_BYTES = {
     "EOP_REPLY_FOLLOWS": "self.awaiting_reply",

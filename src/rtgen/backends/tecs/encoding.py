@@ -23,7 +23,7 @@ from rtgen.layouts.tdr import (
     String,
     is_fixed,
 )
-from rtgen.typemap.tecs_python import struct_class
+from rtgen.typemap.tecs.python import struct_class
 
 
 class Encoder:

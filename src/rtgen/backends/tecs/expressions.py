@@ -17,7 +17,7 @@ from rtgen.model.c_types import (
     UnaryExpression,
     resolve,
 )
-from rtgen.typemap.tecs_python import member_name
+from rtgen.typemap.tecs.python import member_name
 
 Names = Callable[[str], tuple[str, Item]]
 """The meaning of a name in a size: an expression, and the parameter or member."""

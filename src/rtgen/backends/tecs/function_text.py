@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 from rtgen.backends.tecs.views import used_structs
 from rtgen.layouts.tdr import FunctionLayout, SignatureLayout
-from rtgen.typemap.idl_python_names import distinct
-from rtgen.typemap.tecs_python import (
+from rtgen.typemap.python.idl_names import distinct
+from rtgen.typemap.tecs.python import (
     CODEC_ATTRIBUTES,
     annotation,
     argument_annotation,

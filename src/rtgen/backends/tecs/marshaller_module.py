@@ -38,9 +38,9 @@ from rtgen.model import (
     Primitive,
     PrimitiveType,
 )
-from rtgen.typemap.idl_python import PythonMapping
-from rtgen.typemap.idl_python_names import PythonNames, distinct
-from rtgen.typemap.tecs_python import struct_class
+from rtgen.typemap.python.idl import PythonMapping
+from rtgen.typemap.python.idl_names import PythonNames, distinct
+from rtgen.typemap.tecs.python import struct_class
 
 _ANY = PrimitiveType(Primitive.ANY)
 _LOCALS = LOCALS | {"returned"}

@@ -18,10 +18,10 @@ from rtgen.backends.tecs.function_text import (
 from rtgen.layouts.tdr import FunctionLayout, SignatureLayout
 from rtgen.lowering.tecs.options import RtcOptions
 from rtgen.lowering.tecs.plan import Service
-from rtgen.typemap.idl_python_names import distinct
-from rtgen.typemap.python_names import identifier
-from rtgen.typemap.tecs_python import codec_class, codec_module
-from rtgen.typemap.tecs_texts import function_text
+from rtgen.typemap.python.idl_names import distinct
+from rtgen.typemap.python.names import identifier
+from rtgen.typemap.tecs.python import codec_class, codec_module
+from rtgen.typemap.tecs.texts import function_text
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ from rtgen.backends.kit.rendering import render
 from rtgen.layouts.tdr import Node, Record, SignatureLayout
 from rtgen.model.c_types import CStructType, resolve
 from rtgen.model.tecs import TecsConst, TecsTypedef, TecsUnit
-from rtgen.typemap.tecs_python import (
+from rtgen.typemap.tecs.python import (
     annotation,
     is_mutable,
     member_name,

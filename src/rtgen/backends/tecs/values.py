@@ -15,7 +15,7 @@ from rtgen.layouts.tdr import (
     Record,
     Run,
 )
-from rtgen.typemap.tecs_python import member_name, struct_class
+from rtgen.typemap.tecs.python import member_name, struct_class
 
 
 def packed(node: Node, value: str, letters: Iterator[int]) -> list[str]:

@@ -18,7 +18,7 @@ from rtgen.layouts.tdr import (
     Octets,
     Record,
 )
-from rtgen.typemap.tecs_python import member_name, struct_class
+from rtgen.typemap.tecs.python import member_name, struct_class
 
 _CHARACTERS = (Scalar.CHAR, Scalar.UCHAR)
 _OCTETS = (Scalar.INT8, Scalar.UINT8, Scalar.SCHAR)

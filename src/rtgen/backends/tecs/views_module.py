@@ -15,7 +15,7 @@ from rtgen.backends.tecs.views import struct_views
 from rtgen.layouts.tdr import Record
 from rtgen.lowering.tecs.idl_model import VIEWS, IdlSide
 from rtgen.model import Struct
-from rtgen.typemap.idl_python_names import PythonNames
+from rtgen.typemap.python.idl_names import PythonNames
 
 
 def views_module(

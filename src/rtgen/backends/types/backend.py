@@ -35,7 +35,7 @@ from rtgen.model import (
     ValueBox,
     Valuetype,
 )
-from rtgen.typemap.idl_python_names import PythonNames, is_emitted, package_path
+from rtgen.typemap.python.idl_names import PythonNames, is_emitted, package_path
 
 _LONGEST_NAME = 120
 

@@ -39,8 +39,8 @@ from rtgen.model import (
     Struct,
     Type,
 )
-from rtgen.typemap.idl_python_names import is_package
-from rtgen.typemap.implementation_modules import implementation_modules
+from rtgen.typemap.python.idl_names import is_package
+from rtgen.typemap.python.implementation_modules import implementation_modules
 
 _MANY = 8
 """From this number of operations in an interface on, operations of equal shape share bodies."""

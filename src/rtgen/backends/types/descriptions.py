@@ -39,8 +39,8 @@ from rtgen.model import (
     Valuetype,
 )
 from rtgen.model.declarations import OPAQUE, ConstantValue, Declaration
-from rtgen.typemap.idl_python import is_boolean, is_signed
-from rtgen.typemap.idl_python_names import PythonNames, is_emitted
+from rtgen.typemap.python.idl import is_boolean, is_signed
+from rtgen.typemap.python.idl_names import PythonNames, is_emitted
 
 
 class Descriptions:

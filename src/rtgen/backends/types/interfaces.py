@@ -20,8 +20,8 @@ from rtgen.model import (
     ScopedName,
     Type,
 )
-from rtgen.typemap.idl_python import PythonMapping
-from rtgen.typemap.idl_python_names import PythonNames, distinct
+from rtgen.typemap.python.idl import PythonMapping
+from rtgen.typemap.python.idl_names import PythonNames, distinct
 
 
 class _Attribute(msgspec.Struct, frozen=True):

@@ -40,8 +40,8 @@ from rtgen.model import (
     ValueBox,
     Valuetype,
 )
-from rtgen.typemap.idl_python import PythonMapping, is_boolean
-from rtgen.typemap.idl_python_names import PythonNames, is_emitted
+from rtgen.typemap.python.idl import PythonMapping, is_boolean
+from rtgen.typemap.python.idl_names import PythonNames, is_emitted
 
 
 @dataclass(frozen=True, slots=True)

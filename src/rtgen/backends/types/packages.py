@@ -19,7 +19,7 @@ from rtgen.model import (
     Model,
     ScopedName,
 )
-from rtgen.typemap.idl_python_names import PythonNames, is_emitted, package_path
+from rtgen.typemap.python.idl_names import PythonNames, is_emitted, package_path
 
 _LAZY = Import("rtgen.runtime.lazy", "lazy_names", "lazy_names")
 _CHECKING = Import("typing", "TYPE_CHECKING", "TYPE_CHECKING")

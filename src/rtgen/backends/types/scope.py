@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from rtgen.backends.kit.python_module import Import
 from rtgen.model import Declaration, Interface, ScopedName, Typedef
-from rtgen.typemap.idl_python_names import PythonNames
-from rtgen.typemap.python_support import HOMES
+from rtgen.typemap.python.idl_names import PythonNames
+from rtgen.typemap.python.support import HOMES
 
 
 class Scope:

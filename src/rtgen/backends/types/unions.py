@@ -10,8 +10,8 @@ from rtgen.backends.types.scope import Scope
 from rtgen.facts.primitives import INTEGER_RANGES
 from rtgen.layouts.cdr_types import CdrTypes
 from rtgen.model import Case, Model, NamedType, Primitive, PrimitiveType, Union
-from rtgen.typemap.idl_python import PythonMapping
-from rtgen.typemap.idl_python_names import OWN_NAMES, PythonNames, distinct
+from rtgen.typemap.python.idl import PythonMapping
+from rtgen.typemap.python.idl_names import OWN_NAMES, PythonNames, distinct
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,8 +10,8 @@ from rtgen.backends.types.descriptions import Descriptions, attribute_text, sign
 from rtgen.backends.types.interfaces import Interfaces
 from rtgen.backends.types.scope import Scope
 from rtgen.model import Type, ValueBox, Valuetype
-from rtgen.typemap.idl_python import PythonMapping
-from rtgen.typemap.idl_python_names import PythonNames
+from rtgen.typemap.python.idl import PythonMapping
+from rtgen.typemap.python.idl_names import PythonNames
 
 
 class _Method(msgspec.Struct, frozen=True):

@@ -29,7 +29,7 @@ from rtgen.model import (
     Typedef,
     Union,
 )
-from rtgen.typemap.idl_python_names import PythonNames
+from rtgen.typemap.python.idl_names import PythonNames
 
 ROOT = "typescript"
 """The folder of the modules, below the output folder."""

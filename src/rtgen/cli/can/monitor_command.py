@@ -6,8 +6,8 @@ import sys
 
 import click
 
-from rtgen.cli.can.frame_printing import MessageDecoder, Printer, Wanted
-from rtgen.cli.can.live_bus import frames, opened
+from rtgen.cli.can.decoding.frame_printing import MessageDecoder, Printer, Wanted
+from rtgen.cli.can.live.live_bus import frames, opened
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes, with_span
 from rtgen.cli.common import OK, Console, with_console, write_out
 
@@ -56,7 +56,7 @@ def monitor_(
                 if message is not None:
                     printer.take(message)
         else:
-            from rtgen.cli.can.live_table import show
+            from rtgen.cli.can.decoding.live_table import show
 
             show(received, MessageDecoder(known), wanted, bus.bus.channel_info)
     if received.lost:

@@ -10,7 +10,7 @@ from typing import Any, ParamSpec, TypeVar
 
 import click
 
-from rtgen.cli.can.node_index import NodeIndex, read_node_index
+from rtgen.cli.can.decoding.node_index import NodeIndex, read_node_index
 from rtgen.cli.common import FiniteRange, Refusal, WholeRange
 from rtgen.runtime.canopen.bus.python_can import BusAddress, Option, option
 

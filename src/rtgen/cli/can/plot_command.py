@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtgen.cli.can import logs
-from rtgen.cli.can.frame_printing import MessageDecoder
-from rtgen.cli.can.live_bus import frames, opened
-from rtgen.cli.can.node_index import NodeIndex
+from rtgen.cli.can.decoding.frame_printing import MessageDecoder
+from rtgen.cli.can.decoding.node_index import NodeIndex
+from rtgen.cli.can.decoding.time_series import Series, check_output, draw, write_csv
+from rtgen.cli.can.live.live_bus import frames, opened
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes, with_span
-from rtgen.cli.can.time_series import Series, check_output, draw, write_csv
+from rtgen.cli.can.parsing import logs
 from rtgen.cli.common import NO, OK, Console, with_console
 
 if TYPE_CHECKING:

@@ -7,9 +7,9 @@ from pathlib import Path
 import click
 
 from rtgen.cli.can.common import counted
-from rtgen.cli.can.live_bus import frames, opened
-from rtgen.cli.can.logs import check_kind, writer
+from rtgen.cli.can.live.live_bus import frames, opened
 from rtgen.cli.can.options import BusAccess, with_bus, with_span
+from rtgen.cli.can.parsing.logs import check_kind, writer
 from rtgen.cli.common import OK, Console, with_console
 
 

@@ -9,11 +9,17 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtgen.cli.can import logs
 from rtgen.cli.can.common import counted
-from rtgen.cli.can.frame_printing import Printer, Wanted
-from rtgen.cli.can.live_bus import can_carry, drained, opened, send, until_interrupted
+from rtgen.cli.can.decoding.frame_printing import Printer, Wanted
+from rtgen.cli.can.live.live_bus import (
+    can_carry,
+    drained,
+    opened,
+    send,
+    until_interrupted,
+)
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
+from rtgen.cli.can.parsing import logs
 from rtgen.cli.common import OK, Console, FiniteRange, with_console, write_out
 from rtgen.runtime.canopen.bus.messages import frame_of
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 
 import click
 
-from rtgen.cli.can.bus_session import BusSession
-from rtgen.cli.can.live_bus import opened
-from rtgen.cli.can.lss_scan import unconfigured
-from rtgen.cli.can.node_index import NodeIndex
+from rtgen.cli.can.decoding.node_index import NodeIndex
+from rtgen.cli.can.live.bus_session import BusSession
+from rtgen.cli.can.live.live_bus import opened
+from rtgen.cli.can.live.lss_scan import unconfigured
+from rtgen.cli.can.live.scanning import Found, scanned
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
-from rtgen.cli.can.scanning import Found, scanned
 from rtgen.cli.common import NO, OK, Console, FiniteRange, with_console, write_out
 from rtgen.runtime.canopen.wire.lss import LssAddress
 

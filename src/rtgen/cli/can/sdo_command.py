@@ -10,12 +10,12 @@ from typing import get_args
 
 import click
 
-from rtgen.cli.can.bus_session import BusSession, SilentError
-from rtgen.cli.can.live_bus import opened
-from rtgen.cli.can.node_index import DescribedObject, NodeIndex, number_of
-from rtgen.cli.can.object_values import Field, sdo_value
+from rtgen.cli.can.decoding.node_index import DescribedObject, NodeIndex, number_of
+from rtgen.cli.can.decoding.object_values import Field, sdo_value
+from rtgen.cli.can.live.bus_session import BusSession, SilentError
+from rtgen.cli.can.live.live_bus import opened
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
-from rtgen.cli.can.value_parsing import parsed_value
+from rtgen.cli.can.parsing.values import parsed_value
 from rtgen.cli.common import (
     NO,
     OK,

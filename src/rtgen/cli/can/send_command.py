@@ -10,10 +10,10 @@ from pathlib import Path
 import click
 
 from rtgen.cli.can.common import counted
-from rtgen.cli.can.frame_parsing import FORMS, frame_of_text
-from rtgen.cli.can.live_bus import drained, opened, send, until_interrupted
+from rtgen.cli.can.live.live_bus import drained, opened, send, until_interrupted
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
-from rtgen.cli.can.sequences import Step, read_sequence
+from rtgen.cli.can.parsing.frames import FORMS, frame_of_text
+from rtgen.cli.can.parsing.sequences import Step, read_sequence
 from rtgen.cli.common import OK, Console, FiniteRange, WholeRange, with_console
 from rtgen.runtime.canopen.bus.python_can import OpenBus
 

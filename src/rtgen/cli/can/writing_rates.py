@@ -8,7 +8,7 @@ from rtgen.layouts.can_messages import Writing
 from rtgen.model import Connection, System, SystemComponent
 from rtgen.model.can_bus import Bus, BusNode
 from rtgen.model.canopen import PdoDirection
-from rtgen.typemap.canopen_ports import DevicePorts
+from rtgen.typemap.canopen.ports import DevicePorts
 
 _RATE = 1000.0
 """Default rate in Hz of an execution context, as `rtgen run` uses."""

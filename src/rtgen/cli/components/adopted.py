@@ -18,7 +18,7 @@ from rtgen.lowering.openrtm_idl import declared_in, type_names
 from rtgen.model import Component, Model, NamedType, PortKind, SourceFile
 from rtgen.model.rtc_profile import RtcProfile
 from rtgen.project import Project, load, with_arguments
-from rtgen.typemap.parameters import Parameters
+from rtgen.typemap.components.parameters import Parameters
 
 _PROFILE = "RTC.xml"
 _WITH_TYPES = (".idl", ".eds", ".dcf", ".toml")

@@ -11,7 +11,7 @@ from rtgen.facts.version import __version__
 from rtgen.model import Component, Declaration, Model, ScopedName
 from rtgen.model.declarations import OPAQUE
 from rtgen.project import Project
-from rtgen.typemap.component_needs import declarations_of
+from rtgen.typemap.components.needs import declarations_of
 
 
 def component_idl(model: Model, component: Component) -> str:

@@ -21,7 +21,7 @@ from rtgen.runtime.opaque_rpc import (
     ProtocolError,
 )
 from rtgen.runtime.opaque_rpc.digest import DIGEST, digest_handler
-from rtgen.typemap.tecs_python import zero
+from rtgen.typemap.tecs.python import zero
 
 _KEYS = {"function", "args", "return", "outs", "delay"}
 

@@ -43,7 +43,7 @@ from rtgen.runtime.opaque_rpc import (
 from rtgen.runtime.opaque_rpc import codecs as runtime_codecs
 from rtgen.runtime.opaque_rpc.codecs import Messages
 from rtgen.runtime.opaque_rpc.tdr import SOP_REQUEST
-from rtgen.typemap.tecs_python import codec_class, codec_module, zero
+from rtgen.typemap.tecs.python import codec_class, codec_module, zero
 
 _PACKAGES = count()
 

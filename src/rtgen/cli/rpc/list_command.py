@@ -10,7 +10,7 @@ from rtgen.cli.common import OK, Console, with_console, write_out
 from rtgen.cli.rpc.common import Peer, read_unit, signatures_of, with_cdl, with_peer
 from rtgen.layouts.tdr_messages import problems
 from rtgen.model.tecs import TecsFunction, TecsParameter
-from rtgen.typemap.tecs_texts import sizes_text
+from rtgen.typemap.tecs.texts import sizes_text
 
 
 @click.command("list")

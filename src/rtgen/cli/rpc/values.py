@@ -26,7 +26,7 @@ from rtgen.layouts.tdr import (
     Record,
     String,
 )
-from rtgen.typemap.tecs_python import member_name, struct_class
+from rtgen.typemap.tecs.python import member_name, struct_class
 
 Json: TypeAlias = (
     bool | int | float | str | Sequence["Json"] | Mapping[str, "Json"] | None

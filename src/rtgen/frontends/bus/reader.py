@@ -33,8 +33,12 @@ from rtgen.model.canopen import (
     resolved,
 )
 from rtgen.toml_text import TomlError
-from rtgen.typemap.canopen_names import identifier, module_name
-from rtgen.typemap.drive_units import BY_DESCRIPTION, NoFactorError, drive_factor
+from rtgen.typemap.canopen.drive_units import (
+    BY_DESCRIPTION,
+    NoFactorError,
+    drive_factor,
+)
+from rtgen.typemap.canopen.names import identifier, module_name
 
 MANAGER = 127
 EVENT = 0.01

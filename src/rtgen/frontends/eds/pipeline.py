@@ -34,7 +34,7 @@ from rtgen.model.canopen import (
     DeviceInfo,
     Object,
 )
-from rtgen.typemap.canopen_names import module_name
+from rtgen.typemap.canopen.names import module_name
 
 
 def load(

@@ -27,10 +27,10 @@ from rtgen.model.rtc_profile import (
     ProfileServicePort,
     RtcProfile,
 )
-from rtgen.typemap import profile_rules as rules
-from rtgen.typemap.dates import has_zone, is_date
-from rtgen.typemap.profile_escapes import lines, one_line
-from rtgen.typemap.profile_facts import PROPERTY, Facts, checked, facts_from
+from rtgen.typemap.profiles import rules
+from rtgen.typemap.profiles.dates import has_zone, is_date
+from rtgen.typemap.profiles.escapes import lines, one_line
+from rtgen.typemap.profiles.facts import PROPERTY, Facts, checked, facts_from
 
 VERSIONS = ("0.1", "0.2", "0.3")
 

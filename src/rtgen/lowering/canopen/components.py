@@ -29,15 +29,15 @@ from rtgen.model.canopen import (
     Value,
     resolved,
 )
-from rtgen.typemap.canopen_idl import limits
-from rtgen.typemap.canopen_labels import line, object_line
-from rtgen.typemap.canopen_ports import (
+from rtgen.typemap.canopen.idl import limits
+from rtgen.typemap.canopen.labels import line, object_line
+from rtgen.typemap.canopen.ports import (
     NUMERIC,
     DevicePorts,
     Quantity,
     can_be_parameter,
 )
-from rtgen.typemap.python_names import module_name
+from rtgen.typemap.python.names import module_name
 
 PROXY_BASE = "rtgen.runtime.canopen.master.proxy:CanopenProxy"
 SERVICE_PORT = "sdo"

@@ -15,9 +15,9 @@ from rtgen.lowering.canopen.rules import (
 from rtgen.model import ScopedName
 from rtgen.model.can_bus import Bus, DeviceKind, kind_of
 from rtgen.model.canopen import Device
-from rtgen.typemap.canopen_ports import DevicePorts, can_be_parameter
-from rtgen.typemap.idl_python_names import package_path
-from rtgen.typemap.python_names import module_name
+from rtgen.typemap.canopen.ports import DevicePorts, can_be_parameter
+from rtgen.typemap.python.idl_names import package_path
+from rtgen.typemap.python.names import module_name
 
 _TAKEN = frozenset(
     {

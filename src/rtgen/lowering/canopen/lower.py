@@ -37,10 +37,10 @@ from rtgen.model import (
     Struct,
 )
 from rtgen.model.can_bus import Bus
-from rtgen.typemap.canopen_names import TABLES, table_class
-from rtgen.typemap.canopen_ports import DevicePorts
-from rtgen.typemap.idl_python_names import COMPANIONS
-from rtgen.typemap.implementation_modules import referred
+from rtgen.typemap.canopen.names import TABLES, table_class
+from rtgen.typemap.canopen.ports import DevicePorts
+from rtgen.typemap.python.idl_names import COMPANIONS
+from rtgen.typemap.python.implementation_modules import referred
 
 MANAGER = "CanopenManager"
 

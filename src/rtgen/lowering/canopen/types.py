@@ -21,8 +21,8 @@ from rtgen.model import (
     Struct,
     Type,
 )
-from rtgen.typemap.canopen_labels import object_line
-from rtgen.typemap.canopen_ports import (
+from rtgen.typemap.canopen.labels import object_line
+from rtgen.typemap.canopen.ports import (
     STAMP,
     DevicePorts,
     PdoSample,

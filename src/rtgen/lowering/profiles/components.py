@@ -40,12 +40,12 @@ from rtgen.model.rtc_profile import (
     ProfileParameter,
     RtcProfile,
 )
-from rtgen.typemap import profile_escapes
-from rtgen.typemap import profile_rules as rules
-from rtgen.typemap.parameter_types import type_of
-from rtgen.typemap.parameters import Parameters, ValueMismatchError
-from rtgen.typemap.profile_facts import default_id
-from rtgen.typemap.widgets import is_widget
+from rtgen.typemap.components.parameter_types import type_of
+from rtgen.typemap.components.parameters import Parameters, ValueMismatchError
+from rtgen.typemap.components.widgets import is_widget
+from rtgen.typemap.profiles import escapes as profile_escapes
+from rtgen.typemap.profiles import rules
+from rtgen.typemap.profiles.facts import default_id
 
 _DATA = (Struct, Union)
 _BREAKS_ID = re.compile(r"[:\r\n\t]")

@@ -28,14 +28,15 @@ from rtgen.model import (
     Type,
 )
 from rtgen.model.rtc_profile import EVENT, EVENT_PORT, ProfileParameter, RtcProfile
-from rtgen.typemap import profile_escapes, profile_facts
-from rtgen.typemap import profile_rules as rules
-from rtgen.typemap.component_annotations import (
+from rtgen.typemap.components.annotations import (
     WrittenAnnotation,
     annotations_from,
     same_event,
 )
-from rtgen.typemap.parameters import Parameters
+from rtgen.typemap.components.parameters import Parameters
+from rtgen.typemap.profiles import escapes as profile_escapes
+from rtgen.typemap.profiles import facts as profile_facts
+from rtgen.typemap.profiles import rules
 from rtgen.typemap.type_parsing import names_in, parsed
 
 Facts: TypeAlias = Mapping[str, Any]

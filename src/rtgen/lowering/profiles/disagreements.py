@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from rtgen.diagnostics import Diagnostic, Related, Span
 from rtgen.model import Component
-from rtgen.typemap import profile_rules as rules
+from rtgen.typemap.profiles import rules
 
 _Entries = Mapping[str, tuple[str, Span]]
 

@@ -51,11 +51,11 @@ from rtgen.model.tecs import (
     TecsStruct,
     TecsTypedef,
 )
-from rtgen.typemap.implementation_modules import referred
-from rtgen.typemap.python_names import identifier
-from rtgen.typemap.python_support import BASE_NAMES, HOMES
-from rtgen.typemap.tecs_idl import IdlTypes, NotInIdlError
-from rtgen.typemap.tecs_python import MARSHALLER_NAMES, codec_class, struct_class
+from rtgen.typemap.python.implementation_modules import referred
+from rtgen.typemap.python.names import identifier
+from rtgen.typemap.python.support import BASE_NAMES, HOMES
+from rtgen.typemap.tecs.idl import IdlTypes, NotInIdlError
+from rtgen.typemap.tecs.python import MARSHALLER_NAMES, codec_class, struct_class
 
 _DIRECTIONS = {
     TecsDirection.IN: Direction.IN,

@@ -13,7 +13,7 @@ from rtgen.diagnostics import Diagnostic
 from rtgen.facts.opaque_rpc import LONGEST_TIMEOUT, TIMEOUT
 from rtgen.lowering.tecs.rules import BAD_OPTION, UNKNOWN_OPTION
 from rtgen.model.tecs import PluginOption, Through
-from rtgen.typemap.tecs_idl import Widths
+from rtgen.typemap.tecs.idl import Widths
 
 TECSGEN_OPTIONS = frozenset(
     {

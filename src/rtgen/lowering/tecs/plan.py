@@ -17,8 +17,8 @@ from rtgen.lowering.tecs.rules import (
 )
 from rtgen.model import Model, ScopedName, SourceFile
 from rtgen.model.tecs import Cell, Join, Signature, TecsUnit, Through
-from rtgen.typemap.python_names import identifier, module_name
-from rtgen.typemap.tecs_python import plain_name
+from rtgen.typemap.python.names import identifier, module_name
+from rtgen.typemap.tecs.python import plain_name
 
 PLUGIN = "RTCPlugin"
 FOLDER = "tecs"

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from rtgen.lowering.tecs.plan import Service
 from rtgen.model import Component, Interface, NamedType, Port, PortKind
-from rtgen.typemap.python_names import identifier
+from rtgen.typemap.python.names import identifier
 
 COMMUNICATION = ("OpaqueRpc",)
 """The interface of the communication RTC."""

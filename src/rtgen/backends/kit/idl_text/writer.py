@@ -49,9 +49,9 @@ from rtgen.model import (
     Valuetype,
 )
 from rtgen.model.components import Component
-from rtgen.typemap.component_annotations import annotations_of
+from rtgen.typemap.components.annotations import annotations_of
 from rtgen.typemap.idl_keywords import escaped
-from rtgen.typemap.implementation_modules import referred
+from rtgen.typemap.python.implementation_modules import referred
 
 STEP = "    "
 _INLINE = (Struct, Union, ExceptionDecl)

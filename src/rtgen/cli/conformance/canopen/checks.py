@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
-from rtgen.cli.can.node_index import DescribedObject
+from rtgen.cli.can.decoding.node_index import DescribedObject
 from rtgen.cli.conformance.canopen import network_checks, pdo_changes
 from rtgen.cli.conformance.canopen.lss_checks import (
     lss_address,

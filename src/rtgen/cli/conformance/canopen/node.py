@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import ClassVar, Protocol
 
-from rtgen.cli.can.node_index import DescribedNode
+from rtgen.cli.can.decoding.node_index import DescribedNode
 from rtgen.runtime.canopen.description import ObjectNumber
 from rtgen.runtime.canopen.wire import sdo
 from rtgen.runtime.canopen.wire.frames import (

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Final
 
-from rtgen.cli.can.node_index import DescribedObject
+from rtgen.cli.can.decoding.node_index import DescribedObject
 from rtgen.cli.conformance.canopen.node import NodeUnderTest, refusal
 from rtgen.cli.conformance.check import Problems
 from rtgen.facts.canopen import INVALID, MAX_SYNC_CYCLIC

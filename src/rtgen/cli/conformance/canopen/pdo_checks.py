@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
-from rtgen.cli.can.node_index import DescribedObject
+from rtgen.cli.can.decoding.node_index import DescribedObject
 from rtgen.cli.conformance.canopen.node import NodeUnderTest
 from rtgen.cli.conformance.canopen.pdo_changes import whole_objects
 from rtgen.cli.conformance.check import Problems

@@ -6,8 +6,8 @@ import time
 from collections.abc import Collection
 from pathlib import Path
 
-from rtgen.cli.can.live_bus import opened, send
-from rtgen.cli.can.node_index import read_node_index
+from rtgen.cli.can.decoding.node_index import read_node_index
+from rtgen.cli.can.live.live_bus import opened, send
 from rtgen.cli.can.options import BusAccess
 from rtgen.cli.conformance.canopen.checks import CHECKS
 from rtgen.cli.conformance.canopen.node import Bounds, NodeUnderTest, SilenceError

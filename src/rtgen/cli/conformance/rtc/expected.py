@@ -23,7 +23,7 @@ from rtgen.model import (
 from rtgen.runtime.errors import ParameterValueError
 from rtgen.runtime.rtc.parameter_values import Converter
 from rtgen.runtime.rtc.profiles import ParameterProfile
-from rtgen.typemap.parameters import Parameters
+from rtgen.typemap.components.parameters import Parameters
 
 _WAYS = {PortKind.INPORT: IN, PortKind.OUTPORT: OUT}
 _TYPES = {IN: "DataInPort", OUT: "DataOutPort", SERVICE: "CorbaPort"}

@@ -9,7 +9,7 @@ from rtgen.frontends.idl.rules.types import TOO_DEEP
 from rtgen.limits import MAX_LEVELS
 from rtgen.model import Component, Declaration, ScopedName
 from rtgen.model.graphs import groups
-from rtgen.typemap.implementation_modules import referred
+from rtgen.typemap.python.implementation_modules import referred
 
 
 def checked(

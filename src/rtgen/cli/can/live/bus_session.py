@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from typing import Protocol
 
-from rtgen.cli.can.live_bus import send
+from rtgen.cli.can.live.live_bus import send
 from rtgen.diagnostics import ToolError
 from rtgen.runtime.canopen.bus.messages import frame_of
 from rtgen.runtime.canopen.bus.python_can import OpenBus

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import UTC, datetime
 
-from rtgen.cli.can.node_index import DescribedObject
+from rtgen.cli.can.decoding.node_index import DescribedObject
 from rtgen.cli.common import Refusal
 from rtgen.runtime.canopen.description import Kind, ObjectValue
 from rtgen.runtime.canopen.values import ObjectValueError, limits

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from rtgen.cli.can.bus_session import BusSession
+from rtgen.cli.can.live.bus_session import BusSession
 from rtgen.runtime.canopen.wire import lss
 from rtgen.runtime.canopen.wire.lss import LssAddress
 from rtgen.runtime.canopen.wire.lss_master import (

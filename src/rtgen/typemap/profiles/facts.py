@@ -29,11 +29,11 @@ from rtgen.model import (
     PortKind,
     ScopedName,
 )
-from rtgen.typemap import profile_escapes
-from rtgen.typemap.component_annotations import WrittenAnnotation, written_annotations
-from rtgen.typemap.component_needs import declarations_of
-from rtgen.typemap.parameter_types import type_of
-from rtgen.typemap.parameters import Parameters
+from rtgen.typemap.components.annotations import WrittenAnnotation, written_annotations
+from rtgen.typemap.components.needs import declarations_of
+from rtgen.typemap.components.parameter_types import type_of
+from rtgen.typemap.components.parameters import Parameters
+from rtgen.typemap.profiles import escapes as profile_escapes
 
 PROPERTY = "rtgen.definition"
 """The name of the property."""

@@ -6,9 +6,9 @@ import re
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-from rtgen.cli.can.node_index import DescribedNode, NodeIndex
-from rtgen.cli.can.pdo_fields import Route, routes
-from rtgen.cli.can.value_parsing import parsed_value
+from rtgen.cli.can.decoding.node_index import DescribedNode, NodeIndex
+from rtgen.cli.can.decoding.pdo_fields import Route, routes
+from rtgen.cli.can.parsing.values import parsed_value
 from rtgen.cli.common import Refusal
 from rtgen.runtime.canopen.values import ObjectValueError, to_bits
 from rtgen.runtime.canopen.wire.frames import SYNC, Frame

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rtgen.model.canopen import STRUCTURES, DataType, Variable
-from rtgen.typemap.canopen_ports import Quantity
+from rtgen.typemap.canopen.ports import Quantity
 
 
 def line(text: str) -> str:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from rtgen.cli.can.node_index import DescribedNode, DescribedObject, Number
-from rtgen.cli.can.object_values import Field, field_of
+from rtgen.cli.can.decoding.node_index import DescribedNode, DescribedObject, Number
+from rtgen.cli.can.decoding.object_values import Field, field_of
 from rtgen.model.canopen import (
     INVALID,
     PDOS,

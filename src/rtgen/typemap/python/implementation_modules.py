@@ -32,7 +32,7 @@ from rtgen.model import (
     Valuetype,
 )
 from rtgen.model.graphs import groups
-from rtgen.typemap.python_names import module_name
+from rtgen.typemap.python.names import module_name
 
 _SERIES = (SequenceType, ArrayType)
 

@@ -6,7 +6,7 @@ import json
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
-from rtgen.cli.can.node_index import DescribedNode, DescribedObject, written
+from rtgen.cli.can.decoding.node_index import DescribedNode, DescribedObject, written
 from rtgen.cli.rpc.values import Json
 from rtgen.runtime.canopen.description import Kind, ObjectValue
 from rtgen.runtime.canopen.values import ObjectValueError, decode, size

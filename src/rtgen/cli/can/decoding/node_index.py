@@ -9,7 +9,7 @@ from difflib import get_close_matches
 from functools import cached_property
 from pathlib import Path
 
-from rtgen.cli.can.drive_text import PROFILE, drive_words
+from rtgen.cli.can.decoding.drive_text import PROFILE, drive_words
 from rtgen.cli.common import Refusal
 from rtgen.diagnostics import Diagnostic, InputError, Severity, has_errors
 from rtgen.model.can_bus import Bus
@@ -20,8 +20,8 @@ from rtgen.model.canopen import (
     resolved,
 )
 from rtgen.runtime.canopen.description import Kind
-from rtgen.typemap.canopen_names import field_names
-from rtgen.typemap.canopen_values import kind
+from rtgen.typemap.canopen.names import field_names
+from rtgen.typemap.canopen.values import kind
 
 Number = tuple[int, int]
 """Index and sub-index of an object."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections import defaultdict
 from dataclasses import dataclass, replace
 
-from rtgen.cli.can.lss_text import lss_text
-from rtgen.cli.can.node_index import DescribedNode, NodeIndex, Number
-from rtgen.cli.can.object_values import Field, field_of, iso_time, sdo_value
-from rtgen.cli.can.pdo_fields import Route, object_of, routes
-from rtgen.cli.can.sdo_decoding import SdoFollower, SdoStep
+from rtgen.cli.can.decoding.lss_text import lss_text
+from rtgen.cli.can.decoding.node_index import DescribedNode, NodeIndex, Number
+from rtgen.cli.can.decoding.object_values import Field, field_of, iso_time, sdo_value
+from rtgen.cli.can.decoding.pdo_fields import Route, object_of, routes
+from rtgen.cli.can.decoding.sdo_decoding import SdoFollower, SdoStep
 from rtgen.cli.rpc.values import Json
 from rtgen.model.canopen import INVALID, PdoDirection
 from rtgen.runtime.canopen.wire.emergency import Emergency, ErrorRegister

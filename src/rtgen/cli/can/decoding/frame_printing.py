@@ -6,8 +6,8 @@ import json
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias
 
-from rtgen.cli.can.decoding import Decoded, Decoder
-from rtgen.cli.can.node_index import NodeIndex
+from rtgen.cli.can.decoding.decoder import Decoded, Decoder
+from rtgen.cli.can.decoding.node_index import NodeIndex
 from rtgen.cli.common import Refusal
 from rtgen.cli.rpc.values import Json
 from rtgen.runtime.canopen.bus.messages import frame_of

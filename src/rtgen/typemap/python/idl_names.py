@@ -31,9 +31,9 @@ from rtgen.model import (
     Valuetype,
 )
 from rtgen.model.components import Component
-from rtgen.typemap.implementation_modules import implementation_modules
-from rtgen.typemap.python_names import identifier, scope_modules
-from rtgen.typemap.python_support import HOMES
+from rtgen.typemap.python.implementation_modules import implementation_modules
+from rtgen.typemap.python.names import identifier, scope_modules
+from rtgen.typemap.python.support import HOMES
 
 CODEC = frozenset(
     {

@@ -38,8 +38,8 @@ from rtgen.model import (
     Valuetype,
 )
 from rtgen.model.components import Component
-from rtgen.typemap.idl_python_names import OWN_NAMES
-from rtgen.typemap.python_names import identifier
+from rtgen.typemap.python.idl_names import OWN_NAMES
+from rtgen.typemap.python.names import identifier
 
 
 @dataclass(frozen=True, slots=True)

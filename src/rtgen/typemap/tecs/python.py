@@ -18,8 +18,8 @@ from rtgen.layouts.tdr import (
 )
 from rtgen.model import ScopedName
 from rtgen.model.tecs import Signature
-from rtgen.typemap.python_names import identifier, module_name
-from rtgen.typemap.python_support import BASE_NAMES, HOMES
+from rtgen.typemap.python.names import identifier, module_name
+from rtgen.typemap.python.support import BASE_NAMES, HOMES
 
 CODEC_IMPORTS: Mapping[str, tuple[str, ...]] = {
     "channel": ("More",),

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from rtgen.cli.can.frame_parsing import frame_of_text
-from rtgen.cli.can.node_index import NodeIndex
+from rtgen.cli.can.decoding.node_index import NodeIndex
+from rtgen.cli.can.parsing.frames import frame_of_text
 from rtgen.cli.common import Refusal
 from rtgen.diagnostics import ToolError
 from rtgen.runtime.canopen.wire.frames import Frame

@@ -31,7 +31,7 @@ from rtgen.model import (
     StringType,
     Type,
 )
-from rtgen.typemap.parameter_types import WORDS
+from rtgen.typemap.components.parameter_types import WORDS
 
 
 class ValueMismatchError(ValueError):

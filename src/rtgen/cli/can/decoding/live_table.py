@@ -11,8 +11,8 @@ from rich.console import Console as Terminal
 from rich.live import Live
 from rich.table import Table
 
-from rtgen.cli.can.decoding import Decoded
-from rtgen.cli.can.frame_printing import MessageDecoder, Wanted, identifier
+from rtgen.cli.can.decoding.decoder import Decoded
+from rtgen.cli.can.decoding.frame_printing import MessageDecoder, Wanted, identifier
 
 if TYPE_CHECKING:
     from can import Message

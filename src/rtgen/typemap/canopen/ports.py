@@ -23,8 +23,8 @@ from rtgen.model.canopen import (
     PdoDirection,
     Variable,
 )
-from rtgen.typemap.canopen_idl import row
-from rtgen.typemap.canopen_names import field_names, numbered
+from rtgen.typemap.canopen.idl import row
+from rtgen.typemap.canopen.names import field_names, numbered
 
 STAMP = "tm"
 """The first member of every sample, an `RTC::Time`: the time of measurement or arrival."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 
-from rtgen.cli.can.bus_session import BusSession
+from rtgen.cli.can.live.bus_session import BusSession
 from rtgen.runtime.canopen.bus.python_can import OpenBus
 from rtgen.runtime.canopen.wire.frames import (
     ERROR_CONTROL,

@@ -1,0 +1,1 @@
+"""Decodes CANopen frames, and prints them as text, JSON, tables and diagrams."""

@@ -1,0 +1,1 @@
+"""Runs protocols on an open bus: frames as they arrive, SDO, LSS, scans."""

@@ -1,0 +1,1 @@
+"""Parses frames and values as users write them, sequences of frames, and bus logs."""

@@ -1,0 +1,1 @@
+"""Properties of components: callbacks, annotations, names, and configuration parameters."""

@@ -1,0 +1,1 @@
+"""RtcProfile: rules, escapes, dates, and facts that its attributes cannot express."""

@@ -1,0 +1,1 @@
+"""Python names and types for declarations of IDL."""

@@ -1,0 +1,1 @@
+"""TECS (CDL) to IDL and Python, and the texts of functions."""
