@@ -5,10 +5,11 @@ import { Naming } from "./Naming.tsx";
 import type { Command, EditState, SystemState } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
 
-/** What a system is chosen by: its name first, which is not cut then. */
-function named(file: string): string {
-  const [, folder, name] = /^(?:(.*)\/)?([^/]*?)(?:\.xml)?$/.exec(file)!;
-  return folder ? `${name} (${folder})` : name!;
+/** The names of systems by their files, with the folder where a name alone is ambiguous. */
+function namesOf(files: readonly string[]): ReadonlyMap<string, string> {
+  const parts = files.map((file) => /^(?:(.*)\/)?([^/]*?)(?:\.xml)?$/.exec(file)!);
+  const isAmbiguous = (name: string) => parts.filter((each) => each[2] === name).length > 1;
+  return new Map(parts.map(([file, folder, name]) => [file, folder && isAmbiguous(name!) ? `${name} (${folder})` : name!]));
 }
 
 /** A button that keeps the focus when there is nothing more to do. */
@@ -33,7 +34,20 @@ function Save({ edits, full }: { edits: EditState; full: boolean }) {
         if (enabled) void store.order({ case: "file", value: name.trim() }).then((result) => result.done && edit(undefined));
       }}
     >
-      <input aria-label="File of the system" placeholder="system.xml" title={name} disabled={!full} value={name} onChange={(e) => edit(e.target.value)} />
+      <textarea
+        aria-label="File of the system"
+        placeholder="system.xml"
+        rows={1}
+        title={name}
+        disabled={!full}
+        value={name}
+        onChange={(e) => edit(e.target.value.replace(/[\r\n]/g, ""))}
+        onKeyDown={(e) => {
+          if (e.key !== "Enter") return;
+          e.preventDefault();
+          e.currentTarget.form!.requestSubmit();
+        }}
+      />
       <button type="submit" aria-disabled={!enabled}>
         Save
       </button>
@@ -65,11 +79,11 @@ export function Palette(props: { system: SystemState; full: boolean; selected: s
       {system.systems.length > 1 && (
         <label>
           System
-          <select disabled={!full} value={system.edits.file} onChange={(e) => store.order({ case: "system", value: e.target.value })}>
+          <select title={system.edits.file} disabled={!full} value={system.edits.file} onChange={(e) => store.order({ case: "system", value: e.target.value })}>
             {!system.systems.includes(system.edits.file) && <option value={system.edits.file}>{system.name}</option>}
-            {system.systems.map((file) => (
+            {[...namesOf(system.systems)].map(([file, name]) => (
               <option key={file} value={file}>
-                {named(file)}
+                {name}
               </option>
             ))}
           </select>

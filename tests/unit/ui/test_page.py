@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import threading
 from typing import Any
 
@@ -9,6 +10,7 @@ import pytest
 from patience import PATIENCE
 from ui_bench import until
 
+from rtgen import runtime
 from rtgen.ui.session import Session
 
 pytestmark = [pytest.mark.slow, pytest.mark.peer]
@@ -54,6 +56,80 @@ def test_states_by_keyboard(page: Any, session: Session) -> None:
     page.keyboard.press("Enter")
     until(page, lambda: state(session) == "STATE_INACTIVE")
     activate_all(page, session)
+
+
+def test_all_components_at_once(page: Any, session: Session) -> None:
+    """Buttons for all components, by mouse and by keyboard; one component fails."""
+    component: Any = session.system.component(ODOMETRY)
+
+    def failing(ec_id: int) -> runtime.ReturnCode_t:
+        return runtime.RTC_ERROR
+
+    def states() -> set[str]:
+        return {state(session, instance) for instance in session.system.instances}
+
+    def press(name: str, *, mouse: bool) -> None:
+        button = page.get_by_role("button", name=name, exact=True)
+        if mouse:
+            button.click()
+        else:
+            button.press("Enter")
+
+    for mouse in (True, False):
+        component.on_execute = failing
+        until(page, lambda: state(session) == "STATE_ERROR")
+        page.get_by_label(f"{ODOMETRY}, Odometry, ERROR").wait_for()
+        del component.on_execute
+        press("Reset all", mouse=mouse)
+        until(page, lambda: states() == {"STATE_ACTIVE", "STATE_INACTIVE"})
+        press("Deactivate all", mouse=mouse)
+        until(page, lambda: states() == {"STATE_INACTIVE"})
+        press("Activate all", mouse=mouse)
+        until(page, lambda: states() == {"STATE_ACTIVE"})
+
+
+def test_execution_contexts_are_shown(page: Any, session: Session) -> None:
+    page.get_by_role("combobox", name="Component").select_option(ODOMETRY)
+    panel = page.get_by_role("complementary")
+    panel.get_by_text(re.compile(r"100 Hz periodic, \d+ ticks, 0 overruns")).wait_for()
+
+
+def test_a_component_is_added_by_mouse_and_keyboard(
+    page: Any, session: Session
+) -> None:
+    add = page.get_by_role("button", name="Add Odometry", exact=True)
+    if not add.is_visible():
+        page.get_by_text("Components", exact=True).click()
+    add.click()
+    until(page, lambda: "Odometry1" in session.system.instances)
+    page.get_by_label("Odometry1, Odometry, INACTIVE").wait_for()
+    add.press("Enter")
+    until(page, lambda: "Odometry2" in session.system.instances)
+    undo = page.get_by_role("button", name="Undo", disabled=False)
+    undo.click()
+    until(page, lambda: "Odometry2" not in session.system.instances)
+    undo.press("Enter")
+    until(page, lambda: "Odometry1" not in session.system.instances)
+
+
+def test_a_box_is_moved_by_mouse(page: Any, session: Session) -> None:
+    x, y = session.places[ODOMETRY]
+    page.get_by_role("button", name="Arranged").click()
+    page.get_by_role("button", name="Fit View").click()
+    head = page.get_by_label(f"{ODOMETRY}, Odometry, ACTIVE").locator(".head")
+    head.hover()  # waits until the box stands still
+    box = head.bounding_box()
+    at_x, at_y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.down()
+    page.mouse.move(at_x + 40, at_y + 40, steps=5)
+    page.mouse.up()
+    until(page, lambda: session.places[ODOMETRY] != (x, y))
+    to_x, to_y = session.places[ODOMETRY]
+    assert to_x > x
+    assert to_y > y
+    page.get_by_role("button", name="Undo", disabled=False).click()
+    until(page, lambda: session.places[ODOMETRY] == (x, y))
+    page.get_by_role("button", name="Arranged").click()
 
 
 def test_a_box_is_moved_by_keyboard(page: Any, session: Session) -> None:
@@ -186,13 +262,40 @@ def test_values_and_configuration(page: Any, session: Session) -> None:
     until(page, lambda: text() == "0.25")
 
 
-def test_time(page: Any, session: Session) -> None:
-    page.get_by_role("button", name="Pause").click()
+def test_time_by_keyboard(page: Any, session: Session) -> None:
+    page.get_by_role("button", name="Pause").press("Enter")
     until(page, lambda: not session.time().playing)
     page.get_by_role("button", name="Play").wait_for()
     before = session.now
-    page.get_by_role("button", name="Step").focus()
-    page.keyboard.press("Enter")
+    page.get_by_role("button", name="Step").press("Enter")
     until(page, lambda: session.now > before)
+    speed = page.get_by_label("Speed")
+    speed.press("ArrowDown")
+    until(page, lambda: session.time().speed == 2.0)
+    until(page, lambda: speed.input_value() == "2")
+    speed.press("ArrowUp")
+    until(page, lambda: session.time().speed == 1.0)
+    page.get_by_role("button", name="Play").press("Enter")
+    until(page, lambda: session.time().playing)
+    page.get_by_role("button", name="Pause").wait_for()
+
+
+def test_time_by_mouse(page: Any, session: Session) -> None:
+    page.get_by_role("button", name="Pause").click()
+    until(page, lambda: not session.time().playing)
+    before = session.now
+    page.get_by_role("button", name="Step").click()
+    until(page, lambda: session.now > before)
+    goal = round(session.now + 0.5, 1)
+    page.get_by_label("Go to time in seconds").fill(str(goal))
+    page.get_by_role("button", name="Go", exact=True).click()
+    until(page, lambda: session.now >= goal)
+    slider = page.get_by_role("slider", name="Look at time")
+    slider.click()
+    page.get_by_role("status").get_by_text("looking back").wait_for()
+    shown = page.get_by_label("Time of the run").inner_text()
+    assert 0.0 < float(shown.removesuffix(" s")) < session.now
+    page.get_by_role("button", name="Live").click()
+    page.get_by_role("status").get_by_text(re.compile("^live")).wait_for()
     page.get_by_role("button", name="Play").click()
     until(page, lambda: session.time().playing)

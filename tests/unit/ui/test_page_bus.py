@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -75,7 +76,8 @@ def test_nodes_are_stopped_and_started(bus: Any, session: Session) -> None:
     until(bus, lambda: state() == "stopped")
     bus.get_by_role("row", name="front_left stopped").wait_for()
     bus.get_by_role("button", name="1 front_left stopped, node of can0").wait_for()
-    control.select_option("start")
+    control.focus()
+    bus.keyboard.type("start")
     until(bus, lambda: state() == "operational")
 
 
@@ -86,7 +88,15 @@ def test_objects_are_read_and_written(bus: Any) -> None:
     field = region.get_by_label("New value of 6083h:0")
     field.fill("1234")
     field.press("Enter")
-    region.get_by_role("status", name="Value of 6083h:0").get_by_text("1234").wait_for()
+    value = region.get_by_role("status", name="Value of 6083h:0")
+    value.get_by_text("1234").wait_for()
+    field.fill("4321")
+    region.get_by_role("button", name="Write 6083h:0").click()
+    value.get_by_text("4321").wait_for()
+    region.get_by_label("Objects", exact=True).fill("6041")
+    region.get_by_role("button", name="Read 6041h:0").click()
+    state = region.get_by_role("status", name="Value of 6041h:0")
+    state.get_by_text(re.compile(r"\d")).wait_for()
 
 
 def test_frames_are_sent(bus: Any, session: Session) -> None:
@@ -101,6 +111,8 @@ def test_frames_are_sent(bus: Any, session: Session) -> None:
     frame.fill("7a0#0102")
     frame.press("Enter")
     until(bus, lambda: seen.count(0x7A0) == 1)
+    bus.get_by_role("button", name="Send once").click()
+    until(bus, lambda: seen.count(0x7A0) == 2)
     frame.fill("089#1081010000000000")
     frame.press("Enter")
     history = bus.get_by_role("table", name="Emergencies")

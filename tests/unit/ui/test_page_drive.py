@@ -8,13 +8,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from ui_bench import NARROW, ROOT, WIDE, anew, until
+from ui_bench import ROOT, WIDE, anew, until
 
 from rtgen.ui.session import Session
 
 pytestmark = [pytest.mark.slow, pytest.mark.peer]
 ROBOTS = ("OmniWheel0", "SegwayRmp0", "RefHard0", "BlackShip0")
-narrow_only = pytest.mark.parametrize("look", [NARROW], indirect=True)
 wide_only = pytest.mark.parametrize("look", [WIDE], indirect=True)
 
 
@@ -64,7 +63,6 @@ def pull(page: Any, stick: Any) -> None:
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
-@wide_only
 def test_each_robot_is_driven_by_mouse_and_keyboard(
     stick: Any, session: Session, robot: str
 ) -> None:
@@ -103,7 +101,6 @@ def test_a_robot_stops_when_the_page_is_left(
     stick.keyboard.up("KeyW")
 
 
-@narrow_only
 def test_a_robot_is_driven_by_touch(stick: Any, session: Session) -> None:
     pad = take(stick, "BlackShip0")
     pad.scroll_into_view_if_needed()
@@ -122,7 +119,6 @@ def test_a_robot_is_driven_by_touch(stick: Any, session: Session) -> None:
     until(stick, lambda: speed(session, "BlackShip0") < 0.01)
 
 
-@narrow_only
 def test_a_gamepad_drives_sideways(stick: Any, session: Session) -> None:
     take(stick, "OmniWheel0")
     pads = "navigator.getGamepads = () => [{ connected: true, axes: [0, 0, %s, 0] }]"
