@@ -17,10 +17,10 @@ ROOT = Path(__file__).resolve().parents[2]
 FOLDERS = ("specs", "src", "tests")
 WITHOUT_TOKENS = {
     "CDL0003_not_a_text_file",
-    "CDL0100_character_that_cannot_stand_here",
+    "CDL0100_character_that_is_not_allowed_here",
     "CDL0101_comment_that_is_never_closed",
     "CDL0102_string_that_is_never_closed",
-    "IDL0004_character_that_cannot_stand_here",
+    "IDL0004_character_that_is_not_allowed_here",
     "IDL0007_comment_that_is_never_closed",
     "IDL0108_string_that_is_never_closed",
     "full_width_marks",

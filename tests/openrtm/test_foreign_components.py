@@ -322,9 +322,9 @@ def test_a_page_shows_and_steers_it(
         if (each.port.instance, each.port.port) == (name, "positon")
     ]
     page.done("channels", [channel.id])
-    neighbours = page.session.neighbours
-    assert neighbours is not None
-    found = neighbours._found[name]
+    watcher = page.session.watcher
+    assert watcher is not None
+    found = watcher._found[name]
     until(lambda: found.ports["positon"].connector_profiles, PATIENCE)
     page.done("activated", [name])
     until(lambda: now().current is ui.State.STATE_ACTIVE, PATIENCE)

@@ -9,7 +9,7 @@ import type { Channel, SystemState } from "./protocol/Ui.ts";
 import type { Track } from "./store.ts";
 import { store } from "./store.ts";
 
-const LONGEST_TRAIL = 5000;
+const MAX_TRAIL_LENGTH = 5000;
 /** Pose that has moved less adds nothing to its trail [m]. */
 const NEAREST = 0.005;
 const LEGEND_EVERY = 200;
@@ -98,7 +98,7 @@ class Scene {
     const last = trail.at(-2);
     if (last && Math.hypot(pose.x - last.x, pose.y - last.y) < NEAREST) trail.pop();
     trail.push(pose);
-    if (trail.length > LONGEST_TRAIL) trail.splice(0, trail.length - LONGEST_TRAIL);
+    if (trail.length > MAX_TRAIL_LENGTH) trail.splice(0, trail.length - MAX_TRAIL_LENGTH);
   }
 
   forget(): void {

@@ -5,7 +5,7 @@ import uPlot from "uplot";
 import type { Track } from "./store.ts";
 import { store } from "./store.ts";
 
-const MOST_CURVES = 8;
+const MAX_CURVES = 8;
 
 /** How much time plots show [s]; 0: the run. */
 const SPANS = [5, 30, 0];
@@ -20,7 +20,7 @@ export interface Curves {
 /** The curves of a track of samples. */
 export function curvesOf(track: Track | undefined): Curves | undefined {
   if (!track) return undefined;
-  const curves = [...track.numbers].filter(([name]) => !/^tm\b/.test(name)).slice(0, MOST_CURVES);
+  const curves = [...track.numbers].filter(([name]) => !/^tm\b/.test(name)).slice(0, MAX_CURVES);
   return { names: curves.map(([name]) => name), data: [track.times, ...curves.map(([, row]) => row)] };
 }
 

@@ -10,7 +10,7 @@ import { CdrError, deserialize, serialize } from "./protocol/_cdr.ts";
 import { leaves, store } from "./store.ts";
 
 /** How often a form calls its operation at once. */
-const MOST_CALLS = 500;
+const MAX_CALLS = 500;
 /** Calls that wait for their results. */
 const AT_ONCE = 100;
 const SHOWN = 20;
@@ -83,7 +83,7 @@ function OperationForm(props: { port: PortAddress; interfaceName: string; operat
             Call
           </button>{" "}
           <label>
-            <input type="number" className="times" min={1} max={MOST_CALLS} disabled={!full} value={times} aria-label={`Times ${operation.name} is called`} onChange={(e) => setTimes(Math.min(Math.max(Math.trunc(e.target.valueAsNumber) || 1, 1), MOST_CALLS))} />
+            <input type="number" className="times" min={1} max={MAX_CALLS} disabled={!full} value={times} aria-label={`Times ${operation.name} is called`} onChange={(e) => setTimes(Math.min(Math.max(Math.trunc(e.target.valueAsNumber) || 1, 1), MAX_CALLS))} />
             times
           </label>
         </>

@@ -5,7 +5,7 @@ import type { SystemState } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
 
 /** Of the slider [s], and how many of them it has. */
-const SHORTEST = 0.001;
+const MIN_STEP = 0.001;
 const STEPS = 1000;
 /** How much of a recording is played at once [s]. */
 const FRAME = 0.1;
@@ -90,8 +90,8 @@ export function TimeBar({ system, full }: { system: SystemState; full: boolean }
         aria-label="Look at time"
         aria-valuetext={`${time.now.toFixed(3)} s`}
         min={time.first}
-        max={Math.max(time.last, time.first + SHORTEST)}
-        step={Math.max((time.last - time.first) / STEPS, SHORTEST)}
+        max={Math.max(time.last, time.first + MIN_STEP)}
+        step={Math.max((time.last - time.first) / STEPS, MIN_STEP)}
         value={time.now}
         onChange={(e) => void store.look(Number(e.target.value))}
       />

@@ -27,7 +27,7 @@ const INTEGERS: Partial<Record<TypeNode["kind"], readonly [bigint, bigint]>> = {
   TYPE_ULONGLONG: [0n, (1n << 64n) - 1n],
 };
 
-const MOST_ELEMENTS = 256;
+const MAX_ELEMENTS = 256;
 
 /** The least and greatest value of an integer type or bitmask; undefined for other types. */
 export function range(node: TypeNode): readonly [bigint, bigint] | undefined {
@@ -63,7 +63,7 @@ export function draft(table: TypeTable, type: number): Draft {
       return [];
     case "TYPE_ARRAY": {
       const length = each.dimensions.reduce((product, one) => product * one, 1);
-      if (length > MOST_ELEMENTS) throw new DraftError(`an array of ${length} elements is too long for a form`);
+      if (length > MAX_ELEMENTS) throw new DraftError(`an array of ${length} elements is too long for a form`);
       return Array.from({ length }, () => draft(table, each.element));
     }
     case "TYPE_STRUCT":

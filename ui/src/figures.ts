@@ -32,8 +32,8 @@ export type Figure =
 type Value = Record<string, any>;
 
 /** The greatest numbers that are drawn. */
-const MOST_POINTS = 20_000;
-const MOST_CELLS = 1 << 22;
+const MAX_POINTS = 20_000;
+const MAX_CELLS = 1 << 22;
 
 function yaw({ x, y, z, w }: Value): number {
   return Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
@@ -71,7 +71,7 @@ const FIGURES: readonly Form[] = [
 
 function scan(ranges: ArrayLike<number>, first: number, step: number, least: number, most: number, mount: Pose): Figure {
   const points: Pose[] = [];
-  for (let i = 0; i < Math.min(ranges.length, MOST_POINTS); i++) {
+  for (let i = 0; i < Math.min(ranges.length, MAX_POINTS); i++) {
     const range = ranges[i]!;
     if (!(range > 0 && range >= least && (most <= 0 || range <= most))) continue;
     const angle = first + i * step;
@@ -88,7 +88,7 @@ function rangeData({ ranges, geometry, config }: Value): Figure {
 
 function occupancyGrid({ info, data }: Value): Figure | undefined {
   const { width: columns, height: rows, resolution, origin } = info;
-  if (!(columns > 0 && rows > 0 && resolution > 0 && columns * rows === data.length && data.length <= MOST_CELLS)) return undefined;
+  if (!(columns > 0 && rows > 0 && resolution > 0 && columns * rows === data.length && data.length <= MAX_CELLS)) return undefined;
   const cells = Float32Array.from(data as ArrayLike<number>, (cell) => (cell < 0 || cell > 100 ? NaN : cell / 100));
   const pose = POSES[1]![1](origin);
   return { kind: "grid", grid: { columns, rows, width: resolution, height: resolution, origin: pose, cells } };
@@ -130,7 +130,7 @@ export function reader(table: TypeTable, type: number, depth = 0): Reader | unde
 /** A sequence of poses is a path, one of points is a scan: obstacles in the frame of the body. */
 function listReader(table: TypeTable, list: TypeNode): Reader | undefined {
   const inner = reader(table, list.element, DEEPEST - 1);
-  const bounded = (value: unknown) => Array.from(value as ArrayLike<unknown>).slice(0, MOST_POINTS);
+  const bounded = (value: unknown) => Array.from(value as ArrayLike<unknown>).slice(0, MAX_POINTS);
   if (inner?.kind === "pose")
     return {
       kind: "path",

@@ -9,7 +9,7 @@ export interface Step {
   frame: Omit<SendFrame, "bus">;
 }
 
-const MOST_STEPS = 1000;
+const MAX_STEPS = 1000;
 
 /** `id#octets` or `id#R`, all hexadecimal, ids of more than three digits extended, as candump writes. */
 export function frameOf(text: string): Step["frame"] | undefined {
@@ -31,6 +31,6 @@ export function stepsOf(text: string): Step[] | string {
     if (!frame || !/^\d+(\.\d+)?$/.test(time)) return `line ${i + 1}: a time in seconds and a frame are needed, as 0.5 181#0102`;
     steps.push({ time: Number(time), frame });
   }
-  if (steps.length > MOST_STEPS) return `at most ${MOST_STEPS} frames`;
+  if (steps.length > MAX_STEPS) return `at most ${MAX_STEPS} frames`;
   return steps.sort((a, b) => a.time - b.time);
 }

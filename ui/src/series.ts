@@ -1,9 +1,9 @@
 /** Values over time, of which old ones are thinned out when there are too many. */
 
-import { MOST_SAMPLES } from "./protocol/Ui.ts";
+import { MAX_SAMPLES } from "./protocol/Ui.ts";
 
 /** Whether a series is full: it then keeps its newest half, and every other value of those before. */
-export const isFull = (series: readonly unknown[]): boolean => series.length >= MOST_SAMPLES;
+export const isFull = (series: readonly unknown[]): boolean => series.length >= MAX_SAMPLES;
 
 export function thin<T>(series: T[]): void {
   const half = series.length >> 1;

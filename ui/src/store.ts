@@ -47,7 +47,7 @@ export interface Page {
   span: number;
 }
 
-const MOST_LINES = 500;
+const MAX_LINES = 500;
 const RECONNECT_AFTER = 1000;
 
 const unavailable: Page = {
@@ -185,7 +185,7 @@ export class Store {
   private line(time: number, instance: string, text: string): void {
     this.page = {
       ...this.page,
-      lines: [...this.page.lines, { time, instance, text }].slice(-MOST_LINES),
+      lines: [...this.page.lines, { time, instance, text }].slice(-MAX_LINES),
     };
   }
 
@@ -361,14 +361,14 @@ function replaced<T>(list: readonly T[], item: T, key: (item: T) => unknown): T[
   return at < 0 ? [...list, item] : list.map((each, i) => (i === at ? item : each));
 }
 
-const MOST_LEAVES = 64;
+const MAX_LEAVES = 64;
 
 /** The values in a sample with their paths, the first of them if there are many. */
 export function leaves(value: unknown, path = "", found: [string, unknown][] = []): [string, unknown][] {
-  if (found.length >= MOST_LEAVES) return found;
+  if (found.length >= MAX_LEAVES) return found;
   if (Array.isArray(value) || ArrayBuffer.isView(value)) {
     const items = value as unknown as ArrayLike<unknown>;
-    for (let i = 0; i < items.length && found.length < MOST_LEAVES; i++) leaves(items[i], `${path}[${i}]`, found);
+    for (let i = 0; i < items.length && found.length < MAX_LEAVES; i++) leaves(items[i], `${path}[${i}]`, found);
   } else if (value instanceof Map) {
     for (const [key, item] of value) leaves(item, `${path}[${String(key)}]`, found);
   } else if (value && typeof value === "object") {

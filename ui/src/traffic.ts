@@ -3,11 +3,11 @@
 import type { BoardCall, BusLoad, Frame } from "./protocol/Ui.ts";
 import { isFull, thin } from "./series.ts";
 
-const MOST_FRAMES = 1000;
-const MOST_SIGNALS = 512;
-const MOST_EMERGENCIES = 200;
-const MOST_LOADS = 600;
-const MOST_CALLS = 1000;
+const MAX_FRAMES = 1000;
+const MAX_SIGNALS = 512;
+const MAX_EMERGENCIES = 200;
+const MAX_LOADS = 600;
+const MAX_CALLS = 1000;
 
 export interface Signal {
   unit: string;
@@ -28,14 +28,14 @@ export class Traffic {
   callCount = 0;
 
   frame(frame: Frame): void {
-    append(this.frames, frame, MOST_FRAMES);
-    if (frame.kind === "emcy") append(this.emergencies, frame, MOST_EMERGENCIES);
+    append(this.frames, frame, MAX_FRAMES);
+    if (frame.kind === "emcy") append(this.emergencies, frame, MAX_EMERGENCIES);
     for (const field of frame.fields) {
       if (!field.numeric) continue;
       const key = `${frame.bus} ${frame.node_id < 0 ? "" : frame.node_id} ${frame.kind}.${field.name}`;
       let signal = this.signals.get(key);
       if (!signal) {
-        if (this.signals.size >= MOST_SIGNALS) continue;
+        if (this.signals.size >= MAX_SIGNALS) continue;
         signal = { unit: field.unit, times: [], numbers: [] };
         this.signals.set(key, signal);
       }
@@ -48,12 +48,12 @@ export class Traffic {
   load(load: BusLoad): void {
     const loads = this.loads.get(load.bus) ?? [];
     this.loads.set(load.bus, loads);
-    append(loads, load, MOST_LOADS);
+    append(loads, load, MAX_LOADS);
   }
 
   call(call: BoardCall): void {
     this.callCount += 1;
-    append(this.calls, call, MOST_CALLS);
+    append(this.calls, call, MAX_CALLS);
   }
 
   /** The calls after the first `count`, those of them that are kept. */

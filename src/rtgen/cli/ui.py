@@ -1,4 +1,4 @@
-"""The command `rtgen ui`: a system, run for pages in a browser."""
+"""The command `rtgen ui`: runs a system and shows it in a browser."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ class CommandProject:
                 f"a name that ends in {', '.join(_SUFFIXES)}, beside the system",
             )
         if path.exists() and not is_system(path):
-            raise CommandError(FILE, f"{file} is there and is not a system")
+            raise CommandError(FILE, f"{file} exists and is not a system")
         part = path.with_name(f".{path.name}.{os.getpid()}.part")
         try:
             part.write_text(text, encoding="utf-8")
@@ -278,7 +278,7 @@ def _opened(name_server: str, closing: ExitStack) -> CorbaTransport:
     "--port",
     type=WholeRange(0, 65535),
     default=0,
-    help="The port on 127.0.0.1, where pages find the command again; by default any that is free.",
+    help="Port on 127.0.0.1, where pages reconnect after a restart; default: any free port.",
 )
 @click.option(
     "--bus",
@@ -293,18 +293,23 @@ def _opened(name_server: str, closing: ExitStack) -> CorbaTransport:
     multiple=True,
     type=Place(),
     metavar="HOST[:PORT]",
-    help="Show the components that a naming service (CORBA) has, too.",
+    help="Also show the components of a CORBA naming service.",
 )
 @click.option(
     "--transport",
     type=click.Choice(["direct", "corba"]),
     default="direct",
-    help="corba: the naming service gets the components of this system, too (real time).",
+    help="corba: also bind the components of this system in the naming service (real time).",
 )
 @with_recording
-@click.option("--read-only", is_flag=True, help="Print the address to look only, too.")
+@click.option("--read-only", is_flag=True, help="Also print a read-only address.")
 @click.option("--open/--no-open", "opened", default=True, help="Open a browser.")
-@click.option("--play/--pause", "playing", default=True, help="Let time pass at once.")
+@click.option(
+    "--play/--pause",
+    "playing",
+    default=True,
+    help="Start the run at once.",
+)
 @with_console
 def ui(
     console: Console,
@@ -321,11 +326,10 @@ def ui(
 ) -> int:
     """Show a system in a browser: wire it, drive it, watch it.
 
-    SYSTEM is an RtsProfile, or a folder with system.xml; the page can change to the others. In
-    place of systems a recording (FILE.mcap) is shown, or two beside each other: nothing runs. With
-    systems, one recording is shown beside what runs. With
-    --nameserver no SYSTEM is needed. The page is at 127.0.0.1 only; its address has a token that
-    others do not know.
+    SYSTEM is an RtsProfile, or a folder with system.xml. The page shows the first one and can open
+    the others. Instead of systems, one recording (FILE.mcap) is shown, or two are compared. A
+    recording given with systems is compared with the running one. With --nameserver, SYSTEM is
+    optional. The page is served at 127.0.0.1 only; its address contains a secret token.
     """
     if not systems and not name_servers:
         raise click.UsageError(
@@ -364,15 +368,19 @@ def ui(
     tokens = tokens_of(port) if port else None
     others = [each for each in systems if each not in recordings]
     if recordings and (len(recordings) > (1 if others else 2)):
-        raise Refusal("a recording is shown beside a system or beside another one")
+        raise Refusal(
+            "a recording can be compared with one system or one other recording"
+        )
     if recordings and not others:
         if name_servers or recording.file is not None:
-            raise Refusal("a recording is shown alone: there is nothing that runs")
+            raise Refusal(
+                "a recording is shown without --nameserver and --record: no system runs"
+            )
         project = CommandProject(console, [], described)
         session = Recorded(recordings, project.describer, project.codec)
         if session.left_out:
             console.say(
-                f"shown from {session.history.first:.3f} s on: the rest is too much"
+                f"the recording is too large: shown from {session.history.first:.3f} s on"
             )
         server = Server(session, _LOOPBACK, port, tokens=tokens)
     else:
@@ -394,7 +402,7 @@ def ui(
     def ready() -> None:
         write_out(f"{server.address(full=True)}\n")
         if read_only:
-            write_out(f"to look only: {server.address(full=False)}\n")
+            write_out(f"read-only: {server.address(full=False)}\n")
         if opened:
             webbrowser.open(server.address(full=True))
 

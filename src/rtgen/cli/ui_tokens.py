@@ -12,7 +12,7 @@ from typing import Final
 from rtgen.project.cache import user_folder
 from rtgen.ui.server import Tokens
 
-LONGEST: Final = 24 * 3600.0
+MAX_AGE: Final = 24 * 3600.0
 """Lifetime of stored tokens since the last start [s]."""
 _MAX_OCTETS: Final = 1024
 
@@ -36,7 +36,7 @@ def _read(file: Path) -> Tokens | None:
         return None
     with os.fdopen(number, encoding="ascii", errors="replace") as stream:
         found = os.fstat(number)
-        is_recent = time.time() - found.st_mtime < LONGEST
+        is_recent = time.time() - found.st_mtime < MAX_AGE
         if not (is_recent and stat.S_ISREG(found.st_mode) and _is_private(found)):
             return None
         full, _, read_only = stream.read(_MAX_OCTETS).partition(" ")

@@ -21,7 +21,7 @@ class Severity(StrEnum):
     NOTE = "note"
 
 
-LONGEST_TEXT = 1000
+MAX_TEXT_LENGTH = 1000
 """Maximum length of a message, hint or label in characters; quotations of a file may be longer."""
 
 
@@ -99,7 +99,7 @@ class Rule(msgspec.Struct, frozen=True):
         related: Iterable[Related] = (),
         hint: str | None = None,
     ) -> Diagnostic:
-        """Return a diagnostic of this rule; texts longer than LONGEST_TEXT are cut in the middle.
+        """Return a diagnostic; texts longer than MAX_TEXT_LENGTH are cut in the middle.
 
         Without a `hint`, the rule's hint in `hints.toml` is used, if there is one.
         """
@@ -123,9 +123,9 @@ def _hints() -> dict[str, str]:
 
 
 def _shortened(text: str) -> str:
-    if len(text) <= LONGEST_TEXT:
+    if len(text) <= MAX_TEXT_LENGTH:
         return text
-    half = LONGEST_TEXT // 2
+    half = MAX_TEXT_LENGTH // 2
     return f"{text[:half]} [...] {text[-half:]}"
 
 

@@ -50,7 +50,7 @@ def rules() -> MappingProxyType[str, Rule]:
     found: dict[str, Rule] = {}
     for name in MODULES:
         for rule in import_module(name).RULES:
-            assert rule.code not in found, f"{rule.code} stands for two rules"
+            assert rule.code not in found, f"{rule.code} is the code of two rules"
             found[rule.code] = rule
     for name, brought in plugins.loaded(plugins.Group.RULES):
         for rule in brought:

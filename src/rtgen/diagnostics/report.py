@@ -22,7 +22,7 @@ _TAB = 4
 _WINDOW = 100
 _COLOURS = {Severity.ERROR: "1;31", Severity.WARNING: "1;33", Severity.NOTE: "1;36"}
 _BEFORE = 40
-_LONGEST_TEXT = 33_554_432
+_MAX_TEXT_LENGTH = 33_554_432
 _SARIF_SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 
 
@@ -125,7 +125,7 @@ class _Texts:
             if not path.is_file():
                 return ""
             with path.open(encoding="utf-8", errors="replace", newline="") as stream:
-                return stream.read(_LONGEST_TEXT)
+                return stream.read(_MAX_TEXT_LENGTH)
         except (OSError, ValueError):
             return ""
 

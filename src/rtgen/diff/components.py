@@ -128,7 +128,7 @@ class _Components:
             yield from self._port(one, other)
         common = [p.name for p in self._old.ports if p.name in new]
         if common != [p.name for p in self._new.ports if p.name in old]:
-            text = f"the ports of {self._new.scoped} stand in another order"
+            text = f"the ports of {self._new.scoped} are in another order"
             spans = (self._old.span, self._new.span)
             yield change(kinds.PORTS_REORDERED, self._new.scoped, text, *spans)
 

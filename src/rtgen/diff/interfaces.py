@@ -126,7 +126,7 @@ class _Interfaces:
             [o.name for o in self._old.operations],
             [o.name for o in self._new.operations],
         ):
-            text = f"the operations of {self._new.scoped} stand in another order"
+            text = f"the operations of {self._new.scoped} are in another order"
             spans = (self._old.span, self._new.span)
             yield change(kinds.OPERATIONS_REORDERED, self._new.scoped, text, *spans)
 
@@ -183,7 +183,7 @@ class _Interfaces:
                 continue
             yield from self._parameter(before[key], parameter, f"{name}({key})")
         if _reordered(list(before), list(after)):
-            text = f"the parameters of {name} stand in another order"
+            text = f"the parameters of {name} are in another order"
             yield change(kinds.PARAMETERS_REORDERED, name, text, old.span, new.span)
 
     def _parameter(self, old: Parameter, new: Parameter, name: str) -> Iterator[Change]:

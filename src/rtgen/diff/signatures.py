@@ -172,7 +172,7 @@ def _struct(old: TecsStruct, new: TecsStruct, names: Names) -> Iterator[Change]:
             text = f"member {name} has other size specifiers"
             yield change(kinds.STRUCT_MEMBER_SIZES, name, text, *spans)
     if _reordered([*before], [*after]):
-        text = f"the members of struct {new.scoped} stand in another order"
+        text = f"the members of struct {new.scoped} are in another order"
         yield change(
             kinds.STRUCT_MEMBERS_REORDERED, new.scoped, text, old.span, new.span
         )
@@ -255,7 +255,7 @@ class _Signatures:
                     before[key], parameter, f"{name}({key})", renamed
                 )
         if _reordered([*before], [*after]):
-            text = f"the parameters of {name} stand in another order"
+            text = f"the parameters of {name} are in another order"
             yield change(kinds.PARAMETERS_REORDERED, name, text, *spans)
 
     @staticmethod

@@ -222,7 +222,7 @@ class _Structs:
                 Found(
                     kind=kinds.MEMBERS_REORDERED,
                     subject=self._subject,
-                    message=f"the members of {self._subject} stand in another order",
+                    message=f"the members of {self._subject} are in another order",
                     old=self._old.span,
                     new=self._new.span,
                     top=wires,

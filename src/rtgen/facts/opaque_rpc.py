@@ -11,7 +11,7 @@ FIRST_PORT: Final = 8931
 TIMEOUT: Final = 1.0
 """Default time-out of a call [s]."""
 
-LONGEST_TIMEOUT: Final = 1e6
+MAX_TIMEOUT: Final = 1e6
 """Maximum time-out [s]."""
 
 COMPONENT: Final = "OpaqueRpcCommunication"

@@ -141,7 +141,7 @@ def tokens(text: str, language: Language) -> list[Token]:
                 position = match.end()
                 continue
             if spliced and found and found[-1].kind not in COMMENTS:
-                message = "a token may go on behind this end of a line"
+                message = "a token may continue after this line end"
                 hint = "write a blank before the backslash"
                 raise LexicalError(message, found[-1].end, found[-1].end + 1, hint)
             kind = Kind[name]
@@ -213,5 +213,5 @@ def _fault(text: str, start: int) -> LexicalError:
         message = "this literal is never closed"
         hint = f"close it with {text[start].replace('L', chr(34))}"
         return LexicalError(message, start, len(text) if end < 0 else end, hint)
-    message = f"{text[start]!r} cannot stand here"
+    message = f"{text[start]!r} is not allowed here"
     return LexicalError(message, start, start + 1, "the file is left as it is")

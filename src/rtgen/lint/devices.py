@@ -76,7 +76,7 @@ def names(context: Context) -> Iterator[Diagnostic]:
                 first.span,
                 f"{first.name} is also the name of {numbers}",
                 related=[Related(others[0].span, "and here")],
-                hint="the fields and commands of each of them have its number behind",
+                hint="the number of the object is appended to its fields and commands",
             )
 
 

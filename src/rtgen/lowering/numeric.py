@@ -13,7 +13,7 @@ from typing import Any, Final, TypeVar, cast
 from msgspec.structs import replace
 
 from rtgen.diagnostics import Diagnostic
-from rtgen.facts.numeric import LONGEST_LIST, Numeric
+from rtgen.facts.numeric import MAX_LIST_LENGTH, Numeric
 from rtgen.facts.primitives import NUMBERS, OCTET_TYPES
 from rtgen.lowering.numeric_rules import NO_NUMBERS
 from rtgen.lowering.settings import Settings
@@ -113,7 +113,7 @@ class _Forms:
             return "list"
         if self._default == "array":
             bound = type_.bound if isinstance(type_, SequenceType) else _count(type_)
-            if bound is not None and bound <= LONGEST_LIST:
+            if bound is not None and bound <= MAX_LIST_LENGTH:
                 return "list"
         return self._default
 

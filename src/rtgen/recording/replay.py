@@ -226,7 +226,7 @@ class Replay:
             context = self._system.context(during)
             clock.instants.in_turn_of(context, time, write)
         else:
-            later = clock.instants.behind_ticks
+            later = clock.instants.after_ticks
             self._system.at(time, lambda: later(write))
 
 

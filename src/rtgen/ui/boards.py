@@ -1,4 +1,4 @@
-"""Calls to TECS boards in words: the values in the octets sent by a communication RTC."""
+"""Decodes calls to TECS boards: function and values from the octets of a communication RTC."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from rtgen.runtime.rtc.component import Component
 from rtgen.ui.protocol import ui
 
 _RETURN: Final = "return"
-_MOST_ITEMS: Final = 16
-_LONGEST: Final = 200
-"""Maximum characters of a value."""
+_MAX_ITEMS: Final = 16
+_MAX_TEXT_LENGTH: Final = 200
+"""Maximum length of a value's text."""
 
 CodecOf = Callable[[str], Codec | None]
 """The codec of the marshaller that is connected to a communication RTC; None if none is known."""
@@ -82,7 +82,7 @@ def _names(encoder: Any) -> Sequence[str]:
 
 def _values(names: Sequence[str], values: Sequence[object]) -> list[ui.Value]:
     return [
-        ui.Value(name=name.strip("_"), text=_text(value)[:_LONGEST])
+        ui.Value(name=name.strip("_"), text=_text(value)[:_MAX_TEXT_LENGTH])
         for name, value in zip(names, values, strict=False)
     ]
 
@@ -92,8 +92,8 @@ def _text(value: Any) -> str:
         members = (f"{f.name}: {_text(getattr(value, f.name))}" for f in fields(value))
         return f"{{{', '.join(members)}}}"
     if isinstance(value, list | tuple):
-        more = ", ..." if len(value) > _MOST_ITEMS else ""
-        return f"[{', '.join(map(_text, value[:_MOST_ITEMS]))}{more}]"
+        more = ", ..." if len(value) > _MAX_ITEMS else ""
+        return f"[{', '.join(map(_text, value[:_MAX_ITEMS]))}{more}]"
     if isinstance(value, float):
         return f"{value:.7g}"
     if isinstance(value, bool):

@@ -1,4 +1,4 @@
-"""The CAN buses of a system: frames decoded, nodes with their states, load, frames of pages."""
+"""The CAN buses of a system: decoded frames, nodes and their states, bus load, sending."""
 
 from __future__ import annotations
 
@@ -28,28 +28,28 @@ COMMANDS: Final = {
 }
 _WINDOW: Final = 1.0
 """The time over which the load is measured [s]."""
-_SHORTEST_PERIOD: Final = 0.001
-MOST_CYCLIC: Final = 64
-"""Cyclic frames of pages on a bus."""
+_MIN_PERIOD: Final = 0.001
+MAX_CYCLIC_FRAMES: Final = 64
+"""Maximum number of cyclic frames per bus."""
 
 
 class Describer(Protocol):
-    """What is known of a bus from its description; decodes its frames in order of arrival."""
+    """The description of a bus; decodes its frames in the order of arrival."""
 
     def bus(self, name: str) -> ui.Bus:
-        """The bus with its nodes, their states unknown."""
+        """Return the bus with its nodes, whose states are unknown."""
 
     def frame(self, frame: Frame) -> ui.Frame:
-        """A frame decoded; time and bus are left empty."""
+        """Return a decoded frame, without time and bus."""
 
     def objects(self, node_id: int) -> Sequence[ui.ObjectEntry]:
-        """The object dictionary of a node; empty for one without a description."""
+        """Return the object dictionary of a node; empty without a description."""
 
     def octets(self, node_id: int, number: tuple[int, int], text: str) -> bytes:
-        """The octets of a value. Raises CommandError."""
+        """Encode a value. Raises CommandError."""
 
     def text(self, node_id: int, number: tuple[int, int], octets: bytes) -> str:
-        """The value of octets, with its unit."""
+        """Return a value as text, with its unit."""
 
 
 @dataclass
@@ -67,7 +67,7 @@ DescriberOf = Callable[[str, str], Describer]
 
 
 class SeenBuses:
-    """The buses whose frames a run reports. `tell` sends an event to pages.
+    """The buses whose frames a run reports. `publish` sends an event to pages.
 
     `settings` are the values of the parameters of each component of the run.
     """
@@ -76,27 +76,27 @@ class SeenBuses:
         self,
         describer: DescriberOf,
         settings: Callable[[], Iterable[Mapping[str, str]]],
-        tell: Callable[[ui.Event], None],
+        publish: Callable[[ui.Event], None],
     ) -> None:
         self._describer = describer
         self._settings = settings
-        self._tell = tell
+        self._publish = publish
         self._buses: dict[str, _Bus] = {}
 
     @property
     def states(self) -> list[ui.Bus]:
-        """The buses that have been seen."""
+        """Return the buses on which a frame was seen."""
         return [bus.state for bus in self._buses.values()]
 
     def on_frame(self, happening: BusFrame, now: float) -> None:
-        """A frame on a bus at a time [s]."""
+        """Process a frame received at a time [s]."""
         bus = self._bus(happening.bus)
         frame = Frame(
             happening.can_id, happening.data, happening.remote, happening.extended
         )
         decoded = bus.describer.frame(frame)
         decoded.time, decoded.bus = now, happening.bus
-        self._tell(ui.Event.of_traffic([decoded]))
+        self._publish(ui.Event.of_traffic([decoded]))
         if decoded.kind in ("heartbeat", "guarding") and not frame.remote:
             self._state(bus, decoded)
         self._measure(bus, frame, now)
@@ -106,7 +106,7 @@ class SeenBuses:
         if found is None:
             describer = self._describer(name, self._network(name))
             found = self._buses[name] = _Bus(describer, describer.bus(name))
-            self._tell(ui.Event.of_described_bus(found.state))
+            self._publish(ui.Event.of_described_bus(found.state))
         return found
 
     def _network(self, channel: str) -> str:
@@ -117,7 +117,7 @@ class SeenBuses:
         return ""
 
     def _state(self, bus: _Bus, frame: ui.Frame) -> None:
-        """A node has told its state."""
+        """Update the NMT state of the node that sent a frame."""
         for node in bus.state.nodes:
             if node.node_id == frame.node_id:
                 break
@@ -126,7 +126,7 @@ class SeenBuses:
             bus.state.nodes.append(node)
         if node.nmt_state != frame.text:
             node.nmt_state = frame.text
-            self._tell(ui.Event.of_described_bus(bus.state))
+            self._publish(ui.Event.of_described_bus(bus.state))
 
     def _measure(self, bus: _Bus, frame: Frame, now: float) -> None:
         bus.bits += frame_bits(frame)
@@ -142,19 +142,19 @@ class SeenBuses:
             frames=round(bus.frames / passed),
         )
         bus.window, bus.bits, bus.frames = now, 0, 0
-        self._tell(ui.Event.of_carried(load))
+        self._publish(ui.Event.of_carried(load))
 
 
 class Buses(SeenBuses):
-    """The buses of a system, to which pages send."""
+    """The buses of a system, with the commands of pages for them."""
 
     def __init__(
         self,
         system: System,
         describer: DescriberOf,
-        tell: Callable[[ui.Event], None],
+        publish: Callable[[ui.Event], None],
     ) -> None:
-        super().__init__(describer, self._values, tell)
+        super().__init__(describer, self._values, publish)
         self._system = system
         for values in self._values():
             if values.get("channel") and values.get("network"):
@@ -180,17 +180,17 @@ class Buses(SeenBuses):
         if not wanted.period:
             _put(link, frame)
             return
-        if not wanted.period >= _SHORTEST_PERIOD:
+        if not wanted.period >= _MIN_PERIOD:
             raise CommandError(BAD_VALUE, f"a period of {wanted.period:g} s")
-        if len(bus.cyclic) >= MOST_CYCLIC:
+        if len(bus.cyclic) >= MAX_CYCLIC_FRAMES:
             raise CommandError(
-                BAD_VALUE, f"{MOST_CYCLIC} cyclic frames are sent already"
+                BAD_VALUE, f"{MAX_CYCLIC_FRAMES} cyclic frames are sent already"
             )
         period = round(wanted.period * SECOND)
         bus.cyclic[key] = self._system.every(period, lambda: link.send([frame]))
 
     def manage(self, wanted: ui.NmtCommand) -> None:
-        """Send an NMT command to a node, or to all."""
+        """Send an NMT command to a node or to all nodes."""
         if wanted.command not in COMMANDS:
             known = ", ".join(COMMANDS)
             message = f"{wanted.command!r} is not an NMT command; known: {known}"
@@ -201,7 +201,7 @@ class Buses(SeenBuses):
         _put(self._link(wanted.bus), frame)
 
     def read(self, wanted: ui.SdoAccess) -> str:
-        """Read an object of a node; its value as text."""
+        """Read an object of a node; the result has its value as text."""
         bus, number = self._known(wanted.bus), _number(wanted)
         channel = self._link(wanted.bus).sdo(_node(wanted.node_id))
         try:
@@ -221,7 +221,7 @@ class Buses(SeenBuses):
             raise CommandError(CALL_FAILED, str(error)) from error
 
     def objects(self, wanted: ui.NodeAddress) -> list[ui.ObjectEntry]:
-        """The object dictionary of a node."""
+        """Return the object dictionary of a node."""
         return [*self._known(wanted.bus).describer.objects(wanted.node_id)]
 
     def _known(self, name: str) -> _Bus:

@@ -15,12 +15,12 @@ from rtgen.runtime.system.system import System
 from rtgen.ui.errors import BAD_VALUE, CALL_FAILED, UNKNOWN, CommandError
 from rtgen.ui.protocol import ui
 
-MOST_OCTETS = 1 << 20
-"""Octets of a request or sample."""
+MAX_VALUE_SIZE = 1 << 20
+"""Maximum size of a request or sample [octets]."""
 
 
 def call(system: System, wanted: ui.Call) -> bytes:
-    """Call an operation of a provider; returns the reply with its encapsulation header."""
+    """Call an operation of a provider; return the reply with its encapsulation header."""
     provider = _provider(system, wanted)
     return carried_out(provider.interface, provider.call, wanted)
 
@@ -59,8 +59,8 @@ def carried_out(interface: type[Servant], invoke: Invoker, wanted: ui.Call) -> b
 
 
 def decoded(type_: Any, data: bytes) -> Any:
-    """The value of a payload. Raises CommandError."""
-    if len(data) > MOST_OCTETS:
+    """Decode a payload. Raises CommandError."""
+    if len(data) > MAX_VALUE_SIZE:
         raise CommandError(BAD_VALUE, f"{len(data)} octets are too many")
     try:
         return xcdr.deserialize(type_, data)
@@ -86,7 +86,7 @@ def _values(request: Any) -> tuple[object, ...]:
 
 
 class Injector:
-    """Gives ports samples as if components had written them."""
+    """Injects samples into ports as if components had written them."""
 
     def __init__(self) -> None:
         self._outlets: WeakKeyDictionary[System, dict[tuple[str, str], OutPort[Any]]]

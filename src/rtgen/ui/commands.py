@@ -1,4 +1,4 @@
-"""The commands of pages, carried out between two instants of the run."""
+"""Executes the commands of pages between two instants of the run."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ from rtgen.ui.errors import (
     CommandError,
 )
 from rtgen.ui.outbox import Outbox
-from rtgen.ui.outside_commands import Action, OutsideCommands
 from rtgen.ui.protocol import ui
 from rtgen.ui.protocol.ui import CommandKind
+from rtgen.ui.remote_commands import Action, RemoteCommands
 from rtgen.ui.session import Session
 
 READING: Final = frozenset(
@@ -49,14 +49,14 @@ READING: Final = frozenset(
         CommandKind.COMMAND_LOOK,
     )
 )
-"""Commands that need no right."""
-_LONGEST_SEEK: Final = 3600.0
-"""The latest time that a simulation is set to [s]."""
+"""Commands that a read-only page may send."""
+_MAX_SEEK_TIME: Final = 3600.0
+"""Maximum time to which a simulation can be set [s]."""
 _APART: Final = "the system of this page does not run over CORBA"
 
 
 class Commands:
-    """Carries out the commands of pages on a session; in the thread of its runner."""
+    """Executes the commands of pages on a session, in the thread of its runner."""
 
     def __init__(self, session: Session) -> None:
         self._session = session
@@ -88,12 +88,12 @@ class Commands:
             kinds.COMMAND_SDO_WRITE: lambda value: session.buses.write(value),
         }
         self._injector = calls.Injector()
-        self._outside = OutsideCommands(session)
+        self._outside = RemoteCommands(session)
 
     def carry_out(self, page: Outbox, message: ui.ClientMessage) -> None:
-        """Carry out a command; its result goes to the page.
+        """Execute a command and send the page its result.
 
-        One that concerns components of other processes is carried out while the run goes on.
+        A command for components of other processes runs concurrently with the system.
         """
         result = ui.Result(request=message.request, done=True)
         carry_out = partial(self._carry_out, page, message.asked, result)
@@ -107,14 +107,14 @@ class Commands:
     ) -> None:
         """Execute an action, and report to the page whether it succeeded.
 
-        It may return an action for the thread that calls other processes.
+        The action may return another one, for the thread that calls other processes.
         """
         try:
             elsewhere = carry_out()
             if elsewhere is not None:
-                neighbours = self._session.neighbours
+                watcher = self._session.watcher
                 answer = partial(self._answer, page, result, elsewhere)
-                if neighbours is None or not neighbours.submit(answer):
+                if watcher is None or not watcher.submit(answer):
                     raise CommandError(IMPOSSIBLE, "too many commands wait")
                 return
         except CommandError as error:
@@ -156,11 +156,11 @@ class Commands:
             before = self._session.edit_state()
             self._handlers[kind](value)
             if self._session.edit_state() != before:
-                self._session.tell_edits()
+                self._session.publish_edits()
         else:
             raise CommandError(
                 IMPOSSIBLE,
-                "no naming service is looked at",
+                "no naming service is watched",
                 "start `rtgen ui` with --nameserver",
             )
         return None
@@ -168,26 +168,26 @@ class Commands:
     # Wiring.
 
     def _fits(self, address: ui.PortAddress) -> list[ui.Fit]:
-        """Which other ports a port can be connected to, and why not to the rest."""
-        system, outside = self._session.system, self._session.outside
+        """Return which other ports fit a port, and for the rest the reason why not."""
+        system, remote = self._session.system, self._session.remote
         here = address.instance, address.port
         within = [
             ui.PortAddress(instance=each, port=port)
             for each in system.instances
             for port in self._session.port_names(each)
         ]
-        if address.instance in outside.components:
-            if outside.port(address) is None:
+        if address.instance in remote.components:
+            if remote.port(address) is None:
                 raise CommandError(UNKNOWN, f"{here[0]} has no port {here[1]!r}")
             across = [
                 ui.Fit(port=there, refused=self._across(there, address))
                 for there in within
             ]
-            return [*outside.fits(address), *across]
+            return [*remote.fits(address), *across]
         self._session.require_port(*here)
         found = [
             ui.Fit(port=there, refused=self._across(address, there))
-            for there in outside.ports()
+            for there in remote.ports()
         ]
         for there in within:
             if there != address:
@@ -196,13 +196,13 @@ class Commands:
         return found
 
     def _across(self, here: ui.PortAddress, there: ui.PortAddress) -> str:
-        """Why a port of the system cannot be connected to one of another process."""
+        """Return why a port of the system does not fit one of another process; empty if it does."""
         session = self._session
         if session.own is None:
             return _APART
         component = session.system.component(here.instance)
         ports = [p for p in session.describe.ports(component) if p.name == here.port]
-        return session.outside.obstacle(here, ports, there)
+        return session.remote.obstacle(here, ports, there)
 
     def _connect(self, wanted: ui.Connect) -> None:
         source = wanted.source.instance, wanted.source.port
@@ -222,7 +222,7 @@ class Commands:
         self._edit(f"cut {name}", lambda: system.disconnect(name), again)
 
     def _again(self, name: str) -> Callable[[], object]:
-        """Makes a connection as it is now."""
+        """Return an action that makes an existing connection again."""
         system = self._session.system
         connector = system.connector(name)
         source, target = instances_of(connector)
@@ -239,7 +239,7 @@ class Commands:
     # Components.
 
     def _request(self, what: str, instances: Sequence[str]) -> None:
-        """Ask components for a state; without names all that can take it."""
+        """Request a state of components; without names, of all components that can enter it."""
         system = self._session.system
         request: Callable[[str], ReturnCode_t] = getattr(system, what)
         chosen = list(instances) or system.activation_order(system.instances)
@@ -275,14 +275,14 @@ class Commands:
         session.project.add(session.system, component)
         if place is not None:
             session.places[name] = place
-        session.tell(ui.Event.of_described(session.component(name)))
+        session.publish(ui.Event.of_described(session.component(name)))
         for channel in session.channels_of(name):
-            session.tell(ui.Event.of_opened(channel))
+            session.publish(ui.Event.of_opened(channel))
 
     def _take_out(self, name: str) -> None:
         self._session.system.remove(name)
         self._session.forget(name)
-        self._session.tell(ui.Event.of_removed(name))
+        self._session.publish(ui.Event.of_removed(name))
 
     def _remove(self, name: str) -> None:
         session = self._session
@@ -312,17 +312,17 @@ class Commands:
         session, name = self._session, wanted.instance
         before = session.places.get(name)
         after = wanted.where.x, wanted.where.y
-        if name not in session.outside.components:
+        if name not in session.remote.components:
             session.system.component(name)
 
         def put(place: tuple[float, float] | None) -> None:
             if place is None:
                 session.places.pop(name, None)
-                session.tell(ui.Event.of_described(session.component(name)))
+                session.publish(ui.Event.of_described(session.component(name)))
                 return
             session.places[name] = place
             where = ui.Location(*place)
-            session.tell(ui.Event.of_place(ui.Moved(instance=name, where=where)))
+            session.publish(ui.Event.of_place(ui.Moved(instance=name, where=where)))
 
         self._edit(f"move {name}", lambda: put(after), lambda: put(before))
 
@@ -339,12 +339,12 @@ class Commands:
             change = ui.ParameterChange(
                 instance=instance, set=set_id, parameter=name, text=text
             )
-            self._session.tell(ui.Event.of_setting(change))
+            self._session.publish(ui.Event.of_setting(change))
 
         def describe(change: Callable[[], None]) -> None:
             change()
             component = self._session.component(instance)
-            self._session.tell(ui.Event.of_described(component))
+            self._session.publish(ui.Event.of_described(component))
 
         redo = partial(put, wanted.text)
         if set_id in sets.ids:
@@ -361,7 +361,7 @@ class Commands:
         def put(set_id: str) -> None:
             self._session.system.activate_set(instance, set_id)
             chosen = ui.ActiveSet(instance=instance, set=set_id)
-            self._session.tell(ui.Event.of_activated(chosen))
+            self._session.publish(ui.Event.of_activated(chosen))
 
         self._edit(
             f"{instance}: set {wanted.set}"[:200],
@@ -394,22 +394,22 @@ class Commands:
 
     def _play(self, _: bool) -> None:
         self._session.runner.play()
-        self._tell_time()
+        self._publish_time()
 
     def _pause(self, _: bool) -> None:
         self._require_simulated()
         self._session.runner.playing = False
-        self._tell_time()
+        self._publish_time()
 
     def _step(self, duration: float) -> None:
         self._require_simulated()
-        _check_range(duration, 0.0, _LONGEST_SEEK)
+        _check_range(duration, 0.0, _MAX_SEEK_TIME)
         self._session.runner.playing = False
         self._session.runner.step(round(duration * SECOND) or self._shortest())
-        self._tell_time()
+        self._publish_time()
 
     def _shortest(self) -> int:
-        """The shortest period of a component [ns]."""
+        """Return the shortest period of a component [ns]."""
         system = self._session.system
         rates = [system.context(each).get_rate() for each in system.instances]
         return round(SECOND / max(rates, default=1000.0))
@@ -418,12 +418,12 @@ class Commands:
         self._require_simulated()
         _check_range(speed, 0.0, 1e6)
         self._session.runner.set_speed(speed)
-        self._tell_time()
+        self._publish_time()
 
     def _seek(self, time: float) -> None:
-        """Set a simulation to a time: run it again until then, as it is wired now."""
+        """Set the time of a simulation: restart it as it is wired now, and run until that time."""
         self._require_simulated()
-        _check_range(time, 0.0, _LONGEST_SEEK)
+        _check_range(time, 0.0, _MAX_SEEK_TIME)
         session = self._session
         was_playing = session.runner.playing
         profile = saving.profile_now(session)
@@ -435,7 +435,7 @@ class Commands:
             session.runner.step(round(time * SECOND))
         if was_playing:
             session.runner.play()
-        self._tell_time()
+        self._publish_time()
 
     def _keep(self, kept: bool) -> None:
         self._require_simulated()
@@ -449,21 +449,21 @@ class Commands:
                 "start `rtgen ui` with --clock sim",
             )
 
-    def _tell_time(self) -> None:
-        self._session.tell(ui.Event.of_clock(self._session.time()))
+    def _publish_time(self) -> None:
+        self._session.publish(ui.Event.of_clock(self._session.time()))
 
     def _inject(self, wanted: ui.Inject) -> None:
         self._injector.put(self._session.system, wanted)
 
 
 def _require_right(page: Outbox, command: ui.Command) -> None:
-    """Raises CommandError for a page that may not give this command."""
+    """Raise CommandError if the page has no permission for this command."""
     if command.discriminator not in READING and not page.full:
         raise CommandError(NO_RIGHT, "this page may only look")
 
 
 def code_of(error: RtcError) -> str:
-    """The code of an error of the runtime."""
+    """Return the code of an error of the runtime."""
     match error:
         case ParameterValueError():
             return BAD_VALUE
@@ -474,8 +474,6 @@ def code_of(error: RtcError) -> str:
     return WRONG_STATE
 
 
-def _check_range(value: float, least: float, most: float) -> None:
-    if not least <= value <= most:
-        raise CommandError(
-            BAD_VALUE, f"{value:g} is not between {least:g} and {most:g}"
-        )
+def _check_range(value: float, low: float, high: float) -> None:
+    if not low <= value <= high:
+        raise CommandError(BAD_VALUE, f"{value:g} is not between {low:g} and {high:g}")

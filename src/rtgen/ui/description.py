@@ -1,4 +1,4 @@
-"""A running system as the messages of the protocol describe it."""
+"""Describes a running system in the messages of the protocol (docs/ui-protocol.md)."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Description:
         self.types = types
 
     def type_number(self, type_: Any) -> int:
-        """The number of the type of a port; NO_TYPE if its samples are JSON."""
+        """Return the number of the type of a port; NO_TYPE if its samples are JSON."""
         if cdr_encoder(type_) is None:
             return NO_TYPE
         return self.types.number(type_._descriptor_)
@@ -40,7 +40,7 @@ class Description:
     def component(
         self, system: System, instance: str, place: tuple[float, float] | None
     ) -> ui.Component:
-        """A component with its ports, parameters and state."""
+        """Describe a component with its ports, parameters and state."""
         component = system.component(instance)
         profile, sets = component.profile, component.configuration_sets
         context = system.context(instance)
@@ -74,7 +74,7 @@ class Description:
         )
 
     def ports(self, component: Rtc) -> list[ui.Port]:
-        """The ports of a component, data ports first."""
+        """Describe the ports of a component, data ports first."""
         described = {p.name: p for p in component.profile.ports if not p.port}
         found = [
             self._data_port(kind, name, port.type, described.get(name))
@@ -158,7 +158,7 @@ def _doc(interface: Any, operation: str) -> str:
 
 
 def connection(connector: Connector) -> ui.Connection:
-    """A connection of ports."""
+    """Describe a connection."""
     source, target = instances_of(connector)
     return ui.Connection(
         name=connector.name,
@@ -169,13 +169,13 @@ def connection(connector: Connector) -> ui.Connection:
 
 
 def properties_of(connector: Connector) -> Mapping[str, str]:
-    """The properties of a connection; a service of another process has none here."""
+    """Return the properties of a connection; none for a service of another process."""
     found: Mapping[str, str] = getattr(connector, "properties", {})
     return found
 
 
 def palette_entry(profile: ComponentProfile) -> ui.PaletteEntry:
-    """A type of components, with the names of its ports."""
+    """Describe a component type with the names of its ports."""
     ports: dict[str, ui.Port] = {}
     for each in profile.ports:
         if not each.port:
@@ -207,7 +207,7 @@ def palette_entry(profile: ComponentProfile) -> ui.PaletteEntry:
 
 
 def statistics(system: System, instances: Iterable[str]) -> list[ui.Statistics]:
-    """The counts of components."""
+    """Return the statistics of components."""
     found = []
     for instance in instances:
         now = system.statistics(instance)

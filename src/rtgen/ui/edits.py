@@ -1,4 +1,4 @@
-"""What a page has changed in a system, undone and redone."""
+"""Undo and redo of the changes that pages make to a system."""
 
 from __future__ import annotations
 
@@ -8,25 +8,25 @@ from typing import Final
 
 from rtgen.ui.errors import NOTHING_TO_UNDO, CommandError
 
-MOST: Final = 500
-"""Edits that can be undone."""
+MAX_EDITS: Final = 500
+"""Maximum number of edits that can be undone."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Edit:
     """A change: its name, and actions that repeat and revert it.
 
-    `outside`: a change of other processes, made by the thread that calls them.
+    `remote`: a change in other processes, made by the thread that calls them.
     """
 
     label: str
     redo: Callable[[], object]
     undo: Callable[[], object]
-    outside: bool = False
+    remote: bool = False
 
 
 class Edits:
-    """The stack of edits, and whether the file has them."""
+    """The stack of edits, and whether the file contains them."""
 
     def __init__(self) -> None:
         self._done: list[Edit] = []
@@ -36,22 +36,22 @@ class Edits:
 
     @property
     def undo_label(self) -> str:
-        """What would be undone; empty if nothing would."""
+        """Name of the edit that would be undone; empty if there is none."""
         return self._done[-1].label if self._done else ""
 
     @property
     def redo_label(self) -> str:
-        """What would be redone."""
+        """Name of the edit that would be redone; empty if there is none."""
         return self._undone[-1].label if self._undone else ""
 
     def make(self, edit: Edit) -> None:
-        """Make a change that can be undone. Raises what it raises."""
+        """Make a change that can be undone; passes on its exceptions."""
         edit.redo()
         self.enter(edit)
 
     def enter(self, edit: Edit) -> None:
-        """Add a change that has been made."""
-        self._done = [*self._done[1 - MOST :], edit]
+        """Add a change that was made already."""
+        self._done = [*self._done[1 - MAX_EDITS :], edit]
         self._undone = []
         self.saved = False
 
@@ -67,11 +67,11 @@ class Edits:
         return changes[-1]
 
     def undo(self) -> None:
-        """Take the last change back. Raises CommandError."""
+        """Revert the last change. Raises CommandError."""
         self.carry_out(self.next(undo=True), undo=True)
 
     def redo(self) -> None:
-        """Make the change again that was taken back last. Raises CommandError."""
+        """Repeat the change that was reverted last. Raises CommandError."""
         self.carry_out(self.next(undo=False), undo=False)
 
     def carry_out(self, edit: Edit, *, undo: bool) -> None:
@@ -84,7 +84,7 @@ class Edits:
         self._under_way = edit
 
     def end(self, edit: Edit, *, undo: bool, done: bool) -> None:
-        """Mark the end of that."""
+        """Mark that reverting or repeating has ended."""
         self._under_way = None
         if done:
             self._moved(edit, undo=undo)
@@ -99,5 +99,5 @@ class Edits:
         self.saved = False
 
     def forget(self) -> None:
-        """Forget all edits, which were made to a system that is no more."""
+        """Forget all edits, because their system was replaced."""
         self._done, self._undone = [], []

@@ -1,4 +1,4 @@
-"""What pages would have been told so far: bounded, and given again as it was at a time."""
+"""The events of a run so far, in bounded memory, to show pages its state at any time."""
 
 from __future__ import annotations
 
@@ -20,24 +20,26 @@ from rtgen.ui.errors import BAD_VALUE, CommandError
 from rtgen.ui.protocol import ui
 from rtgen.ui.protocol.ui import Event, EventKind
 
-MOST_OCTETS: Final = 64 << 20
-"""About what is kept of samples, frames and calls; then the first quarter of the time goes."""
-MOST_CHANGES: Final = 20_000
-"""Changes that are kept one by one; of those before them each part's newest."""
-MOST_LINES: Final = 500
-"""Lines of the timeline that a page is given."""
+MAX_OCTETS: Final = 64 << 20
+"""Approximate size of the kept samples, frames and calls; beyond, the oldest quarter of the time
+is dropped.
+"""
+MAX_CHANGES: Final = 20_000
+"""Maximum number of single changes; of earlier ones only the newest of each subject is kept."""
+MAX_LINES: Final = 500
+"""Maximum number of lines of the timeline for a page."""
 
 _OVERHEAD: Final = 200
-"""Octets that a message takes beside its data, about."""
+"""Approximate size of a message without its data [octets]."""
 _FRAME: Final = 1500
-_NEWEST: Final = {"sample": ui.MOST_SAMPLES // 2, "calls": 1000, "loads": 600}
-"""How many of the newest a page is given, as it keeps no more; of the rest one."""
-_OLDER: Final = {"sample": ui.MOST_SAMPLES // 2}
+_NEWEST: Final = {"sample": ui.MAX_SAMPLES // 2, "calls": 1000, "loads": 600}
+"""Number of newest items for a page, which keeps no more; 1 for other kinds."""
+_OLDER: Final = {"sample": ui.MAX_SAMPLES // 2}
 """Maximum number of older items for a page, evenly over the run."""
 _FRAMES: Final = 1000
 """Maximum number of the newest frames of all buses for a page."""
 _OLDER_FRAMES: Final = 2000
-"""Maximum number of older frames, for each identifier alike."""
+"""Maximum number of older frames, shared equally by the identifiers."""
 _LINES: Final = frozenset(
     (EventKind.EVENT_STATE, EventKind.EVENT_BESIDE, EventKind.EVENT_NOTICE)
 )
@@ -59,7 +61,7 @@ _Key = tuple[object, ...]
 
 @dataclass(slots=True)
 class _Row:
-    """Messages of one kind, with their times in order."""
+    """Messages of one kind in the order of their times."""
 
     times: list[float] = field(default_factory=list)
     items: list[Any] = field(default_factory=list)
@@ -88,7 +90,7 @@ class _Row:
         return self.items[bisect_left(self.times, start) : bisect_left(self.times, end)]
 
     def drop(self, time: float) -> int:
-        """Forget what is not after a time; returns its octets."""
+        """Drop the items up to a time; return their size in octets."""
         end = bisect_right(self.times, time)
         dropped = sum(islice(self.sizes, end))
         del self.times[:end], self.items[:end], self.sizes[:end]
@@ -98,49 +100,49 @@ class _Row:
 class History:
     """The run of one system from the state of `begin` on. May be used from any thread.
 
-    `first`, `last`: the times between which it can be shown [s].
+    `first` and `last` are the limits of the time that can be shown [s].
     """
 
-    def __init__(self, most_octets: int = MOST_OCTETS) -> None:
+    def __init__(self, max_octets: int = MAX_OCTETS) -> None:
         self.first = self.last = 0.0
         self._start = ui.SystemState()
-        self._most = most_octets
+        self._most = max_octets
         self._octets = 0
         self._lock = threading.Lock()
         self._rows: dict[_Key, _Row] = {}
         self._changes: deque[tuple[float, Event]] = deque()
         self._before: dict[_Key, Event] = {}
-        self._lines_before: deque[Event] = deque(maxlen=MOST_LINES)
+        self._lines_before: deque[Event] = deque(maxlen=MAX_LINES)
         self._channels: dict[int, ui.Channel] = {}
 
     def begin(self, whole: ui.SystemState) -> None:
-        """The state of the system at the start; changes of two runs come in order."""
+        """Set the state of the system at the start; sorts the changes of two runs by time."""
         self._start = copy.deepcopy(whole)
         self._channels |= {each.id: each for each in whole.channels}
         self._changes = deque(sorted(self._changes, key=itemgetter(0)))
 
     def nearest(self, time: float) -> float:
-        """The time next to this one that can be shown. Raises CommandError without one."""
+        """Return the nearest time that can be shown. Raises CommandError if it is not a number."""
         if not math.isfinite(time):
             raise CommandError(BAD_VALUE, f"{time} is not a time")
         return min(max(time, self.first), self.last)
 
     def reach(self, time: float) -> None:
-        """Nothing has happened until this time."""
+        """Extend the history to a time without an event."""
         self.last = max(self.last, time)
 
     def sample(self, sample: ui.Sample) -> None:
-        """A sample of a channel."""
+        """Add a sample of a channel."""
         size = _OVERHEAD + len(sample.data)
         self._put(("sample", sample.channel), sample.time, sample, size)
 
     def statistics(self, time: float, found: Iterable[ui.Statistics]) -> None:
-        """Statistics of components."""
+        """Add statistics of components."""
         for each in found:
             self._put(("statistics", each.instance), time, each, _OVERHEAD)
 
-    def tell(self, time: float, event: Event) -> None:
-        """An event that pages are told."""
+    def add(self, time: float, event: Event) -> None:
+        """Add an event that was sent to pages."""
         kind = event.discriminator
         match kind:
             case EventKind.EVENT_FRAMES:
@@ -159,11 +161,11 @@ class History:
 
     def _change(self, time: float, event: Event) -> None:
         if event.discriminator is EventKind.EVENT_BUS:
-            event = copy.deepcopy(event)  # Its nodes change later on.
+            event = copy.deepcopy(event)  # The nodes in it change later.
         with self._lock:
             self.reach(time)
             self._changes.append((time, event))
-            if len(self._changes) > MOST_CHANGES:
+            if len(self._changes) > MAX_CHANGES:
                 self.first = max(self.first, self._changes[0][0])
                 _, oldest = self._changes.popleft()
                 _overwrite(self._before, oldest)
@@ -184,9 +186,9 @@ class History:
     def at(
         self, time: float, types: list[ui.TypeNode], watched: Collection[int]
     ) -> list[Event]:
-        """What a page is given to show a time: the state, then what had led to it.
+        """Return the events to show a time: the state, then what led to it.
 
-        Samples are those of the channels that the page watches; `types` are those known by now.
+        Samples are those of the channels that the page watches; `types` are those known so far.
         """
         clock = replace(
             self._start.time,
@@ -213,7 +215,7 @@ class History:
         for event in happened:
             _overwrite(newest, event)
         lines = [*lines_before, *happened]
-        lines = [each for each in lines if each.discriminator in _LINES][-MOST_LINES:]
+        lines = [each for each in lines if each.discriminator in _LINES][-MAX_LINES:]
         given = {id(event) for event in (*newest.values(), *lines)}
         passed = {id(event): event for event in (*lines_before, *before, *happened)}
         return [
@@ -226,7 +228,7 @@ class History:
         ]
 
     def samples(self, time: float, channels: Iterable[int]) -> list[Event]:
-        """The samples of channels until a time."""
+        """Return samples of channels up to a time."""
         with self._lock:
             found = [
                 sample
@@ -278,7 +280,7 @@ class History:
 
 
 def _overwrite(newest: dict[_Key, Event], event: Event) -> None:
-    """Enter an event in place of the one that it makes void, in the order of events."""
+    """Replace the event that a newer one supersedes, keeping the order of events."""
     key = _key(event)
     if key is not None:
         newest.pop(key, None)
@@ -286,7 +288,7 @@ def _overwrite(newest: dict[_Key, Event], event: Event) -> None:
 
 
 def _key(event: Event) -> _Key | None:
-    """What an event is about: a later one about the same makes it void; None for a notice."""
+    """Return the subject of an event, which a later event of it supersedes; None for a notice."""
     kind = event.discriminator
     match kind:
         case EventKind.EVENT_NOTICE:

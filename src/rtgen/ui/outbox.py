@@ -17,11 +17,11 @@ from rtgen.ui.protocol.ui import (
     Statistics,
 )
 
-MOST_CHANGES: Final = 4096
+MAX_CHANGES: Final = 4096
 """Maximum number of waiting changes; then the page gets the whole state instead."""
-MOST_SAMPLES: Final = 4096
+MAX_SAMPLES: Final = 4096
 """Maximum number of waiting samples; then only the newest of each channel is kept."""
-MOST_TRAFFIC: Final = 2048
+MAX_TRAFFIC: Final = 2048
 """Maximum number of waiting frames and calls; then the oldest are dropped."""
 
 _LATEST: Final = (EventKind.EVENT_TIME, EventKind.EVENT_LOAD)
@@ -39,8 +39,8 @@ class Outbox:
     """The messages for a page. May be used from any thread; `wake` is called for new messages.
 
     `full`: the page may change the system. `watched`: the channels whose samples it subscribes to.
-    `behind`: it has missed changes and needs the whole state. `past`: the time that it shows [s];
-    None for a page that shows the present.
+    `behind`: the page has missed changes and needs the whole state. `past`: the time that the page
+    shows [s]; None for the present.
     """
 
     wake: Callable[[], None]
@@ -73,17 +73,17 @@ class Outbox:
             self._latest[kind] = event
         elif kind in _TRAFFIC:
             self._traffic.append(event)
-            if len(self._traffic) > MOST_TRAFFIC:
+            if len(self._traffic) > MAX_TRAFFIC:
                 self._traffic.popleft()
                 self._dropped += 1
         elif kind is EventKind.EVENT_SYSTEM:
-            # It contains all earlier changes; results of commands stay.
+            # The state contains all earlier changes; results of commands stay.
             self._changes = deque(
                 e for e in self._changes if e.discriminator in _ALWAYS
             )
             self._changes.append(event)
             self.behind = False
-        elif kind is EventKind.EVENT_RESULT or len(self._changes) < MOST_CHANGES:
+        elif kind is EventKind.EVENT_RESULT or len(self._changes) < MAX_CHANGES:
             self._changes.append(event)
         else:
             self._dropped += 1
@@ -108,7 +108,7 @@ class Outbox:
     @property
     def is_crowded(self) -> bool:
         """Whether too much waits to accept further commands from the page."""
-        return len(self._changes) >= MOST_CHANGES
+        return len(self._changes) >= MAX_CHANGES
 
     def sample(self, sample: Sample) -> None:
         """Add a sample of a channel that the page watches."""
@@ -116,7 +116,7 @@ class Outbox:
             if self.past is not None:
                 return
             self._samples.append(sample)
-            if len(self._samples) > MOST_SAMPLES:
+            if len(self._samples) > MAX_SAMPLES:
                 newest = {each.channel: each for each in self._samples}
                 self._dropped += len(self._samples) - len(newest)
                 self._thinned |= newest.keys()

@@ -1,4 +1,4 @@
-"""What a session needs of the project around it, which the command line gives it."""
+"""Interface through which a session accesses its project; implemented by the command line."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from rtgen.ui.buses import Describer
 
 
 class Project(Protocol):
-    """Systems of a project and how they are made."""
+    """The systems of a project, and how they are created."""
 
     @property
     def systems(self) -> Sequence[str]:
         """The files that can be opened."""
 
     def read(self, file: str) -> System:
-        """The system of a file. Raises InputError."""
+        """Read the system of a file. Raises InputError."""
 
     def write(self, file: str, text: str) -> None:
         """Write a system's file, which must not leave the project. Raises CommandError."""
@@ -30,13 +30,13 @@ class Project(Protocol):
     def assemble(
         self, profile: System, clock: runtime.Clock, failed: Callable[[Failure], None]
     ) -> runtime.System:
-        """A system, INACTIVE, with its timeline. Raises InputError or ToolError."""
+        """Create a system, INACTIVE, with its timeline. Raises InputError or ToolError."""
 
     def add(self, system: runtime.System, component: SystemComponent) -> None:
         """Add a component to a running system. Raises InputError, ToolError."""
 
     def record(self, system: runtime.System) -> Callable[[], None]:
-        """Record a system from now on, if runs are recorded; return a function that ends that."""
+        """Record a system from now on, if runs are recorded; return a function that ends it."""
 
     def data_type(self, name: str) -> type[DataType] | None:
         """Return a type of samples by its scoped name or the last part of that; None if unknown."""
@@ -45,7 +45,7 @@ class Project(Protocol):
         """Return an interface by its scoped name or the last part of that; None if unknown."""
 
     def palette(self) -> Sequence[ComponentProfile]:
-        """The types of components of which instances can be added."""
+        """Return the component types of which pages can add instances."""
 
     def describer(self, bus: str, network: str) -> Describer:
         """Return the description of a CAN bus, by the names of its channel and its network."""

@@ -25,7 +25,7 @@ from rtgen.ui.history import History
 from rtgen.ui.protocol import ui
 from rtgen.ui.type_table import NO_TYPE, TypeTable
 
-MOST_OCTETS: Final = 512 << 20
+MAX_OCTETS: Final = 512 << 20
 """Approximate size kept of recordings; the beginning of longer ones is omitted."""
 _SET: Final = "recorded"
 _TOPICS: Final = "topics"
@@ -43,8 +43,8 @@ _TYPES: Final = {
 class Reading:
     """Recordings that are read into `history`. Times count from the start of each run.
 
-    Types are entered in `types`; channels have the next of `numbers`. `codec` gives the codec of a
-    marshaller by its type.
+    Types are entered in `types`; channels have the next of `numbers`. `codec` returns the codec of
+    a marshaller type.
     """
 
     def __init__(
@@ -66,18 +66,18 @@ class Reading:
         self._decoders = Decoders()
         self._now = 0.0
         self._settings: dict[str, dict[str, str]] = {}
-        self._buses = SeenBuses(describer, self._settings.values, self._tell)
+        self._buses = SeenBuses(describer, self._settings.values, self._add)
         self._codec_of = codec
         self._codecs: dict[str, Codec | None] = {}
         self._changed: set[str] = set()
         self._of_messages: dict[Channel, ui.Channel] = {}
         self._joined: list[messages.Connection] = []
 
-    def _tell(self, event: ui.Event) -> None:
-        self.history.tell(self._now, event)
+    def _add(self, event: ui.Event) -> None:
+        self.history.add(self._now, event)
 
     def read(self, file: str, *, beside: bool) -> None:
-        """Read a recording; beside another run only samples and states.
+        """Read a recording; with `beside`, only samples and states.
 
         Raises RecordingError.
         """
@@ -171,7 +171,7 @@ class Reading:
                     component.parameters.append(ui.Parameter(name=name))
                 self._settings.setdefault(instance, {})[name] = text
                 change = ui.ParameterChange(instance, _SET, name, text, True)
-                self._tell(ui.Event.of_setting(change))
+                self._add(ui.Event.of_setting(change))
             case messages.Connection(name=name, connected=True):
                 self._joined.append(content)
                 connection = ui.Connection(
@@ -180,9 +180,9 @@ class Reading:
                     target=_address(content.target),
                     properties=[ui.Value(p.name, p.value) for p in content.properties],
                 )
-                self._tell(ui.Event.of_connected(connection))
+                self._add(ui.Event.of_connected(connection))
             case messages.Connection(name=name):
-                self._tell(ui.Event.of_cut(name))
+                self._add(ui.Event.of_cut(name))
             case messages.State(instance=instance):
                 self._state(content, beside=beside)
             case messages.CanFrame(id=can_id, extended=extended, remote=remote):
@@ -200,7 +200,7 @@ class Reading:
                 )
                 if codec := self._codec(call.instance):
                     boards.describe(call, codec)
-                self._tell(ui.Event.of_call(call))
+                self._add(ui.Event.of_call(call))
 
     def _codec(self, communication: str) -> Codec | None:
         """Return the codec of the marshaller that was connected to a communication RTC."""
@@ -226,15 +226,15 @@ class Reading:
             self._now, content.instance, content.context, before, after, content.reason
         )
         if beside:
-            self._tell(ui.Event.of_other(change))
+            self._add(ui.Event.of_other(change))
             return
         if content.instance not in self._changed:
             self._changed.add(content.instance)
             self._component(content.instance).current = before
-        self._tell(ui.Event.of_change(change))
+        self._add(ui.Event.of_change(change))
 
     def _add_ports(self) -> None:
-        """Add ports that are known by their connections only."""
+        """Add ports that only occur in connections."""
         sources = {
             (component.instance, port.name): port
             for component in self.components.values()

@@ -1,4 +1,4 @@
-"""Recordings that pages look at without a system that runs: one, or two beside each other."""
+"""A session that shows one recording, or compares two, without a running system."""
 
 from __future__ import annotations
 
@@ -18,40 +18,40 @@ from rtgen.ui.history import History
 from rtgen.ui.outbox import Outbox
 from rtgen.ui.protocol import ui
 from rtgen.ui.protocol.ui import CommandKind
-from rtgen.ui.reading import MOST_OCTETS, Reading
+from rtgen.ui.reading import MAX_OCTETS, Reading
 from rtgen.ui.type_table import TypeTable
 
 
 class AtOnce:
-    """Carries out requests in the thread that brings them."""
+    """Executes requests at once, in the calling thread."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
 
     def start(self) -> None:
-        """Nothing runs."""
+        """Do nothing: no system runs."""
 
     def submit(self, request: Callable[[], None]) -> bool:
-        """Carry out a request."""
+        """Execute a request."""
         with self._lock:
             request()
         return True
 
 
 class Recorded:
-    """A recording, and perhaps another one beside it. Times count from the start of each run."""
+    """A recording, and optionally a second one to compare. Times start with each run."""
 
     def __init__(
         self,
         files: Sequence[str],
         describer: DescriberOf,
         codec: Callable[[str], Codec | None] = lambda _: None,
-        most_octets: int = MOST_OCTETS,
+        max_octets: int = MAX_OCTETS,
     ) -> None:
-        """Raises ToolError if a file is no recording or cannot be decoded."""
+        """Raise ToolError if a file is not a recording or cannot be decoded."""
         self.name = uuid.uuid4().hex
         self.runner = AtOnce()
-        self.history = History(most_octets)
+        self.history = History(max_octets)
         self._types = TypeTable()
         numbers = itertools.count(1)
         reading = Reading(self.history, self._types, numbers, describer, codec)
@@ -78,19 +78,19 @@ class Recorded:
     # Pages.
 
     def join(self, page: Outbox) -> None:
-        """Greet a page and show it the end of the recording."""
+        """Send a new page the greeting and the end of the recording."""
         hello = ui.Hello(version=ui.VERSION, server=self.name, full=False)
         page.put(ui.Event.of_greeting(hello))
         self._look(page, self.history.last)
 
     def leave(self, page: Outbox) -> None:
-        """Forget a page, of which nothing is known."""
+        """Do nothing: pages have no state here."""
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Do nothing: no file is open."""
 
     def carry_out(self, page: Outbox, message: ui.ClientMessage) -> None:
-        """Carry out a command; its result goes to the page."""
+        """Execute a command and send the page its result."""
         result = ui.Result(request=message.request, done=True)
         value: Any = message.asked.value
         try:
@@ -105,7 +105,7 @@ class Recorded:
                 case _:
                     raise CommandError(
                         IMPOSSIBLE,
-                        "a recording can only be looked at",
+                        "a recording cannot be changed",
                         "`rtgen ui SYSTEM` runs a system",
                     )
         except CommandError as error:

@@ -18,7 +18,8 @@ _REPORT_INTERVAL: Final = 0.1
 _IDLE_INTERVAL: Final = 0.05
 _MAX_LAG: Final = 0.25
 """Maximum lag of simulated time behind its pace [s of the wall clock]."""
-MOST_WAITING: Final = 1024
+MAX_WAITING: Final = 1024
+"""Maximum number of waiting requests."""
 
 
 class Runner:
@@ -40,7 +41,7 @@ class Runner:
         """Whether the run has ended by an error."""
         self._report = report
         self._ended = ended
-        self._requests: queue.Queue[Callable[[], None]] = queue.Queue(MOST_WAITING)
+        self._requests: queue.Queue[Callable[[], None]] = queue.Queue(MAX_WAITING)
         self._closing = threading.Event()
         self._origin = (0.0, 0.0)
         self._thread = threading.Thread(target=self._run, name="rtgen-ui", daemon=True)

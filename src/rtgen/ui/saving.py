@@ -1,4 +1,4 @@
-"""The system of a session as a model, and as the text of an RtsProfile."""
+"""Converts the system of a session to a model, and to the text of an RtsProfile."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from rtgen.model import Connection, PortReference, System, SystemComponent
 from rtgen.runtime.ports.data_ports import DataConnector
 from rtgen.runtime.system.joining import Connector, instances_of
 from rtgen.ui.description import properties_of
-from rtgen.ui.neighbourhood import restored
 from rtgen.ui.protocol import ui
+from rtgen.ui.remote_state import restored
 from rtgen.ui.session import Session
 
 _NOWHERE = Span("", 1, 1, 1, 1)
 
 
 def new_component(instance: str, type_: str) -> SystemComponent:
-    """A component that no file has."""
+    """Return the model of a component that is not in the file."""
     return SystemComponent(
         instance=instance, type=type_, id="", path_uri="", span=_NOWHERE
     )
 
 
 def component_now(session: Session, instance: str) -> SystemComponent:
-    """A component with the configuration and the place that it has now."""
+    """Return a component with its current configuration and place."""
     component = session.system.component(instance)
     known = {each.instance: each for each in session.profile.components}
     profile, sets = component.profile, component.configuration_sets
@@ -59,7 +59,7 @@ def profile_now(session: Session) -> System:
     """
     system = session.system
     known = {each.name: each for each in session.profile.connections}
-    names = _names_outside(session)
+    names = _remote_names(session)
     absent = _absent(session, names)
     instances = {*system.instances, *names.values(), *(c.instance for c in absent)}
     lost = {each.instance for each in absent}
@@ -73,8 +73,8 @@ def profile_now(session: Session) -> System:
         connections=(
             *(_connection(each, known.get(each.name)) for each in session.connectors),
             *(
-                _connection_outside(each, names)
-                for each in session.outside.connections.values()
+                _remote_connection(each, names)
+                for each in session.remote.connections.values()
             ),
             *(
                 each
@@ -89,12 +89,12 @@ def profile_now(session: Session) -> System:
     )
 
 
-def _names_outside(session: Session) -> dict[str, str]:
+def _remote_names(session: Session) -> dict[str, str]:
     """Return the names of components of other processes in the file, by those on the page."""
     before = {each.path_uri: each.instance for each in session.profile.components}
     taken = {*session.system.instances, *before.values()}
     names = {}
-    for instance in session.outside.components:
+    for instance in session.remote.components:
         name = before.get(_path(instance), "")
         if not name:
             last = known_name_of(instance)
@@ -133,7 +133,7 @@ def _properties(
 
 
 def _outside(session: Session, instance: str, name: str) -> SystemComponent:
-    component = session.outside.components[instance]
+    component = session.remote.components[instance]
     known = {each.instance: each for each in session.profile.components}
     before = known.get(name) or new_component(name, component.type)
     profile = (component.vendor, component.category, component.type, component.version)
@@ -160,7 +160,7 @@ def _location(
     return round(place[0]), round(place[1]), width, height
 
 
-def _connection_outside(
+def _remote_connection(
     connection: ui.Connection, names: Mapping[str, str]
 ) -> Connection:
     source, target = (
@@ -180,7 +180,7 @@ def _connection_outside(
 
 
 def text(session: Session, file: str) -> str:
-    """The RtsProfile of the system as it is now, in YAML if the file's suffix says so."""
+    """Return the RtsProfile of the current system; YAML if the file has that suffix."""
     ports = {}
     for instance in session.system.instances:
         component = session.system.component(instance)
@@ -189,9 +189,9 @@ def text(session: Session, file: str) -> str:
             port for port, _ in (*component.providers, *component.consumers)
         )
         ports[instance] = InstancePorts(data, tuple(services))
-    for instance, name in _names_outside(session).items():
+    for instance, name in _remote_names(session).items():
         kinds: dict[bool, list[str]] = {True: [], False: []}
-        for port in session.outside.components[instance].ports:
+        for port in session.remote.components[instance].ports:
             kinds[port.kind is ui.PortKind.PORT_SERVICE].append(port.name)
         ports[name] = InstancePorts(tuple(kinds[False]), tuple(kinds[True]))
     profile = profile_now(session)

@@ -1,4 +1,4 @@
-"""The server of a session: the built page and the WebSocket, for loopback and with a token."""
+"""The server of a session on loopback: serves the built page, and a WebSocket by token."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from rtgen.ui.recorded import Recorded
 from rtgen.ui.session import Session
 
 Served = Session | Recorded
-"""The contents that pages can show."""
+"""The kinds of session that pages can show."""
 _Commands = Commands | Recorded
 
 PAGE: Final = Path(__file__).parent / "page"
@@ -35,7 +35,7 @@ PAGE: Final = Path(__file__).parent / "page"
 SUBPROTOCOL: Final = "rtgen-ui.1"
 WRONG_TOKEN: Final = 4401
 WRONG_ORIGIN: Final = 4403
-MOST_OCTETS: Final = 4 << 20
+MAX_MESSAGE_SIZE: Final = 4 << 20
 """Maximum length of a message from a page [octets]."""
 _MIN_INTERVAL: Final = 1 / 30
 """Minimum interval between two messages to a page [s]."""
@@ -198,7 +198,7 @@ async def _receive(
         while outbox.is_crowded:
             await asyncio.sleep(_MIN_INTERVAL)
         try:
-            if len(data) > MOST_OCTETS:
+            if len(data) > MAX_MESSAGE_SIZE:
                 raise CdrError("ClientMessage", f"{len(data)} octets are too many")
             message = ui.ClientMessage.from_cdr(data)
         except CdrError as error:

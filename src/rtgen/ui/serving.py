@@ -1,4 +1,4 @@
-"""Runs the server of a session on a port of loopback until it is told to end."""
+"""Runs the server of a session on a loopback port until it is stopped."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from pathlib import Path
 import uvicorn
 
 from rtgen.diagnostics import ToolError
-from rtgen.ui.server import MOST_OCTETS, PAGE, Served, Tokens, application
+from rtgen.ui.server import MAX_MESSAGE_SIZE, PAGE, Served, Tokens, application
 
 _PATIENCE = 2
-"""How long pages have to close their sockets when the server ends [s]."""
+"""Time for pages to close their sockets when the server ends [s]."""
 
 
 class Server:
-    """A session's server, with new tokens unless some are given.
+    """The server of a session, with new tokens by default.
 
     Raises ToolError if the port is taken.
     """
@@ -49,13 +49,13 @@ class Server:
                 log_level="error",
                 lifespan="off",
                 ws="websockets-sansio",
-                ws_max_size=MOST_OCTETS,
+                ws_max_size=MAX_MESSAGE_SIZE,
                 timeout_graceful_shutdown=_PATIENCE,
             )
         )
 
     def address(self, *, full: bool) -> str:
-        """The address of the page, with the token."""
+        """Return the address of the page, with the token."""
         token = self.tokens.full if full else self.tokens.read_only
         return f"http://{self.host}:{self.port}/?token={token}"
 

@@ -1,4 +1,4 @@
-"""One system that pages see and change: its state, its pages, and the events that they get."""
+"""A session: one system that pages show and change, its pages, and the events sent to them."""
 
 from __future__ import annotations
 
@@ -31,39 +31,38 @@ from rtgen.runtime.timing.traffic import (
     ParameterChange,
 )
 from rtgen.runtime.timing.traffic import Event as Happening
-from rtgen.ui import beside, boards, description
-from rtgen.ui.beside import Beside
+from rtgen.ui import boards, compared_run, description
 from rtgen.ui.buses import Buses
+from rtgen.ui.compared_run import ComparedRun
 from rtgen.ui.description import STATES, Description, palette_entry
 from rtgen.ui.edits import Edits
 from rtgen.ui.errors import FILE, UNKNOWN, CommandError
 from rtgen.ui.history import History
-from rtgen.ui.neighbourhood import Neighbourhood
 from rtgen.ui.outbox import Outbox
 from rtgen.ui.project import Project
 from rtgen.ui.protocol import ui
+from rtgen.ui.remote_state import RemoteState
 from rtgen.ui.runner import Runner
 from rtgen.ui.type_table import NO_TYPE, TypeTable
 
 if TYPE_CHECKING:
     from rtgen.runtime.corba.rt_objects.publishing import RtObjects
-    from rtgen.ui.neighbours import Neighbours
-    from rtgen.ui.taps import Key
+    from rtgen.ui.naming_watcher import NamingWatcher
+    from rtgen.ui.remote_connections import Key
 
 Place = tuple[float, float]
-_LONGEST_NOTICE: Final = 2000
+_MAX_NOTICE_LENGTH: Final = 2000
 _BEFORE: Final = "the run before"
-"""The name of a run that is kept beside the next one."""
+"""The name of a kept run, which is compared with the next one."""
 
 
 class Session:
     """A system, run for pages.
 
-    Everything that looks at the system or changes it is done in the thread of the runner; pages
-    come and go, and put commands, by `Runner.submit`. `clock` makes the clock of a system.
-    `recording`: a file that is shown beside the system. `name_servers`: the addresses of naming
-    services whose components are shown, too. `own`: the components of the system as they are
-    there; None if it does not run over CORBA.
+    Only the thread of the runner reads and changes the system; pages join, leave and send commands
+    by `Runner.submit`. `clock` creates the clock of a system. `recording` is a file to compare with
+    the system. `name_servers` are the addresses of naming services whose components are shown, too.
+    `own` has the CORBA objects of the system's components; None if it does not run over CORBA.
     """
 
     def __init__(
@@ -75,14 +74,14 @@ class Session:
         own: RtObjects | None = None,
         recording: str = "",
     ) -> None:
-        """Raises InputError or ToolError if the system cannot be assembled, or recorded.
+        """Raise InputError or ToolError if the system cannot be assembled or recorded.
 
-        Raises TransportError if there are `name_servers` and omniORB cannot start.
+        Raise TransportError if there are `name_servers` and omniORB cannot start.
         """
         self.project = project
         self.file = file
         self.name = uuid.uuid4().hex
-        """Differs for each start of a server."""
+        """Identifies this start of the server."""
         self.types = TypeTable()
         self.describe = Description(self.types)
         self.edits = Edits()
@@ -99,16 +98,16 @@ class Session:
         self._numbers = itertools.count(1)
         self._counts: dict[str, ui.Statistics] = {}
         self._codecs: dict[str, Codec | None] = {}
-        self._recorded: Beside | None = None
+        self._recorded: ComparedRun | None = None
         if recording:
             describer = project.describer
-            self._recorded = beside.read(
+            self._recorded = compared_run.read(
                 recording, self.types, self._numbers, describer
             )
-        self.beside: Beside | None = self._recorded
-        """The run that pages show beside this one."""
+        self.beside: ComparedRun | None = self._recorded
+        """The run that pages compare with this one."""
         self.keeps = False
-        """Whether this run will be beside the one that begins when time is set back."""
+        """Whether this run is kept for comparison when time is set back."""
         self._end_recording: Callable[[], None] = lambda: None
         self._palette = [palette_entry(each) for each in project.palette()]
         self.known_types = frozenset(each.type for each in self._palette)
@@ -117,27 +116,27 @@ class Session:
         self.history: History
         self.own = own
         self._across: set[str] = set()
-        """The names of connections to other processes, which `outside` tells."""
-        self.outside = Neighbourhood()
-        """What naming services have of other processes."""
-        self.neighbours: Neighbours | None = None
+        """Names of the connections to other processes, which `remote` contains."""
+        self.remote = RemoteState()
+        """The components of other processes."""
+        self.watcher: NamingWatcher | None = None
         self._watch()
         if name_servers:
-            from rtgen.ui.neighbours import Neighbours
+            from rtgen.ui.naming_watcher import NamingWatcher
 
-            self.neighbours = Neighbours(
-                name_servers, self._look_outside, self._notice_outside, own
+            self.watcher = NamingWatcher(
+                name_servers, self._update_remote, self._report_remote, own
             )
 
     # Systems.
 
     @property
     def system(self) -> runtime.System:
-        """The system that runs."""
+        """The running system."""
         return self.runner.system
 
     def made(self, file: str) -> runtime.System:
-        """The system of a file, INACTIVE. Raises InputError or ToolError."""
+        """Create the system of a file, INACTIVE. Raises InputError or ToolError."""
         profile = self.project.read(file)
         system = self.assembled(profile)
         self.file = file
@@ -150,7 +149,7 @@ class Session:
         return system
 
     def take_over(self, profile: System) -> None:
-        """Take over a profile as the system's from now on."""
+        """Use a profile as that of the system from now on."""
         foreign = foreign_instances(profile.properties)
         self.profile = profile
         self.foreign = {
@@ -160,11 +159,11 @@ class Session:
         }
 
     def assembled(self, profile: System) -> runtime.System:
-        """A system of a profile. Raises InputError or ToolError."""
+        """Create a system from a profile. Raises InputError or ToolError."""
         return self.project.assemble(profile, self._clock(), self._failed)
 
     def change_system(self, system: runtime.System) -> None:
-        """Go on with another system; all pages get its whole state."""
+        """Continue with another system; all pages get its whole state."""
         self._end_recording()
         self._channels.clear()
         self._counts.clear()
@@ -176,7 +175,7 @@ class Session:
             page.show([whole], None)
 
     def open(self, file: str) -> None:
-        """Go on with the system of another file. Raises CommandError."""
+        """Continue with the system of another file. Raises CommandError."""
         try:
             system = self.made(file)
         except (InputError, ToolError, OSError) as error:
@@ -186,14 +185,16 @@ class Session:
         self.change_system(system)
 
     def run_again(self, system: runtime.System) -> None:
-        """Restart with the system of this run's start; show this run beside it if it is kept."""
+        """Restart the run; keep the current one for comparison if that was requested."""
         if self.keeps and self.beside is None:
             channels = [*self._channels.values()]
-            self.beside = beside.kept(_BEFORE, self.history, channels, self._numbers)
+            self.beside = compared_run.kept(
+                _BEFORE, self.history, channels, self._numbers
+            )
         self.change_system(system)
 
     def keep(self, *, kept: bool) -> None:
-        """Keep this run, or none, beside those that start when time is set back."""
+        """Set whether this run is kept for comparison when time is set back."""
         self.keeps = kept
         if not kept or self.beside is self._recorded:
             self.beside = None
@@ -205,10 +206,10 @@ class Session:
         self.history = History()
         if self.beside is not None:
             self.beside.begin()
-        self.buses = Buses(system, self.project.describer, self.tell)
+        self.buses = Buses(system, self.project.describer, self.publish)
         for instance in system.instances:
             self.channels_of(instance)
-        self._open_outside()
+        self._open_remote()
         self.history.begin(self.whole())
         system.clock.traffic.watch(partial(self._on_traffic, system))
         system.add_listener(_Listener(self, system))
@@ -216,7 +217,7 @@ class Session:
     # Pages.
 
     def join(self, page: Outbox) -> None:
-        """Greet a page and give it the whole state."""
+        """Send a new page the greeting and the whole state."""
         hello = ui.Hello(version=ui.VERSION, server=self.name, full=page.full)
         page.put(ui.Event.of_greeting(hello))
         self.look(page, -1.0)
@@ -230,13 +231,13 @@ class Session:
         self.watch_changed()
 
     def watch_changed(self) -> None:
-        """Take over what pages watch now; from any thread."""
+        """Update the watched channels of all pages; from any thread."""
         self._watched = frozenset().union(*(page.watched for page in self._pages))
-        if self.neighbours is not None:
+        if self.watcher is not None:
             watched = (
                 e for e in self._channels.copy().values() if e.id in self._watched
             )
-            self.neighbours.watch(
+            self.watcher.watch(
                 {
                     key: partial(self._take, each.id)
                     for each in watched
@@ -245,10 +246,10 @@ class Session:
             )
 
     def _key(self, address: ui.PortAddress) -> Key | None:
-        """Return the connection that receives the samples of a port of another process."""
-        if address.instance not in self.outside.components:
+        """Return the key of the connection that receives samples from a port of another process."""
+        if address.instance not in self.remote.components:
             return None
-        from rtgen.ui.taps import Key, Use
+        from rtgen.ui.remote_connections import Key, Use
 
         return Key(Use.LISTEN, address.instance, address.port)
 
@@ -257,7 +258,7 @@ class Session:
         self.sample(ui.Sample(channel, self.now, data))
 
     def watch(self, page: Outbox, channels: Sequence[int]) -> None:
-        """Give a page the samples of other channels than before, and what they had until now."""
+        """Set the channels that a page watches, and send it the past samples of new ones."""
         added = frozenset(channels) - page.watched
         page.watched = frozenset(channels)
         self.watch_changed()
@@ -265,9 +266,9 @@ class Session:
         page.show_more(self.history.samples(until, added))
 
     def look(self, page: Outbox, time: float) -> None:
-        """Show a page the run as it was at a time [s]; negative: what happens from now on.
+        """Show a page the run as of a time [s]; negative: the present, from now on.
 
-        The run goes on.
+        The run continues.
         """
         self.history.reach(self.now)
         now = self.history.nearest(self.now if time < 0 else time)
@@ -282,10 +283,10 @@ class Session:
             whole.channels = [*own, *beside]
         page.show(events, None if time < 0 else now)
 
-    def tell(self, *events: ui.Event) -> None:
-        """Put events into the outbox of each page; types that are new go before them."""
+    def publish(self, *events: ui.Event) -> None:
+        """Put events into the outbox of each page, after new types."""
         for event in events:
-            self.history.tell(self.now, event)
+            self.history.add(self.now, event)
         nodes = self.types.nodes
         if len(nodes) > self._sent_types:
             first, self._sent_types = self._sent_types, len(nodes)
@@ -298,10 +299,10 @@ class Session:
             page.put(*events)
 
     def whole(self) -> ui.SystemState:
-        """The whole state."""
+        """Return the whole state."""
         system = self.system
-        outside = self.outside
-        shown = (*system.instances, *outside.components)
+        remote = self.remote
+        shown = (*system.instances, *remote.components)
         components = [self.component(each) for each in shown]
         self._sent_types = len(self.types.nodes)
         return ui.SystemState(
@@ -310,7 +311,7 @@ class Session:
             components=components,
             connections=[
                 *(description.connection(c) for c in self.connectors),
-                *outside.connections.values(),
+                *remote.connections.values(),
             ],
             palette=self._palette,
             channels=[*self._channels.values(), *self._channels_beside],
@@ -320,7 +321,7 @@ class Session:
             systems=[*self.project.systems],
             beside=self._name_beside,
             keeps=self.keeps,
-            naming=[*outside.services],
+            naming=[*remote.services],
             foreign=[*self.foreign],
         )
 
@@ -334,41 +335,41 @@ class Session:
 
     @property
     def connectors(self) -> list[Connector]:
-        """The connections within the system; `outside` has those to other processes."""
+        """The connections within the system; those to other processes are in `remote`."""
         return [each for each in self.system.connectors if self._is_within(each)]
 
     def _is_within(self, connector: Connector) -> bool:
         return {*self.system.instances}.issuperset(instances_of(connector))
 
     def component(self, instance: str) -> ui.Component:
-        """The description of a component, of this process or another one."""
+        """Describe a component of this process or another one."""
         place = self.places.get(instance)
-        outside = self.outside.components.get(instance)
-        if outside is None:
+        remote = self.remote.components.get(instance)
+        if remote is None:
             return self.describe.component(self.system, instance, place)
         where = ui.Location(*(place or (0.0, 0.0)))
-        return replace(outside, placed=place is not None, where=where)
+        return replace(remote, placed=place is not None, where=where)
 
-    def _look_outside(self, found: Neighbourhood) -> bool:
-        """Have pages told what naming services have now; from any thread."""
+    def _update_remote(self, found: RemoteState) -> bool:
+        """Publish the changes in other processes; from any thread."""
 
-        def tell() -> None:
-            before, self.outside = self.outside, found.known(self._known)
-            for instance in before.components.keys() - self.outside.components.keys():
+        def update() -> None:
+            before, self.remote = self.remote, found.known(self._known)
+            for instance in before.components.keys() - self.remote.components.keys():
                 self.forget(instance)
-            for instance in self.outside.components.keys() - before.components.keys():
+            for instance in self.remote.components.keys() - before.components.keys():
                 known = self.foreign.get(f"{instance}.{KIND}")
                 if known is not None and known.location is not None:
                     x, y = known.location[:2]
                     self.places.setdefault(instance, (float(x), float(y)))
-            opened = self._open_outside()
-            changes = self.outside.changes(before, self.now)
-            self.tell(*map(self._placed, changes), *map(ui.Event.of_opened, opened))
+            opened = self._open_remote()
+            changes = self.remote.changes(before, self.now)
+            self.publish(*map(self._placed, changes), *map(ui.Event.of_opened, opened))
             self.watch_changed()
 
-        return self.runner.submit(tell)
+        return self.runner.submit(update)
 
-    def _notice_outside(self, instance: str, text: str) -> None:
+    def _report_remote(self, instance: str, text: str) -> None:
         self.runner.submit(lambda: self.notice("error", instance, text))
 
     def _known(self, port: ui.Port) -> ui.Port:
@@ -386,10 +387,10 @@ class Session:
         ]
         return replace(port, type_number=number, interfaces=interfaces)
 
-    def _open_outside(self) -> list[ui.Channel]:
+    def _open_remote(self) -> list[ui.Channel]:
         """Return the channels of new OutPorts of other processes."""
         found = []
-        for instance, component in self.outside.components.items():
+        for instance, component in self.remote.components.items():
             for port in component.ports:
                 key = instance, port.name
                 is_open = port.kind is ui.PortKind.PORT_OUT and port.type_number >= 0
@@ -401,13 +402,13 @@ class Session:
         return found
 
     def _placed(self, event: ui.Event) -> ui.Event:
-        """An event about a component of another process, with the place of its box."""
+        """Add the place of its box to an event about a component of another process."""
         if event.discriminator is not ui.EventKind.EVENT_COMPONENT:
             return event
         return ui.Event.of_described(self.component(event.described.instance))
 
     def time(self) -> ui.ClockState:
-        """The state of the clock."""
+        """Return the state of the clock."""
         runner = self.runner
         kinds = ui.ClockKind.CLOCK_REAL, ui.ClockKind.CLOCK_SIMULATED
         return ui.ClockState(
@@ -426,7 +427,7 @@ class Session:
         return self.system.time / SECOND
 
     def edit_state(self) -> ui.EditState:
-        """What can be undone, and whether the file has all edits."""
+        """Return which edits can be undone, and whether the file contains all edits."""
         return ui.EditState(
             undo=self.edits.undo_label,
             redo=self.edits.redo_label,
@@ -434,14 +435,14 @@ class Session:
             file=self.file,
         )
 
-    def tell_edits(self) -> None:
+    def publish_edits(self) -> None:
         """Report to pages which edits can be undone."""
-        self.tell(ui.Event.of_edited(self.edit_state()))
+        self.publish(ui.Event.of_edited(self.edit_state()))
 
-    # What happens in the system.
+    # Events of the system.
 
     def channels_of(self, instance: str) -> list[ui.Channel]:
-        """The channels of a component's OutPorts, which are opened if they are new."""
+        """Return the channels of a component's OutPorts, opening new ones."""
         found = []
         for name, port in self.system.component(instance).out_ports.items():
             if (instance, name) not in self._channels:
@@ -454,27 +455,27 @@ class Session:
         return found
 
     def forget(self, instance: str) -> None:
-        """Forget what is known of a component that is no more."""
+        """Forget a removed component."""
         self.places.pop(instance, None)
         self._counts.pop(instance, None)
         for key in [key for key in self._channels if key[0] == instance]:
             del self._channels[key]
 
     def port_names(self, instance: str) -> list[str]:
-        """The names of a component's ports, each once."""
+        """Return the names of a component's ports, each once."""
         component = self.system.component(instance)
         services = (port for port, _ in (*component.providers, *component.consumers))
         return [*dict.fromkeys((*component.in_ports, *component.out_ports, *services))]
 
     def require_port(self, instance: str, port: str) -> None:
-        """Raises CommandError or RtcError without such a port."""
+        """Raise CommandError or RtcError if the port does not exist."""
         if port not in self.port_names(instance):
             raise CommandError(UNKNOWN, f"{instance} has no port {port!r}")
 
     def sample_writer(
         self, port: OutPort[Any], elapsed: Callable[[], int]
     ) -> Callable[[Any], None]:
-        """Gives the samples of a port to the pages that watch it."""
+        """Return a writer that sends the samples of a port to the pages that watch it."""
         channel = self._channels.get((port.owner, port.name))
         if channel is None:
             self.channels_of(port.owner)
@@ -491,7 +492,7 @@ class Session:
             try:
                 data = encode(value)
             except CdrError:
-                return  # The recorder counts them; a page cannot show what has no octets.
+                return  # The recorder counts invalid samples; pages cannot show them.
             self.sample(ui.Sample(number, elapsed() / SECOND, data))
 
         return write
@@ -506,8 +507,8 @@ class Session:
                 page.sample(sample)
 
     def on_state(self, record: StateRecord) -> None:
-        """A component has changed its state."""
-        self.tell(
+        """Publish a change of state."""
+        self.publish(
             ui.Event.of_change(
                 ui.StateChange(
                     time=record.time / SECOND,
@@ -522,7 +523,7 @@ class Session:
 
     def _on_traffic(self, system: runtime.System, happening: Happening) -> None:
         if system is not self.system:
-            return  # It is being closed.
+            return  # The system is being closed.
         match happening:
             case ParameterChange(instance, parameter, value):
                 sets = self.system.component(instance).configuration_sets
@@ -533,18 +534,18 @@ class Session:
                     text=value,
                     effective=True,
                 )
-                self.tell(ui.Event.of_setting(change))
+                self.publish(ui.Event.of_setting(change))
             case ConnectionChange(name, connected=True):
                 self._codecs.clear()
                 connector = self.system.connector(name)
                 if not self._is_within(connector):
                     self._across.add(name)
                     return
-                self.tell(ui.Event.of_connected(description.connection(connector)))
+                self.publish(ui.Event.of_connected(description.connection(connector)))
             case ConnectionChange(name) if name in self._across:
                 self._across.discard(name)
             case ConnectionChange(name):
-                self.tell(ui.Event.of_cut(name))
+                self.publish(ui.Event.of_cut(name))
             case BusFrame():
                 self.buses.on_frame(happening, self.now)
             case BoardCall(instance, request, reply, error, duration):
@@ -558,7 +559,7 @@ class Session:
                 )
                 if codec := self._codec(instance):
                     boards.describe(call, codec)
-                self.tell(ui.Event.of_call(call))
+                self.publish(ui.Event.of_call(call))
 
     def _codec(self, communication: str) -> Codec | None:
         """Return the codec of the marshaller that is connected to a communication RTC."""
@@ -574,11 +575,11 @@ class Session:
         return self._codecs[communication]
 
     def notice(self, kind: str, instance: str, text: str) -> None:
-        """Put something into the timeline."""
+        """Add a notice to the timeline."""
         notice = ui.Notice(
-            time=self.now, kind=kind, instance=instance, text=text[:_LONGEST_NOTICE]
+            time=self.now, kind=kind, instance=instance, text=text[:_MAX_NOTICE_LENGTH]
         )
-        self.tell(ui.Event.of_reported(notice))
+        self.publish(ui.Event.of_reported(notice))
 
     def _failed(self, failure: Failure) -> None:
         what = failure.reason if failure.error is None else described(failure.error)
@@ -586,19 +587,19 @@ class Session:
 
     def _ended(self, error: BaseException) -> None:
         self.notice("end", "", described(error))
-        self.tell(ui.Event.of_clock(self.time()))
+        self.publish(ui.Event.of_clock(self.time()))
 
     def _report(self) -> None:
-        """Report the time, the run beside, and changed counts to pages."""
+        """Publish the time, events of the compared run, and changed statistics."""
         if self.beside is not None:
             events, samples = self.beside.until(self.now)
-            self.tell(*events)
+            self.publish(*events)
             for sample in samples:
                 self.sample(sample)
         if not self._pages:
             return
         if self.runner.playing:
-            self.tell(ui.Event.of_clock(self.time()))
+            self.publish(ui.Event.of_clock(self.time()))
         changed = []
         for each in description.statistics(self.system, self.system.instances):
             before = self._counts.get(each.instance)
@@ -616,16 +617,16 @@ class Session:
                 page.put(ui.Event.of_whole(self.whole()))
 
     def close(self) -> None:
-        """Tell the pages, and end the run."""
+        """Notify the pages, and end the run."""
         self._to_all(ui.Event.of_reason("the server has ended"))
         self._end_recording()
-        if self.neighbours is not None:
-            self.neighbours.close()
+        if self.watcher is not None:
+            self.watcher.close()
         self.runner.close()
 
 
 class _Listener:
-    """What the system notifies."""
+    """Listener for the events of the system."""
 
     def __init__(self, session: Session, system: runtime.System) -> None:
         self.sample_writer = session.sample_writer

@@ -1,4 +1,4 @@
-"""The table of types: descriptors of the runtime as nodes, from which a page creates codecs."""
+"""The type table: descriptors of the runtime as nodes, from which a page creates codecs."""
 
 from __future__ import annotations
 

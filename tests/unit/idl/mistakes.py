@@ -182,7 +182,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "in out": (
         "interface I { void f(in §out long a); };",
-        "IDL0100: 'in' and 'out' cannot stand together",
+        "IDL0100: 'in' and 'out' cannot be combined",
         "a parameter has one direction: in, out or inout",
     ),
     "parameter without name": (
@@ -458,7 +458,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "long char": (
         "const char A = §'ab';",
         "IDL0109: a character literal holds one character, not 2 characters",
-        'strings stand in "..."',
+        'strings are written as "..."',
     ),
     "string for char": (
         'const char A = §"a";',
@@ -537,7 +537,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "define as const": (
         "#define N 10;\nstruct S { long a[§N]; };",
-        "IDL0100: the text of this macro holds a ';', which cannot stand here",
+        "IDL0100: the text of this macro holds a ';', which is not allowed here",
         "remove the ';' from its #define",
     ),
     "missing endif": (
@@ -822,7 +822,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "optional question": (
         "struct S { long§? a; };",
-        "IDL0004: the character '?' cannot stand here",
+        "IDL0004: the character '?' is not allowed here",
         "IDL has no conditional expressions; an optional member is marked @optional",
     ),
     "time": (
@@ -877,8 +877,8 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "enum quoted": (
         'enum E { §"A" };',
-        "IDL0100: '\"A\"' cannot stand here: '}', a name or an annotation was expected",
-        "names stand here, separated by ','",
+        "IDL0100: '\"A\"' is not allowed here: '}', a name or an annotation was expected",
+        "names are allowed here, separated by ','",
     ),
     "enum : type": (
         "enum E §: long { A };",
@@ -997,27 +997,27 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "private member in struct": (
         "struct S { §private long a; };",
-        "IDL0122: 'private' cannot stand in a struct",
+        "IDL0122: 'private' is not allowed in a struct",
         "leave it out, or make this a valuetype",
     ),
     "public in interface": (
         "interface I { §public void f(); };",
-        "IDL0122: 'public' cannot stand in an interface",
+        "IDL0122: 'public' is not allowed in an interface",
         "remove it: members of an interface are public",
     ),
     "const in struct": (
         "struct S { §const long A = 1; long b; };",
-        "IDL0122: a constant cannot stand in a struct",
+        "IDL0122: a constant is not allowed in a struct",
         "put it before the struct",
     ),
     "const member": (
         "struct S { §const long a; };",
-        "IDL0122: a constant cannot stand in a struct",
+        "IDL0122: a constant is not allowed in a struct",
         "put it before the struct",
     ),
     "method in struct": (
         "struct S { long a; void f§(); };",
-        "IDL0122: an operation cannot stand in a struct",
+        "IDL0122: an operation is not allowed in a struct",
         "put it into an interface",
     ),
     "method body": (
@@ -1173,51 +1173,51 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "keyword name": (
         "struct S { long §in; };",
         "IDL0103: 'in' is a keyword and cannot be a name",
-        "'_in' stands for the name in",
+        "'_in' is the escaped form of in",
     ),
     "keyword name type": (
         "struct §object { long a; };",
         "IDL0206: object differs from the keyword 'Object' in case only",
-        "'_object' stands for the name object",
+        "'_object' is the escaped form of object",
     ),
     "keyword parameter": (
         "interface I { void f(in string §context); };",
         "IDL0103: 'context' is a keyword and cannot be a name",
-        "'_context' stands for the name context",
+        "'_context' is the escaped form of context",
     ),
     "keyword enumerator": (
         "enum E { §default, other };",
         "IDL0103: 'default' is a keyword and cannot be a name",
-        "'_default' stands for the name default",
+        "'_default' is the escaped form of default",
     ),
     "keyword operation": (
         "interface I { void §local(); };",
         "IDL0103: 'local' is a keyword and cannot be a name",
-        "'_local' stands for the name local",
+        "'_local' is the escaped form of local",
     ),
     "keyword module": (
         "module §public { struct S { long a; }; };",
         "IDL0103: 'public' is a keyword and cannot be a name",
-        "'_public' stands for the name public",
+        "'_public' is the escaped form of public",
     ),
     "single colon": (
         "module M { struct P { long a; }; };\nstruct S { M§:P a; };",
-        "IDL0100: one ':' cannot stand in a name",
+        "IDL0100: one ':' is not allowed in a name",
         "parts of a name are joined by ::",
     ),
     "dot": (
         "module M { struct P { long a; }; };\nstruct S { M§.P a; };",
-        "IDL0004: the character '.' cannot stand here",
+        "IDL0004: the character '.' is not allowed here",
         "parts of a name are joined by ::",
     ),
     "arrow": (
         "module M { struct P { long a; }; };\nstruct S { M§->P a; };",
-        "IDL0100: '-' cannot stand in a name",
+        "IDL0100: '-' is not allowed in a name",
         "parts of a name are joined by ::",
     ),
     "slash": (
         "module M { struct P { long a; }; };\nstruct S { M§/P a; };",
-        "IDL0100: '/' cannot stand in a name",
+        "IDL0100: '/' is not allowed in a name",
         "parts of a name are joined by ::",
     ),
     "before declaration": (
@@ -1287,22 +1287,22 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "sequence parameter": (
         "interface I { void f(in §sequence<long> a); };",
-        "IDL0306: a type declared in place cannot stand here",
+        "IDL0306: a type declared in place is not allowed here",
         "give it a name before: use a typedef",
     ),
     "sequence result": (
         "interface I { §sequence<long> f(); };",
-        "IDL0306: a type declared in place cannot stand here",
+        "IDL0306: a type declared in place is not allowed here",
         "give it a name before: use a typedef",
     ),
     "typedef =": (
         "typedef A §= long;",
-        "IDL0121: '=' cannot stand in a typedef",
+        "IDL0121: '=' is not allowed in a typedef",
         "write typedef TYPE NAME;",
     ),
     "typedef = 2": (
         "typedef long A §= 3;",
-        "IDL0121: '=' cannot stand in a typedef",
+        "IDL0121: '=' is not allowed in a typedef",
         "write typedef TYPE NAME;",
     ),
     "using =": (
@@ -1312,47 +1312,47 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "typedef reversed": (
         "typedef Size §long;",
-        "IDL0100: 'long' cannot stand here: the type comes first",
+        "IDL0100: 'long' is not allowed here: the type comes first",
         "write typedef long Size;",
     ),
     "smart quotes": (
         "const string A = §\u201cabc\u201d;",
-        "IDL0004: the character '\u201c' cannot stand here",
+        "IDL0004: the character '\u201c' is not allowed here",
         'write "',
     ),
     "nbsp": (
         "struct S {§\xa0long a; };",
-        "IDL0004: the no-break space, U+00A0, cannot stand here",
+        "IDL0004: the no-break space, U+00A0, is not allowed here",
         "write a plain space",
     ),
     "fullwidth semicolon": (
         "struct S { long a§\uff1b};",
-        "IDL0004: the character '\uff1b' cannot stand here",
+        "IDL0004: the character '\uff1b' is not allowed here",
         "write ;",
     ),
     "ideographic space": (
         "struct S {§\u3000long a; };",
-        "IDL0004: the ideographic space, U+3000, cannot stand here",
+        "IDL0004: the ideographic space, U+3000, is not allowed here",
         "write a plain space",
     ),
     "minus sign": (
         "const long A = §\u22121;",
-        "IDL0004: the character '\u2212' cannot stand here",
+        "IDL0004: the character '\u2212' is not allowed here",
         "write -",
     ),
     "zero width": (
         "struct S { long §\u200ba; };",
-        "IDL0004: the zero width space, U+200B, cannot stand here",
+        "IDL0004: the zero width space, U+200B, is not allowed here",
         "remove it; nothing is seen of it",
     ),
     "bom in the middle": (
         "struct S { long §\ufeffa; };",
-        "IDL0004: the zero width no-break space, U+FEFF, cannot stand here",
+        "IDL0004: the zero width no-break space, U+FEFF, is not allowed here",
         "remove it; nothing is seen of it",
     ),
     "hyphen name": (
         "struct S { long max§-speed; };",
-        "IDL0100: '-' cannot stand in a name",
+        "IDL0100: '-' is not allowed in a name",
         "write max_speed",
     ),
     "digit name": (
@@ -1362,17 +1362,17 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "dollar name": (
         "struct S { long §$a; };",
-        "IDL0004: the character '$' cannot stand here",
+        "IDL0004: the character '$' is not allowed here",
         "names hold ASCII letters, digits and underscores",
     ),
     "space name": (
         "struct S { long max §speed; };",
-        "IDL0100: 'speed' cannot stand here: max is the name already",
+        "IDL0100: 'speed' is not allowed here: max is the name already",
         "write max_speed if that is one name",
     ),
     "space name struct": (
         "struct My §Struct { long a; };",
-        "IDL0100: 'Struct' cannot stand here: My is the name already",
+        "IDL0100: 'Struct' is not allowed here: My is the name already",
         "write My_Struct if that is one name",
     ),
     "accents": (
@@ -1452,22 +1452,22 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "attribute in struct": (
         "struct S { §attribute long a; };",
-        "IDL0122: 'attribute' cannot stand in a struct",
+        "IDL0122: 'attribute' is not allowed in a struct",
         "attributes and operations belong into an interface",
     ),
     "operation in module": (
         "module M { §void f(); };",
-        "IDL0122: an operation cannot stand in a module",
+        "IDL0122: an operation is not allowed in a module",
         "put it into an interface",
     ),
     "operation at top": (
         "§void f();",
-        "IDL0122: an operation cannot stand at file scope",
+        "IDL0122: an operation is not allowed at file scope",
         "put it into an interface",
     ),
     "member at top": (
         "§long a;",
-        "IDL0122: a member cannot stand at file scope",
+        "IDL0122: a member is not allowed at file scope",
         "put it into a struct; or write typedef for a type, const for a constant",
     ),
     "member in interface": (
@@ -1567,7 +1567,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "==": (
         "const long A §== 1;",
-        "IDL0100: '==' cannot stand here",
+        "IDL0100: '==' is not allowed here",
         "write one '='",
     ),
     ":=": (
@@ -1577,7 +1577,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "ternary": (
         "const long A = 1 §? 2 : 3;",
-        "IDL0004: the character '?' cannot stand here",
+        "IDL0004: the character '?' is not allowed here",
         "IDL has no conditional expressions; an optional member is marked @optional",
     ),
     "logical and": (
@@ -1587,7 +1587,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "not": (
         "const boolean A = §!TRUE;",
-        "IDL0004: the character '!' cannot stand here",
+        "IDL0004: the character '!' is not allowed here",
         "IDL has no logical operators; complement is ~",
     ),
     "power": (
@@ -1677,7 +1677,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     ),
     "missing comma in typedef": (
         "typedef long A §B, C;\nstruct S { A x; };",
-        "IDL0100: 'B' cannot stand here: A is the name already",
+        "IDL0100: 'B' is not allowed here: A is the name already",
         "write A_B if that is one name",
     ),
     "missing open brace of annotated": (

@@ -31,7 +31,7 @@ def test_problems_of_the_text() -> None:
         "this comment is never closed"
     ]
     assert [p.message for p in source("long\x01 a;").problems] == [
-        "the control character U+0001 cannot stand here"
+        "the control character U+0001 is not allowed here"
     ]
     assert source("a\0b").code == ""
 

@@ -50,7 +50,7 @@ class Play:
                 later = now + draw.choice((0, 1, MS, 7 * MS, 300 * MS))
                 self.scheduler.at(later, lambda: self.hear(f"single {number}"))
             case 1:
-                self.scheduler.behind_ticks(lambda: self.hear(f"behind {number}"))
+                self.scheduler.after_ticks(lambda: self.hear(f"behind {number}"))
             case 2:
                 period = draw.choice((MS, 3 * MS, 20 * MS))
                 end = self.scheduler.every(period, lambda: self.hear(f"each {number}"))
@@ -87,7 +87,7 @@ def test_as_by_the_heap_alone(seed: int, monkeypatch: pytest.MonkeyPatch) -> Non
         made.append(timetable(tasks))
         return made[-1]
 
-    monkeypatch.setattr(simulated_time, "_SHORTEST_WAIT", 3)
+    monkeypatch.setattr(simulated_time, "_MIN_WAIT", 3)
     monkeypatch.setattr(simulated_time, "timetable", noted)
     by_table = Play(seed).run()
     assert any(made)

@@ -127,7 +127,7 @@ def test_a_target_has_to_have_each_function() -> None:
         pair: Any = None
         twice: Any = 5
 
-    with pytest.raises(TypeError, match=r"^Part lacks twice, pair$"):
+    with pytest.raises(TypeError, match=r"^Part does not define twice, pair$"):
         Dispatcher(Part(), codec())
     made = Dispatcher(target := Target(), codec())
     assert (made.target, made.codec) == (target, codec())

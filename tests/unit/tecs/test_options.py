@@ -8,7 +8,7 @@ from typing import ClassVar
 import pytest
 from boards import SERVER, emit, imported, joined, texts, write
 
-from rtgen.facts.opaque_rpc import FIRST_PORT, LONGEST_TIMEOUT
+from rtgen.facts.opaque_rpc import FIRST_PORT, MAX_TIMEOUT
 from rtgen.lowering.tecs.options import RtcOptions
 from rtgen.lowering.tecs.rules import UNKNOWN_OPTION
 from rtgen.runtime.opaque_rpc import (
@@ -44,7 +44,7 @@ def test_the_defaults_are_those_of_the_runtime() -> None:
     assert usual.limit == REQUEST_LIMIT
     assert (usual.address, usual.timeout) == (link.ipaddr, link.timeout)
     assert str(FIRST_PORT) == link.port
-    assert LONGEST_TIMEOUT == connection.LONGEST_TIMEOUT
+    assert MAX_TIMEOUT == connection.MAX_TIMEOUT
     assert (usual.tdr, usual.encoding) == (codec.tdr.order, codec.encoding)
 
 

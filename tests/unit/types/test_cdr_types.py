@@ -96,7 +96,7 @@ def type_of(model: Model, holder: str, name: str = "a") -> Type:
     return member_of(model, holder, name).type
 
 
-LEAST = {
+MIN_SIZES = {
     "an_octet": 1,
     "a_double": 8,
     "a_long_double": 16,
@@ -127,7 +127,7 @@ def test_least_octets(model: Model) -> None:
     types = types_of(model)
     members = struct_of(model, "Holds").members
     for _ in range(2):
-        assert {m.name: types.check(m.type) for m in members} == LEAST
+        assert {m.name: types.check(m.type) for m in members} == MIN_SIZES
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ import numpy
 import pytest
 
 from rtgen.cli import run
-from rtgen.facts.numeric import FORMS, LONGEST_LIST, Numeric
+from rtgen.facts.numeric import FORMS, MAX_LIST_LENGTH, Numeric
 from rtgen.frontends.idl import load
 from rtgen.lowering.numeric import lower
 from rtgen.lowering.settings import Settings
@@ -101,7 +101,7 @@ def filled(n: ModuleType, count: int) -> Any:
 def test_types_settle_the_form(packages: dict[Numeric, Any]) -> None:
     lists, arrays, numpies = (packages[form].Everything() for form in FORMS)
     assert type(lists.scan) is type(lists.long_row) is type(arrays.scan) is list
-    for count, form in ((LONGEST_LIST, list), (LONGEST_LIST + 1, NumericArray)):
+    for count, form in ((MAX_LIST_LENGTH, list), (MAX_LIST_LENGTH + 1, NumericArray)):
         made = filled(packages["array"], count)
         made = packages["array"].Everything.from_cdr(made.to_cdr())
         assert type(made.scan) is type(made.counters) is type(made.named) is form

@@ -13,7 +13,7 @@ import pytest
 from rtgen.runtime.marshalling import octets
 from rtgen.runtime.marshalling.octets import ObjectReference
 
-LEAST_SUBNORMAL = 5e-324
+MIN_SUBNORMAL = 5e-324
 NOT_A_NUMBER = struct.unpack(">d", bytes.fromhex("7ff8000000000001"))[0]
 
 GIVEN: list[tuple[Callable[..., Any], tuple[Any, ...], Any]] = [
@@ -145,8 +145,8 @@ QUADS = [
     (2.0**1023, "43fe" + "0" * 28),
     (2.0**-1022, "3c01" + "0" * 28),
     (1.0000000000000002, "3fff0000000000001" + "0" * 15),
-    (LEAST_SUBNORMAL, "3bcd" + "0" * 28),
-    (3 * LEAST_SUBNORMAL, "3bce8" + "0" * 27),
+    (MIN_SUBNORMAL, "3bcd" + "0" * 28),
+    (3 * MIN_SUBNORMAL, "3bce8" + "0" * 27),
     (math.inf, "7fff" + "0" * 28),
     (-math.inf, "ffff" + "0" * 28),
 ]

@@ -3,7 +3,7 @@
 import pytest
 
 from refrobots import iis, rtc
-from rtgen.facts.numeric import LONGEST_LIST
+from rtgen.facts.numeric import MAX_LIST_LENGTH
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.marshalling.compiler import CLASSIC, compiled
 from rtgen.runtime.marshalling.source import repeated
@@ -92,7 +92,7 @@ def test_readers_are_bounded(decode):
 
 
 def test_a_long_shape_gets_no_reader_and_is_not_watched_for_ever(decode):
-    octets = pose(0, LONGEST_LIST + 1).to_cdr()
+    octets = pose(0, MAX_LIST_LENGTH + 1).to_cdr()
     for _ in range(repeated.WATCHED):
         assert decode.__globals__["watching"]
         decode(iis.TimedPose2D, octets)

@@ -14,7 +14,7 @@ from ui_bench import GOAL, QUIET, serving
 from websockets.sync.client import ClientConnection, connect
 
 from rtgen.cli.ui import CommandProject
-from rtgen.ui.history import MOST_LINES, History
+from rtgen.ui.history import MAX_LINES, History
 from rtgen.ui.protocol import ui
 from rtgen.ui.protocol.ui import EventKind
 from rtgen.ui.serving import Server
@@ -184,17 +184,17 @@ def change(time: float, after: ui.State) -> ui.Event:
 def test_of_many_changes_the_newest_of_each_part_is_kept(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("rtgen.ui.history.MOST_CHANGES", 1000)
+    monkeypatch.setattr("rtgen.ui.history.MAX_CHANGES", 1000)
     history = History()
     history.begin(ui.SystemState(components=[ui.Component(instance="A0")]))
     cut = ui.Event.of_cut("gone")
-    history.tell(0.0, cut)
+    history.add(0.0, cut)
     for i in range(3000):
-        history.tell(float(i), change(i, ui.State.STATE_ACTIVE))
+        history.add(float(i), change(i, ui.State.STATE_ACTIVE))
     events = history.at(history.nearest(2500.0), [], ())
     assert cut in events
     times = [e.change.time for e in events if e.discriminator is EventKind.EVENT_STATE]
-    assert times == [float(i) for i in range(2501 - MOST_LINES, 2501)]
+    assert times == [float(i) for i in range(2501 - MAX_LINES, 2501)]
     assert history.first > 0.0
     assert history.nearest(0.0) == history.first
 
@@ -205,7 +205,7 @@ def test_of_a_long_run_older_samples_are_thinned_out() -> None:
         history.sample(ui.Sample(channel=1, time=i / 1000, data=b""))
     [event] = history.samples(9.0, [1])
     times = [each.time for each in event.samples]
-    assert len(times) == ui.MOST_SAMPLES
+    assert len(times) == ui.MAX_SAMPLES
     assert times[1000:] == [i / 1000 for i in range(8001, 9001)]
     assert times[0] == 0.0
     steps = {round(b - a, 3) for a, b in itertools.pairwise(times[:1000])}
@@ -217,7 +217,7 @@ def test_of_many_frames_those_with_rare_identifiers_stay() -> None:
     for i in range(5000):
         can_id = 0x81 if i == 10 else 0x180 + i % 2
         frame = ui.Frame(time=i / 1000, bus="can0", can_id=can_id)
-        history.tell(frame.time, ui.Event.of_traffic([frame]))
+        history.add(frame.time, ui.Event.of_traffic([frame]))
     [event] = [
         e
         for e in history.at(4.999, [], ())
@@ -237,7 +237,7 @@ def test_the_oldest_samples_go_first() -> None:
     for i in range(1000):
         sample = ui.Sample(channel=1, time=i / 10, data=bytes(100))
         history.sample(sample)
-        history.tell(i / 10, ui.Event.of_traffic([ui.Frame(time=i / 10, bus="can0")]))
+        history.add(i / 10, ui.Event.of_traffic([ui.Frame(time=i / 10, bus="can0")]))
     [samples] = history.samples(history.last, [1])
     assert history.first < samples.samples[0].time
     assert samples.samples[-1].time == 99.9

@@ -260,9 +260,9 @@ def samples(page: Watcher, port: str) -> list[ui.Sample]:
 
 def connectors(page: Watcher, name: str, port: str) -> int:
     """Return the number of connections that a port reports, including those of pages."""
-    neighbours = page.session.neighbours
-    assert neighbours is not None
-    return len(neighbours._found[name].ports[port].connector_profiles)
+    watcher = page.session.watcher
+    assert watcher is not None
+    return len(watcher._found[name].ports[port].connector_profiles)
 
 
 def test_samples_of_their_ports_come(page: Watcher, names: str) -> None:

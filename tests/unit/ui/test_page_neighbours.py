@@ -68,10 +68,10 @@ def test_they_are_steered_and_configured(
     name = f"{names}/PathFollower0"
 
     def state() -> ui.State:
-        return session.outside.components[name].current
+        return session.remote.components[name].current
 
     def limit() -> str:
-        [active] = session.outside.components[name].configuration_sets
+        [active] = session.remote.components[name].configuration_sets
         return next(each.text for each in active.values if each.name == "max_v")
 
     select(page, name, "Configuration")
@@ -97,7 +97,7 @@ def test_lines_between_their_boxes_are_drawn(
     target = f"{names}/RefHardRh30.InTargetVelocity"
 
     def connected() -> bool:
-        ends = [(e.source, e.target) for e in session.outside.connections.values()]
+        ends = [(e.source, e.target) for e in session.remote.connections.values()]
         return (source, target) in [
             (f"{a.instance}.{a.port}", f"{b.instance}.{b.port}") for a, b in ends
         ]
@@ -160,7 +160,7 @@ def test_one_is_driven_and_all_are_saved(
     ports.select_option(port)
     page.get_by_role("application", name=f"Joystick of {port}").focus()
     page.keyboard.down("ArrowUp")
-    hard = session.outside.components[f"{names}/RefHardRh30"]
+    hard = session.remote.components[f"{names}/RefHardRh30"]
     page.get_by_role("status", name="Command").get_by_text("0.30 m/s").wait_for()
     page.keyboard.up("ArrowUp")
     page.get_by_role("status", name="Command").get_by_text("0.00 m/s").wait_for()

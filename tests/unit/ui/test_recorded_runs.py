@@ -137,7 +137,7 @@ def test_what_is_no_recording_is_reported(
     assert run(["ui", files[0], "--record", str(empty), "--no-open"]) == 2
     err = capfd.readouterr().err
     assert "is empty" in err
-    assert "beside a system or beside another one" in err
+    assert "compared with one system or one other recording" in err
     assert "nothing that runs" in err
     assert "Traceback" not in err
 

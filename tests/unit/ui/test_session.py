@@ -12,7 +12,7 @@ from ui_bench import GOAL, ROOT, Bench, Page, channels, whole
 from refrobots.iis import TimedVelocity2D
 from rtgen.runtime import ACTIVE_STATE, INACTIVE_STATE, RealClock, xcdr
 from rtgen.systems.reading import read_file
-from rtgen.ui.outbox import MOST_CHANGES, MOST_SAMPLES
+from rtgen.ui.outbox import MAX_CHANGES, MAX_SAMPLES
 from rtgen.ui.protocol import ui
 
 VELOCITY = "PathFollower0.velocity_RefHardRh30.InTargetVelocity"
@@ -137,8 +137,8 @@ def test_parameters_are_set_within_their_range(bench: Bench, page: Page) -> None
     assert "slow" in sets.ids
     page.done("undone", True)
     assert "slow" not in sets.ids
-    [told] = [e for e in page.seen if e.discriminator is ui.EventKind.EVENT_COMPONENT]
-    assert [each.name for each in told.described.configuration_sets] == ["default"]
+    [event] = [e for e in page.seen if e.discriminator is ui.EventKind.EVENT_COMPONENT]
+    assert [each.name for each in event.described.configuration_sets] == ["default"]
     page.done("redone", True)
     assert sets.texts("slow")["max_v"] == "0.1"
 
@@ -318,15 +318,15 @@ def test_a_page_that_does_not_read_is_sent_less(bench: Bench, page: Page) -> Non
     [samples] = [
         e.samples for e in events if e.discriminator is ui.EventKind.EVENT_SAMPLES
     ]
-    assert len(samples) <= MOST_SAMPLES
+    assert len(samples) <= MAX_SAMPLES
     [less] = [e.less for e in events if e.discriminator is ui.EventKind.EVENT_SENT_LESS]
     assert less.channels == [number]
     assert less.dropped + len(samples) >= 4999
     assert samples[-1].time == pytest.approx(4.999)
-    for number in range(MOST_CHANGES + 1):
+    for number in range(MAX_CHANGES + 1):
         bench.session.notice("test", "", str(number))
     assert reader.outbox.behind
-    assert len(reader.events()) >= MOST_CHANGES
+    assert len(reader.events()) >= MAX_CHANGES
     bench.session._report()
     assert whole(reader.events()).components
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from rtgen.cli.ui_tokens import LONGEST, tokens_of
+from rtgen.cli.ui_tokens import MAX_AGE, tokens_of
 
 PORT = 40123
 
@@ -32,7 +32,7 @@ def test_they_are_those_of_the_last_start(file: Path) -> None:
 
 def test_after_a_day_they_are_new(file: Path) -> None:
     first = tokens_of(PORT)
-    os.utime(file, (time.time() - LONGEST - 1,) * 2)
+    os.utime(file, (time.time() - MAX_AGE - 1,) * 2)
     assert tokens_of(PORT) != first
 
 

@@ -3,7 +3,7 @@
 
 export {
   Ui$VERSION as VERSION,
-  Ui$MOST_SAMPLES as MOST_SAMPLES,
+  Ui$MAX_SAMPLES as MAX_SAMPLES,
   Ui$Octets as Octets,
   Ui$Strings as Strings,
   Ui$TypeKind as TypeKind,

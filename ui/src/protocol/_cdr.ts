@@ -28,8 +28,8 @@ export interface CdrType<T> {
 /** The type of the values of a description. */
 export type ValueOf<C> = C extends CdrType<infer T> ? T : never;
 
-const MOST_DEPTH = 128;
-const MOST_EMPTY = 1 << 16;
+const MAX_DEPTH = 128;
+const MAX_EMPTY_ELEMENTS = 1 << 16;
 
 /** Reads the body of a value from its beginning. */
 export class Reader {
@@ -68,7 +68,7 @@ export class Reader {
   count(least: number, bound: number): number {
     const count = this.ulong();
     if (bound && count > bound) throw new CdrError(`a length of ${count} beyond ${bound}`);
-    if (least ? count * least > this.end - this.offset : count > MOST_EMPTY) {
+    if (least ? count * least > this.end - this.offset : count > MAX_EMPTY_ELEMENTS) {
       throw new CdrError(`a length of ${count}, and ${this.end - this.offset} octets are left`);
     }
     return count;
@@ -97,7 +97,7 @@ export class Reader {
 
   /** Reads a value that may contain values of its own type. */
   nested<T>(read: () => T): T {
-    if (++this.depth > MOST_DEPTH) throw new CdrError(`nested deeper than ${MOST_DEPTH}`);
+    if (++this.depth > MAX_DEPTH) throw new CdrError(`nested deeper than ${MAX_DEPTH}`);
     const value = read();
     this.depth--;
     return value;

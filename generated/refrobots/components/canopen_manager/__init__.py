@@ -18,23 +18,23 @@ class CanopenManagerConfiguration:
     """Configuration of CanopenManager."""
 
     network: str = ""
-    """The network: the name of its bus file."""
+    """Network: name of its bus file."""
     interface: str = "virtual"
-    """The kind of bus: an interface of python-can. In simulated time the bus is simulated."""
+    """Interface of python-can; in simulated time the bus is simulated."""
     channel: str = "can0"
-    """The channel of the interface."""
+    """Channel of the interface."""
     bitrate: int = 0
-    """Bit rate, 0 for the interface's own [bit/s]."""
+    """Bit rate; 0: the default of the interface [bit/s]."""
     options: str = ""
-    """Further arguments of the interface: "host=127.0.0.1,port=29536"."""
+    """Further arguments of the interface, such as "host=127.0.0.1,port=29536"."""
 
 
 class CanopenManagerBase(CanopenManager):
     """Runs a CANopen network: checks, configures, starts and supervises its nodes.
 
-    It is the NMT master, and sends SYNC and its own heartbeat as the network says. ACTIVE it runs
-    the network; deactivated, its nodes are in pre-operational. A node that fails for good and may
-    not be missing leads to ERROR.
+    The NMT master, which sends SYNC and its own heartbeat as configured in the bus file. It runs the
+    network while ACTIVE; when it is deactivated, the nodes become pre-operational. The permanent
+    failure of a mandatory node leads to ERROR.
     """
 
     profile: ClassVar[ComponentProfile] = ComponentProfile(
@@ -53,7 +53,7 @@ class CanopenManagerBase(CanopenManager):
                 "outport",
                 "states",
                 canopen.NodeState,
-                "A node's state, whenever it changes.",
+                "The state of a node, sent on each change.",
             ),
             service_port(
                 "provider",
@@ -69,21 +69,21 @@ class CanopenManagerBase(CanopenManager):
                 python_name="network",
                 type="string",
                 default="",
-                description="The network: the name of its bus file.",
+                description="Network: name of its bus file.",
             ),
             ParameterProfile(
                 name="interface",
                 python_name="interface",
                 type="string",
                 default="virtual",
-                description="The kind of bus: an interface of python-can. In simulated time the bus is simulated.",
+                description="Interface of python-can; in simulated time the bus is simulated.",
             ),
             ParameterProfile(
                 name="channel",
                 python_name="channel",
                 type="string",
                 default="can0",
-                description="The channel of the interface.",
+                description="Channel of the interface.",
             ),
             ParameterProfile(
                 name="bitrate",
@@ -92,14 +92,14 @@ class CanopenManagerBase(CanopenManager):
                 default="0",
                 minimum=0,
                 unit="bit/s",
-                description="Bit rate, 0 for the interface's own.",
+                description="Bit rate; 0: the default of the interface.",
             ),
             ParameterProfile(
                 name="options",
                 python_name="options",
                 type="string",
                 default="",
-                description='Further arguments of the interface: "host=127.0.0.1,port=29536".',
+                description='Further arguments of the interface, such as "host=127.0.0.1,port=29536".',
             ),
         ),
     )
@@ -108,6 +108,6 @@ class CanopenManagerBase(CanopenManager):
         super().__init__(instance_name)
         self.config = self.add_configuration(CanopenManagerConfiguration())
         self.states = self.add_out_port("states", canopen.NodeState)
-        """A node's state, whenever it changes."""
+        """The state of a node, sent on each change."""
         self.manager = self.add_provider("manager", "Manager", canopen.Manager)
         """Commands for nodes, and their states."""

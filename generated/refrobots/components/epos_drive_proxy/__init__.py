@@ -27,29 +27,29 @@ class EposDriveProxyConfiguration:
     """Configuration of EposDriveProxy."""
 
     interface: str = "virtual"
-    """The kind of bus: an interface of python-can. In simulated time the bus is simulated."""
+    """Interface of python-can; in simulated time the bus is simulated."""
     channel: str = "can0"
-    """The channel of the interface."""
+    """Channel of the interface."""
     bitrate: int = 0
-    """Bit rate, 0 for the interface's own [bit/s]."""
+    """Bit rate; 0: the default of the interface [bit/s]."""
     options: str = ""
-    """Further arguments of the interface: "host=127.0.0.1,port=29536"."""
+    """Further arguments of the interface, such as "host=127.0.0.1,port=29536"."""
     node_id: int = 1
-    """The node-id."""
+    """Node-id."""
     network: str = "rh3_beego"
-    """The network: the name of its bus file; empty for none."""
+    """Network: name of its bus file; empty: none."""
     master: bool = False
-    """Whether it sends NMT commands itself where the process has no manager on the bus."""
+    """Whether the proxy itself sends NMT commands if the process has no manager on the bus."""
     heartbeat_timeout: int = 0
-    """How long the device may be silent; 0: as the network says, else three periods [ms]."""
+    """Heartbeat time-out; 0: the value of the network, else three periods [ms]."""
     boot_timeout: int = 2000
-    """How long a reset may take until the boot-up message [ms]."""
+    """Maximum time from a reset to the boot-up message [ms]."""
     emergency_stop: str = ""
-    """Emergency codes that lead to ERROR, such as xxxx,-82xx; others are only reported. Empty: as the network says."""
+    """Emergency codes that lead to ERROR, such as xxxx,-82xx; others are only reported. Empty: the value of the network."""
     recoveries: int = 0
-    """How often in a row it leaves ERROR by itself; 0: as the network says."""
+    """Maximum number of automatic recoveries from ERROR in a row; 0: the value of the network."""
     sdo_in_error: bool = False
-    """Whether the device is pre-operational in ERROR, where its objects can be read, and not stopped."""
+    """Whether the device is pre-operational in ERROR, so that SDO works, instead of stopped."""
     Profile_acceleration: float = 359.0391604102621
     """Profile acceleration (6083h, UNSIGNED32, times 7.479982508547127e-06), written by SDO [rad/s^2]."""
     Profile_deceleration: float = 359.0391604102621
@@ -59,10 +59,10 @@ class EposDriveProxyConfiguration:
 
 
 class EposDriveProxyBase(CanopenProxy):
-    """Stands for a device on a CANopen bus: Wheel drive 24/5.
+    """Proxy of a device on a CANopen bus: Wheel drive 24/5.
 
-    What the device transmits comes out of OutPorts, what InPorts get is sent to it.
-    Its life cycle is that of the device (NMT).
+    OutPorts send the data received from the device, InPorts take the data for it.
+    The life cycle follows the NMT state of the device.
     """
 
     profile: ClassVar[ComponentProfile] = ComponentProfile(
@@ -123,14 +123,14 @@ class EposDriveProxyBase(CanopenProxy):
                 python_name="interface",
                 type="string",
                 default="virtual",
-                description="The kind of bus: an interface of python-can. In simulated time the bus is simulated.",
+                description="Interface of python-can; in simulated time the bus is simulated.",
             ),
             ParameterProfile(
                 name="channel",
                 python_name="channel",
                 type="string",
                 default="can0",
-                description="The channel of the interface.",
+                description="Channel of the interface.",
             ),
             ParameterProfile(
                 name="bitrate",
@@ -139,14 +139,14 @@ class EposDriveProxyBase(CanopenProxy):
                 default="0",
                 minimum=0,
                 unit="bit/s",
-                description="Bit rate, 0 for the interface's own.",
+                description="Bit rate; 0: the default of the interface.",
             ),
             ParameterProfile(
                 name="options",
                 python_name="options",
                 type="string",
                 default="",
-                description='Further arguments of the interface: "host=127.0.0.1,port=29536".',
+                description='Further arguments of the interface, such as "host=127.0.0.1,port=29536".',
             ),
             ParameterProfile(
                 name="node_id",
@@ -155,21 +155,21 @@ class EposDriveProxyBase(CanopenProxy):
                 default="1",
                 minimum=1,
                 maximum=127,
-                description="The node-id.",
+                description="Node-id.",
             ),
             ParameterProfile(
                 name="network",
                 python_name="network",
                 type="string",
                 default="rh3_beego",
-                description="The network: the name of its bus file; empty for none.",
+                description="Network: name of its bus file; empty: none.",
             ),
             ParameterProfile(
                 name="master",
                 python_name="master",
                 type="boolean",
                 default="0",
-                description="Whether it sends NMT commands itself where the process has no manager on the bus.",
+                description="Whether the proxy itself sends NMT commands if the process has no manager on the bus.",
             ),
             ParameterProfile(
                 name="heartbeat_timeout",
@@ -178,7 +178,7 @@ class EposDriveProxyBase(CanopenProxy):
                 default="0",
                 minimum=0,
                 unit="ms",
-                description="How long the device may be silent; 0: as the network says, else three periods.",
+                description="Heartbeat time-out; 0: the value of the network, else three periods.",
             ),
             ParameterProfile(
                 name="boot_timeout",
@@ -187,14 +187,14 @@ class EposDriveProxyBase(CanopenProxy):
                 default="2000",
                 minimum=1,
                 unit="ms",
-                description="How long a reset may take until the boot-up message.",
+                description="Maximum time from a reset to the boot-up message.",
             ),
             ParameterProfile(
                 name="emergency_stop",
                 python_name="emergency_stop",
                 type="string",
                 default="",
-                description="Emergency codes that lead to ERROR, such as xxxx,-82xx; others are only reported. Empty: as the network says.",
+                description="Emergency codes that lead to ERROR, such as xxxx,-82xx; others are only reported. Empty: the value of the network.",
             ),
             ParameterProfile(
                 name="recoveries",
@@ -202,14 +202,14 @@ class EposDriveProxyBase(CanopenProxy):
                 type="long",
                 default="0",
                 minimum=0,
-                description="How often in a row it leaves ERROR by itself; 0: as the network says.",
+                description="Maximum number of automatic recoveries from ERROR in a row; 0: the value of the network.",
             ),
             ParameterProfile(
                 name="sdo_in_error",
                 python_name="sdo_in_error",
                 type="boolean",
                 default="0",
-                description="Whether the device is pre-operational in ERROR, where its objects can be read, and not stopped.",
+                description="Whether the device is pre-operational in ERROR, so that SDO works, instead of stopped.",
             ),
             ParameterProfile(
                 name="Profile_acceleration",
@@ -370,10 +370,10 @@ def encode_rpdo4(Target_torque: int) -> bytes:
 
 
 class EposDriveProxy(EposDriveProxyBase):
-    """Stands for a device on a CANopen bus: Wheel drive 24/5.
+    """Proxy of a device on a CANopen bus: Wheel drive 24/5.
 
-    What the device transmits comes out of OutPorts, what InPorts get is sent to it.
-    Its life cycle is that of the device (NMT).
+    OutPorts send the data received from the device, InPorts take the data for it.
+    The life cycle follows the NMT state of the device.
     """
 
     description = DESCRIPTION

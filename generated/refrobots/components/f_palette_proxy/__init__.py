@@ -27,36 +27,36 @@ class FPaletteProxyConfiguration:
     """Configuration of FPaletteProxy."""
 
     interface: str = "virtual"
-    """The kind of bus: an interface of python-can. In simulated time the bus is simulated."""
+    """Interface of python-can; in simulated time the bus is simulated."""
     channel: str = "can0"
-    """The channel of the interface."""
+    """Channel of the interface."""
     bitrate: int = 0
-    """Bit rate, 0 for the interface's own [bit/s]."""
+    """Bit rate; 0: the default of the interface [bit/s]."""
     options: str = ""
-    """Further arguments of the interface: "host=127.0.0.1,port=29536"."""
+    """Further arguments of the interface, such as "host=127.0.0.1,port=29536"."""
     node_id: int = 2
-    """The node-id."""
+    """Node-id."""
     network: str = "pdo_linking"
-    """The network: the name of its bus file; empty for none."""
+    """Network: name of its bus file; empty: none."""
     master: bool = False
-    """Whether it sends NMT commands itself where the process has no manager on the bus."""
+    """Whether the proxy itself sends NMT commands if the process has no manager on the bus."""
     heartbeat_timeout: int = 0
-    """How long the device may be silent; 0: as the network says, else three periods [ms]."""
+    """Heartbeat time-out; 0: the value of the network, else three periods [ms]."""
     boot_timeout: int = 2000
-    """How long a reset may take until the boot-up message [ms]."""
+    """Maximum time from a reset to the boot-up message [ms]."""
     emergency_stop: str = ""
-    """Emergency codes that lead to ERROR, such as xxxx,-82xx; others are only reported. Empty: as the network says."""
+    """Emergency codes that lead to ERROR, such as xxxx,-82xx; others are only reported. Empty: the value of the network."""
     recoveries: int = 0
-    """How often in a row it leaves ERROR by itself; 0: as the network says."""
+    """Maximum number of automatic recoveries from ERROR in a row; 0: the value of the network."""
     sdo_in_error: bool = False
-    """Whether the device is pre-operational in ERROR, where its objects can be read, and not stopped."""
+    """Whether the device is pre-operational in ERROR, so that SDO works, instead of stopped."""
 
 
 class FPaletteProxyBase(CanopenProxy):
-    """Stands for a device on a CANopen bus: f-palette.
+    """Proxy of a device on a CANopen bus: f-palette.
 
-    What the device transmits comes out of OutPorts, what InPorts get is sent to it.
-    Its life cycle is that of the device (NMT).
+    OutPorts send the data received from the device, InPorts take the data for it.
+    The life cycle follows the NMT state of the device.
     """
 
     profile: ClassVar[ComponentProfile] = ComponentProfile(
@@ -115,14 +115,14 @@ class FPaletteProxyBase(CanopenProxy):
                 python_name="interface",
                 type="string",
                 default="virtual",
-                description="The kind of bus: an interface of python-can. In simulated time the bus is simulated.",
+                description="Interface of python-can; in simulated time the bus is simulated.",
             ),
             ParameterProfile(
                 name="channel",
                 python_name="channel",
                 type="string",
                 default="can0",
-                description="The channel of the interface.",
+                description="Channel of the interface.",
             ),
             ParameterProfile(
                 name="bitrate",
@@ -131,14 +131,14 @@ class FPaletteProxyBase(CanopenProxy):
                 default="0",
                 minimum=0,
                 unit="bit/s",
-                description="Bit rate, 0 for the interface's own.",
+                description="Bit rate; 0: the default of the interface.",
             ),
             ParameterProfile(
                 name="options",
                 python_name="options",
                 type="string",
                 default="",
-                description='Further arguments of the interface: "host=127.0.0.1,port=29536".',
+                description='Further arguments of the interface, such as "host=127.0.0.1,port=29536".',
             ),
             ParameterProfile(
                 name="node_id",
@@ -147,21 +147,21 @@ class FPaletteProxyBase(CanopenProxy):
                 default="2",
                 minimum=1,
                 maximum=127,
-                description="The node-id.",
+                description="Node-id.",
             ),
             ParameterProfile(
                 name="network",
                 python_name="network",
                 type="string",
                 default="pdo_linking",
-                description="The network: the name of its bus file; empty for none.",
+                description="Network: name of its bus file; empty: none.",
             ),
             ParameterProfile(
                 name="master",
                 python_name="master",
                 type="boolean",
                 default="0",
-                description="Whether it sends NMT commands itself where the process has no manager on the bus.",
+                description="Whether the proxy itself sends NMT commands if the process has no manager on the bus.",
             ),
             ParameterProfile(
                 name="heartbeat_timeout",
@@ -170,7 +170,7 @@ class FPaletteProxyBase(CanopenProxy):
                 default="0",
                 minimum=0,
                 unit="ms",
-                description="How long the device may be silent; 0: as the network says, else three periods.",
+                description="Heartbeat time-out; 0: the value of the network, else three periods.",
             ),
             ParameterProfile(
                 name="boot_timeout",
@@ -179,14 +179,14 @@ class FPaletteProxyBase(CanopenProxy):
                 default="2000",
                 minimum=1,
                 unit="ms",
-                description="How long a reset may take until the boot-up message.",
+                description="Maximum time from a reset to the boot-up message.",
             ),
             ParameterProfile(
                 name="emergency_stop",
                 python_name="emergency_stop",
                 type="string",
                 default="",
-                description="Emergency codes that lead to ERROR, such as xxxx,-82xx; others are only reported. Empty: as the network says.",
+                description="Emergency codes that lead to ERROR, such as xxxx,-82xx; others are only reported. Empty: the value of the network.",
             ),
             ParameterProfile(
                 name="recoveries",
@@ -194,14 +194,14 @@ class FPaletteProxyBase(CanopenProxy):
                 type="long",
                 default="0",
                 minimum=0,
-                description="How often in a row it leaves ERROR by itself; 0: as the network says.",
+                description="Maximum number of automatic recoveries from ERROR in a row; 0: the value of the network.",
             ),
             ParameterProfile(
                 name="sdo_in_error",
                 python_name="sdo_in_error",
                 type="boolean",
                 default="0",
-                description="Whether the device is pre-operational in ERROR, where its objects can be read, and not stopped.",
+                description="Whether the device is pre-operational in ERROR, so that SDO works, instead of stopped.",
             ),
         ),
     )
@@ -321,10 +321,10 @@ def encode_rpdo2(
 
 
 class FPaletteProxy(FPaletteProxyBase):
-    """Stands for a device on a CANopen bus: f-palette.
+    """Proxy of a device on a CANopen bus: f-palette.
 
-    What the device transmits comes out of OutPorts, what InPorts get is sent to it.
-    Its life cycle is that of the device (NMT).
+    OutPorts send the data received from the device, InPorts take the data for it.
+    The life cycle follows the NMT state of the device.
     """
 
     description = DESCRIPTION

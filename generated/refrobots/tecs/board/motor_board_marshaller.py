@@ -206,7 +206,7 @@ class MotorBoardProxy(MotorBoardTarget):
 
 
 class _MotorBoardServant(ProxyServant, MotorBoard):
-    """Carries out calls of `MotorBoard` by a proxy."""
+    """Executes calls of `MotorBoard` by a proxy."""
 
     _proxy: MotorBoardProxy
 
@@ -227,7 +227,7 @@ class MotorBoardMarshaller(MotorBoardMarshallerBase):
     """Carries calls of sMotorBoard to a TECS board."""
 
     def on_initialize(self) -> ReturnCode_t:
-        """Makes the proxy behind the service port."""
+        """Create the proxy of the service port."""
         proxy = MotorBoardProxy(CommunicationChannel(self.communication))
         self.motor_board.set_servant(_MotorBoardServant.of(proxy))
         return RTC_OK

@@ -14,7 +14,7 @@ from .motor_board_codec import MotorBoardCodec
 
 
 class MotorBoardTarget(ABC):
-    """What a board does that offers `sMotorBoard`; values are of CDL's types."""
+    """Interface of a board with `sMotorBoard`; values are of CDL's types."""
 
     @abstractmethod
     def identify(self) -> tuple[int, str]:
@@ -42,7 +42,7 @@ class MotorBoardTarget(ABC):
 
 
 class MotorBoardUnmarshaller(Dispatcher):
-    """Takes requests of `sMotorBoard` apart, calls the target and makes the replies."""
+    """Decodes requests of `sMotorBoard`, calls the target, encodes replies."""
 
     def __init__(
         self,

@@ -44,7 +44,7 @@ IMPORTS = (
 
 
 def codecs_text(decoded: Sequence[PdoCodec], encoded: Sequence[PdoCodec]) -> str:
-    """Functions for what is received and what is sent, behind the imports of a module."""
+    """Functions for received and sent PDOs, after the imports of a module."""
     parts: list[str] = []
     for codec in decoded:
         parts += ["", "", *_decode(codec)]

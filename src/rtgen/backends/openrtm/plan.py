@@ -303,7 +303,7 @@ def plans(units: Sequence[Unit]) -> tuple[list[ComponentPlan], list[Diagnostic]]
             findings += _text_findings(component)
             if component.name[-1] in _NEEDED:
                 name = component.name[-1]
-                message = f"`{name}.py` would stand for the module {name} that it needs"
+                message = f"`{name}.py` would hide the module {name} that it imports"
                 hint = "rename the component"
                 findings.append(rules.HIDES.at(component.span, message, hint=hint))
             first = folders.setdefault(component.name[-1].casefold(), component)

@@ -119,7 +119,7 @@ def _keyword(name: str, values: dict[str, str]) -> str:
 
 
 class _Servant:
-    """Writes the operations of the servant behind the service port."""
+    """Writes the operations of the servant of the service port."""
 
     def __init__(
         self,

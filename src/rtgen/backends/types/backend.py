@@ -37,7 +37,7 @@ from rtgen.model import (
 )
 from rtgen.typemap.python.idl_names import PythonNames, is_emitted, package_path
 
-_LONGEST_NAME = 120
+_MAX_NAME_LENGTH = 120
 
 _TYPED = "py.typed"
 
@@ -236,7 +236,7 @@ def _check(
     for scope in dict.fromkeys(
         d.name[:-1] for d in model.declarations if is_emitted(d)
     ):
-        if scope and len(scope[-1]) > _LONGEST_NAME:
+        if scope and len(scope[-1]) > _MAX_NAME_LENGTH:
             declaration = next(d for d in model.declarations if d.name[:-1] == scope)
             message = (
                 f"the name of the module `{'::'.join(scope)}` is too long for a folder"

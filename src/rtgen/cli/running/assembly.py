@@ -259,7 +259,7 @@ def _add(
         report.cannot_make(c.instance, "__init__", error, c.span)
         return
     if not isinstance(component, runtime.Component):
-        yield NO_COMPONENT.at(c.span, f"the factory of {c.type} gives no component")
+        yield NO_COMPONENT.at(c.span, f"the factory of {c.type} returns no component")
         return
     component.folder = folder
     findings = [*_configure(component, c, folder, settings)]

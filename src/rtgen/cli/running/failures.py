@@ -138,7 +138,7 @@ class FailureReport:
         assert error is not None
         message = f"{failed.message}: {described(error)}"
         if place(error) is None:
-            # The module is missing or lacks the attribute: there is no line to point at.
+            # The module or its attribute is missing, so there is no line to show.
             found = getattr(error, "obj", None)
             file = getattr(found, "__file__", None)
             at = (

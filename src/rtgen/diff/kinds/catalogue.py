@@ -9,7 +9,9 @@ from rtgen.diff.kinds import components, devices, interfaces, signatures, system
 NO_VERSION = Rule("DIF0001", "no such version", Severity.ERROR)
 GIT_FAILED = Rule("DIF0002", "git cannot read the revision", Severity.ERROR)
 TOO_LARGE = Rule("DIF0003", "revision too large", Severity.ERROR)
-UNUSED_ALLOWANCE = Rule("DIF0004", "allowed break that is not there", Severity.WARNING)
+UNUSED_ALLOWANCE = Rule(
+    "DIF0004", "allowed break that does not occur", Severity.WARNING
+)
 
 KINDS: tuple[Kind, ...] = (
     *types.KINDS,

@@ -146,7 +146,7 @@ PARAMETER_REMOVED = Kind(
     "DIF0341",
     "configuration parameter removed",
     _BOTH,
-    "behaviours read the parameter, and stored sets give it",
+    "behaviours read the parameter, and stored sets contain it",
 )
 PARAMETER_RENAMED = Kind(
     "DIF0342",

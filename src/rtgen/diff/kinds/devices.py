@@ -161,7 +161,7 @@ PDO_REMOVED = Kind(
     "DIF0531",
     "PDO removed",
     _SOURCE,
-    "peers send, or wait for, a PDO that is no more",
+    "peers send, or wait for, a PDO that no longer exists",
     (Wire.PDO,),
 )
 PDO_APPENDED = Kind(

@@ -12,7 +12,7 @@ INTERFACE_ADDED = Kind(
     "DIF0201",
     "interface added",
     _NONE,
-    "nothing called the interface before it was there",
+    "no code called the interface before",
 )
 INTERFACE_REMOVED = Kind(
     "DIF0202",

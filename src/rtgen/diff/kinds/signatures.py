@@ -12,7 +12,7 @@ SIGNATURE_ADDED = Kind(
     "DIF0401",
     "signature added",
     _NONE,
-    "nothing called the signature before it was there",
+    "no code called the signature before",
 )
 SIGNATURE_REMOVED = Kind(
     "DIF0402",
@@ -252,7 +252,7 @@ ENUM = Kind(
     "DIF0449",
     "C enum changed",
     _SOURCE,
-    "numbers stand for other names",
+    "numbers have other names",
 )
 CONST = Kind(
     "DIF0450",
@@ -331,7 +331,7 @@ CELL_REMOVED = Kind(
     "DIF0481",
     "cell removed",
     _SOURCE,
-    "proxies and tasks of the cell are gone",
+    "proxies and tasks of the cell are removed",
 )
 CELL_RENAMED = Kind(
     "DIF0482",

@@ -8,9 +8,7 @@ _SOURCE = (Break.SOURCE,)
 _BOTH = (Break.SOURCE, Break.STORED)
 _NONE: tuple[Break, ...] = ()
 
-TYPE_ADDED = Kind(
-    "DIF0101", "type added", _NONE, "nothing used the type before it was there"
-)
+TYPE_ADDED = Kind("DIF0101", "type added", _NONE, "no code used the type before")
 TYPE_REMOVED = Kind(
     "DIF0102", "type removed", _BOTH, "code and logs of the type have no class any more"
 )
@@ -125,7 +123,7 @@ MUST_UNDERSTAND = Kind(
     "DIF0124",
     "must_understand changed",
     _NONE,
-    "only a reader that lacks the member refuses the value, and both versions have it",
+    "only a reader without the member refuses the value, and both versions have it",
 )
 EXTERNAL = Kind(
     "DIF0125",
@@ -240,7 +238,7 @@ ENUMERATOR_ADDED = Kind(
     "DIF0150",
     "enumerator added",
     _SOURCE,
-    "old readers refuse the number, and code that treats each enumerator lacks one",
+    "old readers refuse the number, and code for each enumerator does not handle it",
 )
 ENUMERATOR_REMOVED = Kind(
     "DIF0151",

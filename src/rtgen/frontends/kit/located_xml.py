@@ -18,7 +18,7 @@ from rtgen.frontends.kit.lines import LineTable
 MALFORMED = Rule("RTC0501", "not well-formed XML", Severity.ERROR)
 DOCTYPE = Rule("RTC0502", "document type declaration", Severity.ERROR)
 ENCODING = Rule("RTC0503", "bytes do not fit the encoding", Severity.ERROR)
-DEPTH = Rule("RTC0504", "elements nested too deep", Severity.ERROR)
+DEPTH = Rule("RTC0504", "elements nested too deeply", Severity.ERROR)
 
 RULES = (MALFORMED, DOCTYPE, ENCODING, DEPTH)
 

@@ -6,10 +6,12 @@ from rtgen.diagnostics import Rule, Severity
 
 UNREADABLE = Rule("RTC0550", "not a module of Python", Severity.ERROR)
 NO_COMPONENT = Rule("RTC0551", "no component", Severity.ERROR)
-COMPUTED = Rule("RTC0552", "is worked out when the module runs", Severity.WARNING)
+COMPUTED = Rule("RTC0552", "known only when the module runs", Severity.WARNING)
 NOT_ADDED = Rule("RTC0553", "port that is never added", Severity.WARNING)
-NOT_CARRIED = Rule("RTC0554", "has no place in a definition", Severity.WARNING)
+NOT_CARRIED = Rule("RTC0554", "not supported by definitions", Severity.WARNING)
 BEHAVIOUR = Rule("RTC0555", "behaviour to be moved by hand", Severity.NOTE)
-ASSUMED = Rule("RTC0556", "module that is not read as it stands", Severity.WARNING)
+ASSUMED = Rule(
+    "RTC0556", "module in another encoding or Python version", Severity.WARNING
+)
 
 RULES = (UNREADABLE, NO_COMPONENT, COMPUTED, NOT_ADDED, NOT_CARRIED, BEHAVIOUR, ASSUMED)

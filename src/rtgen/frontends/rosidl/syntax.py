@@ -163,7 +163,7 @@ class _Reader:
         if type_ is None or not self._is_name(name, place, constant):
             return
         if (other := self._fields.get(name)) is not None:
-            message = f"{name} stands in line {other.span.line} already"
+            message = f"{name} is declared in line {other.span.line} already"
             self._findings.add(rules.DUPLICATE, place, message)
             return
         value = None

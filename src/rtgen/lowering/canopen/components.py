@@ -1,4 +1,4 @@
-"""The components of a device: its proxy, and the device itself."""
+"""Creates the components of CANopen devices (proxy and slave), and the manager (RTC-CANopen)."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ _WAYS = {PdoDirection.TPDO: PortKind.OUTPORT, PdoDirection.RPDO: PortKind.INPORT
 
 
 def manager(component: Component, buses: Sequence[Bus]) -> Component:
-    """The manager's component, for the networks of a project."""
+    """Return the component of the manager, for the networks of a project."""
     only = buses[0].name if len(buses) == 1 else ""
     return replace(
         component,
@@ -67,9 +67,9 @@ def manager(component: Component, buses: Sequence[Bus]) -> Component:
 def device_components(
     ports: DevicePorts, networks: Mapping[str, int]
 ) -> Iterator[Component]:
-    """`<Module>Proxy` and `<Module>Device`.
+    """Yield `<Module>Proxy` and `<Module>Device`.
 
-    `networks` are the networks of the device, each with the node-id of one instance.
+    `networks` maps the networks of the device to the node-id of one instance.
     """
     kind = ports.kind
     span = kind.span
@@ -93,9 +93,9 @@ def device_components(
     yield Component(
         **_head(name, file, span),
         doc=(
-            f"Stands for a device on a CANopen bus: {product}.\n\n"
-            "What the device transmits comes out of OutPorts, what InPorts get is sent to it.\n"
-            "Its life cycle is that of the device (NMT)."
+            f"Proxy of a device on a CANopen bus: {product}.\n\n"
+            "OutPorts send the data received from the device, InPorts take the data for it.\n"
+            "The life cycle follows the NMT state of the device."
         ),
         description=f"Proxy of {product}",
         ports=(*data_ports, sdo),
@@ -107,13 +107,13 @@ def device_components(
     yield Component(
         **_head(name, file, span),
         doc=(
-            f"A device on a CANopen bus: {product}.\n\n"
-            "InPorts have what it receives, and what is written to OutPorts is transmitted."
+            f"Device on a CANopen bus: {product}.\n\n"
+            "InPorts get the received data, data written to OutPorts are transmitted."
         ),
         description=f"Device {product}",
         ports=data_ports,
         configuration=(
-            *_common(span, node_id, network, most=_LSS),
+            *_common(span, node_id, network, highest=_LSS),
             *_of_device(span),
         ),
         runtime_base=f".components.{module_name(name)}:{kind.module}Slave",
@@ -191,23 +191,23 @@ def _parameter(
 
 
 def _common(
-    span: Span, node_id: int, network: str, most: int = 127
+    span: Span, node_id: int, network: str, highest: int = 127
 ) -> Iterator[ConfigurationParameter]:
-    assigned = f", {_LSS}: the one that LSS assigns" if most == _LSS else ""
+    assigned = f", {_LSS}: assigned by LSS" if highest == _LSS else ""
     yield _parameter(
         span,
         "interface",
         _STRING,
         "virtual",
-        "The kind of bus: an interface of python-can. In simulated time the bus is simulated.",
+        "Interface of python-can; in simulated time the bus is simulated.",
     )
-    yield _parameter(span, "channel", _STRING, "can0", "The channel of the interface.")
+    yield _parameter(span, "channel", _STRING, "can0", "Channel of the interface.")
     yield _parameter(
         span,
         "bitrate",
         _LONG,
         0,
-        "Bit rate, 0 for the interface's own.",
+        "Bit rate; 0: the default of the interface.",
         "bit/s",
         0,
     )
@@ -216,17 +216,17 @@ def _common(
         "options",
         _STRING,
         "",
-        'Further arguments of the interface: "host=127.0.0.1,port=29536".',
+        'Further arguments of the interface, such as "host=127.0.0.1,port=29536".',
     )
     yield _parameter(
-        span, "node_id", _LONG, node_id, f"The node-id{assigned}.", "", 1, most
+        span, "node_id", _LONG, node_id, f"Node-id{assigned}.", "", 1, highest
     )
     yield _parameter(
         span,
         "network",
         _STRING,
         network,
-        "The network: the name of its bus file; empty for none.",
+        "Network: name of its bus file; empty: none.",
     )
 
 
@@ -236,15 +236,14 @@ def _of_device(span: Span) -> Iterator[ConfigurationParameter]:
         "merged_stop",
         _BOOLEAN,
         False,
-        "Whether a stop command means what figure 111 of RTC-CANopen says.",
+        "Whether a stop command has the effect of figure 111 of RTC-CANopen.",
     )
     yield _parameter(
         span,
         "parameter_file",
         _STRING,
         "",
-        "The file of stored parameters (1010h), name.json below the working folder; "
-        "empty for none.",
+        "File of stored parameters (1010h), name.json below the working folder; empty: none.",
     )
 
 
@@ -254,14 +253,14 @@ def _of_proxy(span: Span) -> Iterator[ConfigurationParameter]:
         "master",
         _BOOLEAN,
         False,
-        "Whether it sends NMT commands itself where the process has no manager on the bus.",
+        "Whether the proxy itself sends NMT commands if the process has no manager on the bus.",
     )
     yield _parameter(
         span,
         "heartbeat_timeout",
         _LONG,
         0,
-        "How long the device may be silent; 0: as the network says, else three periods.",
+        "Heartbeat time-out; 0: the value of the network, else three periods.",
         "ms",
         0,
     )
@@ -270,7 +269,7 @@ def _of_proxy(span: Span) -> Iterator[ConfigurationParameter]:
         "boot_timeout",
         _LONG,
         2000,
-        "How long a reset may take until the boot-up message.",
+        "Maximum time from a reset to the boot-up message.",
         "ms",
         1,
     )
@@ -280,14 +279,14 @@ def _of_proxy(span: Span) -> Iterator[ConfigurationParameter]:
         _STRING,
         "",
         "Emergency codes that lead to ERROR, such as xxxx,-82xx; others are only reported. "
-        "Empty: as the network says.",
+        "Empty: the value of the network.",
     )
     yield _parameter(
         span,
         "recoveries",
         _LONG,
         0,
-        "How often in a row it leaves ERROR by itself; 0: as the network says.",
+        "Maximum number of automatic recoveries from ERROR in a row; 0: the value of the network.",
         "",
         0,
     )
@@ -296,8 +295,7 @@ def _of_proxy(span: Span) -> Iterator[ConfigurationParameter]:
         "sdo_in_error",
         _BOOLEAN,
         False,
-        "Whether the device is pre-operational in ERROR, where its objects can be read, and not "
-        "stopped.",
+        "Whether the device is pre-operational in ERROR, so that SDO works, instead of stopped.",
     )
 
 
@@ -340,7 +338,7 @@ def _shown(quantity: Quantity, value: Value | None) -> ConstantValue | None:
 def _limits(
     quantity: Quantity, node_id: int | None
 ) -> tuple[int | float | None, int | float | None]:
-    """The limits of the file, else those of a type whose IDL type has a wider range."""
+    """Return the limits in the file, else those of a type whose IDL type has a wider range."""
     variable = quantity.variable
     if variable.data_type not in NUMERIC:
         return None, None

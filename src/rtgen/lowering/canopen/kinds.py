@@ -46,7 +46,7 @@ def kinds_of(
             findings.append(
                 SAME_MODULE.at(
                     kind.span,
-                    f"{kind.module} stands for two devices, or for one with two settings",
+                    f"{kind.module} is the name of two devices, or of one with two settings",
                     related=[Related(other.span, f"the other {other.module}")],
                     hint="give one of them another `name` in its bus file",
                 )

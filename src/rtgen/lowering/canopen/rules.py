@@ -15,7 +15,7 @@ TAKEN_NAME = Rule(
 
 MISSING_TYPE = Rule(
     "EDS0807",
-    "type of OpenRTM or CANopen that the project's own file lacks",
+    "type of OpenRTM or CANopen missing in the project's own file",
     Severity.ERROR,
 )
 

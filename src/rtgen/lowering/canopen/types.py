@@ -86,9 +86,7 @@ def _timed(ports: DevicePorts) -> Iterator[Struct]:
             continue
         made.add(name)
         span = port.quantity.variable.span
-        doc = (
-            f"Time-stamped value of type {port.quantity.type}, which RTC has none for."
-        )
+        doc = f"Time-stamped value of type {port.quantity.type}, for which RTC has no type."
         data = Member(name="data", type=port.quantity.type, span=span)
         yield Struct(
             **_common(ports, name[1], span, doc),
@@ -130,7 +128,9 @@ def _service(ports: DevicePorts) -> Interface:
                     **common,
                 )
             )
-    doc = "Objects of the device by name, beside all of them by number."
+    doc = (
+        "Access to single objects of the device by name, and to all objects by number."
+    )
     return Interface(
         **_common(ports, OBJECT_ACCESS, ports.device.span, doc),
         bases=(OBJECT_DICTIONARY,),

@@ -47,6 +47,6 @@ def _differences(
             yield rules.DISAGREES.at(span, message, related=related)
     for name, (_, span) in theirs.items():
         if name not in ours:
-            message = f"the profile lacks the {what} {name} of the IDL"
+            message = f"the {what} {name} of the IDL is missing in the profile"
             related = [Related(span, "the definition")]
             yield rules.DISAGREES.at(profile.span, message, related=related)

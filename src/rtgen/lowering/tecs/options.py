@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, fields
 from typing import Any
 
 from rtgen.diagnostics import Diagnostic
-from rtgen.facts.opaque_rpc import LONGEST_TIMEOUT, TIMEOUT
+from rtgen.facts.opaque_rpc import MAX_TIMEOUT, TIMEOUT
 from rtgen.lowering.tecs.rules import BAD_OPTION, UNKNOWN_OPTION
 from rtgen.model.tecs import PluginOption, Through
 from rtgen.typemap.tecs.idl import Widths
@@ -83,8 +83,8 @@ def _seconds(text: str) -> float:
         value = float(text if "_" not in text else "")
     except ValueError:
         value = math.nan
-    if value > LONGEST_TIMEOUT:
-        raise _RefusalError(f"it is at most {LONGEST_TIMEOUT:.0f} seconds")
+    if value > MAX_TIMEOUT:
+        raise _RefusalError(f"it is at most {MAX_TIMEOUT:.0f} seconds")
     if not value > 0.0:
         raise _RefusalError("it is a number of seconds above 0")
     return value

@@ -228,7 +228,7 @@ def taken(reader: DataReader[Any]) -> Iterator[tuple[bytes, Any]]:
 def write(
     writer: DataWriter[Any], octets: bytes | bytearray, patience: float = 0.0
 ) -> None:
-    """Write a serialized sample; wait for room for so many seconds at most.
+    """Write a serialized sample; wait for space for at most that number of seconds.
 
     cyclonedds does not release Python's lock while it writes, so it must not wait itself.
     Raises PublishTimeoutError, MediumError.

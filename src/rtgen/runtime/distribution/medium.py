@@ -37,8 +37,8 @@ from rtgen.runtime.marshalling.descriptors import (
 )
 from rtgen.runtime.xcdr import Representation, representation_of
 
-LONGEST_NAME = 200
-"""Characters of a name."""
+MAX_NAME_LENGTH = 200
+"""Maximum number of characters of a name."""
 
 SEQUENCES = 1 << 32
 """Sequence numbers of samples: the one after the highest is 0."""
@@ -226,10 +226,10 @@ class Medium(Protocol):
 def check_name(name: str) -> str:
     """The name, if it is one that every engine takes. Raises MediumError."""
     plain = name.isascii() and all(c.isalnum() or c in "_-/" for c in name)
-    if not plain or not name or name != name.strip("/") or len(name) > LONGEST_NAME:
+    if not plain or not name or name != name.strip("/") or len(name) > MAX_NAME_LENGTH:
         raise MediumError(
             f"{name!r} cannot be a name between processes: letters, digits, '_', '-' and '/', "
-            f"at most {LONGEST_NAME} characters"
+            f"at most {MAX_NAME_LENGTH} characters"
         )
     return name
 

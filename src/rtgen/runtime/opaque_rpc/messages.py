@@ -55,7 +55,9 @@ class Dispatcher:
         self.codec = codec
         missing = [n for n in codec.functions if not callable(getattr(target, n, None))]
         if missing:
-            raise TypeError(f"{type(target).__name__} lacks {', '.join(missing)}")
+            raise TypeError(
+                f"{type(target).__name__} does not define {', '.join(missing)}"
+            )
         self.handlers: Handlers = {
             codec.request_head(function.id): function.handler(getattr(target, name))
             for name, function in codec.functions.items()
@@ -85,7 +87,7 @@ class MessageReader(ABC):
 
     @abstractmethod
     def _receive(self, size: int) -> bytes:
-        """Return bytes inside a message that lacks `size`; empty at the end of the stream."""
+        """Receive up to `size` bytes of an incomplete message; empty at the end of the stream."""
 
     def head(self, n: int) -> bytes:
         """Wait for a message; return its first n bytes, or those received.

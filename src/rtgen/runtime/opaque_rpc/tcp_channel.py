@@ -21,7 +21,8 @@ from rtgen.runtime.sockets import TIME_OVER
 
 _IDLE = 0.05
 """Seconds since the start of the last call after which a connection is checked before use."""
-_FIRST_PAUSE, _LONGEST_PAUSE = 0.005, 0.1
+_MIN_PAUSE, _MAX_PAUSE = 0.005, 0.1
+"""Pauses between attempts to connect, doubled each time [s]."""
 _PERMANENT_ERRORS = (errno.EACCES, errno.EPERM, errno.EADDRNOTAVAIL, errno.ENODEV)
 """Errors of connecting that are not retried."""
 
@@ -175,7 +176,7 @@ class TcpChannel:
 
     def _connect(self) -> Connection:
         """Return a new connection, retrying: servers need a moment until they listen again."""
-        pause = _FIRST_PAUSE
+        pause = _MIN_PAUSE
         while True:
             try:
                 return self._connect_once()
@@ -188,7 +189,7 @@ class TcpChannel:
                 if monotonic() + pause >= self._deadline:
                     raise
             sleep(pause)
-            pause = min(2 * pause, _LONGEST_PAUSE)
+            pause = min(2 * pause, _MAX_PAUSE)
 
     def _connect_once(self) -> Connection:
         try:

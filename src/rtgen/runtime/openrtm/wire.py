@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, cast
 import omniORB
 from omniORB import CORBA, tcInternal
 
-from rtgen.facts.numeric import LONGEST_LIST
+from rtgen.facts.numeric import MAX_LIST_LENGTH
 from rtgen.runtime.corba.faults import caught
 from rtgen.runtime.marshalling.descriptors import (
     ANY,
@@ -87,7 +87,7 @@ def listed(numbers: Any) -> list[Any]:
 
 def to_array(numbers: list[Any], code: str) -> MutableSequence[Any]:
     """Return an array of many numbers, by their type code; a list of few."""
-    return NumericArray(code, numbers) if len(numbers) > LONGEST_LIST else [*numbers]
+    return NumericArray(code, numbers) if len(numbers) > MAX_LIST_LENGTH else [*numbers]
 
 
 def to_numpy(numbers: list[Any], code: str) -> Any:

@@ -52,7 +52,7 @@ _ALSO_ACCEPTED: Final = {
     Kind.BYTE_ARRAY: (Kind.INTEGER_ARRAY,),
 }
 """Kinds of values accepted for another kind of parameter: tools write `2` for 2.0."""
-_LEAST, _GREATEST = INTEGER_RANGES["long long"]
+_MIN_INTEGER, _MAX_INTEGER = INTEGER_RANGES["long long"]
 _INFINITE: Final = float("inf")
 
 
@@ -211,7 +211,9 @@ def _kind(type_: str, value: Any) -> Kind:
         case bool():
             return Kind.BOOL
         case int() if type_ not in FLOAT_LIMITS:
-            return Kind.INTEGER if _LEAST <= value <= _GREATEST else Kind.STRING
+            return (
+                Kind.INTEGER if _MIN_INTEGER <= value <= _MAX_INTEGER else Kind.STRING
+            )
     return Kind.DOUBLE
 
 
@@ -239,8 +241,8 @@ def _ranges(profile: ParameterProfile, kind: Kind) -> Members:
         return {}
     if kind in (Kind.INTEGER, Kind.INTEGER_ARRAY):
         limits = (
-            _LEAST if low is None else max(int(low), _LEAST),
-            _GREATEST if high is None else min(int(high), _GREATEST),
+            _MIN_INTEGER if low is None else max(int(low), _MIN_INTEGER),
+            _MAX_INTEGER if high is None else min(int(high), _MAX_INTEGER),
         )
         return {"integer_range": [_range(*limits)]}
     limits_of_reals = (

@@ -18,7 +18,7 @@ from rtgen.runtime.timing.clocks import SimulatedClock, period_of
 # Order of actions due at the same time; within a band, in order of insertion.
 _ACTIONS, _PUBLISHERS, _CONTEXTS, _BUSES, _WATCHERS = (band << 32 for band in range(5))
 
-_SHORTEST_WAIT, _LONGEST_WAIT = 64, 65536
+_MIN_WAIT, _MAX_WAIT = 64, 65536
 """Number of steps without a timetable after one was interrupted: the first and the maximum."""
 
 
@@ -53,7 +53,7 @@ class SimulatedScheduler:
         self._table: Timetable | None = None
         self._place = -1
         """Number of the task called last in the current row."""
-        self._wait = self._next_wait = _SHORTEST_WAIT
+        self._wait = self._next_wait = _MIN_WAIT
         clock.instants = self
 
     def start(self) -> None:
@@ -62,7 +62,7 @@ class SimulatedScheduler:
     def at(self, instant: int, action: Action) -> None:
         self._push(max(instant, self._clock.time), _ACTIONS, Task(action, 0))
 
-    def behind_ticks(self, action: Action) -> None:
+    def after_ticks(self, action: Action) -> None:
         """Call an action once, at the current time, after its ticks."""
         self._push(self._clock.time, _BUSES, Task(action, 0))
 
@@ -202,7 +202,7 @@ class SimulatedScheduler:
             return False
         table = timetable([entry for entry in heap if entry[2].period])
         if table is None:
-            self._next_wait = _LONGEST_WAIT
+            self._next_wait = _MAX_WAIT
             return False
         heapify(once)
         heap[:] = once
@@ -213,9 +213,7 @@ class SimulatedScheduler:
         finally:
             self._leave_table()
         short = clock.time - begun < 2 * table.length
-        self._next_wait = (
-            min(2 * self._next_wait, _LONGEST_WAIT) if short else _SHORTEST_WAIT
-        )
+        self._next_wait = min(2 * self._next_wait, _MAX_WAIT) if short else _MIN_WAIT
         self._wait = self._next_wait
         return True
 

@@ -12,7 +12,7 @@ class Instants(Protocol):
     def at(self, instant: int, action: Callable[[], None]) -> None:
         """Call an action once, before the ticks at that time; immediately if it has passed."""
 
-    def behind_ticks(self, action: Callable[[], None]) -> None:
+    def after_ticks(self, action: Callable[[], None]) -> None:
         """Call an action once, at the current time, after its ticks."""
 
 

@@ -1,5 +1,5 @@
-// A browser starts no worker from a file, so that a site in a folder could not be searched: here the
-// script of a worker runs in a hidden frame.
+// Search without a server: browsers do not start workers from files, so the script of the worker runs
+// in a hidden frame.
 if (location.protocol === "file:") {
   window.Worker = class extends EventTarget {
     constructor(url) {

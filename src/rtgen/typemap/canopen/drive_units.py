@@ -1,7 +1,7 @@
 """Physical units of a drive's objects (CiA 402-2: 608Fh, 6091h, 60A8h to 60AAh).
 
 Increments are counted at the motor; a drive with positions in increments has its velocities there,
-too. Angles are those of the driving shaft behind the gear. Codes of units: CiA 303-2.
+too. Angles are those of the driving shaft after the gear. Codes of units: CiA 303-2.
 """
 
 from __future__ import annotations

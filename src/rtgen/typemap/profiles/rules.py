@@ -19,13 +19,13 @@ PARAMETER_TYPE = Rule("RTC0539", "unknown type of a parameter", Severity.WARNING
 PARAMETER_VALUE = Rule(
     "RTC0540", "default is not a value of the parameter's type", Severity.WARNING
 )
-CONSTRAINT = Rule("RTC0541", "constraint that cannot be had", Severity.WARNING)
+CONSTRAINT = Rule("RTC0541", "unsupported constraint", Severity.WARNING)
 TWICE = Rule("RTC0542", "two of one name", Severity.WARNING)
 NAME = Rule("RTC0543", "name is taken differently", Severity.WARNING)
 SAME_COMPONENT = Rule("RTC0544", "component defined twice", Severity.ERROR)
 FACTS = Rule("RTC0546", "property of rtgen that cannot be used", Severity.WARNING)
-LOST = Rule("RTC0547", "nothing can be made of it", Severity.WARNING)
-BAD_WIDGET = Rule("RTC0548", "widget that cannot be had", Severity.WARNING)
+LOST = Rule("RTC0547", "incomplete element", Severity.WARNING)
+BAD_WIDGET = Rule("RTC0548", "unsupported widget", Severity.WARNING)
 DISAGREES = Rule("RTC0549", "profile and IDL disagree", Severity.WARNING)
 
 RULES = (

@@ -3,11 +3,11 @@
 
 import { type CdrType, boolean, branch, double, enumeration, field, long, longlong, octets, sequence, string, struct, ulong, ulonglong, union } from "../_cdr.ts";
 
-/** Version of the protocol; a page of another one reloads. */
+/** Version of the protocol; a page with another version reloads. */
 export const Ui$VERSION = 4;
 
-/** Most samples of a channel that a page is given at once: the newest half, and some of those before. */
-export const Ui$MOST_SAMPLES = 2000;
+/** Maximum number of past samples of a channel that a page gets at once: the newest half, and some older ones. */
+export const Ui$MAX_SAMPLES = 2000;
 
 export type Ui$Octets = Uint8Array;
 export const Ui$Octets: CdrType<Ui$Octets> = octets();
@@ -152,7 +152,7 @@ export interface Ui$Port {
   kind: Ui$PortKind;
   /** Scoped name of the type of samples; empty for a service port. */
   type: string;
-  /** In the table of types; -1: samples have no CDR that a page reads. */
+  /** In the table of types; -1: the page has no codec for the samples. */
   type_number: number;
   unit: string;
   doc: string;
@@ -193,7 +193,7 @@ export const Ui$Location: CdrType<Ui$Location> = struct("Ui::Location", [
 ]);
 
 export interface Ui$Component {
-  /** `HOST:PORT/rh3.host_cxt/Arm0` for one that a naming service has. */
+  /** For a component of a naming service: `HOST:PORT/rh3.host_cxt/Arm0`. */
   instance: string;
   type: string;
   category: string;
@@ -279,7 +279,7 @@ export interface Ui$Channel {
   port: Ui$PortAddress;
   /** -1: the samples are JSON, else XCDR with its encapsulation header. */
   type_number: number;
-  /** Whether it belongs to the run that is beside this one. */
+  /** Whether the channel belongs to the compared run. */
   beside: boolean;
 }
 export const Ui$Channel: CdrType<Ui$Channel> = struct("Ui::Channel", [
@@ -295,13 +295,13 @@ export const Ui$ClockKind: CdrType<Ui$ClockKind> = enumeration("Ui::ClockKind", 
 export interface Ui$ClockState {
   kind: Ui$ClockKind;
   playing: boolean;
-  /** Simulated seconds in a second; 0: as fast as possible. */
+  /** Simulated seconds per second; 0: as fast as possible. */
   speed: number;
-  /** What the page shows. */
+  /** The time that the page shows. */
   now: number;
   /** Whether the run is over. */
   ended: boolean;
-  /** Whether the page shows the run as it was at `now`. */
+  /** Whether the page shows the past: the run as of `now`. */
   past: boolean;
   /** The earliest time that a page can show. */
   first: number;
@@ -320,10 +320,10 @@ export const Ui$ClockState: CdrType<Ui$ClockState> = struct("Ui::ClockState", [
 ]);
 
 export interface Ui$EditState {
-  /** What would be undone; empty: nothing. */
+  /** Name of the edit to undo; empty: none. */
   undo: string;
   redo: string;
-  /** Whether the file has all edits. */
+  /** Whether the file contains all edits. */
   saved: boolean;
   file: string;
 }
@@ -443,14 +443,14 @@ export const Ui$BusLoad: CdrType<Ui$BusLoad> = struct("Ui::BusLoad", [
 export interface Ui$BoardCall {
   time: number;
   instance: string;
-  /** `signature.function`; empty: unknown, and the values, too. */
+  /** `signature.function`; empty: unknown, and so are the values. */
   function: string;
   request: Ui$Octets;
   reply: Ui$Octets;
   request_values: Ui$ValueList;
   /** `return` first. */
   reply_values: Ui$ValueList;
-  /** [s] of the machine's time; negative: not measured. */
+  /** [s], by the clock of the machine; negative: not measured. */
   round_trip: number;
   error: string;
 }
@@ -471,11 +471,11 @@ export const Ui$BindingKind: CdrType<Ui$BindingKind> = enumeration("Ui::BindingK
 
 /** A name of a naming service. */
 export interface Ui$Binding {
-  /** `rh3.host_cxt/Arm0.rtc`, after that of its context. */
+  /** `rh3.host_cxt/Arm0.rtc`; follows the path of its context. */
   path: string;
-  /** BINDING_DEAD: of a component that does not answer. */
+  /** BINDING_DEAD: a component that does not answer. */
   kind: Ui$BindingKind;
-  /** Of the component on the page; empty: none. */
+  /** Component on the page; empty: none. */
   instance: string;
 }
 export const Ui$Binding: CdrType<Ui$Binding> = struct("Ui::Binding", [
@@ -487,9 +487,9 @@ export const Ui$Binding: CdrType<Ui$Binding> = struct("Ui::Binding", [
 export interface Ui$NamingService {
   /** HOST:PORT */
   address: string;
-  /** Why it does not answer; empty: it does. */
+  /** Why the service does not answer; empty: it does. */
   silent: string;
-  /** As it had them when it answered last. */
+  /** As of the last answer. */
   bindings: Ui$Binding[];
 }
 export const Ui$NamingService: CdrType<Ui$NamingService> = struct("Ui::NamingService", [
@@ -511,14 +511,14 @@ export interface Ui$SystemState {
   time: Ui$ClockState;
   edits: Ui$EditState;
   buses: Ui$Bus[];
-  /** Files that `open` takes. */
+  /** Files that the command `system` can open. */
   systems: Ui$Strings;
-  /** Name of the run that is beside this one; empty: none. */
+  /** Name of the compared run; empty: none. */
   beside: string;
-  /** Whether this run will be beside the one that begins when time is set back. */
+  /** Whether this run is kept for comparison when time is set back. */
   keeps: boolean;
   naming: Ui$NamingServices;
-  /** Paths of the components of other processes that the file has. */
+  /** Paths of the components of other processes in the file. */
   foreign: Ui$Strings;
 }
 export const Ui$SystemState: CdrType<Ui$SystemState> = struct("Ui::SystemState", [
@@ -540,9 +540,9 @@ export const Ui$SystemState: CdrType<Ui$SystemState> = struct("Ui::SystemState",
 
 export interface Ui$Hello {
   version: number;
-  /** Differs for each start of the server. */
+  /** Identifies this start of the server. */
   server: string;
-  /** Whether the token gives the full right, not only that to look. */
+  /** Whether the token gives full rights, not only read-only ones. */
   full: boolean;
 }
 export const Ui$Hello: CdrType<Ui$Hello> = struct("Ui::Hello", [
@@ -582,11 +582,11 @@ export interface Ui$Statistics {
   instance: string;
   ticks: bigint;
   overruns: bigint;
-  /** Samples lost before InPorts. */
+  /** Samples that were lost on the way to InPorts. */
   lost: bigint;
-  /** What a request waits for. */
+  /** The condition that a request waits for. */
   awaited: string;
-  /** What impairs an ACTIVE component. */
+  /** The condition that impairs an ACTIVE component. */
   impaired: string;
 }
 export const Ui$Statistics: CdrType<Ui$Statistics> = struct("Ui::Statistics", [
@@ -603,7 +603,7 @@ export interface Ui$ParameterChange {
   set: string;
   parameter: string;
   text: string;
-  /** Whether the component has taken it over. */
+  /** Whether the value has taken effect. */
   effective: boolean;
 }
 export const Ui$ParameterChange: CdrType<Ui$ParameterChange> = struct("Ui::ParameterChange", [
@@ -634,7 +634,7 @@ export const Ui$Sample: CdrType<Ui$Sample> = struct("Ui::Sample", [
   field("data", Ui$Octets),
 ]);
 
-/** A page was too slow: only the newest of its samples were kept. */
+/** The page was too slow, so that only its newest samples were kept. */
 export interface Ui$SentLess {
   /** Messages dropped since the last notice. */
   dropped: bigint;
@@ -645,7 +645,7 @@ export const Ui$SentLess: CdrType<Ui$SentLess> = struct("Ui::SentLess", [
   field("channels", sequence(ulong)),
 ]);
 
-/** Something for the timeline that is not a change of state. */
+/** An entry of the timeline other than a change of state. */
 export interface Ui$Notice {
   time: number;
   /** overrun, error, bus, lost, found, end, ... */
@@ -672,7 +672,7 @@ export const Ui$Moved: CdrType<Ui$Moved> = struct("Ui::Moved", [
 /** Whether a connection from the queried port to `port` is possible. */
 export interface Ui$Fit {
   port: Ui$PortAddress;
-  /** Why not; empty if it is. */
+  /** Reason why not; empty if possible. */
   refused: string;
 }
 export const Ui$Fit: CdrType<Ui$Fit> = struct("Ui::Fit", [
@@ -690,7 +690,7 @@ export interface Ui$Result {
   hint: string;
   /** Of a call: XCDR1 with its encapsulation header. */
   reply: Ui$Octets;
-  /** Of an SDO: the value. */
+  /** Value of an SDO transfer. */
   text: string;
   fits: Ui$Fit[];
   objects: Ui$ObjectEntry[];
@@ -720,12 +720,12 @@ export type Ui$EventKind = "EVENT_HELLO" | "EVENT_SYSTEM" | "EVENT_TYPES" | "EVE
 export const Ui$EventKind: CdrType<Ui$EventKind> = enumeration("Ui::EventKind", { EVENT_HELLO: 0, EVENT_SYSTEM: 1, EVENT_TYPES: 2, EVENT_COMPONENT: 3, EVENT_REMOVED: 4, EVENT_CONNECTED: 5, EVENT_CUT: 6, EVENT_STATE: 7, EVENT_STATISTICS: 8, EVENT_PARAMETER: 9, EVENT_ACTIVE_SET: 10, EVENT_CHANNEL: 11, EVENT_SAMPLES: 12, EVENT_TIME: 13, EVENT_SENT_LESS: 14, EVENT_RESULT: 15, EVENT_MOVED: 16, EVENT_EDITS: 17, EVENT_NOTICE: 18, EVENT_FRAMES: 19, EVENT_BUS: 20, EVENT_LOAD: 21, EVENT_BOARD_CALL: 22, EVENT_END: 23, EVENT_BESIDE: 24, EVENT_NAMING: 25 });
 
 export type Ui$Event =
-  /** The first message. */
+  /** The first event. */
   | { case: "greeting"; value: Ui$Hello; discriminator?: Ui$EventKind }
-  /** The second one, and when a file is opened. */
+  /** The second event, and whenever the whole state is sent again. */
   | { case: "whole"; value: Ui$SystemState; discriminator?: Ui$EventKind }
   | { case: "types"; value: Ui$AddedTypes; discriminator?: Ui$EventKind }
-  /** A component is new, or has changed. */
+  /** A new or changed component. */
   | { case: "described"; value: Ui$Component; discriminator?: Ui$EventKind }
   /** Instance. */
   | { case: "removed"; value: string; discriminator?: Ui$EventKind }
@@ -750,9 +750,9 @@ export type Ui$Event =
   | { case: "call"; value: Ui$BoardCall; discriminator?: Ui$EventKind }
   /** The server ends. */
   | { case: "reason"; value: string; discriminator?: Ui$EventKind }
-  /** In the run that is beside this one. */
+  /** In the compared run. */
   | { case: "other"; value: Ui$StateChange; discriminator?: Ui$EventKind }
-  /** All of them. */
+  /** All services, whenever one has changed. */
   | { case: "naming"; value: Ui$NamingServices; discriminator?: Ui$EventKind }
   ;
 export const Ui$Event: CdrType<Ui$Event> = union("Ui::Event", Ui$EventKind, [
@@ -795,7 +795,7 @@ export const Ui$ServerMessage: CdrType<Ui$ServerMessage> = struct("Ui::ServerMes
 export interface Ui$Connect {
   source: Ui$PortAddress;
   target: Ui$PortAddress;
-  /** Empty: made of the ends. */
+  /** Empty: derived from the ends. */
   name: string;
   properties: Ui$ValueList;
 }
@@ -836,7 +836,7 @@ export const Ui$Call: CdrType<Ui$Call> = struct("Ui::Call", [
 
 export interface Ui$AddComponent {
   type: string;
-  /** Empty: one that is free. */
+  /** Empty: a free name. */
   instance: string;
   placed: boolean;
   where: Ui$Location;
@@ -854,7 +854,7 @@ export interface Ui$SendFrame {
   extended: boolean;
   remote: boolean;
   data: Ui$Octets;
-  /** [s]; 0: once. A period 0 ends a cyclic frame of this identifier. */
+  /** [s]; 0: once, and ends a cyclic frame with this identifier. */
   period: number;
 }
 export const Ui$SendFrame: CdrType<Ui$SendFrame> = struct("Ui::SendFrame", [
@@ -904,7 +904,7 @@ export const Ui$NodeAddress: CdrType<Ui$NodeAddress> = struct("Ui::NodeAddress",
   field("node_id", ulong),
 ]);
 
-/** A sample for an InPort, as if a connection had brought it. */
+/** A sample for an InPort, as if it had arrived over a connection, or for an OutPort. */
 export interface Ui$Inject {
   port: Ui$PortAddress;
   /** XCDR1 with its encapsulation header. */
@@ -919,9 +919,9 @@ export type Ui$CommandKind = "COMMAND_WATCH" | "COMMAND_FITS" | "COMMAND_CONNECT
 export const Ui$CommandKind: CdrType<Ui$CommandKind> = enumeration("Ui::CommandKind", { COMMAND_WATCH: 0, COMMAND_FITS: 1, COMMAND_CONNECT: 2, COMMAND_CUT: 3, COMMAND_ACTIVATE: 4, COMMAND_DEACTIVATE: 5, COMMAND_RESET: 6, COMMAND_SET: 7, COMMAND_ACTIVATE_SET: 8, COMMAND_CALL: 9, COMMAND_ADD: 10, COMMAND_REMOVE: 11, COMMAND_MOVE: 12, COMMAND_SAVE: 13, COMMAND_UNDO: 14, COMMAND_REDO: 15, COMMAND_PLAY: 16, COMMAND_PAUSE: 17, COMMAND_STEP: 18, COMMAND_SPEED: 19, COMMAND_SEEK: 20, COMMAND_OPEN: 21, COMMAND_SEND_FRAME: 22, COMMAND_NMT: 23, COMMAND_SDO_READ: 24, COMMAND_SDO_WRITE: 25, COMMAND_OBJECTS: 26, COMMAND_INJECT: 27, COMMAND_LOOK: 28, COMMAND_BESIDE: 29, COMMAND_RESTORE: 30 });
 
 export type Ui$Command =
-  /** All whose samples the page wants. */
+  /** All channels whose samples the page wants. */
   | { case: "channels"; value: number[]; discriminator?: Ui$CommandKind }
-  /** What the port can be connected to. */
+  /** Which ports fit this port. */
   | { case: "ends"; value: Ui$PortAddress; discriminator?: Ui$CommandKind }
   | { case: "wire"; value: Ui$Connect; discriminator?: Ui$CommandKind }
   | { case: "connection"; value: string; discriminator?: Ui$CommandKind }
@@ -953,11 +953,11 @@ export type Ui$Command =
   | { case: "written"; value: Ui$SdoAccess; discriminator?: Ui$CommandKind }
   | { case: "node"; value: Ui$NodeAddress; discriminator?: Ui$CommandKind }
   | { case: "injected"; value: Ui$Inject; discriminator?: Ui$CommandKind }
-  /** Have components of other processes wired and configured as the file has it. */
+  /** Wire and configure the components of other processes as in the file. */
   | { case: "reset"; value: boolean; discriminator?: Ui$CommandKind }
-  /** Keep this run beside those that begin when time is set back; FALSE: forget it. */
+  /** TRUE: keep this run for comparison when time is set back; FALSE: forget it. */
   | { case: "kept"; value: boolean; discriminator?: Ui$CommandKind }
-  /** The time that this page shows; negative: the newest. */
+  /** The time that this page shows; negative: the present. */
   | { case: "looked"; value: number; discriminator?: Ui$CommandKind }
   ;
 export const Ui$Command: CdrType<Ui$Command> = union("Ui::Command", Ui$CommandKind, [

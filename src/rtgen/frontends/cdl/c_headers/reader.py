@@ -187,7 +187,7 @@ class Headers:
                     return
                 file = names.get(piece.file, piece.file)
                 message = f"{file}:{error.line}: {error.message}"
-                hint = "hide it behind #ifndef TECSGEN"
+                hint = "exclude it by #ifndef TECSGEN"
                 self._report(rules.UNREADABLE_HEADER.at(place, message, hint=hint))
 
 
@@ -197,7 +197,7 @@ _INCOMPLETE: Final[Mapping[str, list[list[str]]]] = {
     },
     "if": [[], ["!"], ["!", "defined"], ["!", "defined", "("]],
 }
-"""Directives whose operand is cut off: the spellings of what is there of it."""
+"""Directives with a truncated operand: the spellings of the rest."""
 
 
 @dataclass(frozen=True, slots=True)

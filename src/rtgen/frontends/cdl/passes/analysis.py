@@ -129,7 +129,7 @@ class Analysis:
         for specifier in node.specifiers.items if node.specifiers else ():
             if specifier.word != "string":
                 span = unit.span(specifier.start, specifier.end)
-                message = f"'{specifier.word}' cannot stand in a typedef"
+                message = f"'{specifier.word}' is not allowed in a typedef"
                 self._report(syntax.MISPLACED_SPECIFIER.at(span, message))
         base = self._types.of(node.type, unit, scope)
         for declarator in node.declarators:

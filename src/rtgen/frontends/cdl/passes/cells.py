@@ -345,7 +345,7 @@ class Cells:
                         celltype_rules.INNER_EXPRESSION.at(
                             place.span(value),
                             f"the value of {node.name.text} is not a constant",
-                            hint="inside a composite only composite.name can stand",
+                            hint="inside a composite, only composite.name is allowed",
                         )
                     )
                     return False, None

@@ -303,7 +303,7 @@ class Celltypes:
                 self._report(
                     syntax.MISPLACED_SPECIFIER.at(
                         place.span(surplus),
-                        f"{surplus.word} cannot stand beside {given[0].word}",
+                        f"{surplus.word} cannot be combined with {given[0].word}",
                         hint="an attribute has one specifier",
                     )
                 )

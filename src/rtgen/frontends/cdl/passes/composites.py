@@ -296,7 +296,7 @@ class Composites:
             self._report(
                 rules.NOT_EXPORTED.at(
                     member.span,
-                    f"{member.name} of {composite.name} stands for nothing inside",
+                    f"{member.name} of {composite.name} is not exported by an inner cell",
                     hint=hint,
                 )
             )

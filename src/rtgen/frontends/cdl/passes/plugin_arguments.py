@@ -142,7 +142,7 @@ class _Reader:
                 self._report(
                     rules.UNKNOWN_SUBSTITUTION.at(
                         self._argument.span_of(start, end),
-                        f"${word}$ stands for nothing",
+                        f"unknown variable ${word}$",
                         hint="known are " + ", ".join(f"${w}$" for w in self._known),
                     )
                 )

@@ -27,7 +27,7 @@ LEFT_SUBSCRIPT = Rule("CDL0615", "subscript of a call port", Severity.ERROR)
 RIGHT_SUBSCRIPT = Rule("CDL0616", "subscript of an entry port", Severity.ERROR)
 UNKNOWN_NAME = Rule("CDL0617", "celltype has no such port or attribute", Severity.ERROR)
 ENTRY_ON_THE_LEFT = Rule(
-    "CDL0618", "entry port where a call port should stand", Severity.ERROR
+    "CDL0618", "entry port where a call port is required", Severity.ERROR
 )
 VARIABLE_IN_CELL = Rule("CDL0619", "variable set by a cell", Severity.ERROR)
 NOT_A_TARGET = Rule("CDL0620", "call port joined to no entry port", Severity.ERROR)
@@ -49,7 +49,7 @@ RELAY = Rule("CDL0631", "allocator cannot be relayed", Severity.ERROR)
 NOT_A_CHOICE = Rule("CDL0632", "value not among the choices", Severity.WARNING)
 MANY_CALLERS = Rule("CDL0633", "fixed join beside another join", Severity.WARNING)
 GENERATE_TARGET = Rule("CDL0634", "target of generate not found", Severity.ERROR)
-MADE_BY_PLUGIN = Rule("CDL0635", "what a plug-in may declare or join", Severity.NOTE)
+MADE_BY_PLUGIN = Rule("CDL0635", "name or join that a plug-in may add", Severity.NOTE)
 ALLOCATOR_OF_CELL = Rule(
     "CDL0636", "allocator of a cell that names nothing", Severity.ERROR
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rtgen.diagnostics import Rule, Severity
 
-BAD_CHARACTER = Rule("CDL0100", "character that cannot stand here", Severity.ERROR)
+BAD_CHARACTER = Rule("CDL0100", "character that is not allowed here", Severity.ERROR)
 UNCLOSED_COMMENT = Rule("CDL0101", "comment that is never closed", Severity.ERROR)
 UNCLOSED_TEXT = Rule("CDL0102", "string that is never closed", Severity.ERROR)
 DIRECTIVE = Rule("CDL0103", "preprocessor directive", Severity.ERROR)

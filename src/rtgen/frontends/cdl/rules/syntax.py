@@ -17,9 +17,9 @@ EXTRA_SEMICOLON = Rule("CDL0209", "extra semicolon", Severity.ERROR)
 TOO_MANY = Rule("CDL0210", "too many syntax errors", Severity.ERROR)
 TOO_DEEP = Rule("CDL0211", "nested too deeply", Severity.ERROR)
 MISSING_MARK = Rule("CDL0212", "missing punctuation", Severity.ERROR)
-QUALIFIER = Rule("CDL0213", "qualifier behind the type", Severity.ERROR)
+QUALIFIER = Rule("CDL0213", "qualifier after the type", Severity.ERROR)
 MISPLACED_SPECIFIER = Rule(
-    "CDL0214", "specifier that cannot stand here", Severity.ERROR
+    "CDL0214", "specifier that is not allowed here", Severity.ERROR
 )
 UNKNOWN_SPECIFIER = Rule("CDL0215", "unknown specifier", Severity.ERROR)
 

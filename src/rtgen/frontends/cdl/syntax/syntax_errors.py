@@ -109,7 +109,7 @@ def explain(context: ErrorContext) -> Recovery:
             return found
     shown = f"'{context.text[:40]}'" if context.text else "this"
     return context.recovery(
-        syntax.UNEXPECTED, f"{shown} cannot stand here{context.expectation()}"
+        syntax.UNEXPECTED, f"{shown} is not allowed here{context.expectation()}"
     )
 
 
@@ -461,7 +461,7 @@ def bad_character(unit: Unit, start: int) -> tuple[Diagnostic, int]:
         end = rest + 1 if rest >= 0 else end
         message = "this is not a character literal, which has one character between the quotes"
         return lexical.BAD_CHARACTER.at(unit.span(start, end), message), end
-    message = f"the character {character!r} cannot stand here"
+    message = f"the character {character!r} is not allowed here"
     mark = _ascii(character)
     hint = f"write '{mark}'" if mark is not None else None
     while mark is None and not text[end - 1].isascii() and end < len(text):

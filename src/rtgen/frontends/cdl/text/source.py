@@ -75,7 +75,7 @@ class Source:
             self.problems.append(files.BINARY.at(self.span(place, place + 1), message))
             return ""
         span = self.span(found.start(), found.end())
-        message = f"the control character U+{ord(found[0]):04X} cannot stand here"
+        message = f"the control character U+{ord(found[0]):04X} is not allowed here"
         self.problems.append(lexical.BAD_CHARACTER.at(span, message))
         return _CONTROL.sub(" ", text)
 

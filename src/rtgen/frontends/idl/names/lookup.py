@@ -401,7 +401,7 @@ class Lookup:
                 rules.KEYWORD_CASE.at(
                     entity.span,
                     f"{name} differs from the keyword '{FOLDED[key]}' in case only",
-                    hint=f"'_{name}' stands for the name {name}",
+                    hint=f"'_{name}' is the escaped form of {name}",
                 )
             )
         elif not escaped and name in CORBA_3:
@@ -409,7 +409,7 @@ class Lookup:
                 rules.CORBA_3_WORD.at(
                     entity.span,
                     f"{name} is a keyword of CORBA 3",
-                    hint=f"'_{name}' stands for the name {name}",
+                    hint=f"'_{name}' is the escaped form of {name}",
                 )
             )
 

@@ -7,7 +7,7 @@ from rtgen.diagnostics import Rule, Severity
 MISSING_FILE = Rule("IDL0001", "file not found", Severity.ERROR)
 UNREADABLE = Rule("IDL0002", "file cannot be read", Severity.ERROR)
 BINARY = Rule("IDL0003", "not a text file", Severity.ERROR)
-BAD_CHARACTER = Rule("IDL0004", "character that cannot stand here", Severity.ERROR)
+BAD_CHARACTER = Rule("IDL0004", "character that is not allowed here", Severity.ERROR)
 FILE_TOO_LARGE = Rule("IDL0006", "file too large", Severity.ERROR)
 UNCLOSED_COMMENT = Rule("IDL0007", "comment that is never closed", Severity.ERROR)
 INCLUDE_NOT_FOUND = Rule("IDL0010", "included file not found", Severity.ERROR)
@@ -32,7 +32,7 @@ INCLUDED_AGAIN = Rule("IDL0024", "file included again without a guard", Severity
 NAMELESS_CONDITION = Rule(
     "IDL0025", "conditional without the name of a macro", Severity.WARNING
 )
-PASSED_OVER = Rule("IDL0026", "directive of which nothing is made", Severity.WARNING)
+PASSED_OVER = Rule("IDL0026", "directive without effect", Severity.WARNING)
 TIME_OF_TRANSLATION = Rule("IDL0027", "date or time of translation", Severity.WARNING)
 
 RULES = (

@@ -6,7 +6,7 @@ from rtgen.diagnostics import Rule, Severity
 
 INCOMPLETE = Rule("IDL0300", "type used before it is complete", Severity.ERROR)
 BAD_BASE = Rule("IDL0301", "not a possible base", Severity.ERROR)
-READ_ONLY = Rule("IDL0302", "construct that is read only", Severity.WARNING)
+READ_ONLY = Rule("IDL0302", "construct without generated code", Severity.WARNING)
 LEFT_OUT = Rule("IDL0309", "declaration that is left out", Severity.WARNING)
 VOID = Rule("IDL0303", "void outside of a return type", Severity.ERROR)
 BAD_BOUND = Rule("IDL0304", "bound or dimension that is not positive", Severity.ERROR)

@@ -122,7 +122,7 @@ def text(parts: tuple[str, ...], character: bool) -> LiteralText:
     if character and len(value) != 1:
         what = "no character" if not value else f"{len(value)} characters"
         message = f"a character literal holds one character, not {what}"
-        raise LiteralError(message, 'strings stand in "..."')
+        raise LiteralError(message, 'strings are written as "..."')
     if not character and "\0" in value:
         message = "a string cannot hold a NUL character"
         raise LiteralError(message, "use sequence<octet> for bytes")

@@ -66,7 +66,7 @@ def evaluate(text: str, macros: Mapping[str, Macro]) -> bool:
     parser = _Parser(tokens)
     value = parser.expression()
     if parser.tokens:
-        raise ExpansionError(f"'{parser.tokens[-1].text}' cannot stand here")
+        raise ExpansionError(f"'{parser.tokens[-1].text}' is not allowed here")
     return bool(value.value)
 
 
@@ -206,4 +206,4 @@ class _Parser:
                 return _Number(ord(character))
             if len(character) == 2 and character[0] == "\\":
                 return _Number(_ESCAPES.get(character[1], ord(character[1])))
-        raise ExpansionError(f"'{token.text}' cannot stand in this expression")
+        raise ExpansionError(f"'{token.text}' is not allowed in this expression")

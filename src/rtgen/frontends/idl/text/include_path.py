@@ -13,7 +13,7 @@ from rtgen.frontends.kit.library import absolute_path
 from rtgen.frontends.kit.suggestions import Guesses
 
 Folders = tuple[Path | None, ...]
-"""Folders of `-I` to search; None stands for that of the including file."""
+"""Folders of `-I` to search; None: the folder of the including file."""
 
 Place = tuple[Path | None, Folders, str]
 """The folder of the including file if it is searched, the other folders, and the file's name."""

@@ -120,7 +120,7 @@ def define(text: str, span: Span | None = None) -> Macro:
         for token in tokenize(rest.strip())
     ]
     while body and "##" in (body[0].text, body[-1].text):
-        wrong = wrong or "'##' cannot stand at either end of a macro"
+        wrong = wrong or "'##' is not allowed at either end of a macro"
         body = _stripped(body[1:] if body[0].text == "##" else body[:-1])
     macro = Macro(name, parameters, tuple(_shielded(body)), span, variadic)
     if wrong is not None:

@@ -72,7 +72,7 @@ class Source:
             hint = "save it as UTF-8 if an editor shows it as text"
             self.problems.append(lexical.BINARY.at(span, message, hint=hint))
             return ""
-        message = f"the control character U+{ord(found[0]):04X} cannot stand here"
+        message = f"the control character U+{ord(found[0]):04X} is not allowed here"
         span = self.text_span(found.start(), found.end())
         self.problems.append(lexical.BAD_CHARACTER.at(span, message))
         return _CONTROL.sub(" ", self.text)

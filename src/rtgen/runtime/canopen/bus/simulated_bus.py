@@ -120,7 +120,7 @@ class SimulatedCanBus(SharedLink):
         """Schedule arbitration if the bus is free, after all stations have been called."""
         if self._under_way is None and not self._turn_is_due and self._arbiter:
             self._turn_is_due = True
-            self._instants.behind_ticks(self._arbitrate)
+            self._instants.after_ticks(self._arbitrate)
 
     def _arbitrate(self) -> None:
         self._turn_is_due = False

@@ -24,7 +24,7 @@ from .basic_data_type import Time
 
 @dataclass(eq=False)
 class SdoAbort(UserException):
-    """A transfer of a value that the node, or this end, aborted (CiA 301, 7.2.4.3.17)."""
+    """An SDO transfer that the node or the client aborted (CiA 301, 7.2.4.3.17)."""
 
     _descriptor_: ClassVar = idl.exception(
         "CANopen::SdoAbort",
@@ -35,12 +35,12 @@ class SdoAbort(UserException):
     code: int = 0
     """The abort code (CiA 301, table 22)."""
     text: str = ""
-    """What it means."""
+    """Meaning of the code."""
 
 
 @dataclass(eq=False)
 class BusGone(UserException):
-    """The bus cannot be used: it is off, or its other end has gone."""
+    """The bus cannot be used: it is off, or the connection to it is lost."""
 
     _descriptor_: ClassVar = idl.exception("CANopen::BusGone", reason=idl.STRING)
 
@@ -58,7 +58,7 @@ class OctetsCodec(AliasCodec[Octets]):
 
 
 class ValueKind(Enumeration):
-    """What the value of an object is."""
+    """Kind of an object's value."""
 
     VALUE_BOOLEAN = 0
     VALUE_INTEGER = 1
@@ -70,14 +70,14 @@ class ValueKind(Enumeration):
     VALUE_TEXT = 4
     """VISIBLE_STRING, UNICODE_STRING, VISIBLE_CHAR."""
     VALUE_OCTETS = 5
-    """OCTET_STRING, DOMAIN, and objects that the description does not have."""
+    """OCTET_STRING, DOMAIN, and objects without a description."""
 
 
 idl.enum(ValueKind, "CANopen::ValueKind")
 
 
 class ObjectValue(Union):
-    """The value of an object, as the object dictionary has it."""
+    """Value of an object in the object dictionary."""
 
     _descriptor_: ClassVar = idl.union(
         "CANopen::ObjectValue",
@@ -178,23 +178,23 @@ class ObjectDictionary(Servant):
     @abstractmethod
     @operation(raises=(SdoAbort, BusGone))
     def read(self, index: int, subindex: int) -> Octets:
-        """Reads an object: its octets as on the wire. In blocks where that is worth it."""
+        """Reads the octets of an object; long values by block transfer."""
 
     @abstractmethod
     @operation(raises=(SdoAbort, BusGone))
     def write(self, index: int, subindex: int, value: Octets) -> None:
-        """Writes an object: its octets as on the wire. In blocks where that is worth it."""
+        """Writes the octets of an object; long values by block transfer."""
 
     @abstractmethod
     @operation(raises=(SdoAbort, BusGone))
     def get(self, index: int, subindex: int) -> ObjectValue:
-        """Reads an object: its value, by the data type of the description."""
+        """Reads the value of an object, by the data type in the description."""
 
     @abstractmethod
     @operation(raises=(SdoAbort, BusGone))
     def set(self, index: int, subindex: int, value: ObjectValue) -> None:
-        """Writes an object. A value that it cannot have is an SdoAbort; integers are taken for
-        unsigned ones, and for reals, where they fit.
+        """Writes the value of an object. An invalid value raises SdoAbort; integers are converted to
+        unsigned ones and to reals if they fit.
         """
 
 
@@ -213,7 +213,7 @@ class NmtState(Enumeration):
     """Last state that a node reported (CiA 301, 7.3.2.2)."""
 
     NMT_UNKNOWN = 0
-    """Nothing has come from it, or its heartbeat is lost."""
+    """No message received yet, or heartbeat lost."""
     NMT_PRE_OPERATIONAL = 1
     NMT_OPERATIONAL = 2
     NMT_STOPPED = 3
@@ -223,37 +223,37 @@ idl.enum(NmtState, "CANopen::NmtState")
 
 
 class NodePhase(Enumeration):
-    """How far a manager is with a node."""
+    """Phase of a node, as seen by its manager."""
 
     NODE_IDLE = 0
     """The manager does not run the network."""
     NODE_ASSIGNING = 1
-    """It gets its node-id by LSS."""
+    """LSS assigns the node-id."""
     NODE_AWAITED = 2
-    """It was reset: its boot-up message is awaited."""
+    """Reset; the manager waits for the boot-up message."""
     NODE_IDENTIFYING = 3
-    """Device type and identity are read."""
+    """The manager reads device type and identity."""
     NODE_CONFIGURING = 4
-    """Its objects are written and read back."""
+    """The manager writes objects and reads them back."""
     NODE_READY = 5
-    """It is configured, and is not to be started."""
+    """Configured; the network does not start the node."""
     NODE_STARTING = 6
-    """It got the command to start."""
+    """Commanded to start."""
     NODE_RUNNING = 7
-    """It is operational."""
+    """Operational."""
     NODE_HALTED = 8
-    """It got the command to leave operational."""
+    """Commanded to leave operational."""
     NODE_MISSING = 9
-    """It may be missing, and is."""
+    """An optional node is missing."""
     NODE_FAILED = 10
-    """It cannot be used; the reason says why."""
+    """Failed; see the reason."""
 
 
 idl.enum(NodePhase, "CANopen::NodePhase")
 
 
 class NodeState(Aggregated):
-    """A node as its manager sees it."""
+    """State of a node, as seen by its manager."""
 
     _descriptor_: ClassVar = idl.struct(
         "CANopen::NodeState",
@@ -267,17 +267,17 @@ class NodeState(Aggregated):
     )
 
     tm: Time = field(default_factory=Time)
-    """Since when it is so."""
+    """Time of the last change."""
     id: int = 0
-    """The node-id."""
+    """Node-id."""
     name: str = ""
-    """Its name in the network."""
+    """Name in the network."""
     phase: NodePhase = NodePhase.NODE_IDLE
     nmt: NmtState = NmtState.NMT_UNKNOWN
     restarts: int = 0
-    """How often it was reset after an error."""
+    """Number of resets after errors."""
     reason: str = ""
-    """What went wrong last; empty for nothing."""
+    """Last error; empty: none."""
 
 
 NodeStateSeq: TypeAlias = list[NodeState]
@@ -292,7 +292,7 @@ class NodeStateSeqCodec(AliasCodec[NodeStateSeq]):
 
 @dataclass(eq=False)
 class Refused(UserException):
-    """A command that cannot be given."""
+    """A command that was refused."""
 
     _descriptor_: ClassVar = idl.exception("CANopen::Refused", reason=idl.STRING)
 
@@ -300,7 +300,7 @@ class Refused(UserException):
 
 
 class Manager(Servant):
-    """What others ask of the manager of a network; node-id 0 stands for all nodes."""
+    """Commands for the manager of a network; node-id 0 means all nodes."""
 
     _descriptor_: ClassVar[InterfaceDescriptor] = InterfaceDescriptor(
         "IDL:CANopen/Manager:1.0",
@@ -318,32 +318,32 @@ class Manager(Servant):
 
     @abstractmethod
     def states(self) -> NodeStateSeq:
-        """Every node of the network, by node-id."""
+        """Returns the states of all nodes, in the order of node-ids."""
 
     @abstractmethod
     @operation(raises=(Refused,))
     def start(self, node_id: int) -> None:
-        """To operational; one that is not configured is configured before."""
+        """Sets a node operational, after configuring it if necessary."""
 
     @abstractmethod
     @operation(raises=(Refused,))
     def stop(self, node_id: int) -> None:
-        """To stopped."""
+        """Stops a node."""
 
     @abstractmethod
     @operation(raises=(Refused,))
     def enter_pre_operational(self, node_id: int) -> None:
-        """To pre-operational."""
+        """Sets a node pre-operational."""
 
     @abstractmethod
     @operation(raises=(Refused,))
     def reset_node(self, node_id: int) -> None:
-        """Resets the application; the node is then configured and started again."""
+        """Resets the application of a node, which is then configured and started again."""
 
     @abstractmethod
     @operation(raises=(Refused,))
     def reset_communication(self, node_id: int) -> None:
-        """Resets the communication; the node is then configured and started again."""
+        """Resets the communication of a node, which is then configured and started again."""
 
 
 class ManagerStub(Manager, Stub):

@@ -37,7 +37,7 @@ class CANopen_SdoAbort_raised(Aggregated):
     code: int = 0
     """The abort code (CiA 301, table 22)."""
     text: str = ""
-    """What it means."""
+    """Meaning of the code."""
 
 
 class CANopen_BusGone_raised(Aggregated):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from rtgen.facts.numeric import LONGEST_LIST
+from rtgen.facts.numeric import MAX_LIST_LENGTH
 from rtgen.facts.primitives import NUMBERS
 from rtgen.runtime.marshalling.descriptors import (
     ArrayDescriptor,
@@ -58,7 +58,7 @@ def formed(descriptor: SequenceDescriptor | ArrayDescriptor, items: list[Any]) -
     assert isinstance(element, PrimitiveDescriptor)
     code = NUMBERS[element.name].code
     if descriptor.numeric == "array":
-        return NumericArray(code, items) if len(items) > LONGEST_LIST else items
+        return NumericArray(code, items) if len(items) > MAX_LIST_LENGTH else items
     import numpy
 
     return numpy.array(items, code)

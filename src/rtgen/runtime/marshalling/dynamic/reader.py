@@ -463,7 +463,7 @@ class Reader(OctetReader):
                     if level < self._level:
                         break
                 elif not truncated or not tag:
-                    raise Fault("a value goes on behind the end of its state")
+                    raise Fault("a value continues after the end of its state")
                 elif tag < VALUE_TAG:
                     self._skip(tag)
                 else:

@@ -124,7 +124,7 @@ class Conversions:
         return f"{name(wide_octets)}({value})"
 
     def unpacked_text(self, text: Text, raw: str, bound: int | None = None) -> str:
-        """Inverse of `packed_text`; `bound` is that of a wide string, which may lack its BOM."""
+        """Inverse of `packed_text`; `bound` is that of a wide string, whose BOM is optional."""
         name = self._name
         if text is Text.OCTETS:
             return raw

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.facts.numeric import LONGEST_LIST
+from rtgen.facts.numeric import MAX_LIST_LENGTH
 from rtgen.runtime.marshalling.layouts.headers import next_member, next_parameter
 from rtgen.runtime.marshalling.layouts.layout import (
     ALIGNED,
@@ -371,7 +371,7 @@ class Decoder(Position):
                 assert counted is not None
                 count = self._locals.name((*prefix, *counted.path), "n_")
                 rest = [e for e in section.entries if e.field is not counted or e.count]
-                body.block(f"if {count} > {LONGEST_LIST}:")
+                body.block(f"if {count} > {MAX_LIST_LENGTH}:")
                 self._take(counted, prefix, "_")
                 key = self._key(section, prefix, "-")
                 body.add(f"unpack, size = {reader}[{key}]")

@@ -12,7 +12,7 @@ from itertools import islice
 from math import prod
 from typing import Any, Final, TypeAlias
 
-from rtgen.facts.numeric import LONGEST_LIST
+from rtgen.facts.numeric import MAX_LIST_LENGTH
 from rtgen.runtime.marshalling.layouts.layout import Entry, Run, Step
 from rtgen.runtime.marshalling.layouts.nodes import (
     AtomArray,
@@ -134,7 +134,7 @@ class Repeated:
             for node, count in zip(counted, counts, strict=True)
             if isinstance(node, AtomSequence)
         ]
-        return size <= MAX_BODY and sum(items) <= LONGEST_LIST
+        return size <= MAX_BODY and sum(items) <= MAX_LIST_LENGTH
 
     def _reader(self, counts: Counts, little_endian: bool) -> _Reader:
         """Return the compiled reader of a shape, which returns None for another one."""

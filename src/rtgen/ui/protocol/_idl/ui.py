@@ -10,9 +10,9 @@ from rtgen.runtime import idl
 from rtgen.runtime.cdr import Aggregated, AliasCodec, Enumeration, Union, field
 
 VERSION: Final = 4
-"""Version of the protocol; a page of another one reloads."""
-MOST_SAMPLES: Final = 2000
-"""Most samples of a channel that a page is given at once: the newest half, and some of those before."""
+"""Version of the protocol; a page with another version reloads."""
+MAX_SAMPLES: Final = 2000
+"""Maximum number of past samples of a channel that a page gets at once: the newest half, and some older ones."""
 Octets: TypeAlias = bytes
 _Octets_alias = idl.alias("Ui::Octets", idl.sequence(idl.OCTET))
 
@@ -264,7 +264,7 @@ class Port(Aggregated):
     type: str = ""
     """Scoped name of the type of samples; empty for a service port."""
     type_number: int = 0
-    """In the table of types; -1: samples have no CDR that a page reads."""
+    """In the table of types; -1: the page has no codec for the samples."""
     unit: str = ""
     doc: str = ""
     interfaces: list[ServiceInterface] = field(default_factory=list)
@@ -324,7 +324,7 @@ class Component(Aggregated):
     )
 
     instance: str = ""
-    """`HOST:PORT/rh3.host_cxt/Arm0` for one that a naming service has."""
+    """For a component of a naming service: `HOST:PORT/rh3.host_cxt/Arm0`."""
     type: str = ""
     category: str = ""
     vendor: str = ""
@@ -411,7 +411,7 @@ class Channel(Aggregated):
     type_number: int = 0
     """-1: the samples are JSON, else XCDR with its encapsulation header."""
     beside: bool = False
-    """Whether it belongs to the run that is beside this one."""
+    """Whether the channel belongs to the compared run."""
 
 
 class ClockKind(Enumeration):
@@ -443,13 +443,13 @@ class ClockState(Aggregated):
     kind: ClockKind = ClockKind.CLOCK_SIMULATED
     playing: bool = False
     speed: float = 0.0
-    """Simulated seconds in a second; 0: as fast as possible."""
+    """Simulated seconds per second; 0: as fast as possible."""
     now: float = 0.0
-    """What the page shows."""
+    """The time that the page shows."""
     ended: bool = False
     """Whether the run is over."""
     past: bool = False
-    """Whether the page shows the run as it was at `now`."""
+    """Whether the page shows the past: the run as of `now`."""
     first: float = 0.0
     """The earliest time that a page can show."""
     last: float = 0.0
@@ -468,10 +468,10 @@ class EditState(Aggregated):
     )
 
     undo: str = ""
-    """What would be undone; empty: nothing."""
+    """Name of the edit to undo; empty: none."""
     redo: str = ""
     saved: bool = False
-    """Whether the file has all edits."""
+    """Whether the file contains all edits."""
     file: str = ""
 
 
@@ -624,14 +624,14 @@ class BoardCall(Aggregated):
     time: float = 0.0
     instance: str = ""
     function: str = ""
-    """`signature.function`; empty: unknown, and the values, too."""
+    """`signature.function`; empty: unknown, and so are the values."""
     request: Octets = b""
     reply: Octets = b""
     request_values: ValueList = field(default_factory=list)
     reply_values: ValueList = field(default_factory=list)
     """`return` first."""
     round_trip: float = 0.0
-    """[s] of the machine's time; negative: not measured."""
+    """[s], by the clock of the machine; negative: not measured."""
     error: str = ""
 
 
@@ -658,11 +658,11 @@ class Binding(Aggregated):
     )
 
     path: str = ""
-    """`rh3.host_cxt/Arm0.rtc`, after that of its context."""
+    """`rh3.host_cxt/Arm0.rtc`; follows the path of its context."""
     kind: BindingKind = BindingKind.BINDING_CONTEXT
-    """BINDING_DEAD: of a component that does not answer."""
+    """BINDING_DEAD: a component that does not answer."""
     instance: str = ""
-    """Of the component on the page; empty: none."""
+    """Component on the page; empty: none."""
 
 
 class NamingService(Aggregated):
@@ -678,9 +678,9 @@ class NamingService(Aggregated):
     address: str = ""
     """HOST:PORT"""
     silent: str = ""
-    """Why it does not answer; empty: it does."""
+    """Why the service does not answer; empty: it does."""
     bindings: list[Binding] = field(default_factory=list)
-    """As it had them when it answered last."""
+    """As of the last answer."""
 
 
 NamingServices: TypeAlias = list[NamingService]
@@ -724,14 +724,14 @@ class SystemState(Aggregated):
     edits: EditState = field(default_factory=EditState)
     buses: list[Bus] = field(default_factory=list)
     systems: Strings = field(default_factory=list)
-    """Files that `open` takes."""
+    """Files that the command `system` can open."""
     beside: str = ""
-    """Name of the run that is beside this one; empty: none."""
+    """Name of the compared run; empty: none."""
     keeps: bool = False
-    """Whether this run will be beside the one that begins when time is set back."""
+    """Whether this run is kept for comparison when time is set back."""
     naming: NamingServices = field(default_factory=list)
     foreign: Strings = field(default_factory=list)
-    """Paths of the components of other processes that the file has."""
+    """Paths of the components of other processes in the file."""
 
 
 class Hello(Aggregated):
@@ -746,9 +746,9 @@ class Hello(Aggregated):
 
     version: int = 0
     server: str = ""
-    """Differs for each start of the server."""
+    """Identifies this start of the server."""
     full: bool = False
-    """Whether the token gives the full right, not only that to look."""
+    """Whether the token gives full rights, not only read-only ones."""
 
 
 class AddedTypes(Aggregated):
@@ -803,11 +803,11 @@ class Statistics(Aggregated):
     ticks: int = 0
     overruns: int = 0
     lost: int = 0
-    """Samples lost before InPorts."""
+    """Samples that were lost on the way to InPorts."""
     awaited: str = ""
-    """What a request waits for."""
+    """The condition that a request waits for."""
     impaired: str = ""
-    """What impairs an ACTIVE component."""
+    """The condition that impairs an ACTIVE component."""
 
 
 class ParameterChange(Aggregated):
@@ -827,7 +827,7 @@ class ParameterChange(Aggregated):
     parameter: str = ""
     text: str = ""
     effective: bool = False
-    """Whether the component has taken it over."""
+    """Whether the value has taken effect."""
 
 
 class ActiveSet(Aggregated):
@@ -859,7 +859,7 @@ class Sample(Aggregated):
 
 
 class SentLess(Aggregated):
-    """A page was too slow: only the newest of its samples were kept."""
+    """The page was too slow, so that only its newest samples were kept."""
 
     _descriptor_: ClassVar = idl.struct(
         "Ui::SentLess",
@@ -873,7 +873,7 @@ class SentLess(Aggregated):
 
 
 class Notice(Aggregated):
-    """Something for the timeline that is not a change of state."""
+    """An entry of the timeline other than a change of state."""
 
     _descriptor_: ClassVar = idl.struct(
         "Ui::Notice",
@@ -910,7 +910,7 @@ class Fit(Aggregated):
 
     port: PortAddress = field(default_factory=PortAddress)
     refused: str = ""
-    """Why not; empty if it is."""
+    """Reason why not; empty if possible."""
 
 
 class Result(Aggregated):
@@ -939,7 +939,7 @@ class Result(Aggregated):
     reply: Octets = b""
     """Of a call: XCDR1 with its encapsulation header."""
     text: str = ""
-    """Of an SDO: the value."""
+    """Value of an SDO transfer."""
     fits: list[Fit] = field(default_factory=list)
     objects: list[ObjectEntry] = field(default_factory=list)
 
@@ -1052,7 +1052,7 @@ class Event(Union):
 
     @property
     def greeting(self) -> Hello:
-        """The first message."""
+        """The first event."""
         value: Hello = self._selected_("greeting")
         return value
 
@@ -1063,7 +1063,7 @@ class Event(Union):
 
     @property
     def whole(self) -> SystemState:
-        """The second one, and when a file is opened."""
+        """The second event, and whenever the whole state is sent again."""
         value: SystemState = self._selected_("whole")
         return value
 
@@ -1085,7 +1085,7 @@ class Event(Union):
 
     @property
     def described(self) -> Component:
-        """A component is new, or has changed."""
+        """A new or changed component."""
         value: Component = self._selected_("described")
         return value
 
@@ -1316,7 +1316,7 @@ class Event(Union):
 
     @property
     def other(self) -> StateChange:
-        """In the run that is beside this one."""
+        """In the compared run."""
         value: StateChange = self._selected_("other")
         return value
 
@@ -1327,7 +1327,7 @@ class Event(Union):
 
     @property
     def naming(self) -> NamingServices:
-        """All of them."""
+        """All services, whenever one has changed."""
         value: NamingServices = self._selected_("naming")
         return value
 
@@ -1355,7 +1355,7 @@ class Connect(Aggregated):
     source: PortAddress = field(default_factory=PortAddress)
     target: PortAddress = field(default_factory=PortAddress)
     name: str = ""
-    """Empty: made of the ends."""
+    """Empty: derived from the ends."""
     properties: ValueList = field(default_factory=list)
 
 
@@ -1408,7 +1408,7 @@ class AddComponent(Aggregated):
 
     type: str = ""
     instance: str = ""
-    """Empty: one that is free."""
+    """Empty: a free name."""
     placed: bool = False
     where: Location = field(default_factory=Location)
 
@@ -1432,7 +1432,7 @@ class SendFrame(Aggregated):
     remote: bool = False
     data: Octets = b""
     period: float = 0.0
-    """[s]; 0: once. A period 0 ends a cyclic frame of this identifier."""
+    """[s]; 0: once, and ends a cyclic frame with this identifier."""
 
 
 class NmtCommand(Aggregated):
@@ -1486,7 +1486,7 @@ class NodeAddress(Aggregated):
 
 
 class Inject(Aggregated):
-    """A sample for an InPort, as if a connection had brought it."""
+    """A sample for an InPort, as if it had arrived over a connection, or for an OutPort."""
 
     _descriptor_: ClassVar = idl.struct(
         "Ui::Inject",
@@ -1587,7 +1587,7 @@ class Command(Union):
 
     @property
     def channels(self) -> list[int]:
-        """All whose samples the page wants."""
+        """All channels whose samples the page wants."""
         value: list[int] = self._selected_("channels")
         return value
 
@@ -1598,7 +1598,7 @@ class Command(Union):
 
     @property
     def ends(self) -> PortAddress:
-        """What the port can be connected to."""
+        """Which ports fit this port."""
         value: PortAddress = self._selected_("ends")
         return value
 
@@ -1895,7 +1895,7 @@ class Command(Union):
 
     @property
     def reset(self) -> bool:
-        """Have components of other processes wired and configured as the file has it."""
+        """Wire and configure the components of other processes as in the file."""
         value: bool = self._selected_("reset")
         return value
 
@@ -1906,7 +1906,7 @@ class Command(Union):
 
     @property
     def kept(self) -> bool:
-        """Keep this run beside those that begin when time is set back; FALSE: forget it."""
+        """TRUE: keep this run for comparison when time is set back; FALSE: forget it."""
         value: bool = self._selected_("kept")
         return value
 
@@ -1917,7 +1917,7 @@ class Command(Union):
 
     @property
     def looked(self) -> float:
-        """The time that this page shows; negative: the newest."""
+        """The time that this page shows; negative: the present."""
         value: float = self._selected_("looked")
         return value
 

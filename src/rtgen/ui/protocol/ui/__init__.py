@@ -5,7 +5,7 @@
 from typing import Final
 
 from .._idl.ui import (
-    MOST_SAMPLES as MOST_SAMPLES,
+    MAX_SAMPLES as MAX_SAMPLES,
     VERSION as VERSION,
     ActiveSet as ActiveSet,
     AddComponent as AddComponent,
@@ -275,7 +275,7 @@ __all__ = [
     "Hello",
     "Inject",
     "Location",
-    "MOST_SAMPLES",
+    "MAX_SAMPLES",
     "Moved",
     "NamingService",
     "NamingServices",

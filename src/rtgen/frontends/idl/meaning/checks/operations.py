@@ -121,7 +121,7 @@ def _type(node: tree.TypeNode, entity: Entity, context: Context, remote: bool) -
                 if not isinstance(node, tree.Struct | tree.Union | tree.Bitset)
                 else node.name
             ),
-            "a type declared in place cannot stand here",
+            "a type declared in place is not allowed here",
             hint="give it a name before: use a typedef",
         )
         return

@@ -49,7 +49,7 @@ _HINTS = {
     "?": "IDL has no conditional expressions; an optional member is marked @optional",
     "!": "IDL has no logical operators; complement is ~",
     "$": "names hold ASCII letters, digits and underscores",
-    "`": "strings stand in \"...\", characters in '...'",
+    "`": "strings are written as \"...\", characters as '...'",
     "\\": "a backslash is allowed in strings, or at the end of a continued line",
     ".": "parts of a name are joined by ::",
 }
@@ -83,7 +83,7 @@ def bad_character(unit: Unit, text: str, start: int) -> Diagnostic:
         )
         number = text.count(character)
         more = f" (it occurs in this file {number} times)" if number > 1 else ""
-        message = f"the {called} cannot stand here{more}"
+        message = f"the {called} is not allowed here{more}"
         return lexical.BAD_CHARACTER.at(span, message, hint=hint)
     replacement = _REPLACEMENTS.get(character)
     ascii_ = "IDL is written in ASCII, but for comments and strings"
@@ -91,13 +91,13 @@ def bad_character(unit: Unit, text: str, start: int) -> Diagnostic:
     called = f"'{character}'" if character.isprintable() else f"U+{ord(character):04X}"
     return lexical.BAD_CHARACTER.at(
         span,
-        f"the character {called} cannot stand here",
+        f"the character {called} is not allowed here",
         hint=hint,
     )
 
 
 def meant(text: str, start: int) -> tuple[str | None, int]:
-    """Return the terminal that a wrong character likely stands for, and its length."""
+    """Return the terminal that a wrong character likely means, and its length."""
     if _QUOTED.match(text, start):
         closing = _QUOTED.search(text, start + 1)
         if closing and "\n" not in text[start : closing.end()]:

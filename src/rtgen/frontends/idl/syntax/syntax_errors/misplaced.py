@@ -9,17 +9,17 @@ from rtgen.frontends.kit.syntax_errors import Recovery
 
 _DIRECTIONS = ("in", "out", "inout")
 _CONTENTS = {
-    "": "modules, types, constants, exceptions and interfaces stand here, each ended by ';'",
-    "module": "modules, types, constants, exceptions and interfaces stand here, each ended by ';'",
+    "": "declarations such as modules, types and interfaces are allowed here",
+    "module": "declarations such as modules, types and interfaces are allowed here",
     "struct": "each member is 'TYPE NAME;'",
     "exception": "each member is 'TYPE NAME;'",
     "union": "each branch is 'case VALUE: TYPE NAME;' or 'default: TYPE NAME;'",
-    "enum": "names stand here, separated by ','",
-    "bitmask": "names stand here, separated by ','",
+    "enum": "names are allowed here, separated by ','",
+    "bitmask": "names are allowed here, separated by ','",
     "bitset": "each field is 'bitfield<BITS> NAME;'",
-    "interface": "operations, attributes, types, constants and exceptions stand here",
-    "valuetype": "state, operations, attributes, factories, types and constants stand here",
-    "component": "ports such as 'consumes TYPE NAME;' and attributes stand here",
+    "interface": "operations, attributes, types, constants and exceptions are allowed here",
+    "valuetype": "state, operations, attributes, factories, types and constants are allowed here",
+    "component": "ports such as 'consumes TYPE NAME;' and attributes are allowed here",
 }
 _BASIC = frozenset(
     (
@@ -28,13 +28,13 @@ _BASIC = frozenset(
     )
 )
 _OUTSIDE = {
-    "const": "a constant cannot stand in a {body}",
-    "typedef": "a typedef cannot stand in a {body}",
-    "exception": "an exception cannot stand in a {body}",
-    "interface": "an interface cannot stand in a {body}",
-    "module": "a module cannot stand in a {body}",
-    "valuetype": "a valuetype cannot stand in a {body}",
-    "native": "a native type cannot stand in a {body}",
+    "const": "a constant is not allowed in a {body}",
+    "typedef": "a typedef is not allowed in a {body}",
+    "exception": "an exception is not allowed in a {body}",
+    "interface": "an interface is not allowed in a {body}",
+    "module": "a module is not allowed in a {body}",
+    "valuetype": "a valuetype is not allowed in a {body}",
+    "native": "a native type is not allowed in a {body}",
 }
 _ACCESS = ("public", "private", "protected")
 _BODIES_OF_DATA = ("struct", "exception", "union")
@@ -89,7 +89,7 @@ def misplaced_direction(s: ErrorContext) -> Recovery | None:
     if s.previous in _DIRECTIONS:
         return s.recover(
             syntax.UNEXPECTED,
-            f"'{s.previous}' and '{s.text}' cannot stand together",
+            f"'{s.previous}' and '{s.text}' cannot be combined",
             "a parameter has one direction: in, out or inout",
         )
     if s.following not in (",", ")", "["):
@@ -134,19 +134,19 @@ def misplaced(s: ErrorContext) -> Recovery | None:
             message = _OUTSIDE[s.text].format(body=body)
             return _move(s, message, f"put it before the {body}")
         if s.text in ("attribute", "readonly", "oneway"):
-            message = f"'{s.text}' cannot stand in a {body}"
+            message = f"'{s.text}' is not allowed in a {body}"
             return _move(
                 s, message, "attributes and operations belong into an interface"
             )
         if s.text in _ACCESS:
-            message = f"'{s.text}' cannot stand in a {body}"
+            message = f"'{s.text}' is not allowed in a {body}"
             return _move(s, message, "leave it out, or make this a valuetype")
     if body in ("interface", "component"):
         if s.text in _ACCESS:
-            message = f"'{s.text}' cannot stand in an {body}"
+            message = f"'{s.text}' is not allowed in an {body}"
             return _move(s, message, "remove it: members of an interface are public")
         if s.text in ("module", "interface", "valuetype", "component"):
-            message = f"'{s.text}' cannot stand in an {body}"
+            message = f"'{s.text}' is not allowed in an {body}"
             return _move(s, message, f"put it before the {body}")
     if body in ("", "module") and (s.text in _BASIC or s.kind == "IDENT"):
         return _outside_all(s)
@@ -171,10 +171,10 @@ def _outside_all(s: ErrorContext) -> Recovery | None:
         return None
     where = f"in a {s.construct}" if s.construct else "at file scope"
     if "(" in ahead[:until]:
-        message = f"an operation cannot stand {where}"
+        message = f"an operation is not allowed {where}"
         return _move(s, message, "put it into an interface")
     if s.text in _BASIC and until:
-        message = f"a member cannot stand {where}"
+        message = f"a member is not allowed {where}"
         hint = "put it into a struct; or write typedef for a type, const for a constant"
         return _move(s, message, hint)
     return None
@@ -189,7 +189,7 @@ def _method(s: ErrorContext) -> Recovery | None:
                 "the size of an array is written in brackets",
                 f"write {s.previous}[{s.following}]",
             )
-        message = f"an operation cannot stand in a {s.construct}"
+        message = f"an operation is not allowed in a {s.construct}"
         return _move(s, message, "put it into an interface")
     if s.text == "void" or s.construct != "interface":
         return None
@@ -221,7 +221,7 @@ def assignment(s: ErrorContext) -> Recovery | None:
     if s.previous == "=":
         return s.recover(
             syntax.UNEXPECTED,
-            "'==' cannot stand here",
+            "'==' is not allowed here",
             "write one '='",
             at=s.before[-1],
         )
@@ -232,7 +232,9 @@ def assignment(s: ErrorContext) -> Recovery | None:
             "leave the value out",
         )
     if s.first == "typedef":
-        return _foreign(s, "'=' cannot stand in a typedef", "write typedef TYPE NAME;")
+        return _foreign(
+            s, "'=' is not allowed in a typedef", "write typedef TYPE NAME;"
+        )
     if s.construct in _BODIES_OF_DATA:
         return _foreign(
             s,
@@ -327,19 +329,19 @@ def marks(s: ErrorContext) -> Recovery | None:
         if "IDENT" in s.accepted and "NUMBER" not in s.accepted and s.before:
             return s.recover(
                 syntax.UNEXPECTED,
-                f"'{s.text}' cannot stand in a name",
+                f"'{s.text}' is not allowed in a name",
                 "parts of a name are joined by ::",
             )
         if s.before and s.before[-1].is_name and s.following:
             return s.recover(
                 syntax.UNEXPECTED,
-                f"'{s.text}' cannot stand in a name",
+                f"'{s.text}' is not allowed in a name",
                 f"write {s.previous}_{s.following}",
             )
     if s.text == ":" and "IDENT" in s.accepted and s.before and s.before[-1].is_name:
         return s.recover(
             syntax.UNEXPECTED,
-            "one ':' cannot stand in a name",
+            "one ':' is not allowed in a name",
             "parts of a name are joined by ::",
         )
     if (
@@ -348,7 +350,7 @@ def marks(s: ErrorContext) -> Recovery | None:
         and s.construct in ("struct", "exception")
     ):
         if s.following.isdigit():
-            hint = "bit fields stand in a bitset: bitfield<3> NAME;"
+            hint = "bit fields belong in a bitset: bitfield<3> NAME;"
             return _foreign(s, "members of a struct have no width in bits", hint)
         return s.recover(
             syntax.MISSING_SEMICOLON,

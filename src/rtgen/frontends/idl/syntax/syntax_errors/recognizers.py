@@ -49,7 +49,7 @@ def _unexpected(s: ErrorContext) -> Recovery:
     text = text if len(text) <= 40 else text[:37] + "..."
     return s.recover(
         syntax.UNEXPECTED,
-        f"'{text}' cannot stand here{s.expectation()}",
+        f"'{text}' is not allowed here{s.expectation()}",
         misplaced.what_stands_here(s),
     )
 
@@ -189,7 +189,7 @@ def _split_name(s: ErrorContext) -> Recovery | None:
         s.unit.maybe_declared.add(previous.text.lower())
         return s.recover(
             syntax.UNEXPECTED,
-            f"'{s.text}' cannot stand here: {previous.text} is the name already",
+            f"'{s.text}' is not allowed here: {previous.text} is the name already",
             f"write {previous.text}_{s.text} if that is one name",
             at=None,
         )
@@ -286,7 +286,7 @@ def _keyword_as_name(s: ErrorContext) -> Recovery | None:
     if s.first == "typedef" and len(s.before) == 2 and s.before[1].is_name:
         return s.recover(
             syntax.UNEXPECTED,
-            f"'{s.text}' cannot stand here: the type comes first",
+            f"'{s.text}' is not allowed here: the type comes first",
             f"write typedef {s.text} {s.previous};",
         )
     if s.following not in _BEHIND_A_NAME and s.following not in ("", "}", "switch"):
@@ -294,7 +294,7 @@ def _keyword_as_name(s: ErrorContext) -> Recovery | None:
     return s.recover(
         syntax.KEYWORD_AS_NAME,
         f"'{s.text}' is a keyword and cannot be a name",
-        f"'_{s.text}' stands for the name {s.text}",
+        f"'_{s.text}' is the escaped form of {s.text}",
         feed=("IDENT",),
         instead=True,
     )
@@ -437,7 +437,7 @@ def _semicolon_of_macro(s: ErrorContext) -> Recovery | None:
         return None
     return s.recover(
         syntax.UNEXPECTED,
-        "the text of this macro holds a ';', which cannot stand here",
+        "the text of this macro holds a ';', which is not allowed here",
         "remove the ';' from its #define",
         instead=True,
     )

@@ -10,7 +10,7 @@ from rtgen.runtime import RTC_OK, ReturnCode_t
 
 
 class GateServant(Gate):
-    """Carries out the calls to the provider `gate`."""
+    """Executes the calls of the provider `gate`."""
 
 
 class GateComponent(GateComponentBase):

@@ -10,7 +10,7 @@ from rtgen.runtime import RTC_OK, ReturnCode_t
 
 
 class LeftBrakeServant(lab.Brake):
-    """Carries out the calls to the provider `left_brake`."""
+    """Executes the calls of the provider `left_brake`."""
 
     @property
     def braking(self) -> lab.Mode:
@@ -36,7 +36,7 @@ class LeftBrakeServant(lab.Brake):
 
 
 class RightBrakeServant(lab.Brake):
-    """Carries out the calls to the provider `right_brake`."""
+    """Executes the calls of the provider `right_brake`."""
 
     @property
     def braking(self) -> lab.Mode:

@@ -9,9 +9,9 @@ from rtgen.runtime import RTC_OK, ReturnCode_t
 
 
 class SamplerDevice(SamplerDeviceBase):
-    """A device on a CANopen bus: Sampler.
+    """Device on a CANopen bus: Sampler.
 
-    InPorts have what it receives, and what is written to OutPorts is transmitted.
+    InPorts get the received data, data written to OutPorts are transmitted.
     """
 
     def on_initialize(self) -> ReturnCode_t:

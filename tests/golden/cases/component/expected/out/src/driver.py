@@ -10,7 +10,7 @@ from rtgen.runtime import RTC_OK, ReturnCode_t
 
 
 class SafetyServant(drive.Safety):
-    """Carries out the calls to the provider `safety`."""
+    """Executes the calls of the provider `safety`."""
 
     def Stop(self) -> None:
         raise NotImplementedError

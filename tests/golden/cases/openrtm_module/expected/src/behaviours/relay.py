@@ -10,7 +10,7 @@ from rtgen.runtime import RTC_OK, ReturnCode_t
 
 
 class OwnServant(relays.Lever):
-    """Carries out the calls to the provider `own`."""
+    """Executes the calls of the provider `own`."""
 
     def turn(self, on: bool) -> None:
         raise NotImplementedError

@@ -161,7 +161,7 @@ class Rpdo2(Aggregated):
 
 
 class ObjectAccess(ObjectDictionary):
-    """Objects of the device by name, beside all of them by number."""
+    """Access to single objects of the device by name, and to all objects by number."""
 
     _descriptor_: ClassVar[InterfaceDescriptor] = InterfaceDescriptor(
         "IDL:Sampler/ObjectAccess:1.0",

@@ -25,7 +25,7 @@ from rtgen.runtime.library._idl.basic_data_type import Time
 
 
 class TimedLongLong(Aggregated):
-    """Time-stamped value of type long long, which RTC has none for."""
+    """Time-stamped value of type long long, for which RTC has no type."""
 
     _descriptor_: ClassVar = idl.struct(
         "SamplerPieces::TimedLongLong",
@@ -39,7 +39,7 @@ class TimedLongLong(Aggregated):
 
 
 class TimedTime(Aggregated):
-    """Time-stamped value of type RTC::Time, which RTC has none for."""
+    """Time-stamped value of type RTC::Time, for which RTC has no type."""
 
     _descriptor_: ClassVar = idl.struct("SamplerPieces::TimedTime", tm=Time, data=Time)
 
@@ -49,7 +49,7 @@ class TimedTime(Aggregated):
 
 
 class TimedULongLong(Aggregated):
-    """Time-stamped value of type unsigned long long, which RTC has none for."""
+    """Time-stamped value of type unsigned long long, for which RTC has no type."""
 
     _descriptor_: ClassVar = idl.struct(
         "SamplerPieces::TimedULongLong",

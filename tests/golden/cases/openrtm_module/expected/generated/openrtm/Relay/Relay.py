@@ -139,7 +139,7 @@ def RelayInit(manager: Any) -> None:
 
 
 def MyModuleInit(manager: Any) -> None:
-    """Registers the component, and makes one."""
+    """Registers the component, and creates an instance."""
     RelayInit(manager)
     manager.createComponent("Relay" + instance_arguments(sys.argv))
 

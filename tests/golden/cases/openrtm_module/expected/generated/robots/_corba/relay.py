@@ -20,34 +20,34 @@ def new_Sample() -> Any:
 
 
 def fill_Sample(wire: Any, value: relay.Sample) -> None:
-    """Makes `wire` say what `value` does; lists of plain values are shared, not copied."""
+    """Copies `value` to `wire`; lists of plain values are shared."""
     wire.number = value.number
 
 
 def to_Sample(value: relay.Sample) -> Any:
-    """A new `Samples::Sample` of omniORB's, which shares nothing with the value."""
+    """Returns a new `Samples::Sample` for omniORB, without shared data."""
     wire = new(_Sample)
     wire.number = value.number
     return wire
 
 
 def from_Sample(wire: Any) -> relay.Sample:
-    """The value of omniORB's `Samples::Sample`; the two share nothing."""
+    """Returns the value of omniORB's `Samples::Sample`, without shared data."""
     return relay.Sample(wire.number)
 
 
 def to_Stuck(value: relay.Stuck) -> Any:
-    """A new `Relays::Stuck` of omniORB's, which shares nothing with the value."""
+    """Returns a new `Relays::Stuck` for omniORB, without shared data."""
     return _Stuck(value.why)
 
 
 def from_Stuck(wire: Any) -> relay.Stuck:
-    """The value of omniORB's `Relays::Stuck`; the two share nothing."""
+    """Returns the value of omniORB's `Relays::Stuck`, without shared data."""
     return relay.Stuck(wire.why)
 
 
 class LeverServant:
-    """Serves `Relays::Lever` to omniORB: takes and gives wire values, calls a servant."""
+    """Serves `Relays::Lever` to omniORB: converts wire values and calls a servant."""
 
     def __init__(self, servant: relay.Lever) -> None:
         self._servant: Any = servant
@@ -60,7 +60,7 @@ class LeverServant:
 
 
 class LeverStub(relay.Lever):
-    """Calls omniORB's `Relays::Lever`; `reference` gives the object, or None where there is none.
+    """Calls omniORB's `Relays::Lever`; `reference` returns the object, or None if there is none.
 
     Where there is none the operations raise ObjectNotExist, for errors of omniORB other kinds of
     ServiceError.

@@ -142,27 +142,27 @@ class SamplerPiecesDeviceConfiguration:
     """Configuration of SamplerPiecesDevice."""
 
     interface: str = "virtual"
-    """The kind of bus: an interface of python-can. In simulated time the bus is simulated."""
+    """Interface of python-can; in simulated time the bus is simulated."""
     channel: str = "can0"
-    """The channel of the interface."""
+    """Channel of the interface."""
     bitrate: int = 0
-    """Bit rate, 0 for the interface's own [bit/s]."""
+    """Bit rate; 0: the default of the interface [bit/s]."""
     options: str = ""
-    """Further arguments of the interface: "host=127.0.0.1,port=29536"."""
+    """Further arguments of the interface, such as "host=127.0.0.1,port=29536"."""
     node_id: int = 4
-    """The node-id, 255: the one that LSS assigns."""
+    """Node-id, 255: assigned by LSS."""
     network: str = "bench"
-    """The network: the name of its bus file; empty for none."""
+    """Network: name of its bus file; empty: none."""
     merged_stop: bool = False
-    """Whether a stop command means what figure 111 of RTC-CANopen says."""
+    """Whether a stop command has the effect of figure 111 of RTC-CANopen."""
     parameter_file: str = ""
-    """The file of stored parameters (1010h), name.json below the working folder; empty for none."""
+    """File of stored parameters (1010h), name.json below the working folder; empty: none."""
 
 
 class SamplerPiecesDeviceBase(SamplerPiecesSlave):
-    """A device on a CANopen bus: Sampler.
+    """Device on a CANopen bus: Sampler.
 
-    InPorts have what it receives, and what is written to OutPorts is transmitted.
+    InPorts get the received data, data written to OutPorts are transmitted.
     """
 
     profile: ClassVar[ComponentProfile] = ComponentProfile(
@@ -277,14 +277,14 @@ class SamplerPiecesDeviceBase(SamplerPiecesSlave):
                 python_name="interface",
                 type="string",
                 default="virtual",
-                description="The kind of bus: an interface of python-can. In simulated time the bus is simulated.",
+                description="Interface of python-can; in simulated time the bus is simulated.",
             ),
             ParameterProfile(
                 name="channel",
                 python_name="channel",
                 type="string",
                 default="can0",
-                description="The channel of the interface.",
+                description="Channel of the interface.",
             ),
             ParameterProfile(
                 name="bitrate",
@@ -293,14 +293,14 @@ class SamplerPiecesDeviceBase(SamplerPiecesSlave):
                 default="0",
                 minimum=0,
                 unit="bit/s",
-                description="Bit rate, 0 for the interface's own.",
+                description="Bit rate; 0: the default of the interface.",
             ),
             ParameterProfile(
                 name="options",
                 python_name="options",
                 type="string",
                 default="",
-                description='Further arguments of the interface: "host=127.0.0.1,port=29536".',
+                description='Further arguments of the interface, such as "host=127.0.0.1,port=29536".',
             ),
             ParameterProfile(
                 name="node_id",
@@ -309,28 +309,28 @@ class SamplerPiecesDeviceBase(SamplerPiecesSlave):
                 default="4",
                 minimum=1,
                 maximum=255,
-                description="The node-id, 255: the one that LSS assigns.",
+                description="Node-id, 255: assigned by LSS.",
             ),
             ParameterProfile(
                 name="network",
                 python_name="network",
                 type="string",
                 default="bench",
-                description="The network: the name of its bus file; empty for none.",
+                description="Network: name of its bus file; empty: none.",
             ),
             ParameterProfile(
                 name="merged_stop",
                 python_name="merged_stop",
                 type="boolean",
                 default="0",
-                description="Whether a stop command means what figure 111 of RTC-CANopen says.",
+                description="Whether a stop command has the effect of figure 111 of RTC-CANopen.",
             ),
             ParameterProfile(
                 name="parameter_file",
                 python_name="parameter_file",
                 type="string",
                 default="",
-                description="The file of stored parameters (1010h), name.json below the working folder; empty for none.",
+                description="File of stored parameters (1010h), name.json below the working folder; empty: none.",
             ),
         ),
     )

@@ -134,7 +134,7 @@ class LampProxy(LampTarget):
 
 
 class _LampServant(ProxyServant, Lamp):
-    """Carries out calls of `nBoard::Lamp` by a proxy."""
+    """Executes calls of `nBoard::Lamp` by a proxy."""
 
     _proxy: LampProxy
 
@@ -146,7 +146,7 @@ class LampMarshaller(LampMarshallerBase):
     """Carries calls of nBoard::sLamp to a TECS board."""
 
     def on_initialize(self) -> ReturnCode_t:
-        """Makes the proxy behind the service port."""
+        """Create the proxy of the service port."""
         proxy = LampProxy(CommunicationChannel(self.communication))
         self.lamp.set_servant(_LampServant.of(proxy))
         return RTC_OK

@@ -13,7 +13,7 @@ from .lamp_codec import LampCodec
 
 
 class LampTarget(ABC):
-    """What a board does that offers `nBoard::sLamp`; values are of CDL's types."""
+    """Interface of a board with `nBoard::sLamp`; values are of CDL's types."""
 
     @abstractmethod
     def dim(self, percent: int, level: int, at: nBoard_tagPoint) -> int:
@@ -25,7 +25,7 @@ class LampTarget(ABC):
 
 
 class LampUnmarshaller(Dispatcher):
-    """Takes requests of `nBoard::sLamp` apart, calls the target and makes the replies."""
+    """Decodes requests of `nBoard::sLamp`, calls the target, encodes replies."""
 
     def __init__(self, target: LampTarget, codec: LampCodec | None = None) -> None:
         codec = codec or LampCodec(make_tdr("little"), limit=512)

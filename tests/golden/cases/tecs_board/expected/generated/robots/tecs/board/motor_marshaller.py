@@ -264,7 +264,7 @@ class MotorProxy(MotorTarget):
 
 
 class _MotorServant(ProxyServant, Motor):
-    """Carries out calls of `nBoard::Motor` by a proxy."""
+    """Executes calls of `nBoard::Motor` by a proxy."""
 
     _proxy: MotorProxy
 
@@ -324,7 +324,7 @@ class MotorMarshaller(MotorMarshallerBase):
     """Carries calls of nBoard::sMotor to a TECS board."""
 
     def on_initialize(self) -> ReturnCode_t:
-        """Makes the proxy behind the service port."""
+        """Create the proxy of the service port."""
         proxy = MotorProxy(CommunicationChannel(self.communication))
         self.motor.set_servant(_MotorServant.of(proxy))
         return RTC_OK

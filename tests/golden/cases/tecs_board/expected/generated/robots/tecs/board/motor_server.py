@@ -14,7 +14,7 @@ from .motor_codec import MotorCodec
 
 
 class MotorTarget(ABC):
-    """What a board does that offers `nBoard::sMotor`; values are of CDL's types."""
+    """Interface of a board with `nBoard::sMotor`; values are of CDL's types."""
 
     @abstractmethod
     def set(
@@ -80,7 +80,7 @@ class MotorTarget(ABC):
 
 
 class MotorUnmarshaller(Dispatcher):
-    """Takes requests of `nBoard::sMotor` apart, calls the target and makes the replies."""
+    """Decodes requests of `nBoard::sMotor`, calls the target, encodes replies."""
 
     def __init__(self, target: MotorTarget, codec: MotorCodec | None = None) -> None:
         codec = codec or MotorCodec(make_tdr("little"), limit=512)

@@ -137,7 +137,7 @@ class ServerProxy(ServerTarget):
 
 
 class _ServerServant(ProxyServant, Server):
-    """Carries out calls of `Server` by a proxy."""
+    """Executes calls of `Server` by a proxy."""
 
     _proxy: ServerProxy
 
@@ -150,7 +150,7 @@ class ServerMarshaller(ServerMarshallerBase):
     """Carries calls of sServer to a TECS board."""
 
     def on_initialize(self) -> ReturnCode_t:
-        """Makes the proxy behind the service port."""
+        """Create the proxy of the service port."""
         proxy = ServerProxy(CommunicationChannel(self.communication))
         self.server.set_servant(_ServerServant.of(proxy))
         return RTC_OK

@@ -12,7 +12,7 @@ from .server_codec import ServerCodec
 
 
 class ServerTarget(ABC):
-    """What a board does that offers `sServer`; values are of CDL's types."""
+    """Interface of a board with `sServer`; values are of CDL's types."""
 
     @abstractmethod
     def func1(self, indata: int) -> int:
@@ -28,7 +28,7 @@ class ServerTarget(ABC):
 
 
 class ServerUnmarshaller(Dispatcher):
-    """Takes requests of `sServer` apart, calls the target and makes the replies."""
+    """Decodes requests of `sServer`, calls the target, encodes replies."""
 
     def __init__(self, target: ServerTarget, codec: ServerCodec | None = None) -> None:
         codec = codec or ServerCodec()

@@ -1,4 +1,4 @@
-"""What naming services show of other processes, and what pages are told when it changes."""
+"""State of the components of other processes, and its changes as events for pages."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ _KINDS = {
 
 
 @dataclass(frozen=True)
-class Neighbourhood:
-    """Naming services, and the components and connections of other processes by their names."""
+class RemoteState:
+    """Naming services with the components and connections of other processes, by name."""
 
     services: tuple[ui.NamingService, ...] = ()
     components: Mapping[str, ui.Component] = field(default_factory=dict)
     connections: Mapping[str, ui.Connection] = field(default_factory=dict)
 
-    def known(self, known: Callable[[ui.Port], ui.Port]) -> Neighbourhood:
-        """Return a copy with ports about which more is known."""
+    def known(self, known: Callable[[ui.Port], ui.Port]) -> RemoteState:
+        """Return a copy whose ports are completed by a function."""
         components = {
             name: replace(each, ports=[*map(known, each.ports)])
             for name, each in self.components.items()
         }
-        return Neighbourhood(self.services, components, self.connections)
+        return RemoteState(self.services, components, self.connections)
 
-    def changes(self, before: Neighbourhood, now: float) -> Iterator[ui.Event]:
-        """What has changed, in an order in which a page can follow; `now` is the time [s]."""
+    def changes(self, before: RemoteState, now: float) -> Iterator[ui.Event]:
+        """Return the changes as events in the order to apply them; `now` is the time [s]."""
         for name in before.connections.keys() - self.connections.keys():
             yield ui.Event.of_cut(name)
         for name in before.components.keys() - self.components.keys():
@@ -56,7 +56,7 @@ class Neighbourhood:
             yield ui.Event.of_naming([*self.services])
 
     def fits(self, here: ui.PortAddress) -> Iterator[ui.Fit]:
-        """Which other ports of the neighbourhood a port of it can be connected to."""
+        """Return which other ports fit a port, and for the rest the reason why not."""
         port = self.port(here)
         for there in self.ports():
             if there == here or port is None:
@@ -66,9 +66,9 @@ class Neighbourhood:
     def obstacle(
         self, here: ui.PortAddress, ports: Sequence[ui.Port], there: ui.PortAddress
     ) -> str:
-        """Why a port cannot be connected to one of the neighbourhood; empty if it can.
+        """Return why ports cannot be connected; empty if they can.
 
-        `ports`: those of that address, since an InPort and an OutPort may share a name.
+        `ports` are all ports of the first address: an InPort and an OutPort may share a name.
         """
         port = self.port(there)
         if port is None:
@@ -83,20 +83,20 @@ class Neighbourhood:
         return self.components[there.instance].silent
 
     def ports(self) -> Iterator[ui.PortAddress]:
-        """The addresses of all ports."""
+        """Return the addresses of all ports."""
         for component in self.components.values():
             for port in component.ports:
                 yield ui.PortAddress(instance=component.instance, port=port.name)
 
     def port(self, address: ui.PortAddress) -> ui.Port | None:
-        """A port; None if there is none."""
+        """Return a port; None if there is none."""
         component = self.components.get(address.instance)
         ports = () if component is None else component.ports
         return next((each for each in ports if each.name == address.port), None)
 
 
 def obstacle(one: ui.Port, other: ui.Port) -> str:
-    """Why two ports cannot be connected, as far as their profiles tell; empty if they can."""
+    """Return why two ports cannot be connected, by their profiles; empty if they can."""
     kinds = {one.kind, other.kind}
     if kinds == {ui.PortKind.PORT_SERVICE}:
         for a, b in product(one.interfaces, other.interfaces):
@@ -120,7 +120,7 @@ def restored(properties: Sequence[ui.Value]) -> list[ui.Value]:
 
 
 def _is_same_type(one: str, other: str) -> bool:
-    """Whether names of types are equal; OpenRTM 1 has the last part alone."""
+    """Return whether type names are equal; OpenRTM 1 only has the last part."""
     if "::" in one and "::" in other:
         return one == other
     return one.rpartition("::")[2] == other.rpartition("::")[2]

@@ -1,4 +1,4 @@
-"""A run beside the current one: a recording, or the same system before time was set back."""
+"""A run to compare with the current one: a recording, or the same system before a restart."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from rtgen.recording.errors import RecordingError
 from rtgen.ui.buses import DescriberOf
 from rtgen.ui.history import History
 from rtgen.ui.protocol import ui
-from rtgen.ui.reading import MOST_OCTETS, Reading
+from rtgen.ui.reading import MAX_OCTETS, Reading
 from rtgen.ui.type_table import TypeTable
 
 
-class Beside:
+class ComparedRun:
     """A run whose samples and changes of state are reported at their times in the current run."""
 
     def __init__(
@@ -25,24 +25,24 @@ class Beside:
         self.name = name
         self.channels = channels
         self._history = history
-        self._told = -math.inf
+        self._reported = -math.inf
 
     def begin(self) -> None:
-        """Start the other run again."""
-        self._told = -math.inf
+        """Restart the reporting from the beginning of the other run."""
+        self._reported = -math.inf
 
     def until(self, time: float) -> tuple[list[ui.Event], list[ui.Sample]]:
-        """Return the changes of state and samples before a time, since the last call."""
-        start, self._told = self._told, max(time, self._told)
-        changes = self._history.changes_between(start, self._told)
-        samples = self._history.samples_between(start, self._told, self.channels)
-        return [*_told_beside(changes)], [
+        """Return the changes of state and samples from the last call up to a time, exclusive."""
+        start, self._reported = self._reported, max(time, self._reported)
+        changes = self._history.changes_between(start, self._reported)
+        samples = self._history.samples_between(start, self._reported, self.channels)
+        return [*_as_other_run(changes)], [
             ui.Sample(self.channels[each.channel].id, each.time, each.data)
             for each in samples
         ]
 
 
-def _told_beside(changes: Sequence[ui.Event]) -> Iterator[ui.Event]:
+def _as_other_run(changes: Sequence[ui.Event]) -> Iterator[ui.Event]:
     for event in changes:
         if event.discriminator is ui.EventKind.EVENT_STATE:
             yield ui.Event.of_other(event.change)
@@ -55,22 +55,22 @@ def read(
     types: TypeTable,
     numbers: Iterator[int],
     describer: DescriberOf,
-) -> Beside:
+) -> ComparedRun:
     """Read a recording. Raises ToolError."""
-    reading = Reading(History(MOST_OCTETS), types, numbers, describer, lambda _: None)
+    reading = Reading(History(MAX_OCTETS), types, numbers, describer, lambda _: None)
     try:
         reading.read(file, beside=True)
     except RecordingError as error:
         raise ToolError(str(error), hint=error.hint) from error
     channels = {each.id: each for each in reading.channels}
-    return Beside(Path(file).name, reading.history, channels)
+    return ComparedRun(Path(file).name, reading.history, channels)
 
 
 def kept(
     name: str, history: History, channels: Sequence[ui.Channel], numbers: Iterator[int]
-) -> Beside:
-    """Return a run of the same system; its channels get new numbers."""
-    return Beside(
+) -> ComparedRun:
+    """Return the previous run of the same system, whose channels get new numbers."""
+    return ComparedRun(
         name,
         history,
         {

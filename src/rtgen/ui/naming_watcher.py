@@ -1,4 +1,4 @@
-"""Watches naming services and the components that they have, in a thread that nothing waits for."""
+"""Polls naming services (CORBA) and their components in a thread of its own."""
 
 from __future__ import annotations
 
@@ -32,35 +32,41 @@ from rtgen.runtime.services.servants import Servant
 from rtgen.ui.calls import carried_out
 from rtgen.ui.edits import Edit
 from rtgen.ui.errors import CALL_FAILED, IMPOSSIBLE, UNKNOWN, CommandError
-from rtgen.ui.neighbourhood import Neighbourhood, obstacle, restored
-from rtgen.ui.outside import DATA_TYPE, FAULTS, Outside, described, explained
 from rtgen.ui.protocol import ui
 from rtgen.ui.protocol.ui import BindingKind, CommandKind
-from rtgen.ui.taps import Key, Take, Taps, Use
+from rtgen.ui.remote_component import (
+    DATA_TYPE,
+    FAULTS,
+    RemoteComponent,
+    described,
+    explained,
+)
+from rtgen.ui.remote_connections import Key, RemoteConnections, Take, Use
+from rtgen.ui.remote_state import RemoteState, obstacle, restored
 
 PERIOD: Final = 1.0
-"""How often everything is asked [s]."""
+"""Polling interval [s]."""
 TIMEOUT: Final = 1.0
-"""The longest time of a call [s]."""
+"""Time-out of a call [s]."""
 _End = tuple[bool, ui.PortAddress]
-"""An end of a connection, and whether the connection begins there on the page."""
+"""One end of a connection, and whether the page draws it as the source."""
 _Ports = dict[int, list[tuple[Any, _End]]]
-"""Ports with their references, by the hashes of these."""
-MOST_WAITING: Final = 256
-"""Commands that wait."""
+"""Ports with their references, by the hashes of the references."""
+MAX_WAITING: Final = 256
+"""Maximum number of waiting commands."""
 _HASHES: Final = 0x7FFFFFFF
 
 
 class _Service:
-    """A naming service, as it was when it answered last."""
+    """A naming service, as of its last answer."""
 
     def __init__(self, address: str) -> None:
         self.address = address
-        self.silent = "not asked yet"
+        self.silent = "not queried yet"
         self.names: list[Bound] = []
         self._naming: Naming | None = None
 
-    def look(self, orb: Any) -> None:
+    def query(self, orb: Any) -> None:
         try:
             if self._naming is None:
                 self._naming = Naming(orb, self.address)
@@ -73,7 +79,7 @@ class _Service:
 
     @property
     def components(self) -> Iterable[tuple[str, Any]]:
-        """The names of components on the page, and what they are bound to."""
+        """The components of the service: name on the page and object reference."""
         for bound in self.names:
             if bound.reference is not None and bound.path[-1][1] == KIND:
                 yield self.name_of(bound), bound.reference
@@ -82,47 +88,46 @@ class _Service:
         return f"{self.address}/{bound.text}".removesuffix(f".{KIND}")
 
 
-class Neighbours:
-    """The components of other processes. Commands, which `submit` takes, are carried out between
-    two looks at components, so each waits for a time-out of a call at most.
+class NamingWatcher:
+    """Polls the components of other processes, and executes commands for them.
 
-    `tell` is called with each new state; False: it must be called again. `report` gets
-    what has gone wrong with a component, which may be empty. A component
-    that does not answer is asked again, but all of these together take a round no longer than
-    one time-out. `own`: the components of this process, of which the system tells. Raises
-    TransportError if omniORB cannot start.
+    Commands (`submit`) run between two queries, so each waits for one time-out at most. `publish`
+    is called with each new state, and again if it returned False. `report` is called with a
+    component's name and an error, which may be empty. Components that do not answer are queried
+    again, for one time-out per round altogether. `own` has the components of this process, which
+    are left out. Raises TransportError if omniORB cannot start.
     """
 
     def __init__(
         self,
         addresses: Sequence[str],
-        tell: Callable[[Neighbourhood], bool],
+        publish: Callable[[RemoteState], bool],
         report: Callable[[str, str], None],
         own: RtObjects | None = None,
         period: float = PERIOD,
         timeout: float = TIMEOUT,
     ) -> None:
-        self._tell = tell
+        self._publish = publish
         self._report = report
         self._own = own
         self._period = period
         self._timeout = timeout
         self._orb = Orb(timeout=timeout)
         self._exported = Exported(self._orb)
-        self._taps = Taps(self._orb, self._exported)
+        self._taps = RemoteConnections(self._orb, self._exported)
         self._wanted: Mapping[Key, Take] = {}
         self._listened: Mapping[Key, Take] = self._wanted
-        """The watched OutPorts when connections were last made."""
+        """The watched OutPorts at the time when connections were last made."""
         self._refused: dict[Key, Any] = {}
-        """Ports that have rejected a connection of pages, by their keys."""
+        """Ports that refused a connection of pages, by key."""
         self._services = [_Service(each) for each in addresses]
-        self._found: dict[str, Outside] = {}
-        self._also: dict[str, str] = {}
-        """The names on the page of components that have several, by each of their names."""
+        self._found: dict[str, RemoteComponent] = {}
+        self._aliases: dict[str, str] = {}
+        """The name on the page by each name of a component, which may have several."""
         self._ids: dict[str, tuple[ui.PortAddress, ui.PortAddress, str]] = {}
-        """The ends and the connector ids of connections."""
-        self._told = Neighbourhood()
-        self._requests: queue.Queue[Callable[[], None]] = queue.Queue(MOST_WAITING)
+        """The ends and connector ids of connections."""
+        self._published = RemoteState()
+        self._requests: queue.Queue[Callable[[], None]] = queue.Queue(MAX_WAITING)
         self._closing = threading.Event()
         self._thread = threading.Thread(
             target=self._run, name="rtgen-ui-names", daemon=True
@@ -130,7 +135,7 @@ class Neighbours:
         self._thread.start()
 
     def close(self) -> None:
-        """End the looking around; waits for a call in progress."""
+        """Stop polling; waits for a call in progress."""
         self._closing.set()
         with suppress(queue.Full):
             self._requests.put_nowait(lambda: None)
@@ -140,19 +145,19 @@ class Neighbours:
         self._orb.close()
 
     def submit(self, request: Callable[[], None]) -> bool:
-        """Have a request carried out; False if too many wait. It must not raise."""
+        """Queue a request, which must not raise; return False if too many wait."""
         try:
             self._requests.put_nowait(request)
         except queue.Full:
             return False
         return True
 
-    # Looking around.
+    # Polling.
 
     def _run(self) -> None:
         while not self._closing.is_set():
             next_round = time.monotonic() + self._period
-            self._look_around()
+            self._poll()
             while (left := next_round - time.monotonic()) > 0:
                 try:
                     self._requests.get(timeout=left)()
@@ -162,25 +167,25 @@ class Neighbours:
                     return
                 if self._wanted is not self._listened:
                     self._listen()
-                self._publish()
+                self._publish_changes()
 
-    def _look_around(self) -> None:
+    def _poll(self) -> None:
         for service in self._services:
-            service.look(self._orb.orb)
+            service.query(self._orb.orb)
             if self._closing.is_set():
                 return
-        self._take_over()
+        self._update_components()
         everybody = sorted(self._found.values(), key=lambda each: each.asked)
         silent = [each for each in everybody if each.component.silent]
         for each in everybody:
             if not each.component.silent:
-                self._look(each)
+                self._query(each)
         deadline = time.monotonic() + self._timeout
         for each in silent:
             if time.monotonic() > deadline:
                 break
-            self._look(each)
-        self._publish()
+            self._query(each)
+        self._publish_changes()
         self._listen()
 
     def _carry_out_waiting(self) -> None:
@@ -188,43 +193,43 @@ class Neighbours:
             while not self._closing.is_set():
                 self._requests.get_nowait()()
 
-    def _look(self, component: Outside) -> None:
+    def _query(self, component: RemoteComponent) -> None:
         """Execute the waiting actions, then query a component."""
         self._carry_out_waiting()
-        if not self._closing.is_set() and not component.look():
-            self._publish()
+        if not self._closing.is_set() and not component.query():
+            self._publish_changes()
 
-    def _take_over(self) -> None:
-        """Take over what the naming services have now."""
-        found: dict[str, Outside] = {}
-        self._also = {}
-        known: dict[int, list[Outside]] = {}
+    def _update_components(self) -> None:
+        """Update the components from the bindings of the naming services."""
+        found: dict[str, RemoteComponent] = {}
+        self._aliases = {}
+        known: dict[int, list[RemoteComponent]] = {}
         for service in self._services:
             for name, reference in service.components:
                 mine = None if self._own is None else self._own.own(reference)
                 if isinstance(mine, RtObject):
-                    self._also[name] = mine.component.instance_name
+                    self._aliases[name] = mine.component.instance_name
                     continue
                 same = known.setdefault(reference._hash(_HASHES), [])
                 other = next((each for each in same if each.is_at(reference)), None)
                 if other is None:
                     before = self._found.get(name)
                     if before is None or not before.is_at(reference):
-                        before = Outside(name, reference, self._exported)
+                        before = RemoteComponent(name, reference, self._exported)
                     found[name] = other = before
                     same.append(other)
-                self._also[name] = other.component.instance
+                self._aliases[name] = other.component.instance
         self._found = found
 
-    def _publish(self) -> None:
-        """Tell what is known, if it is not what was told last."""
-        now = Neighbourhood(
+    def _publish_changes(self) -> None:
+        """Publish the state if it has changed."""
+        now = RemoteState(
             tuple(self._service(each) for each in self._services),
             {n: each.component for n, each in self._found.items() if each.answered},
             self._connections(),
         )
-        if now != self._told and self._tell(now):
-            self._told = now
+        if now != self._published and self._publish(now):
+            self._published = now
 
     def _service(self, service: _Service) -> ui.NamingService:
         bindings = []
@@ -240,8 +245,8 @@ class Neighbours:
         )
 
     def _component(self, name: str) -> tuple[str, BindingKind]:
-        """The instance of a name of a component, and whether it answers."""
-        instance = self._also[name]
+        """Return the instance of a component's name, and whether it answers."""
+        instance = self._aliases[name]
         found = self._found.get(instance)
         if found is None:
             return instance, BindingKind.BINDING_COMPONENT
@@ -250,7 +255,7 @@ class Neighbours:
         return instance if found.answered else "", kind
 
     def _connections(self) -> dict[str, ui.Connection]:
-        """The connections of which both ends are known."""
+        """Return the connections whose ends are both known."""
         ports: _Ports = {}
         for instance, each in self._found.items():
             for port in each.component.ports:
@@ -261,8 +266,8 @@ class Neighbours:
                     same.append((reference, (_is_first(port), address)))
         found: dict[str, ui.Connection] = {}
         self._ids = {}
-        for outside in self._found.values():
-            for connector in outside.connectors:
+        for component in self._found.values():
+            for connector in component.connectors:
                 ends = [
                     end
                     for wanted in connector.ports
@@ -287,7 +292,7 @@ class Neighbours:
         return found
 
     def _own_end(self, reference: Any) -> Iterator[_End]:
-        """The port of this process to which a reference leads, if there is one."""
+        """Return the port of this process that a reference denotes; None for another object."""
         port = None if self._own is None else self._own.own(reference)
         if isinstance(port, PortService):
             profile = described(port.end.port, port.get_port_profile())
@@ -302,7 +307,7 @@ class Neighbours:
         self.submit(lambda: None)
 
     def _listen(self) -> None:
-        """Make and end the connections of pages, by what they need and what there is."""
+        """Make the connections that pages need, and end the unused ones."""
         self._listened = self._wanted
         self._taps.tidy(self._wanted, self._seen)
         failed: set[str] = set()
@@ -331,7 +336,7 @@ class Neighbours:
     # Commands.
 
     def carry_out(self, command: ui.Command) -> Edit | None:
-        """Carry out a command that concerns components of the neighbourhood; by `submit` only.
+        """Execute a command for components of other processes; by `submit` only.
 
         Returns the change, if it can be reverted. Raises CommandError.
         """
@@ -344,7 +349,7 @@ class Neighbours:
             ) as kind:
                 for instance in value:
                     self._at(instance).request(kind)
-                self._look_again(value)
+                self._query_again(value)
                 return None
             case CommandKind.COMMAND_SET:
                 return _made(self._setting(value))
@@ -357,11 +362,9 @@ class Neighbours:
             case CommandKind.COMMAND_INJECT:
                 raise CommandError(
                     IMPOSSIBLE,
-                    "samples are given to InPorts of other processes alone",
+                    "only InPorts of other processes take samples",
                 )
-        raise CommandError(
-            IMPOSSIBLE, "that cannot be done to components of other processes"
-        )
+        raise CommandError(IMPOSSIBLE, "not possible for components of other processes")
 
     def give(self, address: ui.PortAddress, value: DataType) -> None:
         """Send a sample to an InPort; by `submit` only. Raises CommandError."""
@@ -391,31 +394,31 @@ class Neighbours:
 
         def put(text: str) -> None:
             self._at(wanted.instance).set(set_id, wanted.parameter, text)
-            self._look_again([wanted.instance])
+            self._query_again([wanted.instance])
 
         def undo() -> None:
             if set_id not in sets:
                 self._at(wanted.instance).remove_set(set_id)
-                self._look_again([wanted.instance])
+                self._query_again([wanted.instance])
             else:
                 put(texts.get(wanted.parameter, ""))
 
         label = f"{wanted.instance}.{wanted.parameter} = {wanted.text}"[:200]
-        return Edit(label, partial(put, wanted.text), undo, outside=True)
+        return Edit(label, partial(put, wanted.text), undo, remote=True)
 
     def _use(self, wanted: ui.ActiveSet) -> Edit:
         before = self._at(wanted.instance).component.active_set
 
         def put(set_id: str) -> None:
             self._at(wanted.instance).use(set_id)
-            self._look_again([wanted.instance])
+            self._query_again([wanted.instance])
 
         label = f"{wanted.instance}: set {wanted.set}"[:200]
         redo, undo = partial(put, wanted.set), partial(put, before)
-        return Edit(label, redo, undo, outside=True)
+        return Edit(label, redo, undo, remote=True)
 
-    def _at(self, instance: str) -> Outside:
-        """A component that answers. Raises CommandError."""
+    def _at(self, instance: str) -> RemoteComponent:
+        """Return a component that answers. Raises CommandError."""
         found = self._found.get(instance)
         if found is None:
             raise CommandError(
@@ -425,22 +428,22 @@ class Neighbours:
             )
         if found.component.silent:
             message = f"{instance}: {found.component.silent}"
-            raise CommandError(CALL_FAILED, message, "it is asked again and again")
+            raise CommandError(CALL_FAILED, message, "it is queried again and again")
         return found
 
-    def _look_again(self, instances: Iterable[str]) -> None:
+    def _query_again(self, instances: Iterable[str]) -> None:
         for instance in instances:
             if instance in self._found:
-                self._found[instance].look()
-        self._publish()
+                self._found[instance].query()
+        self._publish_changes()
 
     def _wire(self, wanted: ui.Connect) -> Edit:
         wire = _Wire(self, wanted)
         label = f"connect {wanted.source.port} with {wanted.target.port}"
-        return Edit(label, wire.make, wire.cut, outside=True)
+        return Edit(label, wire.make, wire.cut, remote=True)
 
     def make(self, wanted: ui.Connect) -> str:
-        """Make a connection; returns its id. Raises CommandError."""
+        """Make a connection; return its id. Raises CommandError."""
         ends = wanted.source, wanted.target
         far = ends[0] if ends[0].instance in self._found else ends[1]
         reached = self._at(far.instance)
@@ -456,11 +459,11 @@ class Neighbours:
         ports = [each.port_ref for each in profiles]
         profile = ConnectorProfile(name, str(uuid4()), ports, values(stated))
         reached.connect(far.port, profile)
-        self._look_again([end.instance for end in ends])
+        self._query_again([end.instance for end in ends])
         return profile.connector_id
 
     def _profile(self, address: ui.PortAddress) -> PortProfile:
-        """The profile of a port of a component that answers. Raises CommandError."""
+        """Return the profile of a port of a component that answers. Raises CommandError."""
         found = self._at(address.instance).ports.get(address.port)
         if found is None:
             message = f"{address.instance} has no port {address.port}"
@@ -470,7 +473,7 @@ class Neighbours:
     def _own_profile(
         self, address: ui.PortAddress, other: PortProfile
     ) -> PortProfile | None:
-        """The profile of a port of this process, that which fits if several have the name."""
+        """Return the profile of a port of this process; of two with the name, the one that fits."""
         if self._own is None or address.instance in self._found:
             return None
         found = [
@@ -485,11 +488,11 @@ class Neighbours:
         if name not in self._ids:
             raise CommandError(UNKNOWN, f"there is no connection {name}")
         source, target, connector_id = self._ids[name]
-        properties = self._told.connections[name].properties
+        properties = self._published.connections[name].properties
         wanted = ui.Connect(source, target, "", restored(properties))
         wire = _Wire(self, wanted, connector_id)
         label = f"cut {source.port} from {target.port}"
-        return Edit(label, wire.cut, wire.make, outside=True)
+        return Edit(label, wire.cut, wire.make, remote=True)
 
     def end(self, wanted: ui.Connect, connector_id: str) -> None:
         """End a connection. Raises CommandError."""
@@ -497,16 +500,16 @@ class Neighbours:
         known = self._found.get(source.instance)
         end = target if known is None or known.component.silent else source
         self._at(end.instance).disconnect(end.port, connector_id)
-        self._look_again([source.instance, target.instance])
+        self._query_again([source.instance, target.instance])
 
 
 class _Wire:
-    """A connection that can be made and cut; it has a new id each time."""
+    """A connection that can be made and cut repeatedly, with a new id each time."""
 
     def __init__(
-        self, neighbours: Neighbours, wanted: ui.Connect, connector_id: str = ""
+        self, watcher: NamingWatcher, wanted: ui.Connect, connector_id: str = ""
     ) -> None:
-        self._neighbours = neighbours
+        self._neighbours = watcher
         self._wanted = wanted
         self._id = connector_id
 
@@ -523,14 +526,14 @@ def _made(edit: Edit) -> Edit:
 
 
 def _at(ports: _Ports, wanted: Any) -> Iterator[_End]:
-    """The port to which a reference leads."""
+    """Return the port that a reference denotes."""
     for reference, end in ports.get(wanted._hash(_HASHES), ()):
         if reference._is_equivalent(wanted):
             yield end
 
 
 def _is_first(port: ui.Port) -> bool:
-    """Whether a connection begins at a port on the page, wherever its connector has it."""
+    """Return whether the page draws a port as the source, whatever its place in the connector."""
     if port.kind is ui.PortKind.PORT_SERVICE:
         return any(not each.provided for each in port.interfaces)
     return port.kind is ui.PortKind.PORT_OUT

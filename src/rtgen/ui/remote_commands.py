@@ -11,19 +11,19 @@ from rtgen.model import SystemComponent
 from rtgen.ui.calls import decoded
 from rtgen.ui.edits import Edit
 from rtgen.ui.errors import IMPOSSIBLE, UNKNOWN, CommandError
-from rtgen.ui.neighbourhood import restored
 from rtgen.ui.protocol import ui
 from rtgen.ui.protocol.ui import CommandKind
+from rtgen.ui.remote_state import restored
 from rtgen.ui.session import Session
 
 if TYPE_CHECKING:
-    from rtgen.ui.neighbours import Neighbours
+    from rtgen.ui.naming_watcher import NamingWatcher
 
 Action = Callable[[], None]
 """Is executed in the thread that calls other processes. Raises CommandError."""
 
 
-class OutsideCommands:
+class RemoteCommands:
     """Selects the commands that concern other processes; in the thread of the session's runner."""
 
     def __init__(self, session: Session) -> None:
@@ -34,8 +34,8 @@ class OutsideCommands:
 
         Raises CommandError.
         """
-        neighbours = self._session.neighbours
-        if neighbours is None:
+        watcher = self._session.watcher
+        if watcher is None:
             return None
         value: Any = command.value
         kind = command.discriminator
@@ -43,54 +43,54 @@ class OutsideCommands:
             case CommandKind.COMMAND_UNDO | CommandKind.COMMAND_REDO:
                 return self._back(undo=kind is CommandKind.COMMAND_UNDO)
             case CommandKind.COMMAND_RESTORE:
-                return partial(self._restore, neighbours, self._differences())
-            case _ if not self._is_outside(command):
+                return partial(self._restore, watcher, self._differences())
+            case _ if not self._is_remote(command):
                 return None
             case CommandKind.COMMAND_CALL:
-                return self._call(neighbours, value, result)
+                return self._call(watcher, value, result)
             case CommandKind.COMMAND_INJECT:
-                return self._inject(neighbours, value)
+                return self._inject(watcher, value)
             case CommandKind.COMMAND_REMOVE:
                 raise CommandError(
                     IMPOSSIBLE, f"{value} belongs to another process, which removes it"
                 )
-        return partial(self._change, neighbours, command)
+        return partial(self._change, watcher, command)
 
-    def _is_outside(self, command: ui.Command) -> bool:
+    def _is_remote(self, command: ui.Command) -> bool:
         """Return whether a command is for components of other processes."""
         value: Any = command.value
-        outside = self._session.outside
+        remote = self._session.remote
         match command.discriminator:
             case CommandKind.COMMAND_CUT:
-                return value in outside.connections
+                return value in remote.connections
             case CommandKind.COMMAND_REMOVE:
-                return value in outside.components
+                return value in remote.components
             case (
                 CommandKind.COMMAND_ACTIVATE
                 | CommandKind.COMMAND_DEACTIVATE
                 | CommandKind.COMMAND_RESET
             ):
-                return any(each in outside.components for each in value)
+                return any(each in remote.components for each in value)
             case CommandKind.COMMAND_SET | CommandKind.COMMAND_ACTIVATE_SET:
-                return value.instance in outside.components
+                return value.instance in remote.components
             case CommandKind.COMMAND_CALL | CommandKind.COMMAND_INJECT:
-                return value.port.instance in outside.components
+                return value.port.instance in remote.components
             case CommandKind.COMMAND_CONNECT:
                 ends = value.source.instance, value.target.instance
-                return any(each in outside.components for each in ends)
+                return any(each in remote.components for each in ends)
         return False
 
-    def _change(self, neighbours: Neighbours, command: ui.Command) -> None:
-        edit = neighbours.carry_out(command)
+    def _change(self, watcher: NamingWatcher, command: ui.Command) -> None:
+        edit = watcher.carry_out(command)
         if edit is not None:
             self._session.runner.submit(partial(self._enter, edit))
 
-    def _restore(self, neighbours: Neighbours, commands: Sequence[ui.Command]) -> None:
+    def _restore(self, watcher: NamingWatcher, commands: Sequence[ui.Command]) -> None:
         """Execute as many commands as possible; raise CommandError for the others."""
         failed = []
         for command in commands:
             try:
-                self._change(neighbours, command)
+                self._change(watcher, command)
             except CommandError as error:
                 failed.append(error)
         if failed:
@@ -100,20 +100,20 @@ class OutsideCommands:
     def _differences(self) -> list[ui.Command]:
         """Return the commands that bring other processes into the state of the file."""
         session = self._session
-        outside = session.outside
+        remote = session.remote
         names = {
             known.instance: instance
             for path, known in session.foreign.items()
-            if (instance := path.removesuffix(f".{KIND}")) in outside.components
+            if (instance := path.removesuffix(f".{KIND}")) in remote.components
         }
         found = [
             command
             for known in session.foreign.values()
             if known.instance in names
-            for command in _settings(known, outside.components[names[known.instance]])
+            for command in _settings(known, remote.components[names[known.instance]])
         ]
         there = {
-            _ends(each.source, each.target) for each in outside.connections.values()
+            _ends(each.source, each.target) for each in remote.connections.values()
         }
         for each in session.profile.connections:
             source, target = (
@@ -129,12 +129,12 @@ class OutsideCommands:
 
     def _enter(self, edit: Edit) -> None:
         self._session.edits.enter(edit)
-        self._session.tell_edits()
+        self._session.publish_edits()
 
     def _back(self, *, undo: bool) -> Action | None:
         edits = self._session.edits
         edit = edits.next(undo=undo)
-        if not edit.outside:
+        if not edit.remote:
             return None
         edits.begin(edit)
 
@@ -148,19 +148,19 @@ class OutsideCommands:
 
         def end(done: bool) -> None:
             edits.end(edit, undo=undo, done=done)
-            self._session.tell_edits()
+            self._session.publish_edits()
 
         return carry_out
 
     def _port(self, address: ui.PortAddress) -> ui.Port:
-        port = self._session.outside.port(address)
+        port = self._session.remote.port(address)
         if port is None:
             message = f"{address.instance} has no port {address.port!r}"
             raise CommandError(UNKNOWN, message)
         return port
 
     def _call(
-        self, neighbours: Neighbours, wanted: ui.Call, result: ui.Result
+        self, watcher: NamingWatcher, wanted: ui.Call, result: ui.Result
     ) -> Action:
         offered = {e.name: e for e in self._port(wanted.port).interfaces if e.provided}
         if wanted.interface_name not in offered:
@@ -176,11 +176,11 @@ class OutsideCommands:
             raise CommandError(IMPOSSIBLE, f"the project does not define {type_}")
 
         def carry_out() -> None:
-            result.reply = neighbours.call(wanted, interface, type_)
+            result.reply = watcher.call(wanted, interface, type_)
 
         return carry_out
 
-    def _inject(self, neighbours: Neighbours, wanted: ui.Inject) -> Action:
+    def _inject(self, watcher: NamingWatcher, wanted: ui.Inject) -> Action:
         port = self._port(wanted.port)
         if port.kind is not ui.PortKind.PORT_IN:
             raise CommandError(
@@ -190,7 +190,7 @@ class OutsideCommands:
         if type_ is None:
             raise CommandError(IMPOSSIBLE, f"the project does not define {port.type}")
         value = decoded(type_, wanted.data)
-        return partial(neighbours.give, wanted.port, value)
+        return partial(watcher.give, wanted.port, value)
 
 
 def _settings(known: SystemComponent, now: ui.Component) -> Iterator[ui.Command]:

@@ -1,7 +1,7 @@
 """Connections of pages to ports of other processes: samples received and sent, services called.
 
-They belong to no component, and are in no naming service. Each is made when a page needs it,
-and ends after some seconds without use.
+These ports belong to no component and are not in a naming service. A connection is made when a
+page needs it, and ends after some seconds without use.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ _NEWEST: Final = {
     "dataport.subscription_type": "new",
     "dataport.publisher.push_policy": "new",
 }
-"""The writer does not wait, and its newest sample is sent as often as possible."""
+"""Properties by which the writer does not wait, and only its newest sample is sent."""
 _AT_ONCE: Final = _NEWEST | {"dataport.subscription_type": "flush"}
 
 Take = Callable[[bytes], None]
@@ -83,7 +83,7 @@ class _InEnd:
     def accept(
         self, name: str, properties: Mapping[str, str], lost: Callable[[], None]
     ) -> Connector | None:
-        """See `End`; `offer` has made all that there is."""
+        """See `End`; there is nothing to do after `offer`."""
         return None
 
     def has(self, connector: Connector) -> bool:
@@ -97,7 +97,7 @@ class _InEnd:
 
 
 class _Owner(runtime.Component):
-    """Owns the consumers of pages; belongs to no system."""
+    """Owner of the consumers of pages; belongs to no system."""
 
     profile = runtime.ComponentProfile(PAGE)
 
@@ -120,7 +120,7 @@ class Key(NamedTuple):
 
 
 @dataclass(eq=False)
-class _Line:
+class _Connection:
     """A connection to a port of another process. `tool`: the end for samples or calls."""
 
     here: PortService
@@ -131,7 +131,7 @@ class _Line:
     used: float = field(default_factory=time.monotonic)
 
 
-class Taps:
+class RemoteConnections:
     """The connections of pages; everything except receiving samples is done in one thread.
 
     Methods raise CommandError and the exceptions of omniORB.
@@ -142,7 +142,7 @@ class Taps:
         self.system: runtime.System | None = runtime.System(runtime.RealClock())
         self.ids: dict[str, str] = {}
         self._objects = Objects(orb)
-        self._lines: dict[Key, _Line] = {}
+        self._lines: dict[Key, _Connection] = {}
 
     def at(self, connector: Connector) -> list[PortService]:
         """See `Ports`; connections of pages end at one of them alone."""
@@ -238,7 +238,7 @@ class Taps:
         properties: Mapping[str, str],
         *,
         first: bool,
-    ) -> _Line:
+    ) -> _Connection:
         """Return the connection to a port, made if missing. `first`: it begins at this end."""
         line = self._lines.get(key)
         if line is None:
@@ -255,7 +255,7 @@ class Taps:
             if code is not RTC_OK:
                 here.close()
                 raise CommandError(CALL_FAILED, f"{port.name} refuses: {code.name}")
-            line = _Line(here, port.port_ref, profile.connector_id, tool)
+            line = _Connection(here, port.port_ref, profile.connector_id, tool)
             self._lines[key] = line
         line.used = time.monotonic()
         return line

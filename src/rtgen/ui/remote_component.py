@@ -1,4 +1,4 @@
-"""A component of another process, rtgen's or OpenRTM's, as the messages of the protocol have it."""
+"""Queries and controls a component of another process (rtgen or OpenRTM) over CORBA."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _PORT_KINDS: Final = {
     "DataOutPort": ui.PortKind.PORT_OUT,
 }
 _WIDGETS, _CONSTRAINTS, _TYPES = "__widget__", "__constraints__", "__type__"
-"""Sets by which components of OpenRTM inform tools."""
+"""Configuration sets in which OpenRTM components describe their parameters."""
 _REQUESTS: Final = {
     ui.CommandKind.COMMAND_ACTIVATE: "activate_component",
     ui.CommandKind.COMMAND_DEACTIVATE: "deactivate_component",
@@ -41,30 +41,30 @@ _REQUESTS: Final = {
 }
 
 
-class Outside:
-    """A component that a naming service has. Its calls are bounded by the time-out of the ORB."""
+class RemoteComponent:
+    """A component found by a naming service. Its calls are bounded by the ORB's time-out."""
 
     def __init__(self, name: str, reference: Any, exported: Exported) -> None:
         self.rtc = RemoteRtc(reference, exported)
         self.component = ui.Component(
-            instance=name, place=name.rpartition("/")[0], silent="not asked yet"
+            instance=name, place=name.rpartition("/")[0], silent="not queried yet"
         )
-        """What it said when it answered last, with the reason why it does not answer now."""
+        """The last known state; `silent` is the reason why the component does not answer now."""
         self.answered = False
-        """Whether it has ever answered."""
+        """Whether the component has ever answered."""
         self.asked = 0.0
-        """When `look` has ended last, by `time.monotonic` [s]."""
+        """End of the last `query`, by `time.monotonic` [s]."""
         self.ports: dict[str, PortProfile] = {}
 
     def is_at(self, reference: Any) -> bool:
-        """Whether a reference leads to this component."""
+        """Return whether a reference denotes this component."""
         return bool(self.rtc.reference._is_equivalent(reference))
 
-    def look(self) -> bool:
-        """Ask the component what it is; False if it does not answer."""
+    def query(self) -> bool:
+        """Update the state from the component; return False if it does not answer."""
         try:
             component = self._described()
-        except Exception as error:  # Whatever a stranger answers is said on its box.
+        except Exception as error:  # the page shows any error on the component's box
             component = replace(self.component, silent=explained(error))
         if component != self.component:
             self.component = component
@@ -115,7 +115,7 @@ class Outside:
 
     @property
     def connectors(self) -> list[ConnectorProfile]:
-        """The connectors of its ports."""
+        """The connectors of all ports."""
         return [
             each for port in self.ports.values() for each in port.connector_profiles
         ]
@@ -123,7 +123,7 @@ class Outside:
     # Commands. They raise CommandError.
 
     def request(self, kind: ui.CommandKind) -> None:
-        """Ask its own context for a state."""
+        """Request a state from the component's own context."""
         try:
             code = self.rtc.ask(self.rtc.context, _REQUESTS[kind], self.rtc.reference)
         except FAULTS as error:
@@ -167,7 +167,7 @@ class Outside:
             self._refuse(f"the set {set_id}")
 
     def connect(self, port: str, profile: ConnectorProfile) -> None:
-        """Have a port make a connection."""
+        """Make a connection by a port."""
         try:
             code, _ = self.rtc.at_port(self.ports[port], "connect", profile)
         except FAULTS as error:
@@ -177,7 +177,7 @@ class Outside:
             raise CommandError(NO_FIT, message)
 
     def disconnect(self, port: str, connector_id: str) -> None:
-        """Have a port end a connection."""
+        """End a connection by a port."""
         try:
             code = self.rtc.at_port(self.ports[port], "disconnect", connector_id)
         except FAULTS as error:
@@ -192,13 +192,13 @@ class Outside:
         raise CommandError(BAD_VALUE, message) from error
 
     def _failed(self, error: Exception) -> CommandError:
-        """What a page is told of a call that has failed."""
+        """Return the error of a command whose call failed."""
         message = f"{self.component.instance}: {explained(error)}"
         return CommandError(CALL_FAILED, message)
 
 
 def explained(error: Exception) -> str:
-    """Why a call has failed."""
+    """Return the reason of a failed call."""
     if isinstance(error, SdoError):
         return error.description or type(error).__name__
     if isinstance(error, CORBA.SystemException) and is_silent(error):
@@ -207,7 +207,7 @@ def explained(error: Exception) -> str:
 
 
 def described(name: str, profile: PortProfile) -> ui.Port:
-    """A port of that name."""
+    """Describe a port by its profile."""
     properties = texts(profile.properties)
     kind = _PORT_KINDS.get(properties.get("port.port_type", ""))
     return ui.Port(
@@ -227,7 +227,7 @@ def described(name: str, profile: PortProfile) -> ui.Port:
 
 
 def _scoped(repository_id: str) -> str:
-    """`RTC::TimedLong` of `IDL:RTC/TimedLong:1.0`; any other text as it is."""
+    """Return `RTC::TimedLong` for `IDL:RTC/TimedLong:1.0`; any other text unchanged."""
     if not repository_id.startswith("IDL:"):
         return repository_id
     return repository_id.removeprefix("IDL:").rpartition(":")[0].replace("/", "::")
@@ -236,18 +236,18 @@ def _scoped(repository_id: str) -> str:
 def _parameters(
     sets: Mapping[str, Mapping[str, str]], values: Mapping[str, Mapping[str, str]]
 ) -> list[ui.Parameter]:
-    """The parameters of all sets, with what the component tells tools of them."""
+    """Return the parameters of all sets, with their types, constraints and widgets."""
     names = dict.fromkeys(name for pairs in values.values() for name in pairs)
 
-    def told(what: str, name: str) -> str:
+    def stated(what: str, name: str) -> str:
         return sets.get(what, {}).get(name, "")
 
     return [
         ui.Parameter(
             name=name,
-            type=told(_TYPES, name),
-            constraint=told(_CONSTRAINTS, name),
-            widget=told(_WIDGETS, name),
+            type=stated(_TYPES, name),
+            constraint=stated(_CONSTRAINTS, name),
+            widget=stated(_WIDGETS, name),
         )
         for name in names
         if not name.startswith("__")
