@@ -135,7 +135,7 @@ wheels: $(VENV)/release.stamp ui
 	    --output-file dist/rtgen.cdx.json build/bare/bin/python
 
 # `make fuzz DOOR=idl SECONDS=600` explores one place where octets enter (tests/fuzz/doors, `all` for
-# each), guided by coverage; `TOTAL=1000000` gives it so many numbered inputs, quicker and without. Without DOOR:
+# each), guided by coverage; `TOTAL=1000000` passes it that number of inputs, faster and without coverage. Without DOOR:
 # The random tests with thirty times their inputs, others each time: `make fuzz RTGEN_SEED=7` repeats them.
 # Those of `make test` are drawn by the commit; `make test RTGEN_SEED=7` by another seed.
 fuzz: SECONDS ?= 60

@@ -22,10 +22,10 @@ SUPPORTED = ("3.11", "3.12", "3.13")
 ROOT = Path(__file__).resolve().parent.parent
 
 MONITORED = ("3.12", "3.13")
-"""Those that can measure the coverage of lines at hardly any cost."""
+"""Versions that can measure line coverage at hardly any cost."""
 
 PROCESSES = "2"
-"""So many run the tests."""
+"""Number of parallel test processes."""
 
 SELECTED = "not slow and not peer and not random"
 """The markers of the tests; `make test` runs the others, and all that are not `once`, before."""

@@ -326,9 +326,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("doors", nargs="*", metavar="DOOR", help=", ".join(MODULES))
     parser.add_argument("--seconds", type=float, default=60.0, help="for each door")
-    parser.add_argument("--runs", type=int, default=0, help="at most so many inputs")
+    parser.add_argument("--runs", type=int, default=0, help="maximum number of inputs")
     parser.add_argument("--keep", action="store_true", help="renew the corpus")
-    parser.add_argument("--total", type=int, help="so many inputs of each by chance")
+    parser.add_argument("--total", type=int, help="number of random inputs per door")
     seed = int(os.environ.get("RTGEN_SEED", time.time()))
     parser.add_argument(
         "--seed", type=int, default=seed, help="[RTGEN_SEED, or the time]"

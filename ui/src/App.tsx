@@ -18,7 +18,7 @@ export function App() {
   useEffect(() => {
     if (!full) return undefined;
     const onKeyDown = (e: KeyboardEvent) => {
-      // What is being typed has an undo of its own.
+      // Text fields have their own undo.
       if (!(e.ctrlKey || e.metaKey) || e.altKey || (e.target as HTMLElement).matches("input, textarea, select")) return;
       const key = e.key.toLowerCase();
       const undo = key === "z" && !e.shiftKey;

@@ -6,14 +6,14 @@ import { store } from "./store.ts";
 import { hexadecimal } from "./traffic.ts";
 
 const BINS = 12;
-/** The part of round trips that lies before the last bin. */
+/** The share of round trips in front of the last bin. */
 const USUAL = 0.95;
 const SHOWN = 100;
 
 const printable = (octets: Uint8Array): string => [...octets].map((each) => (each > 31 && each < 127 ? String.fromCharCode(each) : "·")).join("");
 const listed = (values: BoardCall["request_values"]): string => values.map((each) => `${each.name} = ${each.text}`).join(", ");
 
-/** Calls with their octets, and beside them what these mean. */
+/** Calls with their octets and decoded values. */
 export function CallTable({ calls }: { calls: readonly BoardCall[] }) {
   return (
     <div className="rows" tabIndex={0}>
@@ -49,7 +49,7 @@ export function CallTable({ calls }: { calls: readonly BoardCall[] }) {
   );
 }
 
-/** Counts of round trips [s] in bins of equal width, of which the last one has the few that took much longer, too. */
+/** Counts of round trips [s] in bins of equal width; the last one also contains the few much longer ones. */
 export function histogram(trips: readonly number[]): { edges: number[]; counts: number[] } {
   const sorted = [...trips].sort((a, b) => a - b);
   const [least, usual, most] = [0, USUAL, 1].map((part) => sorted[Math.floor(part * (sorted.length - 1))]!) as [number, number, number];
@@ -63,7 +63,7 @@ export function histogram(trips: readonly number[]): { edges: number[]; counts: 
 
 const micro = (seconds: number): string => `${Number((seconds * 1e6).toPrecision(3))} µs`;
 
-/** The round trips of calls, those of them that were measured. */
+/** The measured round trips of calls. */
 export function Histogram({ calls }: { calls: readonly BoardCall[] }) {
   const trips = calls.map((each) => each.round_trip).filter((each) => each >= 0);
   if (!trips.length) return null;

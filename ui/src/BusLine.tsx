@@ -1,4 +1,4 @@
-/** A CAN bus below the boxes: a line with its nodes, and what hangs on them. */
+/** A CAN bus below the boxes: a line with its nodes and their components. */
 
 import type { Node, NodeProps } from "@xyflow/react";
 import { createContext, useContext } from "react";
@@ -6,7 +6,7 @@ import type { Line } from "./lines.ts";
 import type { Point } from "./layout.ts";
 import { NODE } from "./layout.ts";
 
-/** Where the line of a component begins, from the upper left of the bus. */
+/** Start of a component's line, relative to the upper left of the bus. */
 export interface Drop extends Point {
   chosen: boolean;
 }
@@ -14,7 +14,7 @@ export interface Drop extends Point {
 export interface BusData extends Record<string, unknown> {
   line: Line;
   width: number;
-  /** Where each node stands, and the lines of its components. */
+  /** The position of each node, and the lines of its components. */
   nodes: readonly { x: number; proxies: readonly Drop[]; devices: readonly Drop[] }[];
 }
 

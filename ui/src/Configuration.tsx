@@ -26,7 +26,7 @@ interface Slot {
   set: (text: string) => Promise<unknown>;
 }
 
-/** A value that is typed in or pulled, and sent when it is complete. */
+/** A value edited by text field or slider, and sent when it is complete. */
 function Entry({ parameter, text, full, label, set }: Slot) {
   const [edited, edit] = useState<string>();
   const { min, max } = limits(parameter.constraint);
@@ -61,7 +61,7 @@ function Entry({ parameter, text, full, label, set }: Slot) {
   );
 }
 
-/** One of the choices, or any number of them where the value is a list. */
+/** One choice, or any number of choices if the value is a list. */
 function Choices({ parameter, text, full, label, set, choices }: Slot & { choices: readonly string[] }) {
   const several = parameter.widget === "checkbox";
   const chosen = several ? items(text) : [text.trim()];
@@ -82,7 +82,7 @@ function Choices({ parameter, text, full, label, set, choices }: Slot & { choice
   );
 }
 
-/** Choices in an order of their own; each may occur several times. */
+/** An ordered list of choices, each of which can occur several times. */
 function OrderedList({ parameter, text, full, label, set, choices }: Slot & { choices: readonly string[] }) {
   const chosen = items(text);
   const swapped = (i: number) => chosen.with(i - 1, chosen[i]!).with(i, chosen[i - 1]!);
@@ -111,7 +111,7 @@ function OrderedList({ parameter, text, full, label, set, choices }: Slot & { ch
   );
 }
 
-/** The widget that the definition names, else one that suits the type and the constraint. */
+/** The widget named by the definition, else one that fits the type and the constraint. */
 function Field(slot: Slot) {
   const { parameter, text, full, label, set } = slot;
   const { choices } = limits(parameter.constraint);
@@ -145,7 +145,7 @@ export function Configuration({ component, full }: { component: Component; full:
         className="sets"
         onSubmit={(e) => {
           e.preventDefault();
-          // A set is made by giving one of its parameters a value.
+          // Setting a parameter of a new set creates the set.
           const made = fresh.trim();
           if (made) void put(made, first, valueOf(first)).then(() => show(made));
           setFresh("");

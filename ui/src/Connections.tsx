@@ -1,4 +1,4 @@
-/** Connections of a component's ports, made and cut without the graph. */
+/** View of connections: makes and cuts connections of a component's ports without the graph. */
 
 import { useEffect, useState } from "react";
 import type { Component, Fit, PortAddress, SystemState } from "./protocol/Ui.ts";
@@ -7,7 +7,7 @@ import { store } from "./store.ts";
 const named = ({ instance, port }: PortAddress): string => `${instance}.${port}`;
 const KINDS = { PORT_IN: "in", PORT_OUT: "out", PORT_SERVICE: "service" } as const;
 
-/** The first line of a reason; the rest, types side by side, when it is opened. */
+/** The first line of a reason; the rest (types side by side) is shown on demand. */
 function Refusal({ name, reason }: { name: string; reason: string }) {
   const [first, ...rest] = reason.split("\n");
   const line = (
@@ -30,7 +30,7 @@ export function Connections({ system, component, full }: { system: SystemState; 
   const port = component.ports.find((each) => each.name === chosen);
   const here: PortAddress = { instance: component.instance, port: chosen };
   const own = system.connections.filter(({ source, target }) => [named(source), named(target)].includes(named(here)));
-  // What fits depends on the ports that there are and on their connections.
+  // The ports that fit depend on the existing ports and their connections.
   const shape = [...system.components.map((each) => each.instance), ...system.connections.map((each) => each.name)].join("\n");
 
   useEffect(() => {

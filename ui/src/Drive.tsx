@@ -7,7 +7,7 @@ import { store } from "./store.ts";
 import type { Command, Velocity } from "./velocity.ts";
 import { REST, command } from "./velocity.ts";
 
-/** Between two commands while the stick is held [ms]. */
+/** Interval of commands while the stick is held [ms]. */
 const EVERY = 50;
 const DEAD = 0.12;
 const RADIUS = 55;
@@ -18,11 +18,11 @@ interface Target {
   command: Command;
 }
 
-/** The ports that take travel commands: InPorts first, then OutPorts, whose receivers all get them. */
+/** The ports for travel commands: InPorts, then OutPorts, which send them to all receivers. */
 function targets(system: SystemState): Target[] {
   const found = system.components.flatMap(({ instance, place, ports }) =>
     ports.flatMap((port) => {
-      // What another process sends is its own.
+      // OutPorts of other processes cannot be driven.
       const takes = port.kind === "PORT_IN" || (port.kind === "PORT_OUT" && !place);
       const made = takes && port.type_number >= 0 ? command(store.types, port.type_number) : undefined;
       const name = `${instance}.${port.name}`;
@@ -32,7 +32,7 @@ function targets(system: SystemState): Target[] {
   return [...found.filter((each) => !each.sends), ...found.filter((each) => each.sends)];
 }
 
-/** Deflections within -1 to 1 by key. */
+/** Deflections (-1 to 1) by key. */
 const KEYS: Record<string, Partial<Velocity>> = {
   ArrowUp: { forward: 1 },
   KeyW: { forward: 1 },
@@ -50,19 +50,19 @@ const within = (value: number): number => Math.min(Math.max(value, -1), 1);
 const live = (value = 0): number => (Math.abs(value) < DEAD ? 0 : within(value));
 const isRest = ({ forward, left, turn }: Velocity): boolean => !forward && !left && !turn;
 
-/** The sum of deflections, each part within its range. */
+/** The sum of deflections, limited to -1 to 1. */
 function sum(parts: readonly Partial<Velocity>[]): Velocity {
   const of = (name: keyof Velocity) => within(parts.reduce((total, each) => total + (each[name] ?? 0), 0));
   return { forward: of("forward"), left: of("left"), turn: of("turn") };
 }
 
-/** The left stick goes forward and turns, the right one sideways, as Gamepad API's standard layout has them. */
+/** Left stick: forward and turning, right stick: sideways, by the standard layout of the Gamepad API. */
 function gamepad(): Velocity {
   const pad = navigator.getGamepads().find((each) => each?.connected);
   return pad ? { forward: -live(pad.axes[1]) || 0, turn: -live(pad.axes[0]) || 0, left: -live(pad.axes[2]) || 0 } : REST;
 }
 
-/** Sends commands while a deflection is held, and rest once when it is let go. */
+/** Sends commands while a deflection is held, and a zero command once when it is released. */
 class Stick {
   private moving = false;
   private last = 0;
@@ -92,7 +92,7 @@ class Stick {
     }
   }
 
-  /** Lets go of everything; the robot is stopped at once if it was driven. */
+  /** Releases all inputs, and stops the robot at once if it was driven. */
   stop(): void {
     this.keys.clear();
     this.pointer = {};
@@ -117,7 +117,7 @@ function Pad({ target, speed, rate }: { target: Target; speed: number; rate: num
   useEffect(() => {
     const stop = () => stick.stop();
     const onHide = () => document.hidden && stop();
-    // A timer, not a frame: it goes on, slower, where nothing is painted.
+    // A timer instead of animation frames: it also runs, more slowly, while nothing is painted.
     const timer = setInterval(() => {
       if (!document.hidden && document.hasFocus()) stick.tick(performance.now());
       else stick.stop();

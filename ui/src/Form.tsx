@@ -8,7 +8,7 @@ import { store } from "./store.ts";
 interface Slot {
   type: number;
   value: Draft;
-  /** The path of the value, which screen readers say. */
+  /** The path of the value, for screen readers. */
   label: string;
   change: (value: Draft) => void;
 }
@@ -87,7 +87,7 @@ function Member({ member, value, label, change }: { member: TypeMember; value: D
   );
 }
 
-/** Elements of an array, or of a sequence or map, which have a bound and can be added. */
+/** Elements of an array, sequence or map; those of sequences and maps can be added up to the bound. */
 function Elements({ slot, type, keys, bound = 0, fresh }: { slot: Slot; type: number; keys?: number; bound?: number; fresh?: () => Draft }) {
   const { label, change } = slot;
   const parts = slot.value as Draft[];

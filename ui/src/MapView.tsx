@@ -10,7 +10,7 @@ import type { Track } from "./store.ts";
 import { store } from "./store.ts";
 
 const MAX_TRAIL_LENGTH = 5000;
-/** Pose that has moved less adds nothing to its trail [m]. */
+/** Minimum distance between points of a trail [m]. */
 const NEAREST = 0.005;
 const LEGEND_EVERY = 200;
 const HUES = [215, 25, 130, 290, 55, 340, 175, 0];
@@ -26,7 +26,7 @@ interface Shown {
 
 const nameOf = ({ port, beside }: Channel): string => `${port.instance}.${port.port}${beside ? " (beside)" : ""}`;
 
-/** Where a scan is taken: the pose that its component gets, or gives, else that of the components before it. */
+/** The pose of a scan: received or sent by its component, else by the components connected to its inputs. */
 function frameOf(system: SystemState, instance: string, poses: readonly Channel[], seen = new Set<string>()): Channel | undefined {
   if (seen.has(instance)) return undefined;
   seen.add(instance);
@@ -56,7 +56,7 @@ function drawn(system: SystemState): Shown[] {
   }));
 }
 
-/** A pose that is watched, but not drawn. */
+/** A pose that is watched but not drawn. */
 function frameFigure({ id, type_number }: Channel): Figure | undefined {
   const track = store.tracks.get(id);
   return track && reader(store.types, type_number)?.read(track.value);
@@ -71,7 +71,7 @@ class Scene {
   private figure({ channel, reader: { kind, read } }: Shown): Figure | undefined {
     const track = store.tracks.get(channel.id);
     if (!track) {
-      // The time was set back, or there is another system.
+      // The time was set back, or another system was opened.
       this.seen.delete(channel.id);
       this.trails.delete(channel.id);
       return undefined;
@@ -87,7 +87,7 @@ class Scene {
     const known = this.seen.get(channel.id);
     const figure = known?.value === track.value ? known?.figure : read(track.value);
     this.seen.set(channel.id, { value: track.value, figure });
-    // Trails that were cleared begin where something is.
+    // Cleared trails restart at the current pose.
     if (figure?.kind === "pose" && !this.trails.has(channel.id)) this.extend(channel.id, figure.pose);
     return figure;
   }
@@ -164,7 +164,7 @@ export function MapView({ system }: { system: SystemState }) {
 
   useEffect(() => {
     let frame = 0;
-    let told = 0;
+    let updated = 0;
     const paint = (now: number) => {
       frame = requestAnimationFrame(paint);
       const place = canvas.current;
@@ -172,8 +172,8 @@ export function MapView({ system }: { system: SystemState }) {
       const layers = scene.current.layers(shown);
       if (!free || !view.current) view.current = fitted(layers, place.clientWidth, place.clientHeight);
       draw(place, layers, view.current);
-      if (now - told < LEGEND_EVERY) return;
-      told = now;
+      if (now - updated < LEGEND_EVERY) return;
+      updated = now;
       setLegend((before) => {
         const lines = layers.map(words);
         const scale = metres(round(110 / (view.current?.scale ?? 1)));

@@ -7,7 +7,7 @@ export interface Item {
   act: () => void;
 }
 
-/** What a menu is about, and where it opens [px of the page]. */
+/** The subject of a menu, and its position [px of the page]. */
 export interface Place {
   label: string;
   x: number;

@@ -1,4 +1,4 @@
-/** The trees of naming services: contexts, components with their states, those that do not answer. */
+/** The trees of naming services: contexts, and components with their states. */
 
 import type { Binding, Component, SystemState } from "./protocol/Ui.ts";
 import { stateName, store } from "./store.ts";
@@ -9,10 +9,10 @@ interface Branch {
   inside: Branch[];
 }
 
-/** The parts of a path; `\` stands before characters of a name that would divide it. */
+/** The parts of a path; `\` escapes separators within a name. */
 const parts = (path: string): string[] => path.match(/(?:\\.|[^\\/])+/g) ?? [];
 
-/** The names of a service, which come each after its context, as a tree. */
+/** The names of a service as a tree; each name follows its context. */
 export function tree(bindings: readonly Binding[]): Branch[] {
   const top: Branch[] = [];
   const open: Branch[] = [];

@@ -1,4 +1,4 @@
-/** Components that can be added, and what is done to all at once. */
+/** The types of components that can be added, and commands for all components. */
 
 import { useState } from "react";
 import { Naming } from "./Naming.tsx";
@@ -12,7 +12,7 @@ function namesOf(files: readonly string[]): ReadonlyMap<string, string> {
   return new Map(parts.map(([file, folder, name]) => [file, folder && isAmbiguous(name!) ? `${name} (${folder})` : name!]));
 }
 
-/** A button that keeps the focus when there is nothing more to do. */
+/** A button that keeps the focus when it is disabled. */
 function Edit({ name, title, enabled, act }: { name: string; title?: string; enabled: boolean; act: Command }) {
   return (
     <button type="button" title={title} aria-disabled={!enabled} onClick={() => enabled && store.order(act)}>
@@ -21,7 +21,7 @@ function Edit({ name, title, enabled, act }: { name: string; title?: string; ena
   );
 }
 
-/** Saves the system, under another name, too, which it then has. */
+/** Saves the system, optionally under a new name. */
 function Save({ edits, full }: { edits: EditState; full: boolean }) {
   const [edited, edit] = useState<string>();
   const name = edited ?? edits.file;
@@ -58,7 +58,7 @@ function Save({ edits, full }: { edits: EditState; full: boolean }) {
 export function Palette(props: { system: SystemState; full: boolean; selected: string; select: (instance: string) => void }) {
   const { system, full, selected, select } = props;
   const { edits } = system;
-  // It is the user's, once the page is shown.
+  // Afterwards the user controls it.
   const [roomy] = useState(() => matchMedia("(min-width: 1001px)").matches);
   return (
     <nav className="palette" aria-label="Palette">

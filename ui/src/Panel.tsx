@@ -23,7 +23,7 @@ interface Selection {
   full: boolean;
 }
 
-/** The samples of the component's OutPorts and of those that its InPorts are connected to. */
+/** The samples of the component's OutPorts and of the OutPorts connected to its InPorts. */
 function Values({ system, component }: Selection) {
   const shown = useMemo(() => {
     const near = new Set(
@@ -106,7 +106,7 @@ function Values({ system, component }: Selection) {
 const written = (value: unknown) => (typeof value === "number" ? String(Number(value.toPrecision(7))) : String(value));
 
 function Timeline({ lines }: { lines: readonly Line[] }) {
-  // Those of a run beside this one come a little later than they happened.
+  // Changes of the compared run arrive slightly later than they happened.
   const sorted = [...lines].sort((a, b) => a.time - b.time).reverse();
   return (
     <ol className="timeline">

@@ -1,4 +1,4 @@
-/** Numbers over time. */
+/** Plots of numbers over time. */
 
 import { useEffect, useRef } from "react";
 import uPlot from "uplot";
@@ -7,13 +7,13 @@ import { store } from "./store.ts";
 
 const MAX_CURVES = 8;
 
-/** How much time plots show [s]; 0: the run. */
+/** The duration shown by plots [s]; 0: the whole run. */
 const SPANS = [5, 30, 0];
 
 export interface Curves {
   names: string[];
   data: uPlot.AlignedData;
-  /** How many of them, the first ones, belong to this run; the rest, dashed, are the same of the run beside it. */
+  /** Number of curves of this run, which come first; the rest, dashed, belong to the compared run. */
   own?: number;
 }
 
@@ -24,7 +24,7 @@ export function curvesOf(track: Track | undefined): Curves | undefined {
   return { names: curves.map(([name]) => name), data: [track.times, ...curves.map(([, row]) => row)] };
 }
 
-/** Two plots over a common time; the names of the second one say so. */
+/** The curves of two runs over a common time; the names of the second run are marked. */
 export function overlaid(curves: Curves | undefined, beside: Curves | undefined): Curves | undefined {
   if (!beside) return curves;
   const names = beside.names.map((each) => `${each} (beside)`);
@@ -41,7 +41,7 @@ function series({ names, own = names.length }: Curves): uPlot.Series[] {
   }));
 }
 
-/** The choice of the time that all plots show. */
+/** Selects the duration shown by all plots. */
 export function Span() {
   return (
     <label>
@@ -59,7 +59,7 @@ export function Span() {
 
 const range = (_: unknown, first: number, last: number): [number, number] => [store.page.span ? Math.max(first, last - store.page.span) : first, last];
 
-/** `read` is called before each drawing; a plot with another `source` is a new one. */
+/** `read` is called before each drawing; another `source` creates a new plot. */
 export function Plot({ source, read, unit, label }: { source: string; read: () => Curves | undefined; unit: string; label: string }) {
   const place = useRef<HTMLDivElement>(null);
   const reading = useRef(read);

@@ -1,4 +1,4 @@
-/** Frames sent once, cyclically, and as a sequence. */
+/** Form to send frames once, cyclically, or as a sequence. */
 
 import { useEffect, useState } from "react";
 import { frameOf, stepsOf } from "./sequence.ts";
@@ -29,7 +29,7 @@ export function Send({ bus, full }: { bus: string; full: boolean }) {
     if (typeof steps === "string") store.notify(steps);
     else if (steps.length) wait({ begin: store.page.system?.time.now ?? 0, steps });
   };
-  // The time of the run counts: a sequence stands still with it.
+  // Times are those of the run, so a sequence pauses with it.
   useEffect(() => {
     if (!waiting) return undefined;
     const rest = [...waiting.steps];

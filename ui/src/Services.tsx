@@ -9,9 +9,9 @@ import type { BoardCall, Component, Operation, PortAddress, Result } from "./pro
 import { CdrError, deserialize, serialize } from "./protocol/_cdr.ts";
 import { leaves, store } from "./store.ts";
 
-/** How often a form calls its operation at once. */
+/** Maximum number of repeated calls of a form. */
 const MAX_CALLS = 500;
-/** Calls that wait for their results. */
+/** Maximum number of calls that wait for their results. */
 const AT_ONCE = 100;
 const SHOWN = 20;
 
@@ -21,7 +21,7 @@ interface Outcome {
   calls: readonly BoardCall[];
 }
 
-/** The draft of a request, or why there cannot be one. */
+/** The draft of a request, or the reason why there is none. */
 function begin(operation: Operation): { value: Draft; refused: string } {
   if (operation.refused || operation.request < 0) return { value: {}, refused: operation.refused };
   try {

@@ -1,13 +1,13 @@
-/** Time: play, pause, step, speed, the way back, and what was. */
+/** Time bar: play, pause, step, speed, setting time, and looking back. */
 
 import { useEffect, useState } from "react";
 import type { SystemState } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
 
-/** Of the slider [s], and how many of them it has. */
+/** Minimum step of the slider [s], and its number of steps. */
 const MIN_STEP = 0.001;
 const STEPS = 1000;
-/** How much of a recording is played at once [s]. */
+/** The part of a recording that is played in one step [s]. */
 const FRAME = 0.1;
 const SPEEDS = [0.1, 0.5, 1, 2, 5, 10, 0];
 

@@ -89,12 +89,12 @@ function WireLine({ id, data, interactionWidth, ...ends }: EdgeProps<Wire>) {
 }
 
 const edgeTypes = { wire: WireLine };
-/** Between the lines of two nodes of a bus [px]. */
+/** Distance between the lines of two nodes of a bus [px]. */
 const APART = 10;
-/** Whether this page shows boxes where the layout puts them, kept when it is loaded again. */
+/** Whether boxes are at the places of the layout; kept when the page is reloaded. */
 const ARRANGED = "rtgen arranged";
 
-/** What the time of the run changes is no property of the wiring, so that it is drawn again for its own changes alone. */
+/** Without the parts that change with time, so that the wiring is only redrawn when it changes. */
 export const Wiring = memo(function Wiring(props: {
   file: string;
   components: readonly Component[];
@@ -113,13 +113,13 @@ export const Wiring = memo(function Wiring(props: {
   const [flow, setFlow] = useState<ReactFlowInstance<Shown, Wire>>();
   const section = useRef<HTMLElement>(null);
   const [room, setRoom] = useState("");
-  /** Whether the view is the user's. */
+  /** Whether the user has moved the view. */
   const moved = useRef(false);
   const [picked, pick] = useState<ReadonlySet<string>>(new Set());
   const [fits, setFits] = useState<ReadonlyMap<string, string>>();
   const [menu, setMenu] = useState<Place & { edge: boolean }>();
   const drags = useRef(0);
-  /** Where arrow keys have moved boxes that are not stored yet. */
+  /** Places of boxes moved by arrow keys, until they are stored. */
   const steered = useRef(new Map<string, Point>());
   const shape = [file, ...components.map((each) => each.instance)].join("\n");
 
@@ -137,10 +137,10 @@ export const Wiring = memo(function Wiring(props: {
     return () => {
       current = false;
     };
-    // Connections that are made later move no box.
+    // Later connections do not move boxes.
   }, [shape]);
 
-  /** Where boxes and buses are, and the corners around all. */
+  /** Places of boxes and buses, and the bounding box. */
   const places = useMemo(() => {
     if (!arrangement) return undefined;
     const boxes = components.flatMap((component) => {
@@ -227,7 +227,7 @@ export const Wiring = memo(function Wiring(props: {
     void flow.setViewport(view(places.corners, section.current!.clientWidth, section.current!.clientHeight));
     moved.current = false;
   };
-  // Boxes that are moved do not move the view.
+  // Moving boxes does not move the view.
   useEffect(fit, [flow, arrangement, arranged]);
   useEffect(() => {
     if (!moved.current) fit();
@@ -254,7 +254,7 @@ export const Wiring = memo(function Wiring(props: {
   const begin = async (instance: string, port: string) => {
     const drag = ++drags.current;
     const result = await store.ask({ case: "ends", value: { instance, port } });
-    // An answer that comes after the end of its drag would judge the next one.
+    // An answer after the end of its drag would be applied to the next drag.
     if (result.done && drag === drags.current) setFits(new Map(result.fits.map((each: Fit) => [address(each.port.instance, each.port.port), each.refused])));
   };
   const connect = (drawn: Drawn) =>
@@ -336,7 +336,7 @@ export const Wiring = memo(function Wiring(props: {
             })
           }
           onBeforeDelete={async ({ nodes: gone, edges: cut }) => {
-            // The events of the server take them off the page.
+            // The events of the server remove them from the page.
             if (gone.length) for (const each of gone) await store.order({ case: "removed", value: each.id });
             else for (const each of cut) await store.order({ case: "connection", value: each.id });
             return false;

@@ -1,12 +1,12 @@
-/** Values that are being typed in: texts until they are checked against their type. */
+/** Values of forms: texts until they are validated against their type. */
 
 import type { TypeMember, TypeNode } from "./protocol/Ui.ts";
 import type { TypeTable } from "./protocol/table.ts";
 
-/** Of a scalar a text or boolean; of an optional member that is missing null. */
+/** Text or boolean for a scalar; null for a missing optional member. */
 export type Draft = string | boolean | null | Draft[] | Chosen | { [name: string]: Draft };
 
-/** Of a union: the branch, and its value. */
+/** The selected branch of a union, and its value. */
 export interface Chosen {
   branch: string;
   value: Draft;
@@ -44,7 +44,7 @@ function node(table: TypeTable, type: number): TypeNode {
   return found;
 }
 
-/** The value with which a form of a type begins. Throws DraftError for one that no form can hold. */
+/** The initial value of a form. Throws DraftError if a form does not support the type. */
 export function draft(table: TypeTable, type: number): Draft {
   const each = node(table, type);
   switch (each.kind) {
@@ -77,7 +77,7 @@ export function draft(table: TypeTable, type: number): Draft {
   }
 }
 
-/** The value that a draft stands for. Throws DraftError, whose message begins with the path. */
+/** Converts a draft to a value. Throws DraftError, whose message begins with the path. */
 export function finish(table: TypeTable, type: number, value: Draft, path = ""): unknown {
   const each = node(table, type);
   const fail = (text: string): never => {
@@ -154,7 +154,7 @@ function nested(elements: unknown[], dimensions: readonly number[], kind: TypeNo
   return Array.from({ length: first }, (_, i) => nested(elements.slice(i * size, (i + 1) * size), rest, kind));
 }
 
-/** A discriminator that no label has, which selects the branch `default`. */
+/** A discriminator without a label, which selects the branch `default`. */
 function otherLabel(table: TypeTable, union: TypeNode, fail: (text: string) => never): unknown {
   const taken = new Set(union.members.flatMap((one: TypeMember) => one.labels));
   const element = node(table, union.element);

@@ -1,4 +1,4 @@
-/** The drawing of a map on a canvas. */
+/** Draws a map on a canvas. */
 
 import type { Grid, Pose } from "./figures.ts";
 import { placed } from "./figures.ts";
@@ -7,15 +7,15 @@ export interface Layer {
   name: string;
   hue: number;
   poses: Pose[];
-  /** Whether the poses are where something has been, the last one where it is. */
+  /** Whether the poses are a trail, which ends at the current pose. */
   trail: boolean;
   points: Pose[];
-  /** What the points stand around. */
+  /** The pose around which the points are drawn. */
   frame: string;
   grid: Grid | undefined;
 }
 
-/** What part of the world is seen: its middle [m], and pixels for a metre. */
+/** The visible part of the world: centre [m] and scale [px/m]. */
 export interface View {
   x: number;
   y: number;
@@ -23,7 +23,7 @@ export interface View {
 }
 
 const MARGIN = 1.25;
-/** Of the part that is seen, at least [m]. */
+/** Minimum size of the visible part [m]. */
 const SMALLEST = 2;
 const ARROW = 14;
 
@@ -82,7 +82,7 @@ function picture(grid: Grid): HTMLCanvasElement {
   return made;
 }
 
-/** Draws layers; a size is that of the canvas in CSS pixels. */
+/** Draws layers; sizes are those of the canvas in CSS pixels. */
 export function draw(canvas: HTMLCanvasElement, layers: readonly Layer[], view: View): void {
   const [width, height] = [canvas.clientWidth, canvas.clientHeight];
   const ratio = window.devicePixelRatio;
@@ -162,7 +162,7 @@ function drawArrow(context: CanvasRenderingContext2D, x: number, y: number, head
   context.restore();
 }
 
-/** A bar as long as the distance of the lines. */
+/** A scale bar, as long as the distance of the grid lines. */
 function drawScale(context: CanvasRenderingContext2D, view: View, height: number, step: number, text: string): void {
   const length = step * view.scale;
   context.strokeStyle = context.fillStyle = text;

@@ -1,4 +1,4 @@
-/** What samples look like on a map: found by the members of their types, in one table. */
+/** Figures of samples on a map, determined by the members of their types. */
 
 import type { TypeNode } from "./protocol/Ui.ts";
 import type { TypeTable } from "./protocol/table.ts";
@@ -6,14 +6,14 @@ import type { TypeTable } from "./protocol/table.ts";
 export interface Pose {
   x: number;
   y: number;
-  /** From the x axis [rad]; NaN for a point without a heading. */
+  /** Angle from the x axis [rad]; NaN for a point without a heading. */
   heading: number;
 }
 
 export interface Grid {
   columns: number;
   rows: number;
-  /** Of a cell [m]. */
+  /** Size of a cell [m]. */
   width: number;
   height: number;
   origin: Pose;
@@ -21,17 +21,17 @@ export interface Grid {
   cells: ArrayLike<number>;
 }
 
-/** What a sample shows; the points of a scan are in the frame of the body. */
+/** The figure of a sample; the points of a scan are in the frame of the body. */
 export type Figure =
   | { kind: "pose"; pose: Pose }
   | { kind: "path"; poses: Pose[] }
   | { kind: "scan"; points: Pose[] }
   | { kind: "grid"; grid: Grid };
 
-// A sample is what its type says; the members that are read are those that the table has found.
+// Samples match their types, so members found in the table can be read without checks.
 type Value = Record<string, any>;
 
-/** The greatest numbers that are drawn. */
+/** Maximum numbers of drawn points and cells. */
 const MAX_POINTS = 20_000;
 const MAX_CELLS = 1 << 22;
 
@@ -101,7 +101,7 @@ export function placed(point: Pose, frame: Pose): Pose {
   return { x: frame.x + c * point.x - s * point.y, y: frame.y + s * point.x + c * point.y, heading: point.heading + turn };
 }
 
-/** Members that hold what a type is about: RTC's timed types, messages with a header, poses with covariance. */
+/** Members that contain the figure: in RTC's timed types, messages with a header, poses with covariance. */
 const INSIDE = ["data", "pose", "poses", "points"];
 const DEEPEST = 4;
 
@@ -110,7 +110,7 @@ export interface Reader {
   read: (value: unknown) => Figure | undefined;
 }
 
-/** How samples of a type are drawn; undefined if they have no place on a map. */
+/** Returns the reader of figures for a type; undefined if it cannot be drawn. */
 export function reader(table: TypeTable, type: number, depth = 0): Reader | undefined {
   const node = table.nodes[type];
   if (!node || depth > DEEPEST) return undefined;

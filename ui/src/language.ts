@@ -1,4 +1,4 @@
-/** Some browsers have a language that is no tag of BCP 47, `en-US@posix`, at which uPlot fails when it is loaded. */
+/** Workaround: uPlot fails to load if the browser's language is not a BCP 47 tag (`en-US@posix`). */
 
 try {
   new Intl.NumberFormat(navigator.language);

@@ -1,4 +1,4 @@
-/** Sizes of boxes, their places and the ways of connections, by the layered algorithm of ELK. */
+/** Layout of the wiring: sizes and places of boxes, routes of connections (layered algorithm of ELK). */
 
 import type { ElkNode, ElkPort } from "elkjs/lib/elk-api";
 import type { Line } from "./lines.ts";
@@ -7,29 +7,29 @@ import type { Component, Connection, Location, Port } from "./protocol/Ui.ts";
 const HEADER = 45;
 const ROW = 22;
 const END = 9;
-/** Room for a state, a rate and overruns. */
+/** Space for state, rate and overruns. */
 const NARROWEST = 180;
-/** Of a label in a box, at both sides together. */
+/** Total margin of a label in a box. */
 const PADDING = 24;
-/** RT System Editor, whose places these are, has narrower boxes. */
+/** Scale of places by RT System Editor, whose boxes are narrower. */
 const SPREAD = 1.5;
-/** Below it text has less than 9 px. */
+/** Minimum zoom, at which text has 9 px. */
 const SMALLEST = 0.75;
 const MARGIN = 16;
-/** The buttons of the view stand there. */
+/** Space for the buttons of the view. */
 const LEFT = 52;
-/** Of a node of a bus [px]. */
+/** Size of a node of a bus [px]. */
 export const NODE = { width: 132, height: 40 };
-/** Between boxes and a bus, two boxes on it, two buses. */
+/** Gaps between boxes and a bus, two boxes on a bus, two buses. */
 const GAP = 24;
 
 export type Point = { x: number; y: number };
 
 export interface Arrangement {
   places: ReadonlyMap<string, Point>;
-  /** The corners of each connection, its ends among them. */
+  /** The corners of each connection, including its ends. */
   routes: ReadonlyMap<string, readonly Point[]>;
-  /** Of all boxes and connections, from 0. */
+  /** Extent of all boxes and connections, from 0. */
   end: Point;
 }
 
@@ -40,7 +40,7 @@ export interface Rail {
   middles: readonly number[];
 }
 
-/** The components that stand at their bus alone: no connection leads to them. */
+/** The components without connections, which are placed at their bus. */
 export function hung(components: readonly Component[], connections: readonly Connection[], lines: readonly Line[]): ReadonlySet<string> {
   const joined = new Set(connections.flatMap((each) => [each.source.instance, each.target.instance]));
   const onBus = new Set(lines.flatMap((line) => line.nodes.flatMap((node) => [...node.proxies, ...node.devices])));
@@ -50,13 +50,13 @@ export function hung(components: readonly Component[], connections: readonly Con
 const total = (lengths: readonly number[]): number => lengths.reduce((sum, each) => sum + each + GAP, -GAP);
 const tallest = (row: readonly Component[]): number => Math.max(0, ...row.map((each) => size(each).height + GAP));
 
-/** The height of buses with the components that stand at them. */
+/** The height of buses with the components placed at them. */
 export function height(lines: readonly Line[], free: ReadonlyMap<string, Component>): number {
   const of = (instances: readonly string[]) => tallest(instances.flatMap((each) => free.get(each) ?? []));
   return lines.reduce((sum, line) => sum + NODE.height + 2 * GAP + of(line.nodes.flatMap((each) => each.proxies)) + of(line.nodes.flatMap((each) => each.devices)), 0);
 }
 
-/** Where buses lie below boxes, which are between two corners; each node is below its proxies if it can, free components stand at their nodes. */
+/** Places buses below the boxes within two corners: nodes below their proxies if possible, components without connections at their nodes. */
 export function rails(lines: readonly Line[], boxes: readonly (Point & { component: Component })[], [start, end]: [Point, Point], free: ReadonlyMap<string, Component>): { rails: Rail[]; places: Map<string, Point>; end: Point } {
   const places = new Map<string, Point>();
   const found: Rail[] = [];
@@ -74,7 +74,7 @@ export function rails(lines: readonly Line[], boxes: readonly (Point & { compone
       slot.x = Number.isFinite(slot.wanted) ? Math.max(x, slot.wanted) : x;
       x = slot.x + slot.wide + GAP;
     }
-    // What stands too far to the right moves back as far as there is room.
+    // Items too far to the right move left as far as possible.
     let last = Math.max(end.x, start.x + total(order.map((each) => each.wide)));
     right = Math.max(right, last);
     for (const slot of order.reverse()) {
@@ -118,10 +118,10 @@ function length(text: string, font: string): number {
   return lengths.get(key)! + PADDING;
 }
 
-/** What a box is headed by: of another process's component the name without its place. */
+/** The title of a box: for a component of another process, the name without its place. */
 export const title = ({ place, instance }: Component): string => (place ? instance.slice(place.length + 1) : instance);
 
-/** Of a box whose labels are not cut. */
+/** Size of a box with complete labels. */
 export function width(component: Component): number {
   const longest = (kind: Port["kind"]) => Math.max(0, ...ports(component, kind).map((port) => length(port.name, "normal")));
   const needed = [NARROWEST, length(title(component), "bold"), longest("PORT_IN") + longest("PORT_OUT"), longest("PORT_SERVICE")];
@@ -153,10 +153,10 @@ function ends(component: Component): ElkPort[] {
   ];
 }
 
-/** How large boxes are shown in a view. */
+/** The zoom at which boxes fit a view. */
 const zoom = (across: number, down: number, wide: number, high: number): number => Math.min((wide - LEFT - MARGIN) / across, (high - 2 * MARGIN) / down);
 
-/** Boxes and connections as they are largest in a view, of which buses take a part below them. */
+/** The layout with the largest zoom in a view, above the space for buses. */
 export async function arrange(components: readonly Component[], connections: readonly Connection[], wide: number, high: number, buses: number): Promise<Arrangement> {
   const all = await proportioned(components, connections, wide / Math.max(high, 1));
   if (!buses) return all;
@@ -165,7 +165,7 @@ export async function arrange(components: readonly Component[], connections: rea
   return second > first ? wider : all;
 }
 
-/** Boxes and connections in the proportion of a view; a chain that is too long for it is folded. */
+/** Layout in the proportion of a view; a chain that is too long is folded. */
 async function proportioned(components: readonly Component[], connections: readonly Connection[], aspect: number): Promise<Arrangement> {
   const { default: ELK } = await import("elkjs/lib/elk.bundled.js");
   const known = new Set(components.map((each) => each.instance));
@@ -206,7 +206,7 @@ async function proportioned(components: readonly Component[], connections: reado
   };
 }
 
-/** The corners of the rectangle around boxes. */
+/** The bounding box of boxes. */
 export function around(boxes: readonly (Point & { component: Component })[]): [Point, Point] {
   const sized = boxes.map((each) => ({ ...each, ...size(each.component) }));
   return [
@@ -215,7 +215,7 @@ export function around(boxes: readonly (Point & { component: Component })[]): [P
   ];
 }
 
-/** A view of all between two corners, as far as its text can be read then; else of the upper left of it. */
+/** A view of everything within two corners if the text remains legible, else of the upper left part. */
 export function view([start, end]: [Point, Point], wide: number, high: number): Point & { zoom: number } {
   const [across, down] = [end.x - start.x, end.y - start.y];
   const scale = Math.min(1, Math.max(SMALLEST, zoom(across, down, wide, high)));
@@ -226,7 +226,7 @@ export function view([start, end]: [Point, Point], wide: number, high: number): 
   };
 }
 
-/** A line through corners, which are rounded. */
+/** A line through rounded corners. */
 export function line(points: readonly Point[]): string {
   const towards = (from: Point, to: Point): string => {
     const distance = Math.hypot(to.x - from.x, to.y - from.y);

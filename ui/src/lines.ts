@@ -5,11 +5,11 @@ import type { Bus, Component } from "./protocol/Ui.ts";
 export interface LineNode {
   id: number;
   name: string;
-  /** As CiA 301 names it; empty: unknown. */
+  /** NMT state as named by CiA 301; empty: unknown. */
   nmtState: string;
-  /** The instances of its proxies. */
+  /** Instances of the node's proxies. */
   proxies: string[];
-  /** The instances that are this node: devices, or the manager. */
+  /** Instances that are the node itself: devices, or the manager. */
   devices: string[];
 }
 
@@ -28,7 +28,7 @@ function settings(component: Component): ReadonlyMap<string, string> {
   return new Map(component.parameters.map((each) => [each.name, set?.values.find((one) => one.name === each.name)?.text ?? each.default_value]));
 }
 
-/** The lines of buses that have been seen, and of those that components say they join. */
+/** The lines of active buses, and of buses named by parameters of components. */
 export function linesOf(components: readonly Component[], buses: readonly Bus[]): Line[] {
   const lines = new Map(
     buses.map((bus) => [

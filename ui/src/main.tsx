@@ -1,3 +1,5 @@
+/** Entry point of the page. */
+
 import "./language.ts";
 import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";

@@ -1,17 +1,17 @@
-/** Frames that are sent one after the other, each at its time since the beginning. */
+/** Sequences of frames with the time of each since the start. */
 
 import type { SendFrame } from "./protocol/Ui.ts";
 import { octetsOf } from "./traffic.ts";
 
 export interface Step {
-  /** [s] since the beginning of the sequence. */
+  /** Time since the start of the sequence [s]. */
   time: number;
   frame: Omit<SendFrame, "bus">;
 }
 
 const MAX_STEPS = 1000;
 
-/** `id#octets` or `id#R`, all hexadecimal, ids of more than three digits extended, as candump writes. */
+/** Parses `id#octets` or `id#R` in the format of candump; ids of more than three digits are extended. */
 export function frameOf(text: string): Step["frame"] | undefined {
   const found = /^([\da-f]{1,8})#(r|[\da-f ]*)$/i.exec(text.trim());
   const data = found?.[2]?.toLowerCase() === "r" ? new Uint8Array() : octetsOf(found?.[2] ?? "-");
@@ -20,7 +20,7 @@ export function frameOf(text: string): Step["frame"] | undefined {
   return { can_id, extended: found[1].length > 3, remote: found[2]?.toLowerCase() === "r", data, period: 0 };
 }
 
-/** The steps of lines `time frame`; a string says which line is wrong. */
+/** Parses lines `time frame`; returns a string that names an invalid line. */
 export function stepsOf(text: string): Step[] | string {
   const lines = text.split("\n").map((each) => each.trim());
   const steps: Step[] = [];

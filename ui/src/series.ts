@@ -1,8 +1,8 @@
-/** Values over time, of which old ones are thinned out when there are too many. */
+/** Time series whose older values are thinned out when there are too many. */
 
 import { MAX_SAMPLES } from "./protocol/Ui.ts";
 
-/** Whether a series is full: it then keeps its newest half, and every other value of those before. */
+/** Whether a series is full; then it keeps its newest half and every second older value. */
 export const isFull = (series: readonly unknown[]): boolean => series.length >= MAX_SAMPLES;
 
 export function thin<T>(series: T[]): void {

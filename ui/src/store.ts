@@ -1,4 +1,4 @@
-/** What the page knows: the system as the events of the server describe it. */
+/** State of the page: the system as described by the events of the server. */
 
 import { ClientMessage, ServerMessage, VERSION } from "./protocol/Ui.ts";
 import type { Command, Component, Connection, Event, Result, SystemState } from "./protocol/Ui.ts";
@@ -26,9 +26,9 @@ export interface Track {
   value: unknown;
   times: number[];
   numbers: Map<string, number[]>;
-  /** The values that have come since the map took them for its trails. */
+  /** Values received since the map last took them for trails. */
   fresh: unknown[];
-  /** Whether some of the older values are left out. */
+  /** Whether older values are left out. */
   thinned: boolean;
 }
 
@@ -38,12 +38,12 @@ export interface Page {
   system: SystemState | undefined;
   statistics: ReadonlyMap<string, Statistics>;
   lines: readonly Line[];
-  /** States in the run that is beside this one, by instance. */
+  /** States in the compared run, by instance. */
   beside: ReadonlyMap<string, string>;
   notice: string;
-  /** The last change of the wiring in words, for screen readers. */
+  /** The last change of the wiring as text, for screen readers. */
   announced: string;
-  /** How much time plots show [s]; 0: the run. */
+  /** The duration shown by plots [s]; 0: the whole run. */
   span: number;
 }
 
@@ -62,7 +62,7 @@ const unavailable: Page = {
   span: 0,
 };
 
-/** The first number of a channel, which each run has anew. */
+/** The id of the first channel; each run assigns new ones. */
 const begun = (system: SystemState | undefined) => system?.channels[0]?.id;
 
 export class Store {
@@ -76,10 +76,10 @@ export class Store {
   private readonly waiting = new Map<number, (result: Result) => void>();
   private readonly listeners = new Set<() => void>();
   private watched: number[] = [];
-  /** The time that is to be shown next, while the server finds another one. */
+  /** The time to request next, while a request is pending. */
   private wanted: number | undefined;
   private looking = false;
-  /** Whether the events at hand tell what has happened before, which is not announced. */
+  /** Whether the current events describe the past, which is not announced. */
   private retelling = false;
 
   subscribe = (listener: () => void): (() => void) => {
@@ -119,7 +119,7 @@ export class Store {
     this.socket = socket;
   }
 
-  /** Sends a command; what it has done comes by events, whether it could be done by the result. */
+  /** Sends a command; events describe its effects, the result its success. */
   ask(asked: Command): Promise<Result> {
     const request = ++this.request;
     return new Promise<Result>((settle) => {
@@ -132,21 +132,21 @@ export class Store {
     });
   }
 
-  /** Sends a command and shows why it was refused, if it was. */
+  /** Sends a command and shows the reason if it is refused. */
   async order(asked: Command): Promise<Result> {
     const result = await this.ask(asked);
     this.change({ notice: result.done ? "" : [result.message, result.hint].filter(Boolean).join(": ") });
     return result;
   }
 
-  /** Asks for the samples of channels; of those that are new the server gives what they had until now. */
+  /** Subscribes to channels; for new ones the server also sends past samples. */
   watch(channels: number[]): void {
     for (const each of channels) if (!this.watched.includes(each)) this.tracks.delete(each);
     this.watched = channels;
     void this.ask({ case: "channels", value: channels });
   }
 
-  /** Shows the run as it was at a time; negative: as it goes on. Of times in a row the last counts. */
+  /** Shows the run as of a time; negative: the present. Of several requests only the last one is sent. */
   async look(time: number): Promise<void> {
     this.wanted = time;
     if (time >= 0) this.system((system) => ({ time: { ...system.time, now: time, past: true, playing: false } }));
@@ -202,7 +202,7 @@ export class Store {
           this.types = new TypeTable();
           this.tracks.clear();
         }
-        // A server of another version brings another page.
+        // A server with another version has another page.
         if (event.value.version !== VERSION && this.server) location.reload();
         this.server = event.value.server;
         this.page = { ...unavailable, link: "live", full: event.value.full, span: this.page.span };
@@ -363,7 +363,7 @@ function replaced<T>(list: readonly T[], item: T, key: (item: T) => unknown): T[
 
 const MAX_LEAVES = 64;
 
-/** The values in a sample with their paths, the first of them if there are many. */
+/** The values in a sample with their paths, up to a maximum number. */
 export function leaves(value: unknown, path = "", found: [string, unknown][] = []): [string, unknown][] {
   if (found.length >= MAX_LEAVES) return found;
   if (Array.isArray(value) || ArrayBuffer.isView(value)) {

@@ -1,4 +1,4 @@
-/** What buses and boards have carried, the newest of it. */
+/** The newest traffic of buses and boards: frames, signals, loads, calls. */
 
 import type { BoardCall, BusLoad, Frame } from "./protocol/Ui.ts";
 import { isFull, thin } from "./series.ts";
@@ -18,13 +18,13 @@ export interface Signal {
 export class Traffic {
   readonly frames: Frame[] = [];
   readonly emergencies: Frame[] = [];
-  /** By `BUS NODE KIND.NAME`. */
+  /** Signals by `BUS NODE KIND.NAME`. */
   readonly signals = new Map<string, Signal>();
   readonly loads = new Map<string, BusLoad[]>();
   readonly calls: BoardCall[] = [];
-  /** Frames that this page sends cyclically, as it has them written, by bus and identifier. */
+  /** Texts of the frames that this page sends cyclically, by bus and identifier. */
   readonly cyclic = new Map<string, { bus: string; text: string }>();
-  /** Of all calls, those that are not kept, too. */
+  /** Number of all calls, including those that are no longer kept. */
   callCount = 0;
 
   frame(frame: Frame): void {
@@ -56,7 +56,7 @@ export class Traffic {
     append(this.calls, call, MAX_CALLS);
   }
 
-  /** The calls after the first `count`, those of them that are kept. */
+  /** The kept calls after the first `count`. */
   callsSince(count: number): BoardCall[] {
     return count === this.callCount ? [] : this.calls.slice(count - this.callCount);
   }
@@ -70,7 +70,7 @@ export function hexadecimal(octets: Uint8Array): string {
   return [...octets].map((each) => each.toString(16).padStart(2, "0")).join(" ");
 }
 
-/** Octets written as hexadecimal digits, in pairs; undefined for another text. */
+/** Parses octets in pairs of hexadecimal digits; undefined for other texts. */
 export function octetsOf(text: string): Uint8Array | undefined {
   const digits = text.replace(/\s+/g, "");
   if (!/^(?:[\da-f]{2})*$/i.test(digits)) return undefined;

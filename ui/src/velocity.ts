@@ -1,10 +1,10 @@
-/** Types of travel commands, by their members, and samples of them. */
+/** Types of travel commands, recognised by their members, and samples of them. */
 
 import { draft, finish } from "./draft.ts";
 import { serialize } from "./protocol/_cdr.ts";
 import type { TypeTable } from "./protocol/table.ts";
 
-/** In the frame of the body: forward and to the left [m/s], counter-clockwise [rad/s]. */
+/** Velocity in the frame of the body: forward and left [m/s], counter-clockwise [rad/s]. */
 export interface Velocity {
   forward: number;
   left: number;
@@ -13,7 +13,7 @@ export interface Velocity {
 
 export const REST: Velocity = { forward: 0, left: 0, turn: 0 };
 
-/** The path of each part of a velocity in a sample; a type without `left` goes forward and turns. */
+/** The path of each part of a velocity in a sample; without `left`, only forward and turning. */
 type Form = { forward: string; left?: string; turn: string };
 
 /** The forms: IIS and RTC::Velocity2D, RTC::TimedVelocity, geometry_msgs::msg::Twist. */
@@ -23,7 +23,7 @@ const FORMS: readonly Form[] = [
   { forward: "v", turn: "w" },
   { forward: "linear.x", left: "linear.y", turn: "angular.z" },
 ];
-/** Members that hold the velocity of a type. */
+/** Members that contain the velocity of a type. */
 const INSIDE = ["data", "velocities", "twist"];
 const DEEPEST = 3;
 const NUMBERS = ["TYPE_FLOAT", "TYPE_DOUBLE"];
@@ -35,7 +35,7 @@ function isNumber(table: TypeTable, type: number, path: string): boolean {
   return rest.length ? isNumber(table, member.type, rest.join(".")) : NUMBERS.includes(table.nodes[member.type]?.kind ?? "");
 }
 
-/** A type of travel commands: a writer of samples; undefined for other types. */
+/** Returns the writer of samples for a type of travel commands; undefined for other types. */
 export interface Command {
   sideways: boolean;
   sample: (velocity: Velocity) => Uint8Array;
@@ -45,7 +45,7 @@ function formOf(table: TypeTable, type: number, depth = 0): Form | undefined {
   const node = table.nodes[type];
   if (node?.kind !== "TYPE_STRUCT" || depth > DEEPEST) return undefined;
   const names = node.members.map((each) => each.name);
-  // A pose that has a speed, too, is no command.
+  // A pose with a speed is not a command.
   const found = names.includes("x") ? undefined : FORMS.find((form) => Object.values(form).every((path) => isNumber(table, type, path)));
   if (found) return found;
   for (const name of INSIDE) {
@@ -63,7 +63,7 @@ function put(value: unknown, path: string, number: number): void {
   owner[last] = number;
 }
 
-/** How a type carries travel commands. A sample has no time, so its age counts from its arrival. */
+/** How a type represents travel commands. A sample has no time stamp, so its age starts at its arrival. */
 export function command(table: TypeTable, type: number): Command | undefined {
   const form = formOf(table, type);
   if (!form) return undefined;

@@ -838,7 +838,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "bitfield": (
         "struct S { long a §: 3; };",
         "IDL0121: members of a struct have no width in bits",
-        "bit fields stand in a bitset: bitfield<3> NAME;",
+        "bit fields belong in a bitset: bitfield<3> NAME;",
     ),
     "trailing comma": (
         "enum E { A, B§, };",

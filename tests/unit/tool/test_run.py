@@ -92,7 +92,7 @@ class Waiting(Component):
 
 
 class Hindered(Component):
-    """Says what it lacks for the first second, or for ever."""
+    """Reports a missing condition for the first second, or for ever."""
 
     profile = ComponentProfile("Hindered", rate=100.0)
 

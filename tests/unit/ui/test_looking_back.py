@@ -233,7 +233,7 @@ def test_of_many_frames_those_with_rare_identifiers_stay() -> None:
 
 
 def test_the_oldest_samples_go_first() -> None:
-    history = History(most_octets=100_000)
+    history = History(max_octets=100_000)
     for i in range(1000):
         sample = ui.Sample(channel=1, time=i / 10, data=bytes(100))
         history.sample(sample)

@@ -138,12 +138,12 @@ def test_what_is_no_recording_is_reported(
     err = capfd.readouterr().err
     assert "is empty" in err
     assert "compared with one system or one other recording" in err
-    assert "nothing that runs" in err
+    assert "no system runs" in err
     assert "Traceback" not in err
 
 
 def test_of_a_long_recording_the_end_is_kept(files: list[str]) -> None:
-    session = Recorded(files[1:], lambda *_: BusDescriber(None), most_octets=200_000)
+    session = Recorded(files[1:], lambda *_: BusDescriber(None), max_octets=200_000)
     assert session.left_out
     assert 0.0 < session.history.first < session.history.last
 

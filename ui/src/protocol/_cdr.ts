@@ -1,12 +1,12 @@
 /**
- * Codecs of XCDR, the representation of IDL types by DDS, from descriptions of the types.
+ * Codecs of XCDR (DDS-XTypes 1.3, 7.4), made from descriptions of IDL types.
  *
- * DDS-XTypes 1.3, 7.4: version 1 (PLAIN_CDR, which classic CDR equals but for wide characters and
- * short enums) and version 2 (PLAIN_CDR2, DELIMITED_CDR), both byte orders. Nothing here depends on
- * a browser; only types have to be erased.
+ * Supports version 1 (PLAIN_CDR, which equals classic CDR except for wide characters and short enums)
+ * and version 2 (PLAIN_CDR2, DELIMITED_CDR) in both byte orders. Does not depend on a browser; it
+ * only needs the types to be erased.
  */
 
-/** A value that its type does not have, or octets that are not a value of the type. */
+/** A value is invalid for its type, or octets cannot be decoded. */
 export class CdrError extends Error {
   override name = "CdrError";
 }
@@ -16,9 +16,9 @@ export type Version = 1 | 2;
 /** A type of IDL: its initial value, and how values are read and written. */
 export interface CdrType<T> {
   readonly name: string;
-  /** A lower bound of the octets of a value. */
+  /** A lower bound of the size of a value in octets. */
   readonly least: number;
-  /** Whether sequences and arrays of it have no DHEADER in version 2 (7.4.3.5). */
+  /** Whether sequences and arrays of the type have no DHEADER in version 2 (7.4.3.5). */
   readonly primitive: boolean;
   initial(): T;
   read(reader: Reader): T;
@@ -49,7 +49,7 @@ export class Reader {
     this.end = octets.byteLength;
   }
 
-  /** The offset of a scalar of a size, which is passed. */
+  /** Consumes a scalar of a size; returns its offset. */
   take(size: number): number {
     const align = this.version === 2 && size > 4 ? 4 : size;
     const start = this.offset + ((align - (this.offset % align)) % align);
@@ -64,7 +64,7 @@ export class Reader {
     return this.view.getUint32(this.take(4), this.littleEndian);
   }
 
-  /** The number of elements of a sequence or map. */
+  /** Reads the number of elements of a sequence or map; `least` is the minimum size of one. */
   count(least: number, bound: number): number {
     const count = this.ulong();
     if (bound && count > bound) throw new CdrError(`a length of ${count} beyond ${bound}`);
@@ -74,7 +74,7 @@ export class Reader {
     return count;
   }
 
-  /** That many octets as they are; they share the memory of the message. */
+  /** Reads octets, which share the memory of the message. */
   bytes(count: number): Uint8Array {
     if (count > this.end - this.offset) {
       throw new CdrError(`truncated: ${count} octets are needed at ${this.offset} of ${this.end}`);
@@ -83,7 +83,7 @@ export class Reader {
     return this.octets.subarray(this.offset - count, this.offset);
   }
 
-  /** Reads after a DHEADER, to the end that it gives; what is left there is passed over. */
+  /** Reads a value with a DHEADER, and skips unread octets up to its end. */
   delimited<T>(read: () => T): T {
     const size = this.ulong();
     if (size > this.end - this.offset) throw new CdrError(`a DHEADER of ${size} octets`);
@@ -118,7 +118,7 @@ export class Writer {
     this.view = new DataView(this.octets.buffer);
   }
 
-  /** The offset for a scalar of a size. */
+  /** Reserves space for a scalar of a size; returns its offset. */
   put(size: number): number {
     const align = this.version === 2 && size > 4 ? 4 : size;
     const start = this.offset + ((align - (this.offset % align)) % align);
@@ -128,7 +128,7 @@ export class Writer {
   }
 
   ulong(value: number): void {
-    const at = this.put(4); // It may replace the view.
+    const at = this.put(4); // may replace the view
     this.view.setUint32(at, value, this.littleEndian);
   }
 
@@ -143,7 +143,7 @@ export class Writer {
     this.offset += octets.length;
   }
 
-  /** Writes after a DHEADER, which gets the size of what is written. */
+  /** Writes a value after a DHEADER with its size. */
   delimited(write: () => void): void {
     const header = this.put(4);
     write();
@@ -163,7 +163,7 @@ export class Writer {
   }
 }
 
-/** The body of a value. Throws CdrError. */
+/** Encodes the body of a value. Throws CdrError. */
 export function encode<T>(
   type: CdrType<T>,
   value: T,
@@ -175,7 +175,7 @@ export function encode<T>(
   return writer.result();
 }
 
-/** The value of a body. Throws CdrError. */
+/** Decodes a body. Throws CdrError. */
 export function decode<T>(
   type: CdrType<T>,
   octets: Uint8Array,
@@ -189,7 +189,7 @@ export function decode<T>(
   return value;
 }
 
-/** The payload of a value: encapsulation header (DDSI-RTPS 2.5, 10.2) and body, version 1. */
+/** Encodes a payload: encapsulation header (DDSI-RTPS 2.5, 10.2) and body, version 1. */
 export function serialize<T>(type: CdrType<T>, value: T): Uint8Array {
   const body = encode(type, value);
   const payload = new Uint8Array(4 + body.length);
@@ -198,7 +198,7 @@ export function serialize<T>(type: CdrType<T>, value: T): Uint8Array {
   return payload;
 }
 
-/** The value of a payload with its encapsulation header. Throws CdrError. */
+/** Decodes a payload with its encapsulation header. Throws CdrError. */
 export function deserialize<T>(type: CdrType<T>, payload: Uint8Array): T {
   if (payload.length < 4) throw new CdrError(`${type.name}: the encapsulation header is truncated`);
   const kind = (payload[0]! << 8) | payload[1]!;
@@ -289,7 +289,7 @@ export const wchar = scalar<string>(
   "wchar", 2, "\0", (v, at, le) => String.fromCharCode(v.getUint16(at, le)),
   (v, at, x, le) => v.setUint16(at, x.charCodeAt(0), le), (x) => x.length === 1);
 
-// Texts.
+// Strings.
 
 const LONE_SURROGATE = /\p{Surrogate}/u;
 const encoder = new TextEncoder();
@@ -560,12 +560,12 @@ export interface Field {
   readonly optional?: boolean;
 }
 
-/** A member of a struct; the value of an optional one is null if it is missing. */
+/** A member of a struct; a missing optional member is null. */
 export function field<T>(name: string, type: CdrType<T>, optional = false): Field {
   return { name, type: type as CdrType<unknown>, optional };
 }
 
-/** A struct: its members in the order of the wire, those of its base first. */
+/** A struct with its members in wire order, those of its base first. */
 export function struct<T extends object>(
   name: string,
   fields: readonly Field[],

@@ -44,7 +44,7 @@ MEMBER_INSERTED = Kind(
     "DIF0111",
     "member inserted",
     _SOURCE,
-    "each member behind the new one lies elsewhere, and constructors take it elsewhere",
+    "the offset of each later member changes, and its position in constructors",
 )
 MEMBER_REMOVED = Kind(
     "DIF0112",
@@ -92,7 +92,7 @@ DIMENSIONS = Kind(
     "DIF0119",
     "array of another size",
     _BOTH,
-    "arrays carry no length, so all members behind lie elsewhere",
+    "arrays are encoded without length, so the offsets of all later members change",
 )
 OPTIONAL = Kind(
     "DIF0120",
