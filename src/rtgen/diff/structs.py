@@ -181,7 +181,7 @@ class _Structs:
             member = new[j]
             at_end = straight and one_sided and j > last_new
             top, nested = self._missing(member, at_end, reused)
-            behind = [
+            later = [
                 f for f in new[j + 1 :] if f.name not in {new[k].name for k in come}
             ]
             kind, where = kinds.MEMBER_ADDED, ""
@@ -190,8 +190,8 @@ class _Structs:
                     kinds.MEMBER_ID_REUSED,
                     f" with the id {member.id} of a removed one",
                 )
-            elif behind:
-                kind, where = kinds.MEMBER_INSERTED, f" before {behind[0].name}"
+            elif later:
+                kind, where = kinds.MEMBER_INSERTED, f" before {later[0].name}"
             self._report(
                 kind,
                 member,

@@ -116,7 +116,7 @@ def _of_components(model: Model, users: Users) -> None:
 
 
 def _named(type_: Type, model: Model) -> Iterator[str]:
-    """Yield the names in a type expression, also behind typedefs."""
+    """Yield the names in a type expression, including those of typedefs."""
     match type_:
         case NamedType(name):
             yield "::".join(name)

@@ -109,8 +109,8 @@ def _offsets(text: str, lines: tuple[int, int]) -> tuple[int, int]:
 
 def _shown(line: Line) -> str:
     blank = "\n" if line.blank else ""
-    behind = "".join(f" {comment}" for comment in line.behind)
-    return f"{blank}{line.text}{behind}\n"
+    trailing = "".join(f" {comment}" for comment in line.trailing)
+    return f"{blank}{line.text}{trailing}\n"
 
 
 def _align(lines: Sequence[Line]) -> None:
@@ -130,5 +130,5 @@ def _align(lines: Sequence[Line]) -> None:
 
 
 def _has_short_comment(line: Line) -> bool:
-    texts = (line.text, *line.behind)
-    return bool(line.behind) and not any("\n" in text for text in texts)
+    texts = (line.text, *line.trailing)
+    return bool(line.trailing) and not any("\n" in text for text in texts)

@@ -24,7 +24,7 @@ _BRACKETS = {")": "(", "]": "[", "}": "{"}
 class Line:
     """A line of the result, or several that belong together.
 
-    `token` is the number of its first token. `behind` are trailing comments, `column` that of the
+    `token` is the number of its first token. `trailing` are trailing comments, `column` that of the
     first one in the source.
     """
 
@@ -32,7 +32,7 @@ class Line:
     token: int
     blank: bool = False
     opens: bool = False
-    behind: list[str] = field(default_factory=list)
+    trailing: list[str] = field(default_factory=list)
     column: int = 0
 
 
@@ -108,20 +108,20 @@ class Layout:
         """Print the statement so far; `ends`: it is complete."""
         pieces = self._pieces
         if pieces:
-            behind: list[Piece] = []
+            trailing: list[Piece] = []
             while (
                 len(pieces) > 1
                 and pieces[-1].column is not None
                 and not pieces[-1].must
             ):
-                behind.insert(0, pieces.pop())
+                trailing.insert(0, pieces.pop())
             indent = self._indent + self._frame.step * self._labelled
             step = 2 * self._frame.step
             start = indent + (step if self._continued else 0)
             text = "\n".join(wrapped(pieces, indent, self._frame, start))
             line = self._emit(text, self._begin, self._tokens[self._begin])
-            for piece in behind:
-                self._behind(line, piece.text, piece.column or 0)
+            for piece in trailing:
+                self._add_trailing(line, piece.text, piece.column or 0)
             self._pieces = []
         if ends:
             self._spacing = Spacing(self._language)
@@ -131,14 +131,14 @@ class Layout:
         elif pieces:
             self._continued = True
 
-    def _behind(self, line: Line, text: str, column: int) -> None:
-        if not line.behind:
+    def _add_trailing(self, line: Line, text: str, column: int) -> None:
+        if not line.trailing:
             line.column = column
         if "\n" in text:
             _, _, last = line.text.rpartition("\n")
-            before = [last, *line.behind]
+            before = [last, *line.trailing]
             text = moved(text, column, sum(len(each) + 1 for each in before))
-        line.behind.append(text)
+        line.trailing.append(text)
 
     def _column(self, token: Token) -> int:
         return token.start - self._text.rfind("\n", 0, token.start) - 1
@@ -149,7 +149,9 @@ class Layout:
         """Print comments between statements; return the number of the token after them."""
         token = self._tokens[index]
         if not token.breaks and self.lines and self._may_follow():
-            self._behind(self.lines[-1], _stripped(token.text), self._column(token))
+            self._add_trailing(
+                self.lines[-1], _stripped(token.text), self._column(token)
+            )
             self._last = token
             return index + 1
         end = index + 1

@@ -157,7 +157,7 @@ class Spacing:
         if token.kind is Kind.MARK:
             return self._before_mark(last, token, closes)
         if last.kind is Kind.MARK:
-            return self._behind_mark(old)
+            return self._after_mark(old)
         return True
 
     def _before_mark(self, last: Token, token: Token, closes: bool) -> bool:
@@ -179,9 +179,9 @@ class Spacing:
         if new == "(":
             if last.kind is Kind.WORD:
                 return self._idl and old in _LISTED
-            return mark and self._behind_mark(old)
+            return mark and self._after_mark(old)
         if new == "[":
-            return not self._is_operand(last) and (not mark or self._behind_mark(old))
+            return not self._is_operand(last) and (not mark or self._after_mark(old))
         if new == "<" and self._opens_template():
             return False
         if new == "<" and mark and old == "<" and self.innermost == "<":
@@ -195,12 +195,12 @@ class Spacing:
         if new == "=" and self._idl and self.innermost == "(":
             return False
         if new in _SIGNS and not self._is_operand(last):
-            return self._behind_mark(old) if mark else True
+            return self._after_mark(old) if mark else True
         if new in ("*", "&") and not self._idl and not self._inside.values:
             return not (mark and old == "*")
         return True
 
-    def _behind_mark(self, old: str) -> bool:
+    def _after_mark(self, old: str) -> bool:
         if old in ("(", "[", "::", ".", "~", "!", "@"):
             return False
         if old == "<" and self.innermost == "<":

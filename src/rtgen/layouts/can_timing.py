@@ -111,7 +111,7 @@ class _Delays:
         self._messages = messages
         self._bit = bit_time(bit_rate)
         self._costs = [_transmission(m, bit_rate) for m in messages]
-        self._blocking = _greatest_behind(self._costs)
+        self._blocking = _suffix_maxima(self._costs)
         shares = (c / m.period for c, m in zip(self._costs, messages, strict=True))
         self._loads = list(accumulate(shares))
         self._places = {message.name: n for n, message in enumerate(messages)}
@@ -194,7 +194,7 @@ class _Delays:
         return wait
 
 
-def _greatest_behind(costs: Sequence[int]) -> list[int]:
+def _suffix_maxima(costs: Sequence[int]) -> list[int]:
     """Return for each position the greatest of the following costs."""
     found, greatest = [], 0
     for cost in reversed(costs):

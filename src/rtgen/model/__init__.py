@@ -194,7 +194,7 @@ class Model(msgspec.Struct, frozen=True, dict=True):
         return [*found.values()]
 
     def unalias(self, type_: Type) -> Type:
-        """Return the type behind typedefs; never a NamedType that refers to a Typedef."""
+        """Return the type with typedefs resolved; never a NamedType that refers to a Typedef."""
         while isinstance(type_, NamedType):
             declaration = self._by_name[type_.name]
             if not isinstance(declaration, Typedef):

@@ -96,7 +96,7 @@ class CArrayType(msgspec.Struct, frozen=True):
 
 
 class CFunctionType(msgspec.Struct, frozen=True):
-    """A function; behind a pointer only, and never transferable."""
+    """A function; only as the target of a pointer, and never transferable."""
 
     returns: CType
     parameters: tuple[CType, ...]

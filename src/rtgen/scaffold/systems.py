@@ -77,7 +77,7 @@ def system_of(name: str, model: Model, wanted: Sequence[str]) -> System:
 
 def _connections(model: Model, placed: Sequence[_Placed]) -> Iterator[Connection]:
     for number, (instance, component) in enumerate(placed):
-        before, behind = placed[:number][::-1], placed[number + 1 :]
+        before, after = placed[:number][::-1], placed[number + 1 :]
         for port in component.ports:
             if port.kind is PortKind.INPORT:
                 source = _first(model, before, PortKind.OUTPORT, port)
@@ -85,7 +85,7 @@ def _connections(model: Model, placed: Sequence[_Placed]) -> Iterator[Connection
                     type_ = _repository_id(model, port)
                     yield _connection(source, (instance, port), data_type=type_)
             elif port.kind is PortKind.CONSUMER:
-                provider = _first(model, [*before, *behind], PortKind.PROVIDER, port)
+                provider = _first(model, [*before, *after], PortKind.PROVIDER, port)
                 if provider is not None:
                     yield _connection((instance, port), provider)
 

@@ -58,14 +58,14 @@ class SetParameter:
 
 
 @dataclass(frozen=True, slots=True)
-class Ask:
+class StateRequest:
     """Request a transition of the component: `activate`, `deactivate` or `reset`."""
 
     request: str
     instance: str
 
 
-Action: TypeAlias = Disconnect | Connect | SetParameter | Ask
+Action: TypeAlias = Disconnect | Connect | SetParameter | StateRequest
 
 _KINDS = {Disconnect: "disconnect", Connect: "connect", SetParameter: "set"}
 
@@ -226,7 +226,7 @@ def _content(text: str, name: str) -> dict[str, Any]:
 
 def _place(action: Action) -> int:
     """Return the position in the order of events at the same time."""
-    if isinstance(action, Ask):
+    if isinstance(action, StateRequest):
         return _ORDER.index(action.request)
     return _ORDER.index(_KINDS[type(action)])
 
@@ -335,7 +335,7 @@ class _Reader:
             case "disconnect":
                 return Disconnect(self._link(value, span, self.links).name)
         if kind in _REQUESTS:
-            return Ask(kind, require_instance(value, self._system, span))
+            return StateRequest(kind, require_instance(value, self._system, span))
         links = self._own
         name = self._link(value, span, links).name
         known = next(c for c in self._system.connections if c.name == name)

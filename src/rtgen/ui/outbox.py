@@ -39,14 +39,14 @@ class Outbox:
     """The messages for a page. May be used from any thread; `wake` is called for new messages.
 
     `full`: the page may change the system. `watched`: the channels whose samples it subscribes to.
-    `behind`: the page has missed changes and needs the whole state. `past`: the time that the page
-    shows [s]; None for the present.
+    `missed_changes`: the page needs the whole state. `past`: the time that the page shows [s]; None
+    for the present.
     """
 
     wake: Callable[[], None]
     full: bool = True
     watched: frozenset[int] = frozenset()
-    behind: bool = False
+    missed_changes: bool = False
     past: float | None = None
     closed: bool = False
     _lock: threading.Lock = field(default_factory=threading.Lock)
@@ -82,12 +82,12 @@ class Outbox:
                 e for e in self._changes if e.discriminator in _ALWAYS
             )
             self._changes.append(event)
-            self.behind = False
+            self.missed_changes = False
         elif kind is EventKind.EVENT_RESULT or len(self._changes) < MAX_CHANGES:
             self._changes.append(event)
         else:
             self._dropped += 1
-            self.behind = True
+            self.missed_changes = True
 
     def show(self, events: list[Event], past: float | None) -> None:
         """Show the state at a time instead of all waiting events; sets `past`."""
@@ -96,7 +96,7 @@ class Outbox:
             self._changes = deque((*kept, *events))
             self._statistics, self._latest = {}, {}
             self._samples, self._traffic = [], deque()
-            self.past, self.behind = past, False
+            self.past, self.missed_changes = past, False
         self.wake()
 
     def show_more(self, events: list[Event]) -> None:

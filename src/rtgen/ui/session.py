@@ -613,7 +613,7 @@ class Session:
         for page in self._pages:
             if changed:
                 page.statistics(changed)
-            if page.behind:
+            if page.missed_changes:
                 page.put(ui.Event.of_whole(self.whole()))
 
     def close(self) -> None:

@@ -12,11 +12,11 @@ from rtgen.diagnostics import InputError, Span
 from rtgen.model import Connection, PortReference, System, SystemComponent
 from rtgen.systems.measures import parse
 from rtgen.systems.timeline import (
-    Ask,
     Condition,
     Connect,
     Disconnect,
     SetParameter,
+    StateRequest,
     Step,
 )
 
@@ -112,14 +112,14 @@ def test_steps_of_a_timeline() -> None:
     whole = system(link("ab", "A0.x", "B0.x"), link("bc", "B0.y", "C0.y"))
     ends = port("B0.y"), port("A0.y")
     mine = [
-        step(Ask("activate", "A0")),
+        step(StateRequest("activate", "A0")),
         step(SetParameter("A0", "p", "1")),
         step(Disconnect("ab")),
         step(Connect("new", *ends, {})),
         step(Disconnect("new")),
     ]
     others = [
-        step(Ask("activate", "B0")),
+        step(StateRequest("activate", "B0")),
         step(SetParameter("C0", "p", "1")),
         step(Disconnect("bc")),
         step(Connect("other", port("B0.z"), port("C0.z"), {})),

@@ -10,11 +10,11 @@ from rtgen.diagnostics import Diagnostic, InputError, Span, ToolError
 from rtgen.model import Connection, PortReference, System, SystemComponent
 from rtgen.systems.timeline import (
     SECOND,
-    Ask,
     Condition,
     Connect,
     Disconnect,
     SetParameter,
+    StateRequest,
     assignment,
     condition,
     load,
@@ -100,13 +100,13 @@ def test_a_timeline_in_order_of_time() -> None:
     )
     assert [(s.time / SECOND, s.action) for s in steps] == [
         (0.5, Connect("A0.out-B0.in", A, B, {"p": "1"})),
-        (0.5, Ask("deactivate", "B0")),
+        (0.5, StateRequest("deactivate", "B0")),
         (2.0, Disconnect("wire")),
         (2.0, Connect("wire", A, B, {"dataport.k": "v"})),
         (2.0, SetParameter("A0", "x", "1")),
         (2.0, SetParameter("B0", "y", "2")),
-        (2.0, Ask("reset", "B0")),
-        (2.0, Ask("activate", "A0")),
+        (2.0, StateRequest("reset", "B0")),
+        (2.0, StateRequest("activate", "A0")),
     ]
     assert [s.span.line for s in steps] == [11, 10, 7, 6, 5, 5, 4, 3]
 

@@ -325,7 +325,7 @@ def test_a_page_that_does_not_read_is_sent_less(bench: Bench, page: Page) -> Non
     assert samples[-1].time == pytest.approx(4.999)
     for number in range(MAX_CHANGES + 1):
         bench.session.notice("test", "", str(number))
-    assert reader.outbox.behind
+    assert reader.outbox.missed_changes
     assert len(reader.events()) >= MAX_CHANGES
     bench.session._report()
     assert whole(reader.events()).components

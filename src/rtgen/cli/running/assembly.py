@@ -38,10 +38,10 @@ from rtgen.systems.rules import (
 from rtgen.systems.timeline import (
     SECOND,
     Action,
-    Ask,
     Connect,
     Disconnect,
     SetParameter,
+    StateRequest,
     Step,
 )
 from rtgen.typemap.openrtm_ports import InstancePorts, with_definition_names
@@ -168,7 +168,7 @@ def _fill(
     before: list[str] = []
     for time, instance in _start(profile, system):
         if instance in system.instances:
-            activate = _performing(system, Ask("activate", instance))
+            activate = _performing(system, StateRequest("activate", instance))
             if transport is not None and before:
                 is_ready = partial(transport.is_ready, instance, tuple(before))
                 activate = _when(system, is_ready, activate, patience)
@@ -358,11 +358,11 @@ def _performing(
 ) -> Callable[[], None]:
     def perform() -> None:
         match action:
-            case Ask("activate"):
+            case StateRequest("activate"):
                 system.activate(action.instance)
-            case Ask("deactivate"):
+            case StateRequest("deactivate"):
                 system.deactivate(action.instance)
-            case Ask("reset"):
+            case StateRequest("reset"):
                 system.reset(action.instance)
             case Connect(name, source, target, properties):
                 ends = (source.instance, source.port), (target.instance, target.port)

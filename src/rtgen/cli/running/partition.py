@@ -13,11 +13,11 @@ from rtgen.systems.measures import Measure
 from rtgen.systems.rules import ELSEWHERE
 from rtgen.systems.timeline import (
     Action,
-    Ask,
     Condition,
     Connect,
     Disconnect,
     SetParameter,
+    StateRequest,
     Step,
 )
 
@@ -157,7 +157,7 @@ def _concerns(action: Action, known: Collection[str], here: Collection[str]) -> 
     match action:
         case Connect(name=name) | Disconnect(name):
             return name in known
-        case Ask() | SetParameter():
+        case StateRequest() | SetParameter():
             return action.instance in here
 
 

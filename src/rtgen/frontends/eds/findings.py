@@ -1,4 +1,4 @@
-"""Diagnostics of one file."""
+"""Collects the diagnostics of one EDS or DCF file."""
 
 from __future__ import annotations
 

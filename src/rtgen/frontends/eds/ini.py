@@ -212,11 +212,11 @@ class _Reader:
         name = "" if found is None else found[1].strip()
         span = self._whole(number, line)
         clean = _CLEAN_HEADER.fullmatch(line) is not None
-        behind = "" if found is None else found[2]
-        if not name or (not clean and behind[:1] != ";"):
+        rest = "" if found is None else found[2]
+        if not name or (not clean and rest[:1] != ";"):
             message = "malformed header of a section"
             self._findings.add(lexical.BAD_HEADER, span, message)
-        elif behind:
+        elif rest:
             message = "a comment must be on its own line"
             self._findings.add(lexical.STRAY_COMMENT, span, message)
         self._section = None

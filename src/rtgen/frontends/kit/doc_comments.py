@@ -46,7 +46,7 @@ class Docs:
             return ""
         found = self._known.get((start, end))
         if found is None:
-            parts = (self._above(start), self._behind(end))
+            parts = (self._above(start), self._after(end))
             found = self._known[start, end] = "\n\n".join(filter(None, parts))
         return found
 
@@ -102,7 +102,7 @@ class Docs:
         joined = _tidy("\n".join(texts))
         return "" if _OF_A_FILE.search(joined) else joined
 
-    def _behind(self, end: int) -> str:
+    def _after(self, end: int) -> str:
         index = bisect_left(self._starts, end)
         found: list[str] = []
         position = end

@@ -92,16 +92,16 @@ class BaseContext(ABC):
         hint: str | None = None,
         *,
         at: tuple[int, int] | None = None,
-        behind: bool = False,
+        after_last: bool = False,
         related: Iterable[Related] = (),
         feed: tuple[str, ...] = (),
         instead: bool = False,
         back: bool = False,
         resume: int | None = None,
     ) -> Recovery:
-        """Return a recovery with a diagnostic at the token, at `at`, or `behind` the last token."""
+        """Return a recovery with a diagnostic at the token, at `at`, or `after_last` token."""
         start, end = at or (self.start, self.end)
-        span = self.span_after(self.last) if behind else self.span(start, end)
+        span = self.span_after(self.last) if after_last else self.span(start, end)
         diagnostic = rule.at(span, message, related=related, hint=hint)
         return Recovery(diagnostic, feed, instead, back, resume)
 

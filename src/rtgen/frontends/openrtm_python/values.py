@@ -116,9 +116,9 @@ class Component:
     line: list[Class]
     attributes: dict[str, Value] = field(default_factory=dict)
 
-    def method(self, name: str, behind: Class | None = None) -> Function | None:
-        """Return the method of that name; with `behind`, the next one in the resolution order."""
-        place = 0 if behind is None else self.line.index(behind) + 1
+    def method(self, name: str, after: Class | None = None) -> Function | None:
+        """Return the method of that name; with `after`, the next one in the resolution order."""
+        place = 0 if after is None else self.line.index(after) + 1
         for each in self.line[place:]:
             for node in each.node.body:
                 if isinstance(node, ast.FunctionDef) and node.name == name:

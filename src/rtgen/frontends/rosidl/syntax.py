@@ -145,8 +145,8 @@ class _Reader:
         doc = self._end_of_comment()
         if self._doc is None:
             self._doc = ""
-        behind = comment.strip()
-        self._declare(content, number, "\n".join(filter(None, (doc, behind))))
+        trailing = comment.strip()
+        self._declare(content, number, "\n".join(filter(None, (doc, trailing))))
 
     def _declare(self, content: str, number: int, doc: str) -> None:
         match = _LINE.fullmatch(content)

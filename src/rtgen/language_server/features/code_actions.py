@@ -94,7 +94,7 @@ def _changes(view: View, diagnostic: Diagnostic) -> Iterator[tuple[str, TextEdit
     message = diagnostic.message
     written = _written(view, diagnostic.range)
     if (match := _INCLUDE.search(message)) is not None:
-        offset = _behind_includes(view.text.source)
+        offset = _after_includes(view.text.source)
         place = view.range(offset, offset)
         yield f"Add {match[1]}", TextEdit(place, f"{match[1]}\n")
         return
@@ -107,7 +107,7 @@ def _written(view: View, place: Range) -> str:
     return view.text.source[view.offset(place.start) : view.offset(place.end)]
 
 
-def _behind_includes(source: str) -> int:
+def _after_includes(source: str) -> int:
     """Return the offset for a new include: after the last one, else the start."""
     last = 0
     for match in _INCLUDED.finditer(source):

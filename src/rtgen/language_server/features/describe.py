@@ -225,7 +225,7 @@ def _parameter_notes(parameter: ConfigurationParameter) -> list[str]:
 
 
 def _resolved(model: Model, type_: Type) -> str:
-    """Return the type behind typedefs."""
+    """Return the type with typedefs resolved."""
     try:
         return str(model.unalias(type_))
     except KeyError:

@@ -72,23 +72,23 @@ def _end(node: Node, offset: int) -> int:
     """Return the greatest possible end of a value that begins at `offset`."""
     match node:
         case Atom(size=size, align=align):
-            return _behind(offset, size, align)
+            return _end_of(offset, size, align)
         case AtomArray(atom=atom, dimensions=dimensions):
-            return _behind(offset, atom.size * prod(dimensions), atom.align)
+            return _end_of(offset, atom.size * prod(dimensions), atom.align)
         case TextArray(length=length):
             return _limited(offset + length)
         case TextSequence():
-            return _limited(_behind(offset, 4, 4) + _bound(node.most))
+            return _limited(_end_of(offset, 4, 4) + _bound(node.most))
         case AtomSequence(atom=atom, bound=bound):
-            return _repeated((atom,), _bound(bound), _behind(offset, 4, 4))
+            return _repeated((atom,), _bound(bound), _end_of(offset, 4, 4))
         case Records(element, length=None, bound=bound):
-            return _repeated((element,), _bound(bound), _behind(offset, 4, 4))
+            return _repeated((element,), _bound(bound), _end_of(offset, 4, 4))
         case Records(element, length=int(length)):
             return _repeated((element,), length, offset)
         case Repeat(element, _, bound, length, key):
             elements = (element,) if key is None else (key, element)
             if length is None:
-                length, offset = _bound(bound), _behind(offset, 4, 4)
+                length, offset = _bound(bound), _end_of(offset, 4, 4)
             return _repeated(elements, length, offset)
         case Group(members=members):
             for _, member in members:
@@ -102,7 +102,7 @@ def _end(node: Node, offset: int) -> int:
         case Call(type=type_):
             return _end(body_of(type_, _FORMAT), offset)
         case Delimited(node=inner):
-            return _end(inner, _behind(offset, 4, 4))
+            return _end(inner, _end_of(offset, 4, 4))
         case Optional(node=inner):
             return _end(inner, _limited(offset + 1))
     raise TypeError(node)
@@ -114,7 +114,7 @@ def _limited(offset: int) -> int:
     return offset
 
 
-def _behind(offset: int, size: int, align: int) -> int:
+def _end_of(offset: int, size: int, align: int) -> int:
     return _limited(offset + -offset % align + size)
 
 

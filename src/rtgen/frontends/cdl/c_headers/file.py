@@ -1,4 +1,4 @@
-"""C headers as files."""
+"""A C header as read from the disk: its name, digest and decoded text."""
 
 from __future__ import annotations
 

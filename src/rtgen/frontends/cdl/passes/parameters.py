@@ -471,7 +471,7 @@ def _needed_levels(parameter: _Parameter) -> int:
 
 
 def _target(type_: CType) -> CType:
-    """Return the type behind all pointer levels."""
+    """Return the target type of all pointer levels."""
     for _ in range(pointer_depth(type_)):
         inner = resolve(type_)
         assert isinstance(inner, CPointerType)

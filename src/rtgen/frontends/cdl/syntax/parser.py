@@ -208,8 +208,8 @@ class _Run:
         )
         recovery = explain(context)
         if recovery.diagnostic is not None:
-            behind = recovery.feed and not recovery.instead
-            self._emit(recovery.diagnostic, context.last if behind else start)
+            after_last = recovery.feed and not recovery.instead
+            self._emit(recovery.diagnostic, context.last if after_last else start)
         if not self._recover(recovery, context):
             self._resume(start)
 

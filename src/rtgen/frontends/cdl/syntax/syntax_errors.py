@@ -145,7 +145,7 @@ def _end(s: ErrorContext) -> Recovery | None:
     return s.recovery(
         syntax.UNEXPECTED_END,
         f"the file ends in the middle of a statement{s.expectation()}",
-        behind=True,
+        after_last=True,
     )
 
 
@@ -155,7 +155,7 @@ def _semicolon(s: ErrorContext) -> Recovery:
         syntax.MISSING_SEMICOLON,
         "a ';' is missing here",
         hint,
-        behind=True,
+        after_last=True,
         feed=("SEMI",),
     )
 
@@ -179,11 +179,11 @@ def _stray_brace(s: ErrorContext) -> Recovery | None:
         "this brace closes nothing",
         "remove it, or find the missing '{'",
         instead=True,
-        resume=_behind_semicolon(s),
+        resume=_after_semicolon(s),
     )
 
 
-def _behind_semicolon(s: ErrorContext) -> int:
+def _after_semicolon(s: ErrorContext) -> int:
     found = _SEMICOLON.match(s.code, s.end)
     return found.end() if found else s.end
 
@@ -402,14 +402,14 @@ def _missing_closer(s: ErrorContext) -> Recovery | None:
             return s.recovery(
                 syntax.MISSING_MARK,
                 f"a '{mark}' is missing here",
-                behind=True,
+                after_last=True,
                 feed=(terminal,),
             )
     if "COMMA" in s.accepted and (s.text in SPECIFIERS or s.text == "["):
         return s.recovery(
             syntax.MISSING_MARK,
             "a ',' is missing here",
-            behind=True,
+            after_last=True,
             feed=("COMMA",),
         )
     return None

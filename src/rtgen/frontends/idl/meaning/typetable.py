@@ -108,7 +108,7 @@ class Types:
         return ArrayType(type_, sizes)
 
     def unaliased(self, type_: Type | None) -> Type | None:
-        """Return the type behind typedefs; None for a typedef cycle."""
+        """Return the type with typedefs resolved; None for a typedef cycle."""
         passed: dict[ScopedName, None] = {}
         while isinstance(type_, NamedType) and type_.name in self._aliases:
             if type_.name in self._plain:

@@ -236,47 +236,48 @@ class Naming(ABC):
         alias: bool,
     ) -> None:
         """Check a use of an incomplete type, or of a type that contains one."""
-        behind = self._open_type(entity)
-        if behind is None:
+        incomplete = self._open_type(entity)
+        if incomplete is None:
             return
-        in_sequence = depth > 0 or behind is not entity
-        inside = any(place.entity is behind for place in scope.outward())
+        in_sequence = depth > 0 or incomplete is not entity
+        inside = any(place.entity is incomplete for place in scope.outward())
         if in_sequence and (alias or inside):
-            if inside and depth > 0 and behind is entity:
+            if inside and depth > 0 and incomplete is entity:
                 self._report(
                     type_rules.RECURSIVE_SEQUENCE.at(
                         self._unit.span(node.start, node.end),
-                        f"this sequence is directly inside {behind.name}",
-                        hint=f"declare '{behind.kind} {behind.name};' before, and a typedef",
+                        f"this sequence is directly inside {incomplete.name}",
+                        hint=f"declare '{incomplete.kind} {incomplete.name};' before,"
+                        " and a typedef",
                     )
                 )
             return
         label = (
             "its definition begins here"
-            if behind.node is not None
+            if incomplete.node is not None
             else "only declared here"
         )
         hint = (
-            f"use a sequence: 'struct {behind.name};' and"
-            f" 'typedef sequence<{behind.name}> ...;' before it"
+            f"use a sequence: 'struct {incomplete.name};' and"
+            f" 'typedef sequence<{incomplete.name}> ...;' before it"
             if inside
-            else f"define {behind.name} before"
+            else f"define {incomplete.name} before"
         )
         finding = type_rules.INCOMPLETE.at(
             self._unit.span(node.start, node.end),
             (
-                f"{behind.scoped} cannot hold itself"
-                if inside and behind.node is not None
-                else f"{behind.scoped} is not complete here"
+                f"{incomplete.scoped} cannot hold itself"
+                if inside and incomplete.node is not None
+                else f"{incomplete.scoped} is not complete here"
             ),
-            related=[Related(behind.span, label)],
+            related=[Related(incomplete.span, label)],
             hint=hint,
         )
-        self._too_early.append((behind, finding))
+        self._too_early.append((incomplete, finding))
         self.tables.references[node] = None
 
     def _open_type(self, entity: Entity) -> Entity | None:
-        """Return the incomplete struct or union behind typedefs and sequences."""
+        """Return the incomplete struct or union in typedefs and sequences."""
         seen = 0
         while not entity.complete and seen < MAX_DEPTH:
             seen += 1

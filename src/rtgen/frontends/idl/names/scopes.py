@@ -53,7 +53,7 @@ TYPES = frozenset(
 class Entity(msgspec.Struct, eq=False):
     """A declared name. `node` is its definition, None while only forward-declared.
 
-    `type_node` is the type behind a typedef, a member or a constant, with its `declarator`.
+    `type_node` is the type of a typedef, a member or a constant, with its `declarator`.
     `contradicted`: another declaration of the name has another kind or prefix; `clashes`: its
     name, or that of an enclosing scope, is already used, so it is kept out of its scope.
     `default_id` is the repository id without `#pragma ID` and `version`. `order` counts the

@@ -157,7 +157,7 @@ class TypeNames(Naming):
         entity = scope.entity
         assert entity is not None
         if len(name.parts) == 1 and isinstance(entity.node, tree.Union):
-            enum = self._enum_behind(entity.node.switch)
+            enum = self._switch_enum(entity.node.switch)
             if enum is not None:
                 found = enum.scope.names.get(self._key(name.parts[0].text))
                 if (
@@ -170,7 +170,7 @@ class TypeNames(Naming):
                     return
         self._find(scope, name)
 
-    def _enum_behind(self, node: object) -> Entity | None:
+    def _switch_enum(self, node: object) -> Entity | None:
         while True:
             found: object
             if isinstance(node, tree.Enum):

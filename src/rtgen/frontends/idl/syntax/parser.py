@@ -148,9 +148,9 @@ class _Run:
             surplus=self._surplus,
         )
         recovery = explain(context)
-        behind = recovery.feed and not recovery.instead
+        after_last = recovery.feed and not recovery.instead
         if recovery.diagnostic is not None:
-            self._emit(recovery.diagnostic, context.last if behind else start)
+            self._emit(recovery.diagnostic, context.last if after_last else start)
         if not self._recover(recovery, context):
             self._resume(start, context.statement)
 

@@ -292,13 +292,13 @@ class _File:
     def _copy(self, start: int, end: int) -> None:
         self.builder.copy(self.source, start, end, self._file, self._shift)
 
-    def _end_of_call(self, macro: Macro, start: int, behind: int, end: int) -> int:
-        """Return the end of the call that starts at `start`, whose name ends before `behind`.
+    def _end_of_call(self, macro: Macro, start: int, name_end: int, end: int) -> int:
+        """Return the end of the call that starts at `start`, whose name ends before `name_end`.
 
         Arguments for its expansion belong to the call, too (ISO C, 16.3.4).
         """
         code = self.source.code
-        until = behind if macro.parameters is None else call_end(code, behind, end)
+        until = name_end if macro.parameters is None else call_end(code, name_end, end)
         while (further := call_end(code, until, end)) > until:
             try:
                 expanded = Expander(self.macros).expand(tokenize(code[start:until]))

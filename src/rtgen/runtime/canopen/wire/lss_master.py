@@ -36,7 +36,7 @@ class LssError(RuntimeError):
 
 
 @dataclass(frozen=True, slots=True)
-class Ask:
+class Request:
     """A request; `answer` is the command of its response, None if there is none.
 
     With `many`, several slaves may answer, and the next request waits for them.
@@ -47,7 +47,7 @@ class Ask:
     many: bool = False
 
 
-Procedure: TypeAlias = Generator[Ask, bytes | None, T]
+Procedure: TypeAlias = Generator[Request, bytes | None, T]
 
 
 class Assigned(NamedTuple):
@@ -66,17 +66,17 @@ _SELECTION: Final = (
 )
 
 
-def switch(state: int) -> Ask:
+def switch(state: int) -> Request:
     """Switch all slaves to WAITING or CONFIGURATION."""
-    return Ask(lss.message(LssCommand.SWITCH_GLOBAL, state, 1))
+    return Request(lss.message(LssCommand.SWITCH_GLOBAL, state, 1))
 
 
 def select(address: LssAddress) -> Procedure[bool]:
     """Switch one slave to CONFIGURATION; return whether a slave has this address."""
     for command, number in zip(_SELECTION[:3], address[:3], strict=True):
-        yield Ask(lss.message(command, number))
+        yield Request(lss.message(command, number))
     last = lss.message(LssCommand.SWITCH_SERIAL, address.serial)
-    return (yield Ask(last, LssCommand.SWITCHED)) is not None
+    return (yield Request(last, LssCommand.SWITCHED)) is not None
 
 
 def scan(
@@ -101,9 +101,9 @@ def scan(
     return LssAddress(*found)
 
 
-def _scanned(number: int, bit: int, part: int, following: int) -> Ask:
+def _scanned(number: int, bit: int, part: int, following: int) -> Request:
     message = lss.fastscan_message(number, bit, part, following)
-    return Ask(message, LssCommand.IDENTIFIED, many=True)
+    return Request(message, LssCommand.IDENTIFIED, many=True)
 
 
 def find(wanted: PartialAddress) -> Procedure[LssAddress]:
@@ -145,7 +145,7 @@ def assign(wanted: PartialAddress, node_id: int) -> Procedure[Assigned]:
 
 def inquire(what: LssCommand) -> Procedure[int]:
     """Read a number of the slave in CONFIGURATION with an INQUIRE command. Raises LssError."""
-    answer = yield Ask(lss.message(what), what)
+    answer = yield Request(lss.message(what), what)
     if answer is None:
         raise LssError(f"{what.name} is not answered")
     return lss.first_number(answer)
@@ -179,7 +179,7 @@ def set_bit_rate(
         raise LssError(f"bit rate {bit_rate} is refused: {_reason(error)}")
     stored = yield from store()
     if delay is not None:
-        yield Ask(lss.message(LssCommand.ACTIVATE_BIT_TIMING, delay, 2))
+        yield Request(lss.message(LssCommand.ACTIVATE_BIT_TIMING, delay, 2))
     else:
         yield switch(lss.WAITING)
     return stored
@@ -187,7 +187,7 @@ def set_bit_rate(
 
 def _configured(command: LssCommand, message: bytes) -> Procedure[int]:
     """Return the error code in the response to a message. Raises LssError."""
-    answer = yield Ask(message, command)
+    answer = yield Request(message, command)
     if answer is None:
         raise LssError(f"{command.name} is not answered")
     return answer[1]
@@ -214,7 +214,7 @@ class LssMaster:
         self._waiting: deque[tuple[Procedure[Any], Callable[[Any], None]]] = deque()
         self._procedure: Procedure[Any] | None = None
         self._done: Callable[[Any], None] = _ignore
-        self._asked = Ask(b"")
+        self._asked = Request(b"")
         self._answer: bytes | None = None
         self.deadline: int | None = None
 

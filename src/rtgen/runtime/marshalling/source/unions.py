@@ -54,7 +54,7 @@ def encode(
         body.block(head)
         body.choose_here()
         node = members.get(branch.attribute) or tree_of(branch.type, refer.format)
-        steps = steps_of(node, ANYWHERE if listed else _behind(switch))
+        steps = steps_of(node, ANYWHERE if listed else _position_after(switch))
         path = (branch.attribute,)
         encoder.bind(path, "inner")
         encoder.steps(steps, path)
@@ -100,7 +100,7 @@ def decode(
             body.block("else:")
         node = tree_of(branch.type, refer.format)
         path = (branch.attribute,)
-        decoder.steps(steps_of(node, _behind(switch)), path)
+        decoder.steps(steps_of(node, _position_after(switch)), path)
         body.add(f"value = {decoder.value(node, path)}")
         if evolving:
             body.end()
@@ -113,7 +113,7 @@ def decode(
     return body.lines
 
 
-def _behind(switch: Atom) -> Position:
+def _position_after(switch: Atom) -> Position:
     """Return what is known of the offset after a discriminator."""
     return ANYWHERE.aligned(switch.align).after(switch.size)
 

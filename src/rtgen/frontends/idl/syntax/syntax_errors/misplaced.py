@@ -45,7 +45,7 @@ def what_stands_here(s: ErrorContext) -> str:
     return _CONTENTS.get(s.construct, _CONTENTS[""])
 
 
-def colon_behind_access(s: ErrorContext) -> Recovery | None:
+def colon_after_access(s: ErrorContext) -> Recovery | None:
     """Recognize `public:` of C++."""
     if s.text in _ACCESS and s.following == ":":
         end = s.after[0].end
@@ -392,7 +392,7 @@ def marks(s: ErrorContext) -> Recovery | None:
             syntax.MISSING_WORD,
             "'switch (TYPE)' is missing here",
             "a union selects its branches by a value: union U switch (long) { case 1: ... }",
-            behind=True,
+            after_last=True,
         )
     if s.kind == "IDENT" and "RPAR" in s.accepted and s.first == "union":
         return s.recover(

@@ -64,7 +64,7 @@ def _at_end(s: ErrorContext) -> Recovery | None:
             syntax.UNEXPECTED_END,
             "the file ends within a declaration",
             "write its end, or remove it",
-            behind=True,
+            after_last=True,
         )
     return s.recover(
         syntax.UNCLOSED_BRACE,
@@ -80,7 +80,7 @@ def _semicolon(s: ErrorContext) -> Recovery:
         syntax.MISSING_SEMICOLON,
         "a ';' is missing here",
         "put ';' at the end of the declaration",
-        behind=True,
+        after_last=True,
         feed=("SEMI",),
         resume=s.start,
     )
@@ -342,14 +342,14 @@ def _missing_mark(s: ErrorContext) -> Recovery | None:
             syntax.MISSING_MARK,
             "'()' is missing here",
             f"write {s.previous}() for an operation, attribute TYPE {s.previous} for a value",
-            behind=True,
+            after_last=True,
         )
     if mark == "=" and s.text == ";":
         return s.recover(
             syntax.MISSING_MARK,
             "the value of the constant is missing here",
             "write '= VALUE' after the name",
-            behind=True,
+            after_last=True,
         )
     if mark == "=" and s.text == ":":
         return s.recover(
@@ -413,7 +413,7 @@ def _missing_word(s: ErrorContext) -> Recovery | None:
             syntax.MISSING_WORD,
             "the name of the parameter is missing here",
             hint,
-            behind=True,
+            after_last=True,
         )
     last = s.before[-1] if s.before else None
     if last is not None and last.is_name and len(s.before) == 1:
@@ -427,7 +427,7 @@ def _missing_word(s: ErrorContext) -> Recovery | None:
         syntax.MISSING_WORD,
         "a name is missing here",
         "a declaration has a type and a name: long count",
-        behind=True,
+        after_last=True,
     )
 
 
@@ -455,7 +455,7 @@ _RECOGNISERS: tuple[Callable[[ErrorContext], Recovery | None], ...] = (
     foreign.number_type,
     _doubled_word,
     misplaced.values,
-    misplaced.colon_behind_access,
+    misplaced.colon_after_access,
     misplaced.misplaced_direction,
     misplaced.misplaced_clause,
     foreign.superfluous,
