@@ -21,7 +21,7 @@ from rtgen.runtime import SECOND, InPort, OutPort
 
 _FAULTS: Final = (PowerState.FAULT_REACTION_ACTIVE, PowerState.FAULT)
 _COASTING: Final = 1.0
-"""How long a wheel may coast after its drive is lost [s]."""
+"""Maximum time that a wheel may coast after its drive is lost [s]."""
 
 
 class PlantParameters(BaseParameters, PlantSizes, PlantStart, Protocol):

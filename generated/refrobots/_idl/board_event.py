@@ -14,7 +14,7 @@ from .extended_data_types import Pose2D
 
 
 class BoardEventKind(Enumeration):
-    """What happened to a motor board."""
+    """An event of a motor board."""
 
     DRIVING = 0
     """Speeds came, the first ones or after a pause."""

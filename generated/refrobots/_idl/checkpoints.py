@@ -14,7 +14,7 @@ from .extended_data_types import Pose2D
 
 
 class Reckoning(Aggregated):
-    """Of odometry: the pose, and the wheel angles that it was computed from."""
+    """Checkpoint of odometry: the pose, and the wheel angles from which it was computed."""
 
     _descriptor_: ClassVar = idl.struct(
         "Checkpoints::Reckoning",
@@ -32,7 +32,7 @@ class Reckoning(Aggregated):
 
 
 class Goals(Aggregated):
-    """Of a planner: where it was asked to go."""
+    """Checkpoint of a planner: its goal."""
 
     _descriptor_: ClassVar = idl.struct(
         "Checkpoints::Goals",
@@ -47,7 +47,7 @@ class Goals(Aggregated):
 
 
 class Base(Aggregated):
-    """Of a simulated base: what real hardware keeps without its driver, and who has stopped it."""
+    """Checkpoint of a simulated base: the state that real hardware keeps without its driver, and who stopped it."""
 
     _descriptor_: ClassVar = idl.struct(
         "Checkpoints::Base",

@@ -125,7 +125,7 @@ class Size2D(Aggregated):
 
 
 class Geometry2D(Aggregated):
-    """Where a rectangular object lies, and how large it is."""
+    """Position and size of a rectangular object."""
 
     _descriptor_: ClassVar = idl.struct("RTC::Geometry2D", pose=Pose2D, size=Size2D)
 
@@ -388,7 +388,7 @@ class Size3D(Aggregated):
 
 
 class Geometry3D(Aggregated):
-    """Where a box-shaped object lies, and how large it is."""
+    """Position and size of a box-shaped object."""
 
     _descriptor_: ClassVar = idl.struct("RTC::Geometry3D", pose=Pose3D, size=Size3D)
 

@@ -158,7 +158,7 @@ class TimedPose2DSeq(Aggregated):
 
 
 class State(Enumeration):
-    """What the navigation is doing; the values of `TimedState.data`."""
+    """State of the navigation; the values of `TimedState.data`."""
 
     FINISH = 0
     """The final goal is reached (not given at waypoints)."""

@@ -32,7 +32,7 @@ from .extended_data_types import (
 
 
 class ActArrayActuatorStatus(Enumeration):
-    """What an actuator is doing."""
+    """State of an actuator."""
 
     ACTUATOR_STATUS_IDLE = 0
     ACTUATOR_STATUS_MOVING = 1
@@ -44,7 +44,7 @@ idl.enum(ActArrayActuatorStatus, "RTC::ActArrayActuatorStatus")
 
 
 class ActArrayActuatorType(Enumeration):
-    """How an actuator moves."""
+    """Kind of motion of an actuator."""
 
     ACTARRAY_ACTUATORTYPE_LINEAR = 0
     ACTARRAY_ACTUATORTYPE_ROTARY = 1
@@ -65,7 +65,7 @@ idl.enum(GPSFixType, "RTC::GPSFixType")
 
 
 class GripperStatus(Enumeration):
-    """What a gripper is doing."""
+    """State of a gripper."""
 
     GRIPPER_STATE_OPEN = 0
     GRIPPER_STATE_CLOSED = 1
@@ -77,7 +77,7 @@ idl.enum(GripperStatus, "RTC::GripperStatus")
 
 
 class LimbStatus(Enumeration):
-    """What a limb is doing."""
+    """State of a limb."""
 
     LIMB_STATUS_IDLE = 0
     LIMB_STATUS_BRAKED = 1
@@ -141,7 +141,7 @@ class ActArrayActuatorCurrent(Aggregated):
 
 
 class Actuator(Aggregated):
-    """What one actuator is doing."""
+    """State of one actuator."""
 
     _descriptor_: ClassVar = idl.struct(
         "RTC::Actuator",
@@ -175,7 +175,7 @@ class ActuatorListCodec(AliasCodec[ActuatorList]):
 
 
 class ActArrayState(Aggregated):
-    """What every actuator of an array is doing."""
+    """States of the actuators of an array."""
 
     _descriptor_: ClassVar = idl.struct(
         "RTC::ActArrayState",
@@ -456,7 +456,7 @@ class GPSData(Aggregated):
 
 
 class GripperState(Aggregated):
-    """What a gripper is doing."""
+    """State of a gripper."""
 
     _descriptor_: ClassVar = idl.struct(
         "RTC::GripperState",
@@ -511,7 +511,7 @@ class INSData(Aggregated):
 
 
 class LimbState(Aggregated):
-    """Where the end of a limb is, and what the limb is doing."""
+    """Pose of a limb's end, and state of the limb."""
 
     _descriptor_: ClassVar = idl.struct(
         "RTC::LimbState",
@@ -811,7 +811,7 @@ class MulticameraGeometryListCodec(AliasCodec[MulticameraGeometryList]):
 
 
 class MulticameraGeometry(Aggregated):
-    """Where the cameras of a set are mounted."""
+    """Mounting poses of the cameras of a set."""
 
     _descriptor_: ClassVar = idl.struct(
         "RTC::MulticameraGeometry",
@@ -837,9 +837,9 @@ class Waypoint2D(Aggregated):
 
     target: Pose2D = field(default_factory=Pose2D)
     distanceTolerance: float = 0.0
-    """How near counts as reached [m]."""
+    """Tolerance of the position [m]."""
     headingTolerance: float = 0.0
-    """How well the heading is to agree [rad]."""
+    """Tolerance of the heading [rad]."""
     timeLimit: Time = field(default_factory=Time)
     """When to have arrived."""
     maxSpeed: Velocity2D = field(default_factory=Velocity2D)
@@ -883,9 +883,9 @@ class Waypoint3D(Aggregated):
 
     target: Pose3D = field(default_factory=Pose3D)
     distanceTolerance: float = 0.0
-    """How near counts as reached [m]."""
+    """Tolerance of the position [m]."""
     headingTolerance: float = 0.0
-    """How well the heading is to agree [rad]."""
+    """Tolerance of the heading [rad]."""
     timeLimit: Time = field(default_factory=Time)
     """When to have arrived."""
     maxSpeed: Velocity3D = field(default_factory=Velocity3D)
@@ -1006,7 +1006,7 @@ class ElementGeometryListCodec(AliasCodec[ElementGeometryList]):
 
 
 class RangerGeometry(Aggregated):
-    """Where a range sensor and its elements are mounted."""
+    """Mounting poses of a range sensor and its elements."""
 
     _descriptor_: ClassVar = idl.struct(
         "RTC::RangerGeometry",
@@ -1127,7 +1127,7 @@ class MulticameraInfoListCodec(AliasCodec[MulticameraInfoList]):
 
 
 RFIDTagData: TypeAlias = bytes
-"""What an RFID tag holds."""
+"""Content of an RFID tag."""
 _RFIDTagData_alias = idl.alias("RTC::RFIDTagData", idl.sequence(idl.OCTET))
 
 

@@ -57,7 +57,7 @@ class TimedSightings(Aggregated):
 
 
 class TimedRecord(Aggregated):
-    """What is on record for a ucode."""
+    """Record of a ucode."""
 
     _descriptor_: ClassVar = idl.struct(
         "Ucode::TimedRecord",
@@ -87,7 +87,7 @@ class TimedRecord(Aggregated):
 
 
 class TimedContents(Aggregated):
-    """What a record means."""
+    """Interpreted content of a record."""
 
     _descriptor_: ClassVar = idl.struct(
         "Ucode::TimedContents",

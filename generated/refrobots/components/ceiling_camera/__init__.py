@@ -27,11 +27,11 @@ class CeilingCameraConfiguration:
     Center_Y: int = 120
     """Row of the point straight above the base."""
     pixel: float = 0.01
-    """What a pixel shows of the ceiling [m]."""
+    """Size of the part of the ceiling in a pixel [m]."""
     noise: int = 40
-    """How many pixels of a picture are bright by mistake."""
+    """Number of pixels of a picture that are bright by mistake."""
     seed: int = 1
-    """Where chance begins."""
+    """Seed of the random numbers."""
 
 
 class CeilingCameraBase(Component):
@@ -58,7 +58,7 @@ class CeilingCameraBase(Component):
                 "inport",
                 "pose",
                 iis.TimedPose2D,
-                "Where the base truly is.",
+                "True pose of the base.",
                 unit="m, rad",
             ),
             data_port(
@@ -115,7 +115,7 @@ class CeilingCameraBase(Component):
                 default="0.01",
                 unit="m",
                 constraint="x>0.0",
-                description="What a pixel shows of the ceiling.",
+                description="Size of the part of the ceiling in a pixel.",
             ),
             ParameterProfile(
                 name="noise",
@@ -124,14 +124,14 @@ class CeilingCameraBase(Component):
                 default="40",
                 minimum=0,
                 maximum=10000,
-                description="How many pixels of a picture are bright by mistake.",
+                description="Number of pixels of a picture that are bright by mistake.",
             ),
             ParameterProfile(
                 name="seed",
                 python_name="seed",
                 type="long",
                 default="1",
-                description="Where chance begins.",
+                description="Seed of the random numbers.",
             ),
         ),
     )
@@ -140,6 +140,6 @@ class CeilingCameraBase(Component):
         super().__init__(instance_name)
         self.config = self.add_configuration(CeilingCameraConfiguration())
         self.pose = self.add_in_port("pose", iis.TimedPose2D)
-        """Where the base truly is [m, rad]."""
+        """True pose of the base [m, rad]."""
         self.CameraData = self.add_out_port("CameraData", rtc.TimedOctetSeq)
         """The pictures, with the time of the pose."""

@@ -19,9 +19,9 @@ class CeilingNavigationConfiguration:
     NavigationMap: str = "ceiling_map"
     """The map of the ceiling, read on activation: lines `m X Y RADIUS`, a lamp each [m]."""
     BlockCoefficient: float = 0.414
-    """How much of the square block round it a lamp fills, at least."""
+    """Minimum share of the square block around a lamp that the lamp fills."""
     SearchScope: float = 2.0
-    """How far from where it should be a lamp is looked for, in diameters of the lamp."""
+    """Maximum distance from the expected place of a lamp, in diameters of the lamp."""
     BlackWhiteValue: int = 220
     """Brightness from which a pixel counts as bright."""
     ImageWidth: int = 320
@@ -31,9 +31,9 @@ class CeilingNavigationConfiguration:
     Center_Y: int = 120
     """Row of the point straight above the base."""
     RealMapSize: float = 100.0
-    """What part of the ceiling is as long as `VirtualMapSize` in a picture [cm]."""
+    """Length on the ceiling that corresponds to `VirtualMapSize` in a picture [cm]."""
     VirtualMapSize: float = 100.0
-    """How many pixels show `RealMapSize` [pixels]."""
+    """Number of pixels that show `RealMapSize` [pixels]."""
     PositionTimeout: float = 0.5
     """Lamps are looked for about no position older than this: without one there is no pose by the [s]
     ceiling. 0: any age. Not in the source.
@@ -75,14 +75,14 @@ class CeilingNavigationBase(Component):
                 "inport",
                 "LocalizedPosition",
                 iis.TimedPose2D,
-                "About where the base is.",
+                "Approximate pose of the base.",
                 unit="m, rad",
             ),
             data_port(
                 "outport",
                 "CeilingPosition",
                 iis.TimedPose2D,
-                "Where the base was when the picture was taken.",
+                "Pose of the base at the time of the picture.",
                 unit="m, rad",
             ),
         ),
@@ -101,7 +101,7 @@ class CeilingNavigationBase(Component):
                 default="0.414",
                 minimum=0.0,
                 maximum=1.0,
-                description="How much of the square block round it a lamp fills, at least.",
+                description="Minimum share of the square block around a lamp that the lamp fills.",
             ),
             ParameterProfile(
                 name="SearchScope",
@@ -109,7 +109,7 @@ class CeilingNavigationBase(Component):
                 type="double",
                 default="2.0",
                 constraint="x>0.0",
-                description="How far from where it should be a lamp is looked for, in diameters of the lamp.",
+                description="Maximum distance from the expected place of a lamp, in diameters of the lamp.",
             ),
             ParameterProfile(
                 name="BlackWhiteValue",
@@ -150,7 +150,7 @@ class CeilingNavigationBase(Component):
                 default="100.0",
                 unit="cm",
                 constraint="x>0.0",
-                description="What part of the ceiling is as long as `VirtualMapSize` in a picture.",
+                description="Length on the ceiling that corresponds to `VirtualMapSize` in a picture.",
             ),
             ParameterProfile(
                 name="VirtualMapSize",
@@ -159,7 +159,7 @@ class CeilingNavigationBase(Component):
                 default="100.0",
                 unit="pixels",
                 constraint="x>0.0",
-                description="How many pixels show `RealMapSize`.",
+                description="Number of pixels that show `RealMapSize`.",
             ),
             ParameterProfile(
                 name="PositionTimeout",
@@ -188,6 +188,6 @@ class CeilingNavigationBase(Component):
         self.CameraData = self.add_in_port("CameraData", rtc.TimedOctetSeq)
         """Pictures of the ceiling: one octet for each pixel, row by row, upper edge ahead."""
         self.LocalizedPosition = self.add_in_port("LocalizedPosition", iis.TimedPose2D)
-        """About where the base is [m, rad]."""
+        """Approximate pose of the base [m, rad]."""
         self.CeilingPosition = self.add_out_port("CeilingPosition", iis.TimedPose2D)
-        """Where the base was when the picture was taken [m, rad]."""
+        """Pose of the base at the time of the picture [m, rad]."""

@@ -23,25 +23,25 @@ class CollisionDetectionConfiguration:
     """Configuration of CollisionDetection."""
 
     radiusOfBodyArea: float = 0.45
-    """Radius of a circle round the whole body [m]."""
+    """Radius of a circle around the whole body [m]."""
     margin: float = 0.1
-    """Room between body and obstacle that is left at rest [m]."""
+    """Distance between body and obstacle that remains at rest [m]."""
     reaction: float = 0.25
     """Time until the base begins to stop [s]."""
     deceleration: float = 2.0
     """Deceleration of the base [m/s^2]."""
     ObstaclesTimeout: float = 0.5
-    """The base is held while the newest scan is older than this; 0 never [s]."""
+    """The base is held while the newest scan is older than this; 0: never [s]."""
     VelocityTimeout: float = 0.5
-    """The base is held while the newest velocity is older than this; 0 never [s]."""
+    """The base is held while the newest velocity is older than this; 0: never [s]."""
 
 
 class CollisionDetectionBase(Component):
-    """Calls `Stop` of the base when its velocity leads to a collision, and `Go` when it does not any more.
+    """Calls `Stop` of the base when its velocity leads to a collision, and `Go` when it no longer does.
 
     It stops the base also while it has no scan, or no velocity, that is young enough, and it does
     not release the base by its own end. Backwards nothing is seen, and nothing is stopped.
-    Of the source's component only the name survived; ports and method are ours. The service is
+    The source only names this component; ports and method are not in the source. The service is
     that of a bumper.
     """
 
@@ -68,7 +68,7 @@ class CollisionDetectionBase(Component):
                 "inport",
                 "velocity",
                 iis.TimedVelocity2D,
-                "The velocity that the base is asked for.",
+                "The commanded velocity of the base.",
                 unit="m/s, rad/s",
             ),
             service_port(
@@ -87,7 +87,7 @@ class CollisionDetectionBase(Component):
                 default="0.45",
                 unit="m",
                 constraint="x>0.0",
-                description="Radius of a circle round the whole body.",
+                description="Radius of a circle around the whole body.",
             ),
             ParameterProfile(
                 name="margin",
@@ -96,7 +96,7 @@ class CollisionDetectionBase(Component):
                 default="0.1",
                 minimum=0.0,
                 unit="m",
-                description="Room between body and obstacle that is left at rest.",
+                description="Distance between body and obstacle that remains at rest.",
             ),
             ParameterProfile(
                 name="reaction",
@@ -123,7 +123,7 @@ class CollisionDetectionBase(Component):
                 default="0.5",
                 minimum=0.0,
                 unit="s",
-                description="The base is held while the newest scan is older than this; 0 never.",
+                description="The base is held while the newest scan is older than this; 0: never.",
             ),
             ParameterProfile(
                 name="VelocityTimeout",
@@ -132,7 +132,7 @@ class CollisionDetectionBase(Component):
                 default="0.5",
                 minimum=0.0,
                 unit="s",
-                description="The base is held while the newest velocity is older than this; 0 never.",
+                description="The base is held while the newest velocity is older than this; 0: never.",
             ),
         ),
     )
@@ -143,6 +143,6 @@ class CollisionDetectionBase(Component):
         self.obstacles = self.add_in_port("obstacles", iis.TimedPoint2DSeq)
         """The points of the newest scan [m]."""
         self.velocity = self.add_in_port("velocity", iis.TimedVelocity2D)
-        """The velocity that the base is asked for [m/s, rad/s]."""
+        """The commanded velocity of the base [m/s, rad/s]."""
         self.BumpRefHard = self.add_consumer("BumpRefHard", "RefHard", RefHard)
         """Stops the base."""

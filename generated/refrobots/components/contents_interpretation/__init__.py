@@ -17,13 +17,13 @@ class ContentsInterpretationConfiguration:
     """Configuration of ContentsInterpretation."""
 
     cache: int = 4
-    """How many contents are kept; the one that was not needed for longest goes first."""
+    """Maximum number of cached contents; the least recently used one is dropped first."""
 
 
 class ContentsInterpretationBase(Component):
     """Interprets records: where a marker is, and what it stands for (Fig 123).
 
-    What was interpreted once is kept. Ports are ours.
+    Interpreted contents are cached. The ports are not in the source.
     """
 
     profile: ClassVar[ComponentProfile] = ComponentProfile(
@@ -44,7 +44,12 @@ class ContentsInterpretationBase(Component):
                 ucode.TimedRecord,
                 "Records, with their markers.",
             ),
-            data_port("outport", "contents", ucode.TimedContents, "What they mean."),
+            data_port(
+                "outport",
+                "contents",
+                ucode.TimedContents,
+                "The interpreted contents.",
+            ),
         ),
         configuration=(
             ParameterProfile(
@@ -54,7 +59,7 @@ class ContentsInterpretationBase(Component):
                 default="4",
                 minimum=1,
                 maximum=64,
-                description="How many contents are kept; the one that was not needed for longest goes first.",
+                description="Maximum number of cached contents; the least recently used one is dropped first.",
             ),
         ),
     )
@@ -65,4 +70,4 @@ class ContentsInterpretationBase(Component):
         self.record = self.add_in_port("record", ucode.TimedRecord)
         """Records, with their markers."""
         self.contents = self.add_out_port("contents", ucode.TimedContents)
-        """What they mean."""
+        """The interpreted contents."""

@@ -17,9 +17,9 @@ class DispPositionConfiguration:
     """Configuration of DispPosition."""
 
     map_file: str = "route_map"
-    """The map, read on activation, as PathPlanning reads it; empty for none."""
+    """The map, read on activation, as PathPlanning reads it; empty: none."""
     picture: str = ""
-    """The picture to be written (.svg, .png or .pdf); empty for none."""
+    """The picture to be written (.svg, .png or .pdf); empty: none."""
 
 
 class DispPositionBase(Component):
@@ -44,7 +44,7 @@ class DispPositionBase(Component):
                 "inport",
                 "position",
                 iis.TimedPose2D,
-                "Where the base is. The public name of the port did not survive.",
+                "Pose of the base. The name of the port is not in the source.",
                 unit="m, rad",
             ),
         ),
@@ -55,7 +55,7 @@ class DispPositionBase(Component):
                 type="string",
                 default="route_map",
                 widget="text",
-                description="The map, read on activation, as PathPlanning reads it; empty for none.",
+                description="The map, read on activation, as PathPlanning reads it; empty: none.",
             ),
             ParameterProfile(
                 name="picture",
@@ -63,7 +63,7 @@ class DispPositionBase(Component):
                 type="string",
                 default="",
                 widget="text",
-                description="The picture to be written (.svg, .png or .pdf); empty for none.",
+                description="The picture to be written (.svg, .png or .pdf); empty: none.",
             ),
         ),
     )
@@ -72,4 +72,4 @@ class DispPositionBase(Component):
         super().__init__(instance_name)
         self.config = self.add_configuration(DispPositionConfiguration())
         self.position = self.add_in_port("position", iis.TimedPose2D)
-        """Where the base is. The public name of the port did not survive [m, rad]."""
+        """Pose of the base. The name of the port is not in the source [m, rad]."""

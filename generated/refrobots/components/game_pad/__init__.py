@@ -25,9 +25,9 @@ class GamePadConfiguration:
     Kry: float = 1.0
     """Not used: the right stick forward has no meaning for a base."""
     str_port: str = "/dev/input/js0"
-    """The device; its last digits tell which one."""
+    """The device, numbered by its last digits."""
     script: str = ""
-    """What the hand does, in place of a device; empty for the device."""
+    """Script that replaces the device; empty: the device."""
 
 
 class GamePadBase(Component):
@@ -35,7 +35,7 @@ class GamePadBase(Component):
 
     Sticks go from -1 to 1, to the right and towards the hand positive. A forward push of the left
     stick drives forward, to its left it drives left; the right stick turns. `script`, not in the
-    source, takes the place of the device: lines `SECONDS LX LY RX RY BUTTONS`.
+    source, replaces the device: lines `SECONDS LX LY RX RY BUTTONS`.
     """
 
     profile: ClassVar[ComponentProfile] = ComponentProfile(
@@ -163,7 +163,7 @@ class GamePadBase(Component):
                 python_name="str_port",
                 type="string",
                 default="/dev/input/js0",
-                description="The device; its last digits tell which one.",
+                description="The device, numbered by its last digits.",
             ),
             ParameterProfile(
                 name="script",
@@ -171,7 +171,7 @@ class GamePadBase(Component):
                 type="string",
                 default="",
                 widget="text",
-                description="What the hand does, in place of a device; empty for the device.",
+                description="Script that replaces the device; empty: the device.",
             ),
         ),
     )

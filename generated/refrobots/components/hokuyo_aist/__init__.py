@@ -23,7 +23,7 @@ class HokuyoAistConfiguration:
     end_angle: float = 2.0
     """Last angle of a scan [rad]."""
     rays: int = 201
-    """How many rays a scan has."""
+    """Number of rays of a scan."""
     min_range: float = 0.02
     """The smallest range that is measured [m]."""
     max_range: float = 4.0
@@ -52,14 +52,14 @@ class HokuyoAistBase(Component):
                 "inport",
                 "pose",
                 iis.TimedPose2D,
-                "Where the range finder truly is.",
+                "True pose of the range finder.",
                 unit="m, rad",
             ),
             data_port(
                 "outport",
                 "range",
                 rtc.RangeData,
-                "The scan, with the time of the pose. A range of 0 tells that nothing was hit.",
+                "The scan, with the time of the pose. A range of 0 means that nothing was hit.",
                 unit="m",
             ),
         ),
@@ -98,7 +98,7 @@ class HokuyoAistBase(Component):
                 default="201",
                 minimum=2,
                 maximum=1024,
-                description="How many rays a scan has.",
+                description="Number of rays of a scan.",
             ),
             ParameterProfile(
                 name="min_range",
@@ -125,6 +125,6 @@ class HokuyoAistBase(Component):
         super().__init__(instance_name)
         self.config = self.add_configuration(HokuyoAistConfiguration())
         self.pose = self.add_in_port("pose", iis.TimedPose2D)
-        """Where the range finder truly is [m, rad]."""
+        """True pose of the range finder [m, rad]."""
         self.range = self.add_out_port("range", rtc.RangeData)
-        """The scan, with the time of the pose. A range of 0 tells that nothing was hit [m]."""
+        """The scan, with the time of the pose. A range of 0 means that nothing was hit [m]."""

@@ -23,14 +23,14 @@ class LocalizeCenterConfiguration:
     startTheta: float = -1.57
     """Start pose: heading [rad]."""
     cycle: int = 20
-    """Executions after which the pose of odometry is repeated when the ceiling tells nothing."""
+    """Executions after which the pose of odometry is repeated without a pose of the ceiling."""
     PositionTimeout: float = 0.5
     """Poses of odometry older than this are dropped. Without any for so long the ceiling corrects [s]
     nothing, the last pose is repeated, and it is reported. 0: any age. Not in the source.
     """
     CeilingTimeout: float = 5.0
     """Poses of the ceiling older than this are dropped; without any for so long it is reported, and [s]
-    odometry goes on alone. 0: any age. Not in the source.
+    odometry continues alone. 0: any age. Not in the source.
     """
 
 
@@ -107,7 +107,7 @@ class LocalizeCenterBase(Component):
                 type="long",
                 default="20",
                 minimum=1,
-                description="Executions after which the pose of odometry is repeated when the ceiling tells nothing.",
+                description="Executions after which the pose of odometry is repeated without a pose of the ceiling.",
             ),
             ParameterProfile(
                 name="PositionTimeout",

@@ -21,9 +21,9 @@ class LRFCapture_URGConfiguration:
     posts [m].
     """
     offset_x: float = 0.2
-    """How far ahead of the centre of the drive axle the range finder is [m]."""
+    """Distance of the range finder ahead of the centre of the drive axle [m]."""
     angle: float = 2.0943951023931953
-    """What the range finder sees to either side [rad]."""
+    """Field of view to either side [rad]."""
     resolution: float = 0.006135923151542565
     """Angle between two rays [rad]."""
     min_range: float = 0.02
@@ -33,15 +33,15 @@ class LRFCapture_URGConfiguration:
     noise: float = 0.005
     """Standard deviation of a range [m]."""
     seed: int = 1
-    """Where chance begins."""
+    """Seed of the random numbers."""
 
 
 class LRFCapture_URGBase(Component):
     """Scans a room with the range finder URG: 240 degrees, up to 4 m, ten times a second.
 
-    Of the source's component only the name survived; its ports are ours. The room is a plan of
+    The source only names this component; its ports are not in the source. The room is a plan of
     walls and posts, in which rays are cast from where the base truly is. Noise is random, but
-    the same in each run. A range of 0 tells that nothing was hit.
+    the same in each run. A range of 0 means that nothing was hit.
     """
 
     profile: ClassVar[ComponentProfile] = ComponentProfile(
@@ -60,7 +60,7 @@ class LRFCapture_URGBase(Component):
                 "inport",
                 "pose",
                 iis.TimedPose2D,
-                "Where the base truly is.",
+                "True pose of the base.",
                 unit="m, rad",
             ),
             data_port(
@@ -85,7 +85,7 @@ class LRFCapture_URGBase(Component):
                 type="double",
                 default="0.2",
                 unit="m",
-                description="How far ahead of the centre of the drive axle the range finder is.",
+                description="Distance of the range finder ahead of the centre of the drive axle.",
             ),
             ParameterProfile(
                 name="angle",
@@ -95,7 +95,7 @@ class LRFCapture_URGBase(Component):
                 minimum=0.0,
                 maximum=3.14,
                 unit="rad",
-                description="What the range finder sees to either side.",
+                description="Field of view to either side.",
             ),
             ParameterProfile(
                 name="resolution",
@@ -139,7 +139,7 @@ class LRFCapture_URGBase(Component):
                 python_name="seed",
                 type="long",
                 default="1",
-                description="Where chance begins.",
+                description="Seed of the random numbers.",
             ),
         ),
     )
@@ -148,6 +148,6 @@ class LRFCapture_URGBase(Component):
         super().__init__(instance_name)
         self.config = self.add_configuration(LRFCapture_URGConfiguration())
         self.pose = self.add_in_port("pose", iis.TimedPose2D)
-        """Where the base truly is [m, rad]."""
+        """True pose of the base [m, rad]."""
         self.range = self.add_out_port("range", rtc.RangeData)
         """The scan, with the time of the pose, and where on the base it was taken [m]."""

@@ -23,20 +23,20 @@ class MotorControlConfiguration:
     """Configuration of MotorControl."""
 
     WheelTread: float = 0.441
-    """Distance between the wheels, for turning velocities into wheel speeds [m]."""
+    """Distance between the wheels, to convert velocities to wheel speeds [m]."""
     WheelRadiusLeft: float = 0.1
-    """Radius of the left wheel, for turning velocities into wheel speeds [m]."""
+    """Radius of the left wheel, to convert velocities to wheel speeds [m]."""
     WheelRadiusRight: float = 0.1
-    """Radius of the right wheel, for turning velocities into wheel speeds [m]."""
+    """Radius of the right wheel, to convert velocities to wheel speeds [m]."""
     CommandTimeout: float = 0.5
-    """The base comes to rest when no velocity has come for so long; 0 never [s]."""
+    """Time without a velocity after which the base stops; 0: never [s]."""
 
 
 class MotorControlBase(Component):
-    """Takes the place of RefHardRh3 for a base that is simulated elsewhere (RefHw).
+    """Replaces RefHardRh3 for a base that is simulated elsewhere (RefHw).
 
-    Of the source's component only the name survived; ports and parameters are those of RefHardRh3,
-    as far as they concern motor control.
+    The source only names this component; ports and parameters are those of RefHardRh3 for
+    motor control.
     """
 
     profile: ClassVar[ComponentProfile] = ComponentProfile(
@@ -102,7 +102,7 @@ class MotorControlBase(Component):
                 default="0.441",
                 unit="m",
                 constraint="x>0.0",
-                description="Distance between the wheels, for turning velocities into wheel speeds.",
+                description="Distance between the wheels, to convert velocities to wheel speeds.",
             ),
             ParameterProfile(
                 name="WheelRadiusLeft",
@@ -111,7 +111,7 @@ class MotorControlBase(Component):
                 default="0.1",
                 unit="m",
                 constraint="x>0.0",
-                description="Radius of the left wheel, for turning velocities into wheel speeds.",
+                description="Radius of the left wheel, to convert velocities to wheel speeds.",
             ),
             ParameterProfile(
                 name="WheelRadiusRight",
@@ -120,7 +120,7 @@ class MotorControlBase(Component):
                 default="0.1",
                 unit="m",
                 constraint="x>0.0",
-                description="Radius of the right wheel, for turning velocities into wheel speeds.",
+                description="Radius of the right wheel, to convert velocities to wheel speeds.",
             ),
             ParameterProfile(
                 name="CommandTimeout",
@@ -129,7 +129,7 @@ class MotorControlBase(Component):
                 default="0.5",
                 minimum=0.0,
                 unit="s",
-                description="The base comes to rest when no velocity has come for so long; 0 never.",
+                description="Time without a velocity after which the base stops; 0: never.",
             ),
         ),
     )

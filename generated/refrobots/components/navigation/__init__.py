@@ -17,9 +17,9 @@ class NavigationConfiguration:
     """Configuration of Navigation."""
 
     judge_radius: float = 0.5
-    """How far before a waypoint the base slows down to a crawl [m]."""
+    """Distance from a waypoint at which the base slows down to a crawl [m]."""
     max_vel: float = 0.3
-    """Greatest speed of the base on a straight [m/s]."""
+    """Maximum speed of the base on a straight [m/s]."""
     GoalTolerance: float = 0.03
     """FINISH is given no farther from the goal than this; a base that has missed it, or is led to [m]
     a goal that the last straight does not end at, is turned and driven there, ten times at
@@ -30,21 +30,21 @@ class NavigationConfiguration:
     Not in the source.
     """
     PositionTimeout: float = 0.5
-    """Without a position younger than this the base is stopped, until there is one; 0 never. Not [s]
+    """Without a position younger than this the base is stopped, until there is one; 0: never. Not [s]
     in the source.
     """
     MaxJump: float = 0.3
     """A position this far from the one before, on the way, is not a motion: its source was [m]
-    restarted, and the travel ends in ERROR; 0 never. Not in the source.
+    restarted, and the travel ends in ERROR; 0: never. Not in the source.
     """
     ProgressTimeout: float = 20.0
-    """A base that gets no nearer to its waypoint for so long is reported; 0 never. Not in the [s]
+    """A base that gets no nearer to its waypoint for so long is reported; 0: never. Not in the [s]
     source.
     """
 
 
 class NavigationBase(Component):
-    """Adds travel mode and speed to the waypoints of a path, and gives them out singly."""
+    """Adds travel mode and speed to the waypoints of a path, and sends them one by one."""
 
     profile: ClassVar[ComponentProfile] = ComponentProfile(
         type_name="Navigation",
@@ -62,14 +62,14 @@ class NavigationBase(Component):
                 "inport",
                 "position",
                 iis.TimedPose2D,
-                "Where the base is.",
+                "Pose of the base.",
                 unit="m, rad",
             ),
             data_port(
                 "inport",
                 "min_path",
                 iis.TimedPath2DSeq,
-                "The path to run. A new one takes the place of the old one, an empty one stops",
+                "The path to run. A new one replaces the old one, an empty one stops",
                 unit="m, rad",
             ),
             data_port(
@@ -94,7 +94,7 @@ class NavigationBase(Component):
                 default="0.5",
                 minimum=0.0,
                 unit="m",
-                description="How far before a waypoint the base slows down to a crawl.",
+                description="Distance from a waypoint at which the base slows down to a crawl.",
             ),
             ParameterProfile(
                 name="max_vel",
@@ -103,7 +103,7 @@ class NavigationBase(Component):
                 default="0.3",
                 minimum=0.0,
                 unit="m/s",
-                description="Greatest speed of the base on a straight.",
+                description="Maximum speed of the base on a straight.",
             ),
             ParameterProfile(
                 name="GoalTolerance",
@@ -130,7 +130,7 @@ class NavigationBase(Component):
                 default="0.5",
                 minimum=0.0,
                 unit="s",
-                description="Without a position younger than this the base is stopped, until there is one; 0 never. Not",
+                description="Without a position younger than this the base is stopped, until there is one; 0: never. Not",
             ),
             ParameterProfile(
                 name="MaxJump",
@@ -148,7 +148,7 @@ class NavigationBase(Component):
                 default="20.0",
                 minimum=0.0,
                 unit="s",
-                description="A base that gets no nearer to its waypoint for so long is reported; 0 never. Not in the",
+                description="A base that gets no nearer to its waypoint for so long is reported; 0: never. Not in the",
             ),
         ),
     )
@@ -157,9 +157,9 @@ class NavigationBase(Component):
         super().__init__(instance_name)
         self.config = self.add_configuration(NavigationConfiguration())
         self.position = self.add_in_port("position", iis.TimedPose2D)
-        """Where the base is [m, rad]."""
+        """Pose of the base [m, rad]."""
         self.min_path = self.add_in_port("min_path", iis.TimedPath2DSeq)
-        """The path to run. A new one takes the place of the old one, an empty one stops [m, rad]
+        """The path to run. A new one replaces the old one, an empty one stops [m, rad]
         the base.
         """
         self.path = self.add_out_port("path", iis.Path)

@@ -17,9 +17,9 @@ class ObstacleMonitorConfiguration:
     """Configuration of ObstacleMonitor."""
 
     picture: str = ""
-    """The picture to be written (.svg, .png or .pdf); empty for none."""
+    """The picture to be written (.svg, .png or .pdf); empty: none."""
     scans: int = 1000
-    """Points of so many scans are kept for the picture."""
+    """Number of scans whose points are kept for the picture."""
     PositionTimeout: float = 0.5
     """Without a position younger than this nothing is drawn; 0: any age [s]."""
     ObstaclesTimeout: float = 0.5
@@ -27,9 +27,9 @@ class ObstacleMonitorConfiguration:
 
 
 class ObstacleMonitorBase(Component):
-    """Tells how near the nearest obstacle is, and draws what was seen on the way.
+    """Reports the distance of the nearest obstacle, and draws the obstacles of the run.
 
-    Of the source's component only the name survived; its ports are ours. The picture is written
+    The source only names this component; its ports are not in the source. The picture is written
     when it is deactivated.
     """
 
@@ -56,7 +56,7 @@ class ObstacleMonitorBase(Component):
                 "inport",
                 "position",
                 iis.TimedPose2D,
-                "Where the base is, to draw points where they stand; without it they are drawn round",
+                "Pose of the base, to draw points in the world frame; without it they are drawn around",
                 unit="m, rad",
             ),
             data_port(
@@ -74,7 +74,7 @@ class ObstacleMonitorBase(Component):
                 type="string",
                 default="",
                 widget="text",
-                description="The picture to be written (.svg, .png or .pdf); empty for none.",
+                description="The picture to be written (.svg, .png or .pdf); empty: none.",
             ),
             ParameterProfile(
                 name="scans",
@@ -83,7 +83,7 @@ class ObstacleMonitorBase(Component):
                 default="1000",
                 minimum=1,
                 maximum=100000,
-                description="Points of so many scans are kept for the picture.",
+                description="Number of scans whose points are kept for the picture.",
             ),
             ParameterProfile(
                 name="PositionTimeout",
@@ -112,7 +112,7 @@ class ObstacleMonitorBase(Component):
         self.obstacles = self.add_in_port("obstacles", iis.TimedPoint2DSeq)
         """The points of the newest scan [m]."""
         self.position = self.add_in_port("position", iis.TimedPose2D)
-        """Where the base is, to draw points where they stand; without it they are drawn round [m, rad]
+        """Pose of the base, to draw points in the world frame; without it they are drawn around [m, rad]
         the base.
         """
         self.nearest = self.add_out_port("nearest", rtc.TimedDouble)

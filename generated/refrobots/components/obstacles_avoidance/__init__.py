@@ -17,19 +17,19 @@ class ObstaclesAvoidanceConfiguration:
     """Configuration of ObstaclesAvoidance."""
 
     radiusOfBodyArea: float = 0.45
-    """Radius of a circle round the whole body [m]."""
+    """Radius of a circle around the whole body [m]."""
     clearance: float = 0.2
     """Room that is kept between body and obstacles [m]."""
     horizon: float = 1.5
-    """How far ahead obstacles count [m]."""
+    """Distance up to which obstacles are considered [m]."""
     min_radius: float = 0.5
     """The narrowest arc that is tried [m]."""
     deceleration: float = 0.2
     """Deceleration by which the base is brought to a stop in front of an obstacle [m/s^2]."""
     max_w: float = 0.6
-    """Greatest angular speed that is asked for [rad/s]."""
+    """Maximum angular speed that is asked for [rad/s]."""
     ObstaclesTimeout: float = 0.5
-    """Points older than this do not count any more, and the base stops; 0 never [s]."""
+    """Points older than this do not count any more, and the base stops; 0: never [s]."""
 
 
 class ObstaclesAvoidanceBase(Component):
@@ -84,7 +84,7 @@ class ObstaclesAvoidanceBase(Component):
                 default="0.45",
                 unit="m",
                 constraint="x>0.0",
-                description="Radius of a circle round the whole body.",
+                description="Radius of a circle around the whole body.",
             ),
             ParameterProfile(
                 name="clearance",
@@ -102,7 +102,7 @@ class ObstaclesAvoidanceBase(Component):
                 default="1.5",
                 unit="m",
                 constraint="x>0.0",
-                description="How far ahead obstacles count.",
+                description="Distance up to which obstacles are considered.",
             ),
             ParameterProfile(
                 name="min_radius",
@@ -129,7 +129,7 @@ class ObstaclesAvoidanceBase(Component):
                 default="0.6",
                 unit="rad/s",
                 constraint="x>0.0",
-                description="Greatest angular speed that is asked for.",
+                description="Maximum angular speed that is asked for.",
             ),
             ParameterProfile(
                 name="ObstaclesTimeout",
@@ -138,7 +138,7 @@ class ObstaclesAvoidanceBase(Component):
                 default="0.5",
                 minimum=0.0,
                 unit="s",
-                description="Points older than this do not count any more, and the base stops; 0 never.",
+                description="Points older than this do not count any more, and the base stops; 0: never.",
             ),
         ),
     )

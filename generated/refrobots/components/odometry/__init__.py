@@ -27,7 +27,7 @@ class OdometryConfiguration:
     lengthOfAxle: float = 0.464
     """Distance between the drive wheels; tunes the accuracy of rotation [m]."""
     radiusOfBodyArea: float = 0.45
-    """Radius of a circle round the whole body, for a safety area; not used here [m]."""
+    """Radius of a circle around the whole body, for a safety area; not used here [m]."""
     initialPose_x: float = 0.0
     """Pose on activation: x [m]."""
     initialPose_y: float = 0.0
@@ -131,7 +131,7 @@ class OdometryBase(Component):
                 default="0.45",
                 minimum=0.0,
                 unit="m",
-                description="Radius of a circle round the whole body, for a safety area; not used here.",
+                description="Radius of a circle around the whole body, for a safety area; not used here.",
             ),
             ParameterProfile(
                 name="initialPose_x",

@@ -27,14 +27,14 @@ class OdometryRh2Configuration:
     lengthOfAxle: float = 0.441
     """Distance between the drive wheels; tunes the accuracy of rotation [m]."""
     radiusOfBodyArea: float = 0.45
-    """Radius of a circle round the whole body, for a safety area; not used here [m]."""
+    """Radius of a circle around the whole body, for a safety area; not used here [m]."""
     WheelAngleTimeout: float = 0.5
     """Wheel angles older than this are dropped, and without any for so long it is reported; no [s]
     pose is sent then. 0: any age. Not in the source.
     """
     LocalizationTimeout: float = 2.0
     """A pose by other sensors older than this is dropped; without any for so long it is reported, [s]
-    and the pose goes on by the wheels alone. 0: any age. Not in the source.
+    and the pose continues by the wheels alone. 0: any age. Not in the source.
     """
 
 
@@ -68,7 +68,7 @@ class OdometryRh2Base(Component):
                 "inport",
                 "LocalizedPosition",
                 iis.TimedPose2D,
-                "Pose by other sensors; takes the place of the pose so far.",
+                "Pose by other sensors; replaces the current pose.",
                 unit="m, rad",
             ),
             data_port(
@@ -130,7 +130,7 @@ class OdometryRh2Base(Component):
                 default="0.45",
                 minimum=0.0,
                 unit="m",
-                description="Radius of a circle round the whole body, for a safety area; not used here.",
+                description="Radius of a circle around the whole body, for a safety area; not used here.",
             ),
             ParameterProfile(
                 name="WheelAngleTimeout",
@@ -162,6 +162,6 @@ class OdometryRh2Base(Component):
         )
         """Rotation angles of the wheels, absolute [rad]."""
         self.LocalizedPosition = self.add_in_port("LocalizedPosition", iis.TimedPose2D)
-        """Pose by other sensors; takes the place of the pose so far [m, rad]."""
+        """Pose by other sensors; replaces the current pose [m, rad]."""
         self.OdometryPosition = self.add_out_port("OdometryPosition", iis.TimedPose2D)
         """Pose by odometry, with the time of the wheel angles [m, rad]."""

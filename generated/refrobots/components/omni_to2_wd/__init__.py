@@ -22,7 +22,7 @@ class OmniTo2WDConfiguration:
     """
     StatusTimeout: float = 1.0
     """Without a state of the travel for so long the navigation does not have the path: it is [s]
-    planned and sent again; 0 never. Not in the source.
+    planned and sent again; 0: never. Not in the source.
     """
     ArrivalRadius: float = 0.1
     """A FINISH farther from the goal than this is not passed on: the path is planned and sent [m]
@@ -53,7 +53,7 @@ class OmniTo2WDBase(Component):
                 "inport",
                 "current_position",
                 iis.TimedPose2D,
-                "Where the base is.",
+                "Pose of the base.",
                 unit="m, rad",
             ),
             data_port(
@@ -74,7 +74,7 @@ class OmniTo2WDBase(Component):
                 "outport",
                 "min_path",
                 iis.TimedPath2DSeq,
-                "The planned path; its first pose is where the base is.",
+                "The planned path; its first pose is that of the base.",
                 unit="m, rad",
             ),
             data_port(
@@ -120,12 +120,12 @@ class OmniTo2WDBase(Component):
         super().__init__(instance_name)
         self.config = self.add_configuration(OmniTo2WDConfiguration())
         self.current_position = self.add_in_port("current_position", iis.TimedPose2D)
-        """Where the base is [m, rad]."""
+        """Pose of the base [m, rad]."""
         self.goal = self.add_in_port("goal", iis.TimedPose2D)
         """The goal, or one waypoint of a path [m, rad]."""
         self.status_in = self.add_in_port("status", iis.TimedState)
         """State of the travel, from the navigation."""
         self.min_path = self.add_out_port("min_path", iis.TimedPath2DSeq)
-        """The planned path; its first pose is where the base is [m, rad]."""
+        """The planned path; its first pose is that of the base [m, rad]."""
         self.status_out = self.add_out_port("status", iis.TimedState)
         """FINISH, once for each path that was run to its end."""

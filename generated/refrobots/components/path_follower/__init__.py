@@ -23,7 +23,7 @@ class PathFollowerConfiguration:
     Without effect, as in the module that the source reuses.
     """
     line_Dist: float = 0.05
-    """Line following: greatest distance from the line that the law reckons with [m]."""
+    """Line following: maximum distance from the line in the control law [m]."""
     line_K1: float = 800.0
     """Line following: gain on the distance from the line."""
     line_K2: float = 300.0
@@ -31,25 +31,25 @@ class PathFollowerConfiguration:
     line_K3: float = 400.0
     """Line following: gain on the angular velocity."""
     max_acc_v: float = 0.0003
-    """Greatest change of speed per execution [m/s]."""
+    """Maximum change of speed per execution [m/s]."""
     max_acc_w: float = 0.1
-    """Greatest change of angular speed per execution [rad/s]."""
+    """Maximum change of angular speed per execution [rad/s]."""
     max_v: float = 1.0
-    """Greatest speed [m/s]."""
+    """Maximum speed [m/s]."""
     max_w: float = 0.3
-    """Greatest angular speed [rad/s]."""
+    """Maximum angular speed [rad/s]."""
     PositionTimeout: float = 0.5
-    """The base stops at once, and goes on when there is a new one, while the position is older [s]
-    than this; 0 never. Not in the source.
+    """The base stops at once, and continues with a new one, while the position is older [s]
+    than this; 0: never. Not in the source.
     """
     TargetTimeout: float = 0.5
-    """The same for the waypoint, which the navigation sends again and again. 0, never, for a [s]
+    """The same for the waypoint, which the navigation repeats. 0, never, for a [s]
     navigation that sends each waypoint once. Not in the source.
     """
 
 
 class PathFollowerBase(Component):
-    """Gives the base its velocity, at every execution, so that it follows the waypoint.
+    """Sends the base a velocity at every execution, so that it follows the waypoint.
 
     `max_acc_v` and `max_acc_w` are changes of velocity per execution: their defaults
     suit an execution rate of 1000 Hz.
@@ -71,7 +71,7 @@ class PathFollowerBase(Component):
                 "inport",
                 "position",
                 iis.TimedPose2D,
-                "Where the base is.",
+                "Pose of the base.",
                 unit="m, rad",
             ),
             data_port(
@@ -113,7 +113,7 @@ class PathFollowerBase(Component):
                 default="0.05",
                 minimum=0.0,
                 unit="m",
-                description="Line following: greatest distance from the line that the law reckons with.",
+                description="Line following: maximum distance from the line in the control law.",
             ),
             ParameterProfile(
                 name="line_K1",
@@ -143,7 +143,7 @@ class PathFollowerBase(Component):
                 default="0.0003",
                 minimum=0.0,
                 unit="m/s",
-                description="Greatest change of speed per execution.",
+                description="Maximum change of speed per execution.",
             ),
             ParameterProfile(
                 name="max_acc_w",
@@ -152,7 +152,7 @@ class PathFollowerBase(Component):
                 default="0.1",
                 minimum=0.0,
                 unit="rad/s",
-                description="Greatest change of angular speed per execution.",
+                description="Maximum change of angular speed per execution.",
             ),
             ParameterProfile(
                 name="max_v",
@@ -161,7 +161,7 @@ class PathFollowerBase(Component):
                 default="1.0",
                 minimum=0.0,
                 unit="m/s",
-                description="Greatest speed.",
+                description="Maximum speed.",
             ),
             ParameterProfile(
                 name="max_w",
@@ -170,7 +170,7 @@ class PathFollowerBase(Component):
                 default="0.3",
                 minimum=0.0,
                 unit="rad/s",
-                description="Greatest angular speed.",
+                description="Maximum angular speed.",
             ),
             ParameterProfile(
                 name="PositionTimeout",
@@ -179,7 +179,7 @@ class PathFollowerBase(Component):
                 default="0.5",
                 minimum=0.0,
                 unit="s",
-                description="The base stops at once, and goes on when there is a new one, while the position is older",
+                description="The base stops at once, and continues with a new one, while the position is older",
             ),
             ParameterProfile(
                 name="TargetTimeout",
@@ -188,7 +188,7 @@ class PathFollowerBase(Component):
                 default="0.5",
                 minimum=0.0,
                 unit="s",
-                description="The same for the waypoint, which the navigation sends again and again. 0, never, for a",
+                description="The same for the waypoint, which the navigation repeats. 0, never, for a",
             ),
         ),
     )
@@ -197,7 +197,7 @@ class PathFollowerBase(Component):
         super().__init__(instance_name)
         self.config = self.add_configuration(PathFollowerConfiguration())
         self.position = self.add_in_port("position", iis.TimedPose2D)
-        """Where the base is [m, rad]."""
+        """Pose of the base [m, rad]."""
         self.target_path = self.add_in_port("target_path", iis.Path)
         """The waypoint to travel to, and how [m, rad]."""
         self.velocity = self.add_out_port("velocity", iis.TimedVelocity2D)

@@ -27,7 +27,7 @@ class PathPlanningConfiguration:
     """
     StatusTimeout: float = 1.0
     """Without a state of the travel for so long the navigation does not have the path: it is [s]
-    planned and sent again; 0 never. Not in the source.
+    planned and sent again; 0: never. Not in the source.
     """
     ArrivalRadius: float = 0.1
     """A FINISH farther from the goal than this is not passed on: the path is planned and sent [m]
@@ -36,7 +36,7 @@ class PathPlanningConfiguration:
 
 
 class PathPlanningBase(Component):
-    """Plans the cheapest path along the links of a map; takes the place of OmniTo2WD by rewiring.
+    """Plans the cheapest path along the links of a map; replaces OmniTo2WD by rewiring.
 
     The path begins at the node nearest to the base and ends at the node nearest to the goal; the
     pose of the goal itself is its last element. The heading of a node is the direction of travel
@@ -61,7 +61,7 @@ class PathPlanningBase(Component):
                 "inport",
                 "current_position",
                 iis.TimedPose2D,
-                "Where the base is.",
+                "Pose of the base.",
                 unit="m, rad",
             ),
             data_port(
@@ -135,7 +135,7 @@ class PathPlanningBase(Component):
         super().__init__(instance_name)
         self.config = self.add_configuration(PathPlanningConfiguration())
         self.current_position = self.add_in_port("current_position", iis.TimedPose2D)
-        """Where the base is [m, rad]."""
+        """Pose of the base [m, rad]."""
         self.goal = self.add_in_port("goal", iis.TimedPose2D)
         """The goal, or one waypoint of a path [m, rad]."""
         self.status_in = self.add_in_port("status", iis.TimedState)

@@ -17,29 +17,29 @@ class PathTrackingConfiguration:
     """Configuration of PathTracking."""
 
     max_v: float = 0.3
-    """Greatest speed [m/s]."""
+    """Maximum speed [m/s]."""
     max_w: float = 1.0
-    """Greatest angular speed [rad/s]."""
+    """Maximum angular speed [rad/s]."""
     lookahead: float = 0.25
-    """How far ahead on the path the robot looks [m]."""
+    """Look-ahead distance on the path [m]."""
     near: float = 0.02
     """The last waypoint is reached this near [m]."""
     turned: float = 0.02
     """The last heading is reached this near [rad]."""
     PositionTimeout: float = 0.5
-    """The robot stops, and goes on when there is a new one, while the position is older than [s]
-    this; 0 never.
+    """The robot stops, and continues with a new one, while the position is older than [s]
+    this; 0: never.
     """
     MaxJump: float = 0.3
     """A position this far from the one before, on the way, is not a motion: its source was [m]
-    restarted, and the travel ends in ERROR; 0 never.
+    restarted, and the travel ends in ERROR; 0: never.
     """
 
 
 class PathTrackingBase(Component):
     """Gives travel commands that keep the robot on the path, and reports each waypoint passed.
 
-    What the interfaces leave open is done so: between two waypoints the path is straight; a
+    Where the interfaces do not specify the behaviour: between two waypoints the path is straight; a
     robot that is not at the first waypoint is led onto the first leg; a new path is taken up
     without a stop; `velocity[i]` is for the leg that ends at waypoint i, `velocity[0]` is not
     used; of a velocity the size of `vx` counts, its sign says forward or backward, `vy` and
@@ -70,7 +70,7 @@ class PathTrackingBase(Component):
                 "inport",
                 "position",
                 iis.TimedPose2D,
-                "Where the robot is.",
+                "Pose of the robot.",
                 unit="m, rad",
             ),
             data_port(
@@ -96,7 +96,7 @@ class PathTrackingBase(Component):
                 default="0.3",
                 minimum=0.0,
                 unit="m/s",
-                description="Greatest speed.",
+                description="Maximum speed.",
             ),
             ParameterProfile(
                 name="max_w",
@@ -105,7 +105,7 @@ class PathTrackingBase(Component):
                 default="1.0",
                 minimum=0.0,
                 unit="rad/s",
-                description="Greatest angular speed.",
+                description="Maximum angular speed.",
             ),
             ParameterProfile(
                 name="lookahead",
@@ -114,7 +114,7 @@ class PathTrackingBase(Component):
                 default="0.25",
                 unit="m",
                 constraint="x>0.0",
-                description="How far ahead on the path the robot looks.",
+                description="Look-ahead distance on the path.",
             ),
             ParameterProfile(
                 name="near",
@@ -141,7 +141,7 @@ class PathTrackingBase(Component):
                 default="0.5",
                 minimum=0.0,
                 unit="s",
-                description="The robot stops, and goes on when there is a new one, while the position is older than",
+                description="The robot stops, and continues with a new one, while the position is older than",
             ),
             ParameterProfile(
                 name="MaxJump",
@@ -163,7 +163,7 @@ class PathTrackingBase(Component):
         one, an empty list means: stop there.
         """
         self.position = self.add_in_port("position", iis.TimedPose2D)
-        """Where the robot is [m, rad]."""
+        """Pose of the robot [m, rad]."""
         self.command = self.add_out_port("command", iis.TimedVelocity2D)
         """Travel command in the frame of the body, with its time, at every execution [m/s, rad/s]."""
         self.state = self.add_out_port("state", iis.TimedPose2D)

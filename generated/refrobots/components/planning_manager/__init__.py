@@ -52,7 +52,7 @@ class PlanningManagerBase(Component):
                 "inport",
                 "position",
                 iis.TimedPose2D,
-                "Where the robot is.",
+                "Pose of the robot.",
                 unit="m, rad",
             ),
             data_port(
@@ -99,7 +99,7 @@ class PlanningManagerBase(Component):
         told to stop at the spot.
         """
         self.position = self.add_in_port("position", iis.TimedPose2D)
-        """Where the robot is [m, rad]."""
+        """Pose of the robot [m, rad]."""
         self.state = self.add_in_port("state", iis.TimedPose2D)
         """State of the travel: `id[0]` the number of the waypoint, `id[1]` 1 when stopped [m, rad]."""
         self.path = self.add_out_port("path", iis.TimedPath2DSeq)

@@ -23,7 +23,7 @@ class PositionInputConfiguration:
     goal_theta: float = -1.57
     """Goal of the input `parameters`: heading [rad]."""
     input: str = "console"
-    """Where commands come from; not in the source, which asks on the console."""
+    """Origin of commands; not in the source, which reads the console."""
     input_file: str = ""
     """File of the input `file`, not in the source: `goal X Y TH` or
     `path X Y TH; X Y TH; ...` on each line.
@@ -98,7 +98,7 @@ class PositionInputBase(Component):
                 default="console",
                 constraint="(console,file,parameters)",
                 widget="radio",
-                description="Where commands come from; not in the source, which asks on the console.",
+                description="Origin of commands; not in the source, which reads the console.",
             ),
             ParameterProfile(
                 name="input_file",

@@ -19,9 +19,9 @@ class PotentiometerConfiguration:
     offset: float = 0.0
     """The voltage about which it is turned [V]."""
     amplitude: float = 2.5
-    """How far it is turned to each side [V]."""
+    """Maximum angle to each side [V]."""
     frequency: float = 0.1
-    """How often it is turned to and fro; 0 leaves it where it is [Hz]."""
+    """Frequency of turning to and fro; 0: not turned [Hz]."""
 
 
 class PotentiometerBase(Component):
@@ -66,7 +66,7 @@ class PotentiometerBase(Component):
                 minimum=0.0,
                 maximum=5.0,
                 unit="V",
-                description="How far it is turned to each side.",
+                description="Maximum angle to each side.",
             ),
             ParameterProfile(
                 name="frequency",
@@ -75,7 +75,7 @@ class PotentiometerBase(Component):
                 default="0.1",
                 minimum=0.0,
                 unit="Hz",
-                description="How often it is turned to and fro; 0 leaves it where it is.",
+                description="Frequency of turning to and fro; 0: not turned.",
             ),
         ),
     )

@@ -23,13 +23,13 @@ class RefHardFourXConfiguration:
     """Configuration of RefHardFourX."""
 
     Velocity_limit: float = 10.0
-    """Greatest speed of a wheel [rad/s]."""
+    """Maximum speed of a wheel [rad/s]."""
     WheelTread: float = 0.441
-    """Distance between the sides, for turning velocities into wheel speeds [m]."""
+    """Distance between the sides, to convert velocities to wheel speeds [m]."""
     WheelRadiusLeft: float = 0.1
-    """Radius of the left wheels, for turning velocities into wheel speeds [m]."""
+    """Radius of the left wheels, to convert velocities to wheel speeds [m]."""
     WheelRadiusRight: float = 0.1
-    """Radius of the right wheels, for turning velocities into wheel speeds [m]."""
+    """Radius of the right wheels, to convert velocities to wheel speeds [m]."""
     EncoderConstant_L: float = 1.0
     """Factor on the angle that the left encoders give."""
     EncoderConstant_R: float = 1.0
@@ -41,19 +41,19 @@ class RefHardFourXConfiguration:
     PlantWheelRadiusRight: float = 0.0995
     """True radius of the right wheels of the simulated base [m]."""
     PlantStart_x: float = 0.0
-    """Where the simulated base stands when it is first activated: x [m]."""
+    """Pose of the simulated base at the first activation: x [m]."""
     PlantStart_y: float = 0.0
-    """Where the simulated base stands when it is first activated: y [m]."""
+    """Pose of the simulated base at the first activation: y [m]."""
     PlantStart_theta: float = 0.0
-    """Where the simulated base stands when it is first activated: heading [rad]."""
+    """Pose of the simulated base at the first activation: heading [rad]."""
     CommandTimeout: float = 0.5
-    """The base comes to rest when no velocity has come for so long; 0 never [s]."""
+    """Time without a velocity after which the base stops; 0: never [s]."""
     DriveTimeout: float = 0.05
     """A drive is lost when no position has come from it for so long [s]."""
 
 
 class RefHardFourXBase(Component):
-    """Takes the place of RefHardRh3 on a base with four driven wheels.
+    """Replaces RefHardRh3 on a base with four driven wheels.
 
     The wheels of a side are given one speed, and what they turn is averaged. All wheels stop when
     one drive is lost; they go on when it is back. The pose of the plant follows from the encoders.
@@ -204,7 +204,7 @@ class RefHardFourXBase(Component):
                 default="10.0",
                 minimum=0.0,
                 unit="rad/s",
-                description="Greatest speed of a wheel.",
+                description="Maximum speed of a wheel.",
             ),
             ParameterProfile(
                 name="WheelTread",
@@ -213,7 +213,7 @@ class RefHardFourXBase(Component):
                 default="0.441",
                 unit="m",
                 constraint="x>0.0",
-                description="Distance between the sides, for turning velocities into wheel speeds.",
+                description="Distance between the sides, to convert velocities to wheel speeds.",
             ),
             ParameterProfile(
                 name="WheelRadiusLeft",
@@ -222,7 +222,7 @@ class RefHardFourXBase(Component):
                 default="0.1",
                 unit="m",
                 constraint="x>0.0",
-                description="Radius of the left wheels, for turning velocities into wheel speeds.",
+                description="Radius of the left wheels, to convert velocities to wheel speeds.",
             ),
             ParameterProfile(
                 name="WheelRadiusRight",
@@ -231,7 +231,7 @@ class RefHardFourXBase(Component):
                 default="0.1",
                 unit="m",
                 constraint="x>0.0",
-                description="Radius of the right wheels, for turning velocities into wheel speeds.",
+                description="Radius of the right wheels, to convert velocities to wheel speeds.",
             ),
             ParameterProfile(
                 name="EncoderConstant_L",
@@ -280,7 +280,7 @@ class RefHardFourXBase(Component):
                 type="double",
                 default="0.0",
                 unit="m",
-                description="Where the simulated base stands when it is first activated: x.",
+                description="Pose of the simulated base at the first activation: x.",
             ),
             ParameterProfile(
                 name="PlantStart_y",
@@ -288,7 +288,7 @@ class RefHardFourXBase(Component):
                 type="double",
                 default="0.0",
                 unit="m",
-                description="Where the simulated base stands when it is first activated: y.",
+                description="Pose of the simulated base at the first activation: y.",
             ),
             ParameterProfile(
                 name="PlantStart_theta",
@@ -296,7 +296,7 @@ class RefHardFourXBase(Component):
                 type="double",
                 default="0.0",
                 unit="rad",
-                description="Where the simulated base stands when it is first activated: heading.",
+                description="Pose of the simulated base at the first activation: heading.",
             ),
             ParameterProfile(
                 name="CommandTimeout",
@@ -305,7 +305,7 @@ class RefHardFourXBase(Component):
                 default="0.5",
                 minimum=0.0,
                 unit="s",
-                description="The base comes to rest when no velocity has come for so long; 0 never.",
+                description="Time without a velocity after which the base stops; 0: never.",
             ),
             ParameterProfile(
                 name="DriveTimeout",

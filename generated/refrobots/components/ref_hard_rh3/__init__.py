@@ -37,15 +37,15 @@ class RefHardRh3Configuration:
     gain_VD: int = 1
     """Drive motor, speed control: derivative gain; not simulated."""
     Velocity_limit: float = 10.0
-    """Greatest speed of a wheel [rad/s]."""
+    """Maximum speed of a wheel [rad/s]."""
     Acceleration_limit: float = 50.0
-    """Greatest acceleration of a wheel [rad/s^2]."""
+    """Maximum acceleration of a wheel [rad/s^2]."""
     WheelTread: float = 0.441
-    """Distance between the wheels, for turning velocities into wheel speeds [m]."""
+    """Distance between the wheels, to convert velocities to wheel speeds [m]."""
     WheelRadiusLeft: float = 0.1
-    """Radius of the left wheel, for turning velocities into wheel speeds [m]."""
+    """Radius of the left wheel, to convert velocities to wheel speeds [m]."""
     WheelRadiusRight: float = 0.1
-    """Radius of the right wheel, for turning velocities into wheel speeds [m]."""
+    """Radius of the right wheel, to convert velocities to wheel speeds [m]."""
     GearRatio: float = 74.91
     """Turns of the drive motor for one turn of its wheel."""
     EncoderCount: int = 2000
@@ -61,19 +61,19 @@ class RefHardRh3Configuration:
     PlantWheelRadiusRight: float = 0.0995
     """True radius of the right wheel of the simulated base [m]."""
     PlantStart_x: float = 0.0
-    """Where the simulated base stands when it is first activated: x [m]."""
+    """Pose of the simulated base at the first activation: x [m]."""
     PlantStart_y: float = 0.0
-    """Where the simulated base stands when it is first activated: y [m]."""
+    """Pose of the simulated base at the first activation: y [m]."""
     PlantStart_theta: float = 0.0
-    """Where the simulated base stands when it is first activated: heading [rad]."""
+    """Pose of the simulated base at the first activation: heading [rad]."""
     PlantRoom: str = ""
-    """What stands round the simulated base, read on activation as LRFCapture_URG reads its
-    `room`; empty for nothing. A contact stops the base, which is in ERROR then.
+    """Obstacles around the simulated base, read on activation in the format of LRFCapture_URG's
+    `room`; empty: none. A contact stops the base and leads to ERROR.
     """
     PlantRadius: float = 0.45
     """Radius of the body of the simulated base, for contacts [m]."""
     CommandTimeout: float = 0.5
-    """The base comes to rest when no velocity has come for so long; 0 never [s]."""
+    """Time without a velocity after which the base stops; 0: never [s]."""
 
 
 class RefHardRh3Base(Component):
@@ -115,7 +115,7 @@ class RefHardRh3Base(Component):
                 "outport",
                 "PlantPose",
                 iis.TimedPose2D,
-                "Where the simulated base truly is: for simulated sensors, which have no other way to know.",
+                "True pose of the simulated base, for simulated sensors.",
                 unit="m, rad",
             ),
             service_port(
@@ -190,7 +190,7 @@ class RefHardRh3Base(Component):
                 default="10.0",
                 minimum=0.0,
                 unit="rad/s",
-                description="Greatest speed of a wheel.",
+                description="Maximum speed of a wheel.",
             ),
             ParameterProfile(
                 name="Acceleration_limit",
@@ -199,7 +199,7 @@ class RefHardRh3Base(Component):
                 default="50.0",
                 minimum=0.0,
                 unit="rad/s^2",
-                description="Greatest acceleration of a wheel.",
+                description="Maximum acceleration of a wheel.",
             ),
             ParameterProfile(
                 name="WheelTread",
@@ -208,7 +208,7 @@ class RefHardRh3Base(Component):
                 default="0.441",
                 unit="m",
                 constraint="x>0.0",
-                description="Distance between the wheels, for turning velocities into wheel speeds.",
+                description="Distance between the wheels, to convert velocities to wheel speeds.",
             ),
             ParameterProfile(
                 name="WheelRadiusLeft",
@@ -217,7 +217,7 @@ class RefHardRh3Base(Component):
                 default="0.1",
                 unit="m",
                 constraint="x>0.0",
-                description="Radius of the left wheel, for turning velocities into wheel speeds.",
+                description="Radius of the left wheel, to convert velocities to wheel speeds.",
             ),
             ParameterProfile(
                 name="WheelRadiusRight",
@@ -226,7 +226,7 @@ class RefHardRh3Base(Component):
                 default="0.1",
                 unit="m",
                 constraint="x>0.0",
-                description="Radius of the right wheel, for turning velocities into wheel speeds.",
+                description="Radius of the right wheel, to convert velocities to wheel speeds.",
             ),
             ParameterProfile(
                 name="GearRatio",
@@ -291,7 +291,7 @@ class RefHardRh3Base(Component):
                 type="double",
                 default="0.0",
                 unit="m",
-                description="Where the simulated base stands when it is first activated: x.",
+                description="Pose of the simulated base at the first activation: x.",
             ),
             ParameterProfile(
                 name="PlantStart_y",
@@ -299,7 +299,7 @@ class RefHardRh3Base(Component):
                 type="double",
                 default="0.0",
                 unit="m",
-                description="Where the simulated base stands when it is first activated: y.",
+                description="Pose of the simulated base at the first activation: y.",
             ),
             ParameterProfile(
                 name="PlantStart_theta",
@@ -307,7 +307,7 @@ class RefHardRh3Base(Component):
                 type="double",
                 default="0.0",
                 unit="rad",
-                description="Where the simulated base stands when it is first activated: heading.",
+                description="Pose of the simulated base at the first activation: heading.",
             ),
             ParameterProfile(
                 name="PlantRoom",
@@ -315,7 +315,7 @@ class RefHardRh3Base(Component):
                 type="string",
                 default="",
                 widget="text",
-                description="What stands round the simulated base, read on activation as LRFCapture_URG reads its",
+                description="Obstacles around the simulated base, read on activation in the format of LRFCapture_URG's",
             ),
             ParameterProfile(
                 name="PlantRadius",
@@ -333,7 +333,7 @@ class RefHardRh3Base(Component):
                 default="0.5",
                 minimum=0.0,
                 unit="s",
-                description="The base comes to rest when no velocity has come for so long; 0 never.",
+                description="Time without a velocity after which the base stops; 0: never.",
             ),
         ),
     )
@@ -349,7 +349,7 @@ class RefHardRh3Base(Component):
         self.OutWheelAngle = self.add_out_port("OutWheelAngle", rtc.TimedDoubleSeq)
         """Absolute rotation angles of the left and the right wheel, by the encoders [rad]."""
         self.PlantPose = self.add_out_port("PlantPose", iis.TimedPose2D)
-        """Where the simulated base truly is: for simulated sensors, which have no other way to know [m, rad].
+        """True pose of the simulated base, for simulated sensors [m, rad].
         Sent while it is connected.
         """
         self.InventGUIRefHard = self.add_provider(

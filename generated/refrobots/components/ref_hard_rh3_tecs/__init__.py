@@ -23,15 +23,15 @@ class RefHardRh3TecsConfiguration:
     """Configuration of RefHardRh3Tecs."""
 
     Velocity_limit: float = 10.0
-    """Greatest speed of a wheel [rad/s]."""
+    """Maximum speed of a wheel [rad/s]."""
     Acceleration_limit: float = 50.0
-    """Greatest acceleration of a wheel [rad/s^2]."""
+    """Maximum acceleration of a wheel [rad/s^2]."""
     WheelTread: float = 0.441
-    """Distance between the wheels, for turning velocities into wheel speeds [m]."""
+    """Distance between the wheels, to convert velocities to wheel speeds [m]."""
     WheelRadiusLeft: float = 0.1
-    """Radius of the left wheel, for turning velocities into wheel speeds [m]."""
+    """Radius of the left wheel, to convert velocities to wheel speeds [m]."""
     WheelRadiusRight: float = 0.1
-    """Radius of the right wheel, for turning velocities into wheel speeds [m]."""
+    """Radius of the right wheel, to convert velocities to wheel speeds [m]."""
     GearRatio: float = 74.91
     """Turns of the drive motor for one turn of its wheel."""
     EncoderCount: int = 2000
@@ -41,11 +41,11 @@ class RefHardRh3TecsConfiguration:
     EncoderConstant_R: float = 1.0
     """Factor on the angle that the right encoder gives."""
     CommandTimeout: float = 0.5
-    """The base comes to rest when no velocity has come for so long; 0 never [s]."""
+    """Time without a velocity after which the base stops; 0: never [s]."""
 
 
 class RefHardRh3TecsBase(Component):
-    """Takes the place of RefHardRh3 where the wheels hang on a TECS motor board.
+    """Replaces RefHardRh3 where the wheels hang on a TECS motor board.
 
     The board is reached through a further port, of the signature in board.cdl; the behaviour
     takes it from the component that rtgen makes of that file.
@@ -100,7 +100,7 @@ class RefHardRh3TecsBase(Component):
                 default="10.0",
                 minimum=0.0,
                 unit="rad/s",
-                description="Greatest speed of a wheel.",
+                description="Maximum speed of a wheel.",
             ),
             ParameterProfile(
                 name="Acceleration_limit",
@@ -109,7 +109,7 @@ class RefHardRh3TecsBase(Component):
                 default="50.0",
                 minimum=0.0,
                 unit="rad/s^2",
-                description="Greatest acceleration of a wheel.",
+                description="Maximum acceleration of a wheel.",
             ),
             ParameterProfile(
                 name="WheelTread",
@@ -118,7 +118,7 @@ class RefHardRh3TecsBase(Component):
                 default="0.441",
                 unit="m",
                 constraint="x>0.0",
-                description="Distance between the wheels, for turning velocities into wheel speeds.",
+                description="Distance between the wheels, to convert velocities to wheel speeds.",
             ),
             ParameterProfile(
                 name="WheelRadiusLeft",
@@ -127,7 +127,7 @@ class RefHardRh3TecsBase(Component):
                 default="0.1",
                 unit="m",
                 constraint="x>0.0",
-                description="Radius of the left wheel, for turning velocities into wheel speeds.",
+                description="Radius of the left wheel, to convert velocities to wheel speeds.",
             ),
             ParameterProfile(
                 name="WheelRadiusRight",
@@ -136,7 +136,7 @@ class RefHardRh3TecsBase(Component):
                 default="0.1",
                 unit="m",
                 constraint="x>0.0",
-                description="Radius of the right wheel, for turning velocities into wheel speeds.",
+                description="Radius of the right wheel, to convert velocities to wheel speeds.",
             ),
             ParameterProfile(
                 name="GearRatio",
@@ -175,7 +175,7 @@ class RefHardRh3TecsBase(Component):
                 default="0.5",
                 minimum=0.0,
                 unit="s",
-                description="The base comes to rest when no velocity has come for so long; 0 never.",
+                description="Time without a velocity after which the base stops; 0: never.",
             ),
         ),
     )

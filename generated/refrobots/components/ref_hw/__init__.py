@@ -17,9 +17,9 @@ class RefHwConfiguration:
     """Configuration of RefHw."""
 
     Velocity_limit: float = 10.0
-    """Greatest speed of a wheel [rad/s]."""
+    """Maximum speed of a wheel [rad/s]."""
     Acceleration_limit: float = 50.0
-    """Greatest acceleration of a wheel [rad/s^2]."""
+    """Maximum acceleration of a wheel [rad/s^2]."""
     EncoderCount: int = 149820
     """Counts of the encoder for one turn of its wheel."""
     PlantWheelTread: float = 0.464
@@ -29,26 +29,26 @@ class RefHwConfiguration:
     PlantWheelRadiusRight: float = 0.0995
     """Radius of the right wheel [m]."""
     PlantStart_x: float = 0.0
-    """Where the base stands when it is first activated: x [m]."""
+    """Pose at the first activation: x [m]."""
     PlantStart_y: float = 0.0
-    """Where the base stands when it is first activated: y [m]."""
+    """Pose at the first activation: y [m]."""
     PlantStart_theta: float = 0.0
-    """Where the base stands when it is first activated: heading [rad]."""
+    """Pose at the first activation: heading [rad]."""
     PlantRoom: str = ""
-    """What stands round the simulated base, read on activation as LRFCapture_URG reads its
-    `room`; empty for nothing. A contact stops the base, which is in ERROR then.
+    """Obstacles around the simulated base, read on activation in the format of LRFCapture_URG's
+    `room`; empty: none. A contact stops the base and leads to ERROR.
     """
     PlantRadius: float = 0.45
     """Radius of the body of the simulated base, for contacts [m]."""
     CommandTimeout: float = 0.5
-    """The wheels come to rest when no speeds have come for so long; 0 never [s]."""
+    """Time without speeds after which the wheels stop; 0: never [s]."""
 
 
 class RefHwBase(Component):
     """The simulated base: its wheels take the speeds that they are given, within their limits.
 
-    In the source OpenHRP simulates it; here it is the plant that RefHardRh3 has, too. Of its ports
-    nothing survived; they are ours.
+    In the source OpenHRP simulates it; here it is the plant that RefHardRh3 has, too. Its ports
+    are not in the source.
     """
 
     profile: ClassVar[ComponentProfile] = ComponentProfile(
@@ -81,7 +81,7 @@ class RefHwBase(Component):
                 "outport",
                 "pose",
                 iis.TimedPose2D,
-                "Where the base truly is: for simulated sensors, which have no other way to know.",
+                "True pose of the base, for simulated sensors.",
                 unit="m, rad",
             ),
         ),
@@ -93,7 +93,7 @@ class RefHwBase(Component):
                 default="10.0",
                 minimum=0.0,
                 unit="rad/s",
-                description="Greatest speed of a wheel.",
+                description="Maximum speed of a wheel.",
             ),
             ParameterProfile(
                 name="Acceleration_limit",
@@ -102,7 +102,7 @@ class RefHwBase(Component):
                 default="50.0",
                 minimum=0.0,
                 unit="rad/s^2",
-                description="Greatest acceleration of a wheel.",
+                description="Maximum acceleration of a wheel.",
             ),
             ParameterProfile(
                 name="EncoderCount",
@@ -145,7 +145,7 @@ class RefHwBase(Component):
                 type="double",
                 default="0.0",
                 unit="m",
-                description="Where the base stands when it is first activated: x.",
+                description="Pose at the first activation: x.",
             ),
             ParameterProfile(
                 name="PlantStart_y",
@@ -153,7 +153,7 @@ class RefHwBase(Component):
                 type="double",
                 default="0.0",
                 unit="m",
-                description="Where the base stands when it is first activated: y.",
+                description="Pose at the first activation: y.",
             ),
             ParameterProfile(
                 name="PlantStart_theta",
@@ -161,7 +161,7 @@ class RefHwBase(Component):
                 type="double",
                 default="0.0",
                 unit="rad",
-                description="Where the base stands when it is first activated: heading.",
+                description="Pose at the first activation: heading.",
             ),
             ParameterProfile(
                 name="PlantRoom",
@@ -169,7 +169,7 @@ class RefHwBase(Component):
                 type="string",
                 default="",
                 widget="text",
-                description="What stands round the simulated base, read on activation as LRFCapture_URG reads its",
+                description="Obstacles around the simulated base, read on activation in the format of LRFCapture_URG's",
             ),
             ParameterProfile(
                 name="PlantRadius",
@@ -187,7 +187,7 @@ class RefHwBase(Component):
                 default="0.5",
                 minimum=0.0,
                 unit="s",
-                description="The wheels come to rest when no speeds have come for so long; 0 never.",
+                description="Time without speeds after which the wheels stop; 0: never.",
             ),
         ),
     )
@@ -200,4 +200,4 @@ class RefHwBase(Component):
         self.WheelAngle = self.add_out_port("WheelAngle", rtc.TimedDoubleSeq)
         """Angles of the left and the right wheel, by the encoders [rad]."""
         self.pose = self.add_out_port("pose", iis.TimedPose2D)
-        """Where the base truly is: for simulated sensors, which have no other way to know [m, rad]."""
+        """True pose of the base, for simulated sensors [m, rad]."""

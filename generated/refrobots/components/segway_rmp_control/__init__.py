@@ -25,29 +25,29 @@ class SegwayRmpControlConfiguration:
     distance: float = 1.0
     """Distance to the robot that is followed: along the track, or as the crow flies [m]."""
     max_v: float = 0.4
-    """Greatest speed while following [m/s]."""
+    """Maximum speed while following [m/s]."""
     max_w: float = 1.0
-    """Greatest angular speed while following [rad/s]."""
+    """Maximum angular speed while following [rad/s]."""
     CommandTimeout: float = 0.5
-    """The robot comes to rest when no travel command has come for so long; 0 never [s]."""
+    """The robot comes to rest when no travel command has come for so long; 0: never [s]."""
     TargetTimeout: float = 0.0
     """The position of a leader older than this is not followed any more; 0, as in the [s]
     experiments: the robot goes up to its distance from the last one, and waits there.
     """
     start_x: float = 0.0
-    """Where the robot stands when it is first activated: x [m]."""
+    """Pose at the first activation: x [m]."""
     start_y: float = 0.0
-    """Where the robot stands when it is first activated: y [m]."""
+    """Pose at the first activation: y [m]."""
     start_theta: float = 0.0
-    """Where the robot stands when it is first activated: heading [rad]."""
+    """Pose at the first activation: heading [rad]."""
     WheelRadius: float = 0.24
     """Radius of the wheels [m]."""
     WheelTread: float = 0.54
     """Distance between the wheels [m]."""
     max_wheel_speed: float = 8.0
-    """Greatest speed of a wheel [rad/s]."""
+    """Maximum speed of a wheel [rad/s]."""
     max_wheel_acceleration: float = 6.0
-    """Greatest acceleration of a wheel [rad/s^2]."""
+    """Maximum acceleration of a wheel [rad/s^2]."""
     EncoderCount: int = 24000
     """Counts of the encoder for one turn of its wheel."""
 
@@ -136,7 +136,7 @@ class SegwayRmpControlBase(Component):
                 default="0.4",
                 minimum=0.0,
                 unit="m/s",
-                description="Greatest speed while following.",
+                description="Maximum speed while following.",
             ),
             ParameterProfile(
                 name="max_w",
@@ -145,7 +145,7 @@ class SegwayRmpControlBase(Component):
                 default="1.0",
                 minimum=0.0,
                 unit="rad/s",
-                description="Greatest angular speed while following.",
+                description="Maximum angular speed while following.",
             ),
             ParameterProfile(
                 name="CommandTimeout",
@@ -154,7 +154,7 @@ class SegwayRmpControlBase(Component):
                 default="0.5",
                 minimum=0.0,
                 unit="s",
-                description="The robot comes to rest when no travel command has come for so long; 0 never.",
+                description="The robot comes to rest when no travel command has come for so long; 0: never.",
             ),
             ParameterProfile(
                 name="TargetTimeout",
@@ -171,7 +171,7 @@ class SegwayRmpControlBase(Component):
                 type="double",
                 default="0.0",
                 unit="m",
-                description="Where the robot stands when it is first activated: x.",
+                description="Pose at the first activation: x.",
             ),
             ParameterProfile(
                 name="start_y",
@@ -179,7 +179,7 @@ class SegwayRmpControlBase(Component):
                 type="double",
                 default="0.0",
                 unit="m",
-                description="Where the robot stands when it is first activated: y.",
+                description="Pose at the first activation: y.",
             ),
             ParameterProfile(
                 name="start_theta",
@@ -187,7 +187,7 @@ class SegwayRmpControlBase(Component):
                 type="double",
                 default="0.0",
                 unit="rad",
-                description="Where the robot stands when it is first activated: heading.",
+                description="Pose at the first activation: heading.",
             ),
             ParameterProfile(
                 name="WheelRadius",
@@ -214,7 +214,7 @@ class SegwayRmpControlBase(Component):
                 default="8.0",
                 unit="rad/s",
                 constraint="x>0.0",
-                description="Greatest speed of a wheel.",
+                description="Maximum speed of a wheel.",
             ),
             ParameterProfile(
                 name="max_wheel_acceleration",
@@ -223,7 +223,7 @@ class SegwayRmpControlBase(Component):
                 default="6.0",
                 unit="rad/s^2",
                 constraint="x>0.0",
-                description="Greatest acceleration of a wheel.",
+                description="Maximum acceleration of a wheel.",
             ),
             ParameterProfile(
                 name="EncoderCount",

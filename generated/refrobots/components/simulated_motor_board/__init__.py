@@ -17,7 +17,7 @@ class SimulatedMotorBoardConfiguration:
     """Configuration of SimulatedMotorBoard."""
 
     transport: str = "tcp"
-    """Where the board listens: `tcp`, `serial`, or `none` if another process has the board."""
+    """Listening end of the board: `tcp`, `serial`, or `none` if another process runs the board."""
     host: str = "127.0.0.1"
     """TCP: the address to listen at."""
     port: int = 8931
@@ -41,11 +41,11 @@ class SimulatedMotorBoardConfiguration:
     PlantWheelRadiusRight: float = 0.0995
     """Radius of the right wheel [m]."""
     PlantStart_x: float = 0.0
-    """Where the base stands when the board is switched on: x [m]."""
+    """Pose of the base when the board is switched on: x [m]."""
     PlantStart_y: float = 0.0
-    """Where the base stands when the board is switched on: y [m]."""
+    """Pose of the base when the board is switched on: y [m]."""
     PlantStart_theta: float = 0.0
-    """Where the base stands when the board is switched on: heading [rad]."""
+    """Pose of the base when the board is switched on: heading [rad]."""
 
 
 class SimulatedMotorBoardBase(Component):
@@ -81,7 +81,7 @@ class SimulatedMotorBoardBase(Component):
                 type="string",
                 default="tcp",
                 constraint="(tcp,serial,none)",
-                description="Where the board listens: `tcp`, `serial`, or `none` if another process has the board.",
+                description="Listening end of the board: `tcp`, `serial`, or `none` if another process runs the board.",
             ),
             ParameterProfile(
                 name="host",
@@ -180,7 +180,7 @@ class SimulatedMotorBoardBase(Component):
                 type="double",
                 default="0.0",
                 unit="m",
-                description="Where the base stands when the board is switched on: x.",
+                description="Pose of the base when the board is switched on: x.",
             ),
             ParameterProfile(
                 name="PlantStart_y",
@@ -188,7 +188,7 @@ class SimulatedMotorBoardBase(Component):
                 type="double",
                 default="0.0",
                 unit="m",
-                description="Where the base stands when the board is switched on: y.",
+                description="Pose of the base when the board is switched on: y.",
             ),
             ParameterProfile(
                 name="PlantStart_theta",
@@ -196,7 +196,7 @@ class SimulatedMotorBoardBase(Component):
                 type="double",
                 default="0.0",
                 unit="rad",
-                description="Where the base stands when the board is switched on: heading.",
+                description="Pose of the base when the board is switched on: heading.",
             ),
         ),
     )

@@ -14,8 +14,8 @@ from ... import iis
 class SwitchInputRTCBase(Component):
     """Chooses between the velocity of a game pad and that of the navigation.
 
-    What the game pad sends is always passed on; what the navigation sends only if more than half
-    a second has gone since the game pad sent something. Without input nothing is sent.
+    Velocities of the game pad are always forwarded; those of the navigation only if the game pad
+    has sent nothing for more than half a second. Without input nothing is sent.
     """
 
     profile: ClassVar[ComponentProfile] = ComponentProfile(

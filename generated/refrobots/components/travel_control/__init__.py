@@ -20,14 +20,14 @@ class TravelControlConfiguration:
     """Which robot it is."""
     CommandTimeout: float = 0.5
     """The robot comes to rest when no travel command has come for so long, or when the newest [s]
-    one is older; 0 never.
+    one is older; 0: never.
     """
     start_x: float = 0.0
-    """Where the robot stands when it is first activated: x [m]."""
+    """Pose at the first activation: x [m]."""
     start_y: float = 0.0
-    """Where the robot stands when it is first activated: y [m]."""
+    """Pose at the first activation: y [m]."""
     start_theta: float = 0.0
-    """Where the robot stands when it is first activated: heading [rad]."""
+    """Pose at the first activation: heading [rad]."""
 
 
 class TravelControlBase(Component):
@@ -90,7 +90,7 @@ class TravelControlBase(Component):
                 type="double",
                 default="0.0",
                 unit="m",
-                description="Where the robot stands when it is first activated: x.",
+                description="Pose at the first activation: x.",
             ),
             ParameterProfile(
                 name="start_y",
@@ -98,7 +98,7 @@ class TravelControlBase(Component):
                 type="double",
                 default="0.0",
                 unit="m",
-                description="Where the robot stands when it is first activated: y.",
+                description="Pose at the first activation: y.",
             ),
             ParameterProfile(
                 name="start_theta",
@@ -106,7 +106,7 @@ class TravelControlBase(Component):
                 type="double",
                 default="0.0",
                 unit="rad",
-                description="Where the robot stands when it is first activated: heading.",
+                description="Pose at the first activation: heading.",
             ),
         ),
     )

@@ -23,7 +23,7 @@ class TravelOdometryConfiguration:
     start_theta: float = 0.0
     """Pose on activation: heading [rad]."""
     InformationTimeout: float = 0.5
-    """After a gap this long in the information the robot may be anywhere: ERROR; 0 never [s]."""
+    """After a gap this long in the information the robot may be anywhere: ERROR; 0: never [s]."""
 
 
 class TravelOdometryBase(Component):
@@ -91,7 +91,7 @@ class TravelOdometryBase(Component):
                 default="0.5",
                 minimum=0.0,
                 unit="s",
-                description="After a gap this long in the information the robot may be anywhere: ERROR; 0 never.",
+                description="After a gap this long in the information the robot may be anywhere: ERROR; 0: never.",
             ),
         ),
     )

@@ -19,11 +19,11 @@ class UcodeReaderConfiguration:
     markers: str = ""
     """The markers: `CODE X Y` [m], the code in hexadecimal digits, separated by semicolons."""
     walls: str = ""
-    """What hides markers: walls `X1 Y1 X2 Y2` [m], separated by semicolons."""
+    """Walls that hide markers: `X1 Y1 X2 Y2` [m], separated by semicolons."""
     reach: float = 2.0
-    """How far a marker is read [m]."""
+    """Maximum distance of a marker that is read [m]."""
     angle: float = 1.0
-    """How far from straight ahead a marker is read [rad]."""
+    """Maximum angle from straight ahead of a marker that is read [rad]."""
 
 
 class UcodeReaderBase(Component):
@@ -49,7 +49,7 @@ class UcodeReaderBase(Component):
                 "inport",
                 "pose",
                 iis.TimedPose2D,
-                "Where the reader truly is.",
+                "True pose of the reader.",
                 unit="m, rad",
             ),
             data_port(
@@ -72,7 +72,7 @@ class UcodeReaderBase(Component):
                 python_name="walls",
                 type="string",
                 default="",
-                description="What hides markers: walls `X1 Y1 X2 Y2` [m], separated by semicolons.",
+                description="Walls that hide markers: `X1 Y1 X2 Y2` [m], separated by semicolons.",
             ),
             ParameterProfile(
                 name="reach",
@@ -81,7 +81,7 @@ class UcodeReaderBase(Component):
                 default="2.0",
                 unit="m",
                 constraint="x>0.0",
-                description="How far a marker is read.",
+                description="Maximum distance of a marker that is read.",
             ),
             ParameterProfile(
                 name="angle",
@@ -91,7 +91,7 @@ class UcodeReaderBase(Component):
                 minimum=0.0,
                 maximum=3.1416,
                 unit="rad",
-                description="How far from straight ahead a marker is read.",
+                description="Maximum angle from straight ahead of a marker that is read.",
             ),
         ),
     )
@@ -100,6 +100,6 @@ class UcodeReaderBase(Component):
         super().__init__(instance_name)
         self.config = self.add_configuration(UcodeReaderConfiguration())
         self.pose = self.add_in_port("pose", iis.TimedPose2D)
-        """Where the reader truly is [m, rad]."""
+        """True pose of the reader [m, rad]."""
         self.sightings = self.add_out_port("sightings", ucode.TimedSightings)
         """The markers in view, the nearest first; sent while there is one."""

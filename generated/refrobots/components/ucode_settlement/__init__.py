@@ -21,7 +21,7 @@ class UcodeSettlementConfiguration:
     semicolons.
     """
     cache: int = 4
-    """How many records are kept at hand; the one that was not needed for longest goes first."""
+    """Maximum number of cached records; the least recently used one is dropped first."""
     delay: int = 3
     """Executions until the server answers."""
 
@@ -73,7 +73,7 @@ class UcodeSettlementBase(Component):
                 default="4",
                 minimum=1,
                 maximum=64,
-                description="How many records are kept at hand; the one that was not needed for longest goes first.",
+                description="Maximum number of cached records; the least recently used one is dropped first.",
             ),
             ParameterProfile(
                 name="delay",

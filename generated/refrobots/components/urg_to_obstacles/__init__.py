@@ -21,9 +21,9 @@ class Urg_to_ObstaclesConfiguration:
 
 
 class Urg_to_ObstaclesBase(Component):
-    """Makes points of a scan, in the frame of the base: where something stands.
+    """Converts a scan to points in the frame of the base.
 
-    Of the source's component only the name survived; its ports are ours.
+    The source only names this component; its ports are not in the source.
     """
 
     profile: ClassVar[ComponentProfile] = ComponentProfile(

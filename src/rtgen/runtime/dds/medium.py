@@ -99,7 +99,7 @@ class _Domains:
 
 
 DOMAINS = _Domains()
-"""Those of all media of this process."""
+"""The domains of all media of this process."""
 
 
 class DdsMedium:

@@ -29,7 +29,7 @@ from rtgen.runtime.distribution.medium import (
 
 
 class Network:
-    """What joins the media of one process; deliveries happen in the thread of the sender."""
+    """Connects the media of one process; deliveries happen in the thread of the sender."""
 
     def __init__(self) -> None:
         self.lock = threading.RLock()

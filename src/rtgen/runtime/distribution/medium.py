@@ -1,16 +1,16 @@
-"""What a messaging engine (DDS, Zenoh) must give so that systems can be spread over processes.
+"""Contract of messaging engines (DDS, Zenoh), by which systems run in several processes.
 
-An engine is a `Medium`; data ports, service calls, presence and steering are written once above it
-(`rtgen.runtime.distribution.transport`). One medium is one process's part in one system: the
-systems of one network do not see each other (a partition, a prefix of key expressions).
+An engine is a `Medium`; data ports, service calls, presence and control are implemented once above
+it (`rtgen.runtime.distribution.transport`). A medium connects one process with one system: the
+systems of a network do not see each other (a partition, a prefix of key expressions).
 
 Names consist of letters, digits, `_`, `-` and `/`, at most 200 characters, and do not begin or end
 with `/`. Topics, services and presences have separate name spaces.
 
 Callbacks (`on_sample`, `on_request`, `on_change`) are called in threads of the engine, or in that
 of a sender in the same process; for one subscription, service or watch by one thread at a time.
-They return soon and raise nothing. After `close` of what they belong to, at most the call under
-way ends.
+They return soon and raise nothing. After `close` of their subscription, service or watch, at most
+the current call ends.
 
 Octets of samples are serialized payloads with their encapsulation header of four octets (DDSI-RTPS
 2.5, 10.2) in the form that `representation` gives, so that programs without rtgen can decode them;

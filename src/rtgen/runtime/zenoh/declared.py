@@ -1,4 +1,4 @@
-"""What a session has declared, and undeclares once."""
+"""The declarations of a Zenoh session, each undeclared once."""
 
 from __future__ import annotations
 

@@ -42,9 +42,9 @@ export interface Ui$TypeNode {
   kind: Ui$TypeKind;
   /** Scoped name of a struct, union, enum or bitmask. */
   name: string;
-  /** Of a string, sequence or map (0: none); bits of an enum or bitmask. */
+  /** Bound of a string, sequence or map (0: none); bits of an enum or bitmask. */
   bound: number;
-  /** Of an array, the outermost first. */
+  /** Dimensions of an array, the outermost first. */
   dimensions: number[];
   /** Element, value of a map, switch type of a union; -1: none. */
   element: number;
@@ -134,7 +134,7 @@ export const Ui$Operation: CdrType<Ui$Operation> = struct("Ui::Operation", [
 ]);
 
 export interface Ui$ServiceInterface {
-  /** Of the instance in the port. */
+  /** Name of the instance in the port. */
   name: string;
   type: string;
   provided: boolean;
@@ -203,7 +203,7 @@ export interface Ui$Component {
   /** Process or naming context; empty: this process. */
   place: string;
   current: Ui$State;
-  /** Of the last error. */
+  /** Reason of the last error. */
   reason: string;
   contexts: Ui$ExecutionContext[];
   ports: Ui$Port[];
@@ -684,11 +684,11 @@ export interface Ui$Result {
   /** As in the ClientMessage. */
   request: number;
   done: boolean;
-  /** Of the error: UIS0001, RTC_ERROR, ...; empty if done. */
+  /** Code of the error: UIS0001, RTC_ERROR, ...; empty if done. */
   code: string;
   message: string;
   hint: string;
-  /** Of a call: XCDR1 with its encapsulation header. */
+  /** Reply of a call: XCDR1 with its encapsulation header. */
   reply: Ui$Octets;
   /** Value of an SDO transfer. */
   text: string;

@@ -104,9 +104,9 @@ class TypeNode(Aggregated):
     name: str = ""
     """Scoped name of a struct, union, enum or bitmask."""
     bound: int = 0
-    """Of a string, sequence or map (0: none); bits of an enum or bitmask."""
+    """Bound of a string, sequence or map (0: none); bits of an enum or bitmask."""
     dimensions: list[int] = field(default_factory=list)
-    """Of an array, the outermost first."""
+    """Dimensions of an array, the outermost first."""
     element: int = 0
     """Element, value of a map, switch type of a union; -1: none."""
     key: int = 0
@@ -239,7 +239,7 @@ class ServiceInterface(Aggregated):
     )
 
     name: str = ""
-    """Of the instance in the port."""
+    """Name of the instance in the port."""
     type: str = ""
     provided: bool = False
     operations: list[Operation] = field(default_factory=list)
@@ -334,7 +334,7 @@ class Component(Aggregated):
     """Process or naming context; empty: this process."""
     current: State = State.STATE_CREATED
     reason: str = ""
-    """Of the last error."""
+    """Reason of the last error."""
     contexts: list[ExecutionContext] = field(default_factory=list)
     ports: list[Port] = field(default_factory=list)
     parameters: list[Parameter] = field(default_factory=list)
@@ -933,11 +933,11 @@ class Result(Aggregated):
     """As in the ClientMessage."""
     done: bool = False
     code: str = ""
-    """Of the error: UIS0001, RTC_ERROR, ...; empty if done."""
+    """Code of the error: UIS0001, RTC_ERROR, ...; empty if done."""
     message: str = ""
     hint: str = ""
     reply: Octets = b""
-    """Of a call: XCDR1 with its encapsulation header."""
+    """Reply of a call: XCDR1 with its encapsulation header."""
     text: str = ""
     """Value of an SDO transfer."""
     fits: list[Fit] = field(default_factory=list)
