@@ -277,14 +277,14 @@ class Page:
 
     def found(self, end: str) -> ui.Component:
         """Wait for the component whose name has this end, and return it."""
-        components = self.session.outside.components
+        components = self.session.remote.components
 
         def names() -> list[str]:
-            components = self.session.outside.components
+            components = self.session.remote.components
             return [each for each in components if each.endswith(end)]
 
         until(names, PATIENCE)
-        components = self.session.outside.components
+        components = self.session.remote.components
         return components[names()[0]]
 
 
@@ -303,7 +303,7 @@ def test_a_page_shows_and_steers_it(
     name = page.found("host_cxt/PositionInput0").instance
 
     def now() -> ui.Component:
-        return page.session.outside.components[name]
+        return page.session.remote.components[name]
 
     def values() -> dict[str, str]:
         [found] = [s for s in now().configuration_sets if s.name == "default"]
@@ -354,7 +354,7 @@ def test_a_page_calls_its_service(
     try:
         name = page.found("host_cxt/Counter0").instance
         page.done("activated", [name])
-        [port] = page.session.outside.components[name].ports
+        [port] = page.session.remote.components[name].ports
         [interface] = port.interfaces
         assert (interface.name, interface.type) == ("adder", "Adder")
         operations = {each.name for each in interface.operations}
