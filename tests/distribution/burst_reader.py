@@ -1,4 +1,8 @@
-"""A process that counts samples over DDS: PARTITION. It prints a line for each `EACH` of them."""
+"""A process that reads bursts over DDS: PARTITION RELIABILITY.
+
+It prints `begin` for the first 0 since a burst, and the number of samples of a burst after its
+last one, `EACH`.
+"""
 
 from __future__ import annotations
 
@@ -11,29 +15,42 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from media import DOMAIN
 
 from refrobots import rtc
-from rtgen.runtime.distribution.medium import Qos, Topic
+from rtgen.runtime.distribution.medium import Qos, Sample, Topic
+from rtgen.runtime.xcdr import deserialize
 
 EACH = 300
 TOPIC = Topic("t", rtc.TimedLong)
-QOS = Qos(reliable=False, depth=5000)
+QOS = {
+    "best_effort": Qos(reliable=False, depth=5000),
+    "reliable": Qos(depth=None, patience=60),
+}
 
 
-def main(partition: str) -> None:
-    """Count without end."""
-    from rtgen.runtime.dds.medium import DdsMedium
+class Bursts:
+    """Counts the samples of a burst."""
 
-    count = 0
+    def __init__(self) -> None:
+        self._count: int | None = None
 
-    def on_sample(_: object) -> None:
-        nonlocal count
-        count += 1
-        if count % EACH == 0:
-            print(EACH, flush=True)
-
-    DdsMedium(partition, domain=DOMAIN).subscribe(TOPIC, QOS, on_sample)
-    print("ready", flush=True)
-    threading.Event().wait()
+    def on_sample(self, sample: Sample) -> None:
+        """Print a line at the begin and at the end of a burst."""
+        number = deserialize(rtc.TimedLong, sample.octets).data
+        if not number:
+            if self._count is None:
+                print("begin", flush=True)
+            self._count = 0
+        elif self._count is not None:
+            self._count += 1
+            if number == EACH:
+                print(self._count, flush=True)
+                self._count = None
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    from rtgen.runtime.dds.medium import DdsMedium
+
+    partition, reliability = sys.argv[1:]
+    medium = DdsMedium(partition, domain=DOMAIN)
+    medium.subscribe(TOPIC, QOS[reliability], Bursts().on_sample)
+    print("ready", flush=True)
+    threading.Event().wait()

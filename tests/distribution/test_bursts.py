@@ -5,14 +5,16 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+import threading
 from contextlib import closing
 from pathlib import Path
+from queue import SimpleQueue
 from types import SimpleNamespace
-from typing import IO, Any
+from typing import Any
 
 import pytest
 from distributed_system import wait_for
+from patience import PATIENCE
 
 pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
 
@@ -24,10 +26,11 @@ from rtgen.runtime.dds import bursts
 from rtgen.runtime.dds.bursts import Burst
 from rtgen.runtime.dds.medium import DdsMedium
 from rtgen.runtime.distribution.data import encoder
+from rtgen.runtime.distribution.medium import Publisher
 
 US = 1e-6
 READER = Path(__file__).with_name("burst_reader.py")
-OCTETS = encoder(rtc.TimedLong)(rtc.TimedLong())
+ENCODE = encoder(rtc.TimedLong)
 
 
 class Datagrams:
@@ -89,33 +92,65 @@ def test_pauses_and_short_histories_have_small_datagrams(
     assert Datagrams(monkeypatch, depth).write(40, pause * US) == sizes
 
 
-@pytest.fixture
-def partition() -> str:
-    return f"test-{os.urandom(8).hex()}"
+class Reader:
+    """A process that reads the bursts of a partition."""
+
+    def __init__(self, partition: str, reliability: str) -> None:
+        self._lines: SimpleQueue[str] = SimpleQueue()
+        self._process = subprocess.Popen(
+            [sys.executable, str(READER), partition, reliability],
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        self._thread = threading.Thread(target=self._read)
+        self._thread.start()
+
+    def _read(self) -> None:
+        assert self._process.stdout is not None
+        for line in self._process.stdout:
+            self._lines.put(line.strip())
+
+    def next(self) -> str:
+        """Wait for the next line."""
+        return self._lines.get(timeout=PATIENCE)
+
+    def says(self, text: str) -> bool:
+        """Return whether it has printed a line, which is this one."""
+        return not self._lines.empty() and self.next() == text
+
+    def close(self) -> None:
+        """End the process."""
+        self._process.kill()
+        self._process.wait()
+        self._thread.join()
+        assert self._process.stdout is not None
+        self._process.stdout.close()
 
 
-@pytest.fixture
-def reader(partition: str) -> Iterator[IO[str]]:
-    """The output of a process that reads the samples, a line for each `EACH` of them."""
-    with subprocess.Popen(
-        [sys.executable, str(READER), partition], stdout=subprocess.PIPE, text=True
-    ) as process:
-        assert process.stdout is not None
-        assert process.stdout.readline() == "ready\n"
-        yield process.stdout
-        process.kill()
+@pytest.mark.parametrize("reliability", ["best_effort", "reliable"])
+def test_the_end_of_a_burst_arrives(reliability: str) -> None:
+    """What is not sent would be sent again if the writer is reliable, unless it closes.
 
-
-def test_the_end_of_a_burst_arrives_whether_the_writer_pauses_or_closes(
-    reader: IO[str], partition: str
-) -> None:
-    """Nothing is sent again here: the writer is not reliable."""
-    with closing(DdsMedium(partition, domain=DOMAIN)) as medium:
+    Cyclone DDS drops the last samples of a writer that closes and is not reliable.
+    """
+    partition = f"test-{os.urandom(8).hex()}"
+    payloads = [ENCODE(rtc.TimedLong(data=number)) for number in range(EACH + 1)]
+    with (
+        closing(Reader(partition, reliability)) as reader,
+        closing(DdsMedium(partition, domain=DOMAIN)) as medium,
+    ):
+        assert reader.next() == "ready"
         for _ in range(5):
-            publisher = medium.publisher(TOPIC, QOS)
-            wait_for(lambda publisher=publisher: publisher.matched)
-            for ending in (lambda: None, publisher.close):
-                for _ in range(EACH):
-                    publisher.publish(OCTETS)
-                ending()
-                assert reader.readline() == f"{EACH}\n"
+            publisher = medium.publisher(TOPIC, QOS[reliability])
+
+            def has_begun(publisher: Publisher = publisher) -> bool:
+                publisher.publish(payloads[0])
+                return reader.says("begin")
+
+            wait_for(has_begun)
+            for payload in payloads[1:]:
+                publisher.publish(payload)
+            if reliability == "reliable":
+                publisher.close()
+            assert reader.next() == str(EACH)
+            publisher.close()
