@@ -3,9 +3,9 @@
     python benchmarks/fleet.py [dds] [zenoh] [zenoh-router]
 
 Each process has five topics of its own and reads five of its neighbour. The figures are the octets
-of the loopback interface (run nothing else that uses it), memory and processor time of the
-processes. The constants are fitted to 2, 4 and 8 processes; 12 are measured to check the
-extrapolation.
+of the loopback interface (run nothing else that uses it; on Linux, `unshare -n` gives the benchmark
+its own), memory and processor time of the processes. The constants are fitted to 2, 4 and 8
+processes; 12 are measured to check the extrapolation.
 """
 
 from __future__ import annotations
@@ -33,6 +33,9 @@ from rtgen.runtime.distribution.medium import Qos, Topic  # noqa: E402
 ENGINES = ("dds", "zenoh", "zenoh-router")
 TOPICS = 5
 FITTED, CHECKED = (2, 4, 8), 12
+JOINED = 3.0
+SEARCH = {"dds": 32.0}
+"""Seconds for which a new process of an engine looks for others at all ports of the machine."""
 IDLE = 10.0
 READERS = (1, 2, 4, 8)
 SAMPLES = 2000
@@ -93,8 +96,9 @@ def measured(name: str, count: int) -> dict[str, float]:
             stack.callback(first.close)
         before = octets()
         processes = started(stack, str(network.address), count)
-        time.sleep(3)
+        time.sleep(JOINED)
         joined = octets() - before
+        time.sleep(SEARCH.get(name, 0.0))
         pids = [p.pid for p in processes]
         times, begun, quiet = [used(p)[1] for p in pids], time.monotonic(), octets()
         time.sleep(IDLE)

@@ -48,6 +48,7 @@ from media import DOMAIN, engine, medium_at, transports  # noqa: E402
 from refrobots import rtc  # noqa: E402
 from rtgen.runtime.distribution.data import encoder  # noqa: E402
 from rtgen.runtime.distribution.medium import Qos, Topic  # noqa: E402
+from rtgen.runtime.distribution.qos import MIN_DEPTH  # noqa: E402
 from rtgen.runtime.distribution.rpc_header import (  # noqa: E402
     OctetsClient,
     serve_octets,
@@ -60,7 +61,7 @@ HEAD = b"\0\1\0\0"
 SIZES = (0, 64, 1 << 10, 64 << 10, 1 << 20, 10 << 20)
 """Octets of a TimedOctetSeq; 0 stands for a TimedPose2D."""
 BUDGET = 16 << 20
-TRIPS = 400
+CALLS = 400
 
 
 def value_of(size: int) -> Any:
@@ -78,6 +79,11 @@ def topic_of(name: str, size: int) -> Topic:
 def count_of(size: int) -> int:
     """Return the number of samples in a round."""
     return max(16, min(20_000, BUDGET // max(size, 40)))
+
+
+def trips_of(size: int) -> int:
+    """Return the number of round trips, fewer of samples that take a tenth of a second."""
+    return 400 if size < 10 << 20 else 40
 
 
 # The other process.
@@ -126,9 +132,9 @@ def serve(medium: Any) -> None:
         if hasattr(medium, "_keys"):
             names.append(medium._keys.topic(topic_of("alone", 0)))
         else:
-            medium.subscribe(topic_of("alone", 0), Qos(depth=8), lambda _: None)
+            medium.subscribe(topic_of("alone", 0), Qos(depth=MIN_DEPTH), lambda _: None)
         kept += [
-            bare_reader(medium, name, rtc.TimedPose2D, lambda _: None, depth=8)
+            bare_reader(medium, name, rtc.TimedPose2D, lambda _: None, depth=MIN_DEPTH)
             for name in names
         ]
         serve_octets(medium, "empty", lambda octets, reply: reply(octets))
@@ -239,7 +245,7 @@ class Pair:
         time.sleep(0.3)
         encode, value = encoder(type(value_of(size))), value_of(size)
         found = []
-        for _ in range(TRIPS):
+        for _ in range(trips_of(size)):
             event.clear()
             begun = time.perf_counter()
             publisher.publish(encode(value))
@@ -254,10 +260,10 @@ class Pair:
         """Return seconds of an empty call, sorted."""
         client = OctetsClient(self.medium, "empty")
         found = []
-        for number in range(TRIPS):
+        for number in range(CALLS):
             begun = time.perf_counter()
             client.call(b"", 10)
-            if number > TRIPS // 10:
+            if number > CALLS // 10:
                 found.append(time.perf_counter() - begun)
         client.close()
         return sorted(found)
@@ -351,10 +357,10 @@ def dds_writers(rounds: int) -> list[Cost]:
         medium = network.medium()
         stack.callback(medium.close)
         stack.enter_context(other(str(network.address)))
-        publisher = medium.publisher(topic_of("alone", 0), Qos(depth=8))
+        publisher = medium.publisher(topic_of("alone", 0), Qos(depth=MIN_DEPTH))
         made = idl_class(type(value)).deserialize(encode(value))
         writer, own = bare_ends(
-            DomainParticipant(DOMAIN), "pose", rtc.TimedPose2D, depth=8
+            DomainParticipant(DOMAIN), "pose", rtc.TimedPose2D, depth=MIN_DEPTH
         )
         del own
         await_match(lambda: publisher.matched)
@@ -376,7 +382,7 @@ def zenoh_writers(rounds: int) -> list[Cost]:
         medium: Any = network.medium()
         stack.callback(medium.close)
         stack.enter_context(other(str(network.address)))
-        publisher = medium.publisher(topic_of("alone", 0), Qos(depth=8))
+        publisher = medium.publisher(topic_of("alone", 0), Qos(depth=MIN_DEPTH))
         bare = medium._session.declare_publisher(
             "pose",
             congestion_control=zenoh.CongestionControl.DROP,

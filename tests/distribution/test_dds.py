@@ -363,8 +363,9 @@ def test_a_domain_has_one_configuration(stack: ExitStack, partition: str) -> Non
         DdsMedium(partition, domain=DOMAIN, interface="127.0.0.1")
 
 
-def test_security_that_cannot_be_had_is_refused(tmp_path: Path, partition: str) -> None:
-    """The wheel of cyclonedds has no security plug-ins: without them nothing is sent."""
+@pytest.fixture
+def secure(tmp_path: Path) -> Path:
+    """A configuration of Cyclone DDS with security, whose plug-ins do not exist."""
     part = '<Library path="nowhere_{0}" initFunction="i" finalizeFunction="f"/>'
     config = tmp_path / "secure.xml"
     config.write_text(
@@ -376,8 +377,21 @@ def test_security_that_cannot_be_had_is_refused(tmp_path: Path, partition: str) 
         f"<Permissions>data:,x</Permissions></AccessControl><Cryptographic>"
         f"{part.format('crypto')}</Cryptographic></Security></Domain></CycloneDDS>"
     )
+    return config
+
+
+def test_security_that_cannot_be_had_is_refused(
+    secure: Path, partition: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """The wheel of cyclonedds has no security: nothing is sent in the clear instead."""
     with pytest.raises(MediumError, match="domain 89"):
-        DdsMedium(partition, domain=89, config=config)
+        DdsMedium(partition, domain=89, config=secure)
+    assert "ecurity" in capfd.readouterr().err
+    options = ["--clock", "real", "--transport", "dds", "--domain", "89"]
+    options += ["--transport-config", str(secure), "--until", "0.1"]
+    assert rtgen(["run", str(SYSTEM), *options]) == 3
+    printed = capfd.readouterr().err
+    assert f"--transport-config {secure}: Cyclone DDS does not start" in printed
 
 
 # The command.

@@ -24,12 +24,12 @@ HERE = Path(__file__).parent
 class FarProcess:
     """The far side in a process of its own."""
 
-    def __init__(self, address: str, log: Path) -> None:
+    def __init__(self, address: str, log: Path, *last_step: str) -> None:
         paths = [str(HERE), str(HERE.parent), *filter(None, sys.path)]
         self._log = log
         with log.open("w", encoding="utf-8") as errors:
             self._process = subprocess.Popen(
-                [sys.executable, str(HERE / "far_side.py"), address],
+                [sys.executable, str(HERE / "far_side.py"), address, *last_step],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=errors,
@@ -55,6 +55,11 @@ class FarProcess:
     def thaw(self) -> None:
         """Continue the process."""
         self._process.send_signal(signal.SIGCONT)
+
+    def has_died(self) -> None:
+        """Wait until the process has killed itself."""
+        self._process.communicate(timeout=PATIENCE)
+        assert self._process.returncode == -signal.SIGKILL, self.log
 
     def kill(self) -> None:
         """Kill the process."""

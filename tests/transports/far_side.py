@@ -1,18 +1,21 @@
 """A system of one component on either side of a transport.
 
-    python far_side.py ADDRESS
+    python far_side.py ADDRESS [STEP]
 
 runs the far side in a process of its own: it prints one line when its component is ACTIVE and its
-connections are established, and ends with its input. Calls to its provider control it.
+connections are established, and ends with its input. Calls to its provider control it. With a step
+it kills itself there.
 """
 
 from __future__ import annotations
 
+import os
+import signal
 import struct
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from contextlib import ExitStack
 from types import TracebackType
 from typing import Any
@@ -35,6 +38,8 @@ DATA: dict[tuple[str, str], dict[str, str]] = {
     ("pulled", "pulled"): {"dataflow_type": "pull"},
 }
 """Connections between an OutPort and an InPort, in both directions."""
+STEPS = ("opened", "added", "connected", "active")
+"""The steps of the far side's start, before it waits for the near side."""
 OUT_PORTS = sorted({source for source, _ in DATA})
 
 
@@ -191,16 +196,33 @@ class Side:
         assert self.system.state(name) is active
 
 
-def far_side(transport: Any) -> Side:
-    """Return the far side, before its connections are established."""
+def far_side(
+    transport: Any, reached: Callable[[str], object] = lambda step: None
+) -> Side:
+    """Return the far side, before its connections are established; `reached` gets `STEPS`."""
+    reached("opened")
     side = Side(transport, FAR)
+    reached("added")
     side.connect_data()
+    reached("connected")
     side.activate()
+    reached("active")
     return side
 
 
+def _die_at(steps: Collection[str]) -> Callable[[str], None]:
+    """Return a function that kills this process at one of the steps."""
+
+    def reached(step: str) -> None:
+        if step in steps:
+            os.kill(os.getpid(), signal.SIGKILL)
+
+    return reached
+
+
 if __name__ == "__main__":
-    with far_side(transport_at(sys.argv[1], TIMEOUT)) as own:
+    address, *last = sys.argv[1:]
+    with far_side(transport_at(address, TIMEOUT), _die_at(last)) as own:
         own.transport.await_others(PATIENCE)
         print("ready", flush=True)
         sys.stdin.read()

@@ -11,11 +11,12 @@ from pathlib import Path
 import media
 import pytest
 from both_sides import FarProcess, Pair, near_side
-from far_side import wait_for
+from far_side import NEAR, STEPS, wait_for
 from patience import PATIENCE
 
 from rtgen import runtime
 
+LOST = runtime.PortStatus.CONNECTION_LOST
 pytestmark = [pytest.mark.slow, pytest.mark.waits]
 
 
@@ -30,38 +31,66 @@ class Mortal:
         self._taken: dict[str, list[int]] = {"many": [], "pulled": []}
         self._asked = 0
         self._came: dict[str, list[int]] = {"many": [], "pulled": []}
-        self.far = self._started()
+        self._far: FarProcess | None = None
+
+    @property
+    def far(self) -> FarProcess:
+        """The far process."""
+        assert self._far is not None
+        return self._far
 
     def begin(self) -> None:
-        """Wait until both sides are connected."""
+        """Start the far process, wait until both sides are connected, activate the near one."""
+        self._far = self._started()
         self.pair.near.transport.await_others(PATIENCE)
         self.far.ready()
+        self.pair.near.activate()
 
-    def _started(self) -> FarProcess:
+    def _started(self, *last_step: str) -> FarProcess:
         address = self._network.address
         assert address is not None
-        return FarProcess(address, self._folder / f"{time.monotonic_ns()}.txt")
+        log = self._folder / f"{time.monotonic_ns()}.txt"
+        return FarProcess(address, log, *last_step)
+
+    def dies_at(self, step: str) -> None:
+        """Start a far process that dies at a step of its start."""
+        self._started(step).has_died()
+
+    def close(self) -> None:
+        """End the far process."""
+        if self._far is not None:
+            self._far.kill()
 
     def start_again(self) -> None:
         """Start a new far process, which may read pending samples of the near side."""
         for numbers in self._taken.values():
             numbers.clear()
-        self.far = self._started()
+        self._far = self._started()
         self.far.ready()
 
     def lose(self) -> None:
-        """Check that calls and writes continue without the far side, and end in time."""
+        """Check that calls and writes end in time with errors, and the near side stays ACTIVE."""
+        statuses = set()
         for _ in range(2):
             with pytest.raises(runtime.ServiceError):
                 self.pair.ask("echo x", 1)
-            self.write()
+            statuses |= self.write()
             self._read()
+        wait_for(lambda: LOST in statuses or statuses.update(self.write()))
+        ticks = self._ticks
+        wait_for(lambda: self._ticks > ticks + 2)
+        state = self.pair.near.system.state(NEAR)
+        assert state is runtime.LifeCycleState.ACTIVE_STATE
 
-    def write(self) -> None:
-        """Write the next number; no status is an error."""
+    @property
+    def _ticks(self) -> int:
+        ticks: int = self.pair.near.system.statistics(NEAR).ticks
+        return ticks
+
+    def write(self) -> set[runtime.PortStatus]:
+        """Write the next number; return the statuses."""
         self._written += 1
-        for port in self._taken:
-            self.pair.write(port, self._written)
+        return {self.pair.write(port, self._written) for port in self._taken}
 
     def flows(self) -> None:
         """Wait until calls and samples pass in both directions again; none arrives twice."""
@@ -104,12 +133,12 @@ def mortal(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Mortal]:
         near_side(network, 1.0) as pair,
     ):
         made = Mortal(network, tmp_path, pair)
-        stack.callback(lambda: made.far.kill())
-        made.begin()
+        stack.callback(made.close)
         yield made
 
 
 def test_a_process_stands_still_is_killed_and_is_started_again(mortal: Mortal) -> None:
+    mortal.begin()
     mortal.flows()
     mortal.far.freeze()
     mortal.lose()
@@ -131,4 +160,13 @@ def test_a_process_stands_still_is_killed_and_is_started_again(mortal: Mortal) -
     assert isinstance(raised[0], runtime.CommunicationFailure)
     mortal.lose()
     mortal.start_again()
+    mortal.flows()
+
+
+def test_a_process_that_dies_at_any_step_of_its_start_is_followed_by_another(
+    mortal: Mortal,
+) -> None:
+    for step in STEPS:
+        mortal.dies_at(step)
+    mortal.begin()
     mortal.flows()

@@ -37,8 +37,6 @@ COMMANDS = {
 }
 """Commands with their help lines; the module has a function, both with the command's name."""
 
-_INTERRUPTED = 130
-
 
 @click.group(
     cls=LazyGroup,
@@ -71,7 +69,9 @@ def run(arguments: Sequence[str], *, ends: bool = False) -> int:
         error.show()
         return error.exit_code
     except (click.Abort, KeyboardInterrupt):
-        return _INTERRUPTED
+        from rtgen.cli.common import INTERRUPTED
+
+        return INTERRUPTED
     except BrokenPipeError as error:
         return _ended_by(error)
     except OSError as error:

@@ -30,6 +30,8 @@ from rtgen.project import (
 P = ParamSpec("P")
 
 OK, NO, BAD_INPUT, FAILED = range(4)
+INTERRUPTED = 130
+"""Exit code after Ctrl-C and SIGTERM, as of a shell."""
 """Exit codes."""
 
 _DOCUMENTS = ("json", "sarif")

@@ -15,6 +15,7 @@ from msgspec.structs import replace
 from rtgen import runtime
 from rtgen.cli.common import (
     BAD_INPUT,
+    INTERRUPTED,
     NO,
     OK,
     Console,
@@ -159,12 +160,16 @@ def replay(
         if rate is not None:
             pace(running, rate)
         end.of(running.end_run)
+        unfinished = False
         begun = time.perf_counter()
         try:
             player.run(None if until is None else round(until * SECOND))
         except BaseException as error:
             if not ends_run(error):
                 raise
+            unfinished = end.interrupted
+            if unfinished:
+                console.say(f"interrupted at {running.time / SECOND:.3f} s")
         wall = time.perf_counter() - begun
         if recorder is not None:
             recorder.end(through=course.through)
@@ -175,7 +180,9 @@ def replay(
     if not console.quiet:
         rows = [row for row in outcome.rows if row.instance in present]
         write_out(summary(dataclasses.replace(outcome, rows=rows)))
-    return NO if report.raised else OK
+    if report.raised:
+        return NO
+    return INTERRUPTED if unfinished else OK
 
 
 class _Factories(Factories):

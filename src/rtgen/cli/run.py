@@ -13,6 +13,7 @@ import click
 from rtgen import runtime
 from rtgen.cli.common import (
     BAD_INPUT,
+    INTERRUPTED,
     NO,
     OK,
     Console,
@@ -166,8 +167,8 @@ def run(
     SYSTEM is an RtsProfile, or a folder with system.xml and optionally timeline.toml. Exit code 0:
     the condition of --until, or of the system's property rtgen.run.until, was met; 1: it was not
     met in time, the robot ended beyond rtgen.run.tolerance, or component code raised an exception;
-    3: the module of a component cannot be imported. A run in simulated time that only waits for a
-    state ends after ten minutes.
+    3: the module of a component cannot be imported; 130: Ctrl-C or SIGTERM ended it before. A run
+    in simulated time that only waits for a state ends after ten minutes.
 
     --csv and --plot may be repeated: INSTANCE.PORT, INSTANCE.PORT.member and INSTANCE.PORT[index]
     are values over time, anything else is the output file, by default values.csv and values.svg
@@ -302,6 +303,9 @@ def run(
                 transports.await_others(transport, carrying.patience, console)
             end.of(running.end_run)
             met, wall = _run(running, condition, report, simulated=simulated)
+        unfinished = end.interrupted and not met
+        if unfinished:
+            console.say(_interrupted(condition, running.time))
         if recorder is not None:
             recorder.end(through=_limit(condition, simulated) != running.time)
         course = view.course(samples)
@@ -323,6 +327,8 @@ def run(
         console.say(f"results: {', '.join(filter(None, (csv_file, plot)))}")
     if not console.quiet:
         write_out(summary(outcome))
+    if unfinished and not report.raised:
+        return INTERRUPTED
     kept = all(result.kept for result in measured) and not outcome.missed
     return OK if met and kept and not report.raised else NO
 
@@ -411,6 +417,15 @@ def _run(
             raise
         met = condition == Condition()
     return met, time.perf_counter() - begun
+
+
+def _interrupted(condition: Condition, now: int) -> str:
+    """Return the message of a run that a signal ends before its condition; `now` in ns."""
+    end = f"at {now / SECOND:.3f} s"
+    if condition.instance is not None:
+        return f"interrupted {end}, before {condition.instance}={condition.state}"
+    assert condition.limit is not None
+    return f"interrupted {end} of {condition.limit / SECOND:g} s"
 
 
 def _limit(condition: Condition, simulated: bool) -> int | None:

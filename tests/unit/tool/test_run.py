@@ -517,29 +517,47 @@ def test_a_damaged_manifest(text: str, capfd: pytest.CaptureFixture[str]) -> Non
     assert "run rtgen generate" in said
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_an_interrupt_ends_a_run_with_its_report(number: signal.Signals) -> None:
-    command = [
-        sys.executable,
-        "-m",
-        "rtgen",
-        "run",
-        "m.xml",
-        "--clock",
-        "real",
-        "--until",
-        "60",
-    ]
+def interrupted(number: signal.Signals, *arguments: str) -> tuple[int, str, str]:
+    """Return exit code and output of a command that is interrupted while a component is ACTIVE."""
     process = subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [sys.executable, "-m", "rtgen", *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
     )
     assert process.stderr is not None
-    assert process.stderr.readline().endswith("M0 ACTIVE\n")
+    assert any(line.endswith("M0 ACTIVE\n") for line in process.stderr)
     process.send_signal(number)
     out, err = process.communicate(timeout=PATIENCE)
-    assert process.returncode == 1, err
+    return process.returncode, out, err
+
+
+@pytest.mark.parametrize("clock", ["sim", "real"])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(
+    ("until", "before"),
+    [("100000000", " of 1e+08 s"), ("M0=ERROR,100000000", ", before M0=ERROR")],
+)
+def test_an_interrupt_ends_a_run_with_its_report(
+    number: signal.Signals, clock: str, until: str, before: str
+) -> None:
+    command = ("run", "m.xml", "--clock", clock, "--until", until)
+    code, out, err = interrupted(number, *command, "--set", "M0.distance=1e12")
+    assert code == 130, err
+    assert re.search(rf"^interrupted at \d+\.\d{{3}} s{re.escape(before)}$", err, re.M)
     assert out.startswith("instance")
     assert "Traceback" not in err
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_is_the_end_of_a_run_without_a_condition(
+    number: signal.Signals,
+) -> None:
+    Path("s.xml").write_text(profile(("Mover", "M0")))
+    code, out, err = interrupted(number, "run", "s.xml", "--clock", "real")
+    assert code == 0, err
+    assert "interrupted" not in err
+    assert out.startswith("instance")
 
 
 def test_what_hinders_an_active_component_is_reported(

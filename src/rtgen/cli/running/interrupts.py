@@ -35,6 +35,11 @@ class Ending:
         self._over = threading.Event()
         self._asked = False
 
+    @property
+    def interrupted(self) -> bool:
+        """Whether a signal has ended the run."""
+        return self._asked
+
     def of(self, end_run: Callable[[BaseException], None]) -> None:
         """Set the function that ends the run."""
         self._end_run = end_run

@@ -39,8 +39,14 @@ _AT_ONCE = 256
 """Maximum samples taken at a time, and initial number of requested handles."""
 _MAX_UNREAD = 1024
 """Samples that a reader keeps at most before it slows its writers down."""
-_PAUSE = 0.0005
 _TIMEOUT = -10
+
+_batch = _CQos._dll_handle.dds_qset_writer_batching
+_batch.argtypes, _batch.restype = (dds_c_t.qos_p, ctypes.c_bool), None
+_flush = ctypes.PYFUNCTYPE(dds_c_t.returnv, dds_c_t.entity)(
+    ("dds_write_flush", _CQos._dll_handle)
+)
+"""Keeps Python's lock, as cyclonedds does while it writes: others would get it for a time slice."""
 
 
 @contextmanager
@@ -127,6 +133,14 @@ def _user_data(qos: int) -> bytes:
         _CQos.free(data)
 
 
+class _BatchingWriter(DataWriter[Any]):
+    """A writer with a policy that cyclonedds has no Python class for."""
+
+    def _create_writer(self, owner: Any, topic: Any, qos: Any, listener: Any) -> Any:
+        _batch(qos, True)
+        return super()._create_writer(owner, topic, qos, listener)
+
+
 class Entities:
     """Makes the readers and writers of a participant in one partition."""
 
@@ -139,17 +153,23 @@ class Entities:
         self._lock = threading.Lock()
 
     def writer(
-        self, name: str, type_: type[Any], qos: Qos, late: int | None = None
+        self,
+        name: str,
+        type_: type[Any],
+        qos: Qos,
+        late: int | None = None,
+        *,
+        batching: bool = False,
     ) -> DataWriter[Any]:
         """Return a writer of a topic. Raises MediumError.
 
         `late`: number of samples for readers created later, if durable; default `qos.depth`.
+        `batching`: samples are sent by `flush`, or when a datagram is full.
         """
+        kind = _BatchingWriter if batching else DataWriter
         with reported(f"the writer of {name}"):
             policies = [*_policies(qos, late), _sent(type_)]
-            return DataWriter(
-                self._publisher, self._topic(name, type_), DdsQos(*policies)
-            )
+            return kind(self._publisher, self._topic(name, type_), DdsQos(*policies))
 
     def reader(
         self, name: str, type_: type[Any], qos: Qos, user_data: bytes = b""
@@ -230,19 +250,25 @@ def write(
 ) -> None:
     """Write a serialized sample; wait for space for at most that number of seconds.
 
-    cyclonedds does not release Python's lock while it writes, so it must not wait itself.
-    Raises PublishTimeoutError, MediumError.
+    cyclonedds does not release Python's lock while it writes, so a write must not wait itself.
+    There is room once all readers have acknowledged what they were sent: a write that is only
+    tried would copy the sample each time. Raises PublishTimeoutError, MediumError.
     """
     code = _clayer.ddspy_write(writer._ref, octets)
     if code == _TIMEOUT and patience > 0:
         deadline = time.monotonic() + patience
-        while code == _TIMEOUT and time.monotonic() < deadline:
-            time.sleep(_PAUSE)
+        while code == _TIMEOUT and (left := deadline - time.monotonic()) > 0:
+            writer._wait_for_acks(writer._ref, round(left * _SECOND))
             code = _clayer.ddspy_write(writer._ref, octets)
     if code == _TIMEOUT:
         raise PublishTimeoutError(f"no room for a sample of {writer.topic.name}")
     if code < 0:
         raise MediumError(f"{writer.topic.name}: {DDSException(code).msg}")
+
+
+def flush(writer: DataWriter[Any]) -> None:
+    """Send what a batching writer holds. A deleted writer has sent everything."""
+    _flush(writer._ref)
 
 
 def delete(entity: Any) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Sequence
@@ -12,6 +13,7 @@ from xml.sax.saxutils import quoteattr
 from cyclonedds.domain import Domain, DomainParticipant
 
 from rtgen.runtime.dds import entities
+from rtgen.runtime.dds.bursts import Burst, Sender
 from rtgen.runtime.dds.dispatcher import Dispatcher
 from rtgen.runtime.dds.entities import Entities
 from rtgen.runtime.dds.numbers import DOUBLE, WRITERS, Numbers, numbered, plain
@@ -41,17 +43,26 @@ _ANNOUNCED = 5.0
 Cyclone's own 30 s is long for a process that was stopped for longer than its lease.
 """
 
-_LOOPBACK = """<CycloneDDS><Domain><General><Interfaces>
+_RECEIVED = '<SocketReceiveBufferSize max="16 MiB"/>'
+"""The system's limit applies; what finds no room is sent again."""
+_DATAGRAMS = (
+    "<MaxMessageSize>65500 B</MaxMessageSize><FragmentSize>63000 B</FragmentSize>"
+    if sys.platform == "linux"
+    else ""
+)
+"""As large as loopback carries; a network would divide them, and not every system sends them."""
+_LOOPBACK = f"""<CycloneDDS><Domain><General><Interfaces>
 <NetworkInterface address="127.0.0.1" multicast="false"/></Interfaces>
-<AllowMulticast>false</AllowMulticast></General>
+<AllowMulticast>false</AllowMulticast>{_DATAGRAMS}</General>
+<Internal>{_RECEIVED}<NackDelay>10ms</NackDelay></Internal>
 <Discovery><ParticipantIndex>auto</ParticipantIndex>
 <MaxAutoParticipantIndex>99</MaxAutoParticipantIndex>
-<LeaseDuration>{lease}s</LeaseDuration><SPDPInterval>{announced}s</SPDPInterval>
+<LeaseDuration>{{lease}}s</LeaseDuration><SPDPInterval>{{announced}}s</SPDPInterval>
 <Peers><Peer address="127.0.0.1"/></Peers></Discovery></Domain></CycloneDDS>"""
-_INTERFACE = """<CycloneDDS><Domain><General><Interfaces>
-<NetworkInterface {kind}={name}/></Interfaces></General>
-<Discovery><LeaseDuration>{lease}s</LeaseDuration>
-<SPDPInterval>{announced}s</SPDPInterval></Discovery></Domain></CycloneDDS>"""
+_INTERFACE = f"""<CycloneDDS><Domain><General><Interfaces>
+<NetworkInterface {{kind}}={{name}}/></Interfaces></General><Internal>{_RECEIVED}</Internal>
+<Discovery><LeaseDuration>{{lease}}s</LeaseDuration>
+<SPDPInterval>{{announced}}s</SPDPInterval></Discovery></Domain></CycloneDDS>"""
 
 
 def configuration(
@@ -135,6 +146,7 @@ class DdsMedium:
                 self._data = Dispatcher(self._participant, "rtgen dds data")
                 self._control = Dispatcher(self._participant, "rtgen dds control")
             self._presences = Presences(self._made, self._control)
+            self._sender = Sender()
         except MediumError:
             if participant is not None:
                 entities.delete(participant)
@@ -144,7 +156,7 @@ class DdsMedium:
     def publisher(self, topic: Topic, qos: Qos) -> DdsPublisher:
         """See `Medium`. The lease of the process cannot be shortened later."""
         check_lease(topic, qos, self._lease)
-        return self._kept(DdsPublisher(self._made, topic, qos))
+        return self._kept(DdsPublisher(self._made, self._sender, topic, qos))
 
     def subscribe(self, topic: Topic, qos: Qos, on_sample: OnSample) -> DdsSubscription:
         """See `Medium`."""
@@ -187,6 +199,7 @@ class DdsMedium:
             opened, self._open = self._open, []
         for entity in reversed(opened):
             entity.close()
+        self._sender.close()
         self._presences.close()
         self._data.close()
         self._control.close()
@@ -224,10 +237,11 @@ class _Once:
 class DdsPublisher:
     """See `medium.Publisher`: the writer of a topic."""
 
-    def __init__(self, made: Entities, topic: Topic, qos: Qos) -> None:
+    def __init__(self, made: Entities, sender: Sender, topic: Topic, qos: Qos) -> None:
         name = self._name = check_name(topic.name)
         self._patience = qos.patience if qos.depth is None else 0.0
-        self._writer = made.writer(name, topic.type, qos)
+        self._writer = made.writer(name, topic.type, qos, batching=True)
+        self._burst = Burst(self._writer, sender, qos.depth)
         self._sequence = 0
         self._closed = False
 
@@ -238,6 +252,7 @@ class DdsPublisher:
         sequence = self._sequence + 1
         entities.write(self._writer, numbered(octets, sequence), self._patience)
         self._sequence = sequence
+        self._burst.written()
 
     @property
     def matched(self) -> bool:
