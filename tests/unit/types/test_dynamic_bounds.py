@@ -21,7 +21,9 @@ from rtgen.runtime.marshalling.descriptors import (
     SequenceDescriptor,
     StructDescriptor,
 )
+from rtgen.runtime.marshalling.dynamic.reader import Reader
 from rtgen.runtime.marshalling.dynamic.values import decoded, encoded
+from rtgen.runtime.marshalling.errors import Fault
 from rtgen.runtime.marshalling.octets import (
     ObjectReference,
     fixed_octets,
@@ -59,8 +61,8 @@ def dyn(tmp_path_factory: pytest.TempPathFactory) -> Any:
 
 
 def refused(type_: Any, text: str, message: str) -> None:
-    """Check the message for octets in hexadecimal."""
-    with pytest.raises(CdrError, match=re.escape(message)):
+    """Check the end of the message for octets in hexadecimal."""
+    with pytest.raises(CdrError, match=f": {re.escape(message)}$"):
         type_.from_cdr(bytes.fromhex(text))
 
 
@@ -88,8 +90,9 @@ def test_an_enumerator_of_a_known_type_is_a_member(dyn: Any) -> None:
 def test_an_object_reference_in_an_any() -> None:
     object_ = PrimitiveDescriptor("Object")
     reference = ObjectReference("IDL:X:1.0", ((0xFFFFFFFF, b"x"), (0, b"")))
-    again = AnyValue.from_cdr(AnyValue(object_, reference).to_cdr())
-    assert again.value == reference
+    for sent in (reference, ObjectReference("IDL:X:1.0", ((0, b""),))):
+        again = AnyValue.from_cdr(AnyValue(object_, sent).to_cdr())
+        assert again.value == sent
 
 
 def test_items_without_octets(dyn: Any) -> None:
@@ -105,6 +108,26 @@ def test_items_without_octets(dyn: Any) -> None:
     entries = MapDescriptor(OCTET, NOTHING)
     made = decoded(entries, bytes.fromhex("01000000 09"), True)
     assert list(made) == [9]
+
+
+@pytest.mark.parametrize(("more", "accepted"), [(62, True), (63, False)])
+def test_values_without_octets_are_counted(more: int, accepted: bool) -> None:
+    """There may be 100,000 values, and 16 for each octet."""
+    octets = struct.pack("<I", 1000) + bytes(1000)
+    element = StructDescriptor("IDL:E:1.0", "E", _members(115, NOTHING))
+    members = (MemberDescriptor("all", SequenceDescriptor(element)),)
+    members += _members(more, NOTHING)
+    reader = Reader(octets, True)
+    descriptor = StructDescriptor("IDL:S:1.0", "S", members)
+    if accepted:
+        assert len(reader.value(descriptor).all) == 1000
+    else:
+        with pytest.raises(Fault, match="more values than the octets account for"):
+            reader.value(descriptor)
+
+
+def _members(count: int, type_: Any) -> tuple[MemberDescriptor, ...]:
+    return tuple(MemberDescriptor(f"m{number}", type_) for number in range(count))
 
 
 def test_the_last_character_of_iso_8859_1() -> None:
@@ -227,9 +250,9 @@ def test_values_that_cannot_be_read(dyn: Any) -> None:
     unknown = tagged(0x7FFFFF06, *ids, state=bytes(8))
     refused(dyn.V, unknown, "IDL:Dyn/Unknown:1.0 is not known, and has no chunks")
     abstract = tagged(0x7FFFFF0A, "IDL:Dyn/AV:1.0")
-    refused(dyn.Anything, abstract, "AV is abstract: it has no state here")
+    refused(dyn.Anything, abstract, "Dyn::AV is abstract: it has no state here")
     custom = tagged(0x7FFFFF0A, "IDL:Dyn/C:1.0")
-    refused(dyn.Anything, custom, "C is custom: it has no state here")
+    refused(dyn.Anything, custom, "Dyn::C is custom: it has no state here")
     other = tagged(0x7FFFFF0A, "IDL:Dyn/Other:1.0")
     refused(dyn.V, other, "a Dyn::V is needed, not a Dyn::Other")
     with pytest.raises(CdrError, match="C is custom: it has no state that is known"):
@@ -243,8 +266,7 @@ def test_an_indirection_leads_to_a_value_of_the_needed_type(dyn: Any) -> None:
     assert again.b is again.a
     other = dyn.Other(1)
     octets = dyn.Anything(other, other).to_cdr()
-    message = "Particular.b: a Dyn::V is needed, not a Dyn::Other"
-    refused(dyn.Particular, octets.hex(), message)
+    refused(dyn.Particular, octets.hex(), "a Dyn::V is needed, not a Dyn::Other")
 
 
 @pytest.mark.parametrize("little_endian", [True, False])
@@ -280,8 +302,10 @@ def test_paths_in_values(dyn: Any) -> None:
             value.to_cdr()
         assert caught.value.path == path
     octets = dyn.Holds(dyn.Text("text")).to_cdr()
+    damaged = octets.replace(b"text", b"te\0t").hex()
+    refused(dyn.Holds, damaged, "a string has to end with its only NUL")
     with pytest.raises(CdrError) as caught:
-        dyn.Holds.from_cdr(octets.replace(b"text", b"te\0t"))
+        dyn.Holds.from_cdr(bytes.fromhex(damaged))
     assert caught.value.path == "Holds.a.value"
     octets = dyn.Both(dyn.Far(1, dyn.V(0x01020304))).to_cdr()
     with pytest.raises(CdrError) as caught:
@@ -290,6 +314,11 @@ def test_paths_in_values(dyn: Any) -> None:
     with pytest.raises(CdrError) as caught:
         dyn.Both.from_cdr(octets[:-8])
     assert caught.value.path == "Both.b"
+
+
+def test_the_message_for_the_value_in_a_box(dyn: Any) -> None:
+    with pytest.raises(CdrError, match=r"^Holds\.a\.value: a str is needed, not int$"):
+        dyn.Holds(dyn.Text(5)).to_cdr()
 
 
 def test_a_value_without_a_member(dyn: Any) -> None:
