@@ -244,6 +244,38 @@ def test_a_list_of_unknown_members_alone(
         decode(type_, bytes.fromhex(required), version, True)
 
 
+def test_members_that_are_seldom_in_types(tmp_path: Path) -> None:
+    """Structs with lists of members within others, arrays of conversions in a record, bounds."""
+    package = emitted.emit_text(
+        tmp_path,
+        """
+        @mutable struct Listed { @id(3) long a; };
+        @final struct Nothing {};
+        @final struct Record { boolean flags[2][2]; octet last; };
+        @final struct Outer {
+            Listed one; sequence<Listed> more; sequence<Record> records;
+            sequence<string, 2> names; Nothing none[2]; octet last;
+        };
+        """,
+    )
+    listed, record = package.Listed, package.Record
+    value = package.Outer(listed(1), [listed(2)], [record([[True, False]] * 2, 3)])
+    value.names, value.last = ["a", "b"], 4
+    for version in (1, 2):
+        for little_endian in (True, False):
+            octets = encode(package.Outer, value, version, little_endian)
+            again = decode(package.Outer, octets, version, little_endian)
+            assert again == value
+            assert (type(again.one), type(again.more[0])) == (listed, listed)
+            assert again.records[0].flags[0][0] is True
+        for wrong, message in (
+            ({"names": ["a", "b", "c"]}, r"Outer\.names: 3 items, and 2 are the most"),
+            ({"none": [package.Nothing()]}, r"Outer\.none: 1 items instead of 2"),
+        ):
+            with pytest.raises(CdrError, match=message):
+                encode(package.Outer, package.Outer(**wrong), version, True)
+
+
 def test_items_without_octets_are_limited() -> None:
     for count in (3, 65536):
         items = Items([Empty()] * count, 7)
