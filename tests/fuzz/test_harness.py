@@ -34,6 +34,8 @@ def test_inputs_in_bulk_go_on_where_they_were_stopped(
     assert counts == {"tdr": 200, "emcy": 200}
     assert [line.split()[:2] for line, _ in lines] == [["emcy", "200"], ["tdr", "50"]]
     assert list(harness.bulk(["tdr", "emcy"], 200, 600.0)) == []
+    ((line, _),) = harness.bulk(["slcan"], 200, 600.0, first=180)
+    assert line.split()[:2] == ["slcan", "20"]
 
 
 def test_what_a_door_raises_at_is_kept(

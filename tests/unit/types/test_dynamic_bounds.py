@@ -23,6 +23,7 @@ from rtgen.runtime.marshalling.descriptors import (
 )
 from rtgen.runtime.marshalling.dynamic.reader import Reader
 from rtgen.runtime.marshalling.dynamic.values import decoded, encoded
+from rtgen.runtime.marshalling.dynamic.writer import ID_LIST
 from rtgen.runtime.marshalling.errors import Fault
 from rtgen.runtime.marshalling.octets import (
     ObjectReference,
@@ -236,27 +237,45 @@ def test_damaged_chunks(dyn: Any, text: str, message: str) -> None:
     refused(dyn.V, text, message)
 
 
-def test_values_that_cannot_be_read(dyn: Any) -> None:
-    def tagged(tag: int, *ids: str, state: bytes = b"") -> str:
-        octets = struct.pack("<I", tag)
-        if len(ids) > 1:
-            octets += struct.pack("<I", len(ids))
-        for each in ids:
-            text = each.encode() + b"\0"
-            octets += bytes(-len(octets) % 4) + struct.pack("<I", len(text)) + text
-        return (octets + bytes(-len(octets) % 4) + state + bytes(4)).hex()
+def tagged(tag: int, *ids: str, state: bytes = b"") -> bytes:
+    """Return a value with that tag, the texts after it, and its state; several have a count."""
+    octets = struct.pack("<I", tag)
+    if tag & ID_LIST == ID_LIST:
+        octets += struct.pack("<I", len(ids))
+    for each in ids:
+        text = each.encode() + b"\0"
+        octets += bytes(-len(octets) % 4) + struct.pack("<I", len(text)) + text
+    return octets + bytes(-len(octets) % 4) + state
 
+
+def test_values_that_cannot_be_read(dyn: Any) -> None:
     ids = ("IDL:Dyn/Unknown:1.0", "IDL:Dyn/V:1.0")
-    unknown = tagged(0x7FFFFF06, *ids, state=bytes(8))
+    unknown = tagged(0x7FFFFF06, *ids, state=bytes(8)).hex()
     refused(dyn.V, unknown, "IDL:Dyn/Unknown:1.0 is not known, and has no chunks")
-    abstract = tagged(0x7FFFFF0A, "IDL:Dyn/AV:1.0")
+    abstract = tagged(0x7FFFFF0A, "IDL:Dyn/AV:1.0", state=bytes(4)).hex()
     refused(dyn.Anything, abstract, "Dyn::AV is abstract: it has no state here")
-    custom = tagged(0x7FFFFF0A, "IDL:Dyn/C:1.0")
+    custom = tagged(0x7FFFFF0A, "IDL:Dyn/C:1.0", state=bytes(4)).hex()
     refused(dyn.Anything, custom, "Dyn::C is custom: it has no state here")
-    other = tagged(0x7FFFFF0A, "IDL:Dyn/Other:1.0")
+    other = tagged(0x7FFFFF0A, "IDL:Dyn/Other:1.0", state=bytes(4)).hex()
     refused(dyn.V, other, "a Dyn::V is needed, not a Dyn::Other")
     with pytest.raises(CdrError, match="C is custom: it has no state that is known"):
         dyn.C(1).to_cdr()
+
+
+def test_the_tag_of_a_value(dyn: Any) -> None:
+    """A value may have the place of its implementation, and up to 100 repository ids."""
+    state = bytes.fromhex("08000000 05000000 00000000 ffffffff")
+    own, place = "IDL:Dyn/V:1.0", "http://example.org/"
+    for octets in (
+        tagged(0x7FFFFF08, state=state),
+        tagged(0x7FFFFF09, place, state=state),
+        tagged(0x7FFFFF0A, own, state=state),
+        tagged(0x7FFFFF0B, place, own, state=state),
+        tagged(0x7FFFFF0E, *["IDL:Unknown:1.0"] * 99, own, state=state),
+    ):
+        assert dyn.V.from_cdr(octets).x == 5
+    many = tagged(0x7FFFFF0E, *["IDL:Unknown:1.0"] * 100, own, state=state)
+    refused(dyn.V, many.hex(), "101 repository ids, and 100 are the most")
 
 
 def test_an_indirection_leads_to_a_value_of_the_needed_type(dyn: Any) -> None:
