@@ -49,6 +49,7 @@ module Dyn {
   valuetype Base { public long x; };
   valuetype Far : truncatable Base { public V one; public V two; public long after; };
   struct Both { Base a; Base b; long c; };
+  struct Labelled { string label; ValueBase value; };
 };
 """
 OCTET = PrimitiveDescriptor("octet")
@@ -276,6 +277,24 @@ def test_the_tag_of_a_value(dyn: Any) -> None:
         assert dyn.V.from_cdr(octets).x == 5
     many = tagged(0x7FFFFF0E, *["IDL:Unknown:1.0"] * 100, own, state=state)
     refused(dyn.V, many.hex(), "101 repository ids, and 100 are the most")
+
+
+def test_a_repository_id_at_the_start_of_a_body(dyn: Any) -> None:
+    text = "IDL:Dyn/V:1.0"
+    octets = struct.pack("<I16s", 14, text.encode())
+    octets += struct.pack("<IIi", 0x7FFFFF0A, 0xFFFFFFFF, -28)
+    octets += bytes.fromhex("08000000 05000000 00000000 ffffffff")
+    again = dyn.Labelled.from_cdr(octets)
+    assert (again.label, type(again.value), again.value.x) == (text, dyn.V, 5)
+
+
+def test_the_end_of_a_value_in_the_rest_of_a_truncated_one(dyn: Any) -> None:
+    ids = ("IDL:Unknown:1.0", "IDL:Dyn/Base:1.0")
+    state = bytes.fromhex("04000000 01000000 08ffff7f 04000000 02000000")
+    octets = tagged(0x7FFFFF0E, *ids, state=state)
+    for end in ("feffffff ffffffff", "ffffffff"):
+        assert dyn.Base.from_cdr(octets + bytes.fromhex(end)).x == 1
+    refused(dyn.Base, octets.hex() + "fdffffff", "an end tag -3 at level 2")
 
 
 def test_an_indirection_leads_to_a_value_of_the_needed_type(dyn: Any) -> None:
