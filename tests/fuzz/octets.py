@@ -152,11 +152,12 @@ def encodings(type_: type[Any]) -> Iterator[Encoding]:
 
 
 def _least(encoding: Encoding) -> bytes | None:
-    """Return the encoding of a default value, or the fewest zeros that decode to a value."""
-    with suppress(CdrError, TypeError):
-        written = encoding.write(encoding.type())
-        encoding.read(written)
-        return written
+    """Return the encoding of a default or empty value, or the fewest zeros that decode to one."""
+    for make in (encoding.type, list):
+        with suppress(AttributeError, CdrError, TypeError):
+            written = encoding.write(make())
+            encoding.read(written)
+            return written
     for length in range(300):
         with suppress(CdrError):
             encoding.read(bytes(length))
