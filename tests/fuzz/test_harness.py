@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import logging
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from random import Random
 
@@ -14,6 +16,13 @@ import pytest
 from doors import Door, door
 
 pytestmark = pytest.mark.once
+
+
+@pytest.fixture(autouse=True)
+def logging_goes_on() -> Iterator[None]:
+    """Undo that targets suppress the warnings for bad input, which they do for their process."""
+    yield
+    logging.disable(logging.NOTSET)
 
 
 def test_it_starts_as_a_program() -> None:
