@@ -144,7 +144,7 @@ fuzz: export RTGEN_BUDGET ?= 30
 fuzz: $(VENV)/test.stamp
 ifdef DOOR
 	$(BIN)/python tests/fuzz/harness.py $(filter-out all,$(DOOR)) --seconds $(SECONDS) \
-	    $(if $(TOTAL),--total $(TOTAL))
+	    $(if $(TOTAL),--total $(TOTAL)) $(if $(FIRST),--first $(FIRST))
 else
 	$(BIN)/pytest -n 2 --dist worksteal -m random
 endif

@@ -1,7 +1,7 @@
 """Explores doors: guided by coverage if atheris is installed, else by random inputs.
 
     python tests/fuzz/harness.py DOOR... [--seconds S] [--runs N] [--keep]
-    python tests/fuzz/harness.py DOOR... --total N [--seconds S]
+    python tests/fuzz/harness.py DOOR... --total N [--first M] [--seconds S]
 
 An input that takes over 10 s or 500 MB, or that raises an undocumented exception, is written to
 `build/fuzz/DOOR/` with its traceback; the exit code is then 1. A line for each door summarizes the
@@ -10,7 +10,8 @@ reaches.
 
 `--total` gives each door N numbered random inputs, without instrumentation. The door with the
 fewest inputs so far is next. `build/fuzz/inputs.json` counts them, so that a stopped run continues
-there; the number of an input alone determines its octets.
+there, or at number M if it has no count of the door; the number of an input alone determines its
+octets.
 """
 
 from __future__ import annotations
@@ -216,17 +217,20 @@ def _by_chance(name: str, seconds: float, runs: int, seed: int) -> str:
 
 
 def bulk(
-    names: Sequence[str], total: int, seconds: float
+    names: Sequence[str], total: int, seconds: float, first: int = 0
 ) -> Iterator[tuple[str, bool]]:
-    """Give each door `total` inputs; yield a summary after each tenth, and whether it passed."""
+    """Give each door the inputs up to `total`, by default from number `first` on.
+
+    Yields a summary after each tenth, and whether it passed.
+    """
     file = FOUND / "inputs.json"
     done: dict[str, int] = json.loads(file.read_text()) if file.exists() else {}
     reports = {name: fuzzing.Report() for name in names}
     sizes = dict.fromkeys(names, _FIRST_CHUNK)
     end = time.monotonic() + seconds
     while time.monotonic() < end:
-        name = min(names, key=lambda name: done.get(name, 0))
-        start = done.get(name, 0)
+        name = min(names, key=lambda name: done.get(name, first))
+        start = done.get(name, first)
         if start >= total:
             break
         numbers = range(start, min(start + sizes[name], total))
@@ -329,6 +333,7 @@ def main() -> int:
     parser.add_argument("--runs", type=int, default=0, help="maximum number of inputs")
     parser.add_argument("--keep", action="store_true", help="renew the corpus")
     parser.add_argument("--total", type=int, help="number of random inputs per door")
+    parser.add_argument("--first", type=int, default=0, help="number of the first input")
     seed = int(os.environ.get("RTGEN_SEED", time.time()))
     parser.add_argument(
         "--seed", type=int, default=seed, help="[RTGEN_SEED, or the time]"
@@ -340,7 +345,9 @@ def main() -> int:
     good = True
     if given.total is not None:
         names = given.doors or list(MODULES)
-        for line, sound in bulk(names, given.total, given.seconds * len(names)):
+        for line, sound in bulk(
+            names, given.total, given.seconds * len(names), given.first
+        ):
             print(line, flush=True)
             good &= sound
         return 0 if good else 1

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module
 from itertools import chain
@@ -151,17 +152,17 @@ def encodings(type_: type[Any]) -> Iterator[Encoding]:
 
 
 def _least(encoding: Encoding) -> bytes | None:
-    """Return the fewest zeros that decode to a value, or the encoding of a default value."""
+    """Return the encoding of a default or empty value, or the fewest zeros that decode to one."""
+    for make in (encoding.type, list):
+        with suppress(AttributeError, CdrError, TypeError):
+            written = encoding.write(make())
+            encoding.read(written)
+            return written
     for length in range(300):
-        try:
+        with suppress(CdrError):
             encoding.read(bytes(length))
-        except CdrError:
-            continue
-        return bytes(length)
-    try:
-        return encoding.write(encoding.type())
-    except (CdrError, TypeError):
-        return None
+            return bytes(length)
+    return None
 
 
 def types(module: ModuleType) -> Iterator[type[Any]]:

@@ -76,6 +76,8 @@ class ProfileTarget:
             text = _changed(chance, text)
         encoding = chance.choice(["utf-8"] * 6 + ["utf-16", "utf-8-sig", "shift_jis"])
         data = text[:_MAX_CHARACTERS].encode(encoding, "xmlcharrefreplace")
+        if _is_yaml(number):
+            data = _as_yaml(data)
         if chance.random() < 0.1:
             at = chance.randrange(len(data))
             data = data[:at] + chance.randbytes(2) + data[at + chance.randrange(3) :]
@@ -86,9 +88,8 @@ class ProfileTarget:
         if number % 5 == 0:
             yield from self._system(data)
             return
-        suffix = "yaml" if number % 7 == 0 else "xml"
-        path = self._folder / f"input.{suffix}"
-        path.write_bytes(_as_yaml(data) if suffix == "yaml" else data)
+        path = self._folder / f"input.{'yaml' if _is_yaml(number) else 'xml'}"
+        path.write_bytes(data)
         read = rtc_profile.load([path], root=self._folder, include=())
         base = _base()
         known = replace(
@@ -126,6 +127,11 @@ def _hold(found: Iterable[Diagnostic]) -> None:
             raise ViolationError(f"{d.code} is not a finding of a profile")
 
 
+def _is_yaml(number: int) -> bool:
+    """Return whether a case is a profile of a component in YAML."""
+    return number % 7 == 0 and number % 5 > 0
+
+
 def _as_yaml(data: bytes) -> bytes:
     """Return the YAML form of a profile, or the octets themselves if it has none."""
     try:
@@ -151,12 +157,10 @@ def _texts(systems: bool) -> list[str]:
 
 
 def _changed(chance: Random, text: str) -> str:
-    attributes = list(_ATTRIBUTE.finditer(text))
-    elements = list(_ELEMENT.finditer(text))
-    if not attributes or not elements:
+    one, other = _found(chance, _ATTRIBUTE, text), _found(chance, _ATTRIBUTE, text)
+    element, second = _found(chance, _ELEMENT, text), _found(chance, _ELEMENT, text)
+    if one is None or other is None or element is None or second is None:
         return text + "<"
-    one, other = chance.choice(attributes), chance.choice(attributes)
-    element, second = chance.choice(elements), chance.choice(elements)
     match chance.randrange(40):
         case kind if kind < 20:
             return _put(text, one.span(2), chance.choice(_VALUES))
@@ -174,10 +178,15 @@ def _changed(chance: Random, text: str) -> str:
             start, end = sorted((element.start(), second.start()))
             return _put(text, (end, end), text[start:end])
         case 37:
-            tag = chance.choice(list(_TAG.finditer(text)))
+            tag = _found(chance, _TAG, text) or element
             return _put(text, tag.span(), "")
     odd = chance.choice([_DOCUMENT_TYPE, "<a>" * 200, "<![CDATA[x]]>", "<?p x?>"])
     return _put(text, (element.start(), element.start()), odd)
+
+
+def _found(chance: Random, pattern: re.Pattern[str], text: str) -> re.Match[str] | None:
+    """Return the first match after a random place, or of the text if there is none after it."""
+    return pattern.search(text, chance.randrange(len(text) + 1)) or pattern.search(text)
 
 
 def _put(text: str, place: tuple[int, int], new: str) -> str:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import logging
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from random import Random
 
@@ -14,6 +16,13 @@ import pytest
 from doors import Door, door
 
 pytestmark = pytest.mark.once
+
+
+@pytest.fixture(autouse=True)
+def logging_goes_on() -> Iterator[None]:
+    """Undo that targets suppress the warnings for bad input, which they do for their process."""
+    yield
+    logging.disable(logging.NOTSET)
 
 
 def test_it_starts_as_a_program() -> None:
@@ -34,6 +43,8 @@ def test_inputs_in_bulk_go_on_where_they_were_stopped(
     assert counts == {"tdr": 200, "emcy": 200}
     assert [line.split()[:2] for line, _ in lines] == [["emcy", "200"], ["tdr", "50"]]
     assert list(harness.bulk(["tdr", "emcy"], 200, 600.0)) == []
+    ((line, _),) = harness.bulk(["slcan"], 200, 600.0, first=180)
+    assert line.split()[:2] == ["slcan", "20"]
 
 
 def test_what_a_door_raises_at_is_kept(

@@ -182,6 +182,8 @@ def _excerpt(span: Span, texts: _Texts, paint: _Paint, style: str) -> list[str]:
 
 def _drawn(text: str, column: int) -> tuple[str, int]:
     """Return the text as a terminal can show it, and the column after it; it begins in `column`."""
+    if text.isascii() and text.isprintable():
+        return text, column + len(text)
     drawn = []
     for character in text:
         if character == "\t":

@@ -22,8 +22,8 @@ def _door(name: str) -> Callable[[Path], Door]:
         target = ProfileTarget(folder)
 
         def make(chance: Random) -> bytes:
-            number = chance.getrandbits(30) // 5 * 5
-            return target.make(number if name == "rts-xml" else number + 1)
+            # The target takes the format from the number modulo 35.
+            return target.make(chance.getrandbits(30) * 35 + way)
 
         return of_target(target, make, way)
 

@@ -297,6 +297,20 @@ def test_headers_take_definitions_and_search_paths(
     }
 
 
+def test_macros_of_a_header_end_with_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    result = _read(
+        tmp_path,
+        monkeypatch,
+        main_cdl='import_C( "types.h" ); import_C( "more.h" ); typedef T Copy;',
+        types_h="#undef __LP64__\n#define TECSGEN 2\n#define __GNUC__ 3\n#define A 1\n",
+        more_h="#if __LP64__ && TECSGEN == 1 && __GNUC__ == 12 && !defined(A)\n"
+        "typedef int T;\n#else\n#error changed\n#endif\n",
+    )
+    assert _codes(result) == []
+
+
 def test_what_no_header_declares_right_is_reported_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

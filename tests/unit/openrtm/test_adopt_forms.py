@@ -64,6 +64,22 @@ def test_encodings(
     assert codes(result) == reported
 
 
+def test_modules_of_python_2_one_after_another(tmp_path: Path) -> None:
+    path = tmp_path / "a.py"
+    for end, code in (
+        ('print "x"\n', rules.ASSUMED.code),
+        ('print "x\n', rules.UNREADABLE.code),
+        (
+            "try:\n    exec `1`\nexcept KeyError, e:\n    raise e, None\n",
+            rules.ASSUMED.code,
+        ),
+        ("print (\n", rules.UNREADABLE.code),
+        ('print "x"\n', rules.ASSUMED.code),
+    ):
+        path.write_text(module() + end)
+        assert codes(openrtm_python.read(path)) == [code], end
+
+
 def test_python_2_without_its_converter(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -12,6 +12,7 @@ import pytest
 
 from rtgen.runtime.marshalling.compiler import compiled
 from rtgen.runtime.marshalling.layouts.formats import CLASSIC, Format
+from rtgen.runtime.marshalling.source.text import entered
 
 GOLDEN = Path(__file__).parents[2] / "golden" / "codecs"
 PRINTED = {
@@ -46,3 +47,21 @@ def test_golden(package: Any, format_: Format, update_golden: bool) -> None:
     if update_golden:
         path.write_text(text, encoding="utf-8")
     assert text == path.read_text(encoding="utf-8")
+
+
+def test_the_text_of_a_type_that_is_compiled_again_is_kept_once(package: Any) -> None:
+    descriptor = package.Place._descriptor_
+    files = set()
+    for _ in range(3):
+        descriptor.codecs.clear()
+        files.add(compiled("from_cdr", descriptor, CLASSIC).__code__.co_filename)
+    assert len(files) == 1
+
+
+def test_different_texts_of_one_name_are_kept_beside_each_other() -> None:
+    texts = ("a = 1\n", "a = 2\n", "a = 2\n\n", "a = 1\n")
+    files = [entered(text, "<a test>") for text in texts]
+    assert [linecache.getlines(file) for file in files] == [
+        text.splitlines(keepends=True) for text in texts
+    ]
+    assert files == ["<a test>", "<a test 2>", "<a test 3>", "<a test>"]

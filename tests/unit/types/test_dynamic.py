@@ -232,6 +232,7 @@ def test_values_of_types_that_are_not_known(dyn: Any, tmp_path: Path) -> None:
     assert not hasattr(struct_.value, "z")
     assert isinstance(union.value, DynamicUnion)
     assert (union.value.discriminator, union.value.value.x) == (0, 1)
+    assert union.value.described().name == "Q"
     assert error.value.p1.y == [2, 3]
     assert isinstance(state.value, DynamicState)
     assert state.value.more is state.value

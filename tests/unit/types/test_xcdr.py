@@ -48,6 +48,15 @@ class Empty(Aggregated):
     _descriptor_ = idl.struct("Empty")
 
 
+class Items(Aggregated):
+    """A sequence of items without octets, which generated types cannot have."""
+
+    _descriptor_ = idl.struct("Items", items=idl.sequence(Empty), last=idl.OCTET)
+
+    items: list[Empty] = field(default_factory=list)
+    last: int = 0
+
+
 def test_payloads_of_any_length_are_padded() -> None:
     for number in range(9):
         value = Counted("x" * number, [0.5] * (number % 3), 7)
@@ -217,6 +226,64 @@ def test_unknown_members_are_skipped_by_their_length(
     unknown += bytes(-len(unknown) % 4)
     body = unknown + bytes.fromhex("050000202a000000")
     assert x.Few.from_xcdr2(struct.pack("<I", len(body)) + body) == x.Few(42)
+
+
+@pytest.mark.parametrize(
+    ("version", "optional", "required"),
+    [
+        (1, "07000400 05000000 023f0000", "07400400 05000000 023f0000"),
+        (2, "08000000 07000020 05000000", "08000000 070000a0 05000000"),
+    ],
+)
+def test_a_list_of_unknown_members_alone(
+    tmp_path: Path, version: int, optional: str, required: str
+) -> None:
+    type_ = emitted.emit_text(tmp_path, "@mutable struct Unfilled {};").Unfilled
+    assert decode(type_, bytes.fromhex(optional), version, True) == type_()
+    with pytest.raises(CdrError, match="unknown member 7 has to be understood"):
+        decode(type_, bytes.fromhex(required), version, True)
+
+
+def test_members_that_are_seldom_in_types(tmp_path: Path) -> None:
+    """Structs with lists of members within others, arrays of conversions in a record, bounds."""
+    package = emitted.emit_text(
+        tmp_path,
+        """
+        @mutable struct Listed { @id(3) long a; };
+        @final struct Nothing {};
+        @final struct Record { boolean flags[2][2]; octet last; };
+        @final struct Outer {
+            Listed one; sequence<Listed> more; sequence<Record> records;
+            sequence<string, 2> names; Nothing none[2]; octet last;
+        };
+        """,
+    )
+    listed, record = package.Listed, package.Record
+    value = package.Outer(listed(1), [listed(2)], [record([[True, False]] * 2, 3)])
+    value.names, value.last = ["a", "b"], 4
+    for version in (1, 2):
+        for little_endian in (True, False):
+            octets = encode(package.Outer, value, version, little_endian)
+            again = decode(package.Outer, octets, version, little_endian)
+            assert again == value
+            assert (type(again.one), type(again.more[0])) == (listed, listed)
+            assert again.records[0].flags[0][0] is True
+        for wrong, message in (
+            ({"names": ["a", "b", "c"]}, r"Outer\.names: 3 items, and 2 are the most"),
+            ({"none": [package.Nothing()]}, r"Outer\.none: 1 items instead of 2"),
+        ):
+            with pytest.raises(CdrError, match=message):
+                encode(package.Outer, package.Outer(**wrong), version, True)
+
+
+def test_items_without_octets_are_limited() -> None:
+    for count in (3, 65536):
+        items = Items([Empty()] * count, 7)
+        octets = encode(Items, items, 1, True)
+        assert octets == struct.pack("<IB", count, 7)
+        assert decode(Items, octets, 1, True) == items
+    with pytest.raises(CdrError, match="a length of 65537, and 1 octets are left"):
+        decode(Items, struct.pack("<IB", 65537, 7), 1, True)
 
 
 def test_unknown_members_that_must_be_understood_are_refused(x: Any) -> None:

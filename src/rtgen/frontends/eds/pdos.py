@@ -71,7 +71,9 @@ class PdoReader:
         return tuple(found)
 
     def _direction(self, direction: PdoDirection, base: int) -> Iterator[Pdo]:
-        for number in range(PDOS):
+        bases = (base, base + _TO_MAPPING)
+        described = {i - b for b in bases for i in self._objects if 0 <= i - b < PDOS}
+        for number in sorted(described):
             communication = self._objects.get(base + number)
             mapping = self._objects.get(base + _TO_MAPPING + number)
             if communication is None:

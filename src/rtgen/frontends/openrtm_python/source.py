@@ -7,9 +7,12 @@ import re
 import tokenize
 import warnings
 from dataclasses import dataclass
+from functools import cache
 from importlib import import_module
 from io import BytesIO
 from pathlib import Path
+from threading import Lock
+from typing import Any
 
 from rtgen.diagnostics import Diagnostic, Span
 from rtgen.files import UnreadableError, read_file
@@ -32,6 +35,9 @@ _PARSE_ATTEMPTS = 20
 """CPython counts the depth of the trees of all threads together, and raises SystemError if another
 thread parses at the same time, as the traceback module does.
 """
+
+_CONVERTING = Lock()
+"""Held while the converter is used: it has a state."""
 
 _NOT_PYTHON_3 = "this is not Python 3"
 _DEEP = "too many"
@@ -133,16 +139,22 @@ def _python_3(text: str, problem: str) -> str | None:
     if len(text) > _MAX_CONVERTED or _NOT_PYTHON_3 not in problem or _DEEP in problem:
         return None
     try:
-        refactor = import_module("fissix.refactor")
+        converter = _converter(import_module("fissix.refactor"))
         errors = import_module("fissix.pgen2.parse").ParseError
         tokens = import_module("fissix.pgen2.tokenize").TokenError
     except ImportError:
         return None
     # Python 2 expands a tab to eight columns.
     text = _INDENT.sub(lambda found: found[0].expandtabs(8), text)
-    tool = refactor.RefactoringTool([f"fissix.fixes.fix_{name}" for name in _FIXES])
     try:
-        return str(tool.refactor_string(f"{text}\n", "module"))
+        with _CONVERTING:
+            return str(converter.refactor_string(f"{text}\n", "module"))
     except (errors, tokens, IndentationError, RecursionError, ValueError, KeyError):
         # KeyError: a character that starts no token of Python
         return None
+
+
+@cache
+def _converter(refactor: Any) -> Any:
+    """Return fissix's converter; its patterns take longer to compile than a module to convert."""
+    return refactor.RefactoringTool([f"fissix.fixes.fix_{name}" for name in _FIXES])

@@ -6,8 +6,8 @@ common packages ship with rtgen, and are used if no folder contains them.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from functools import partial
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache, partial
 from pathlib import Path
 from typing import Final
 
@@ -74,7 +74,8 @@ def file_of(name: ScopedName) -> str:
     return f"{package}/{kind}/{message.partition('_')[0]}.{kind}"
 
 
-def shipped() -> dict[str, VirtualFile | Path]:
+@cache
+def shipped() -> Mapping[str, VirtualFile | Path]:
     """Return the interface files that ship with rtgen, by name."""
     return {
         name: VirtualFile(f"{_KEYS}{name}", partial(ros_source, name))

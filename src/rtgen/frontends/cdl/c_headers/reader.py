@@ -10,10 +10,12 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from io import StringIO
 from pathlib import Path
 from typing import Any, Final
 
+from pcpp.parser import default_lexer
 from pcpp.preprocessor import Action, OutputDirective, Preprocessor
 
 from rtgen.diagnostics import Diagnostic, Span
@@ -148,7 +150,7 @@ class Headers:
             self._report(rules.HEADER_LIMIT.at(place, message))
             return Header(())
         run = _Preprocessor(self._library, file)
-        for name, value in {**_COMPILER, "TECSGEN": "1", **self._define}.items():
+        for name, value in self._define.items():
             run.define(f"{name} {value}")
         for definition in definitions:
             name, equals, value = definition.partition("=")
@@ -209,11 +211,27 @@ class Piece:
     line: int
 
 
+@cache
+def _lexer() -> Any:
+    """Return pcpp's lexer, of which each preprocessor has a copy."""
+    return default_lexer()
+
+
+@cache
+def _predefined() -> dict[str, Any]:
+    """Return the macros that are defined for each header."""
+    run = Preprocessor(_lexer().clone())
+    for name, value in {**_COMPILER, "TECSGEN": "1"}.items():
+        run.define(f"{name} {value}")
+    for name in ("__DATE__", "__TIME__"):
+        del run.macros[name]  # they differ between runs
+    return dict(run.macros)
+
+
 class _Preprocessor(Preprocessor):  # type: ignore[misc]  # pcpp has no types
     def __init__(self, library: Library[HeaderFile], file: HeaderFile) -> None:
-        super().__init__()
-        for name in ("__DATE__", "__TIME__"):
-            del self.macros[name]  # the paths differ between runs
+        super().__init__(_lexer().clone())
+        self.macros = dict(_predefined())
         self.problems: list[str] = []
         self.missing: list[str] = []
         self.spans: dict[str, str] = {}

@@ -107,7 +107,7 @@ class _Search:
         self, descriptor: Any, data: Octets, offset: int, evolving: bool
     ) -> int:
         """Read a struct's members; `evolving`: it can end early, and extra octets are ignored."""
-        body = body_of(descriptor, self._format)
+        body = self._body(descriptor)
         names = {m.attribute: m.name for m in descriptor.members}
         if isinstance(body, MemberList):
             found, offset = self._list(body.members, names, data, offset)
@@ -120,6 +120,14 @@ class _Search:
                 break
             _, offset = self._part(f".{names[attribute]}", node, data, offset)
         return len(data) if evolving else offset
+
+    def _body(self, descriptor: Any) -> Group | MemberList:
+        """Return the members of a struct, kept with its codecs."""
+        key = ("body", self._format)
+        if key not in descriptor.codecs:
+            descriptor.codecs[key] = body_of(descriptor, self._format)
+        body: Group | MemberList = descriptor.codecs[key]
+        return body
 
     def _part(
         self, part: str, node: Node, data: Octets, offset: int

@@ -53,7 +53,7 @@ class OctetReader:
         start = self.offset + -self.offset % align
         end = self._chunk_end if self._level else len(self._data)
         if size > end - start:
-            left = max(end - self.offset, 0)
+            left = max(end - start, 0)
             raise Fault(f"truncated: {size} octets are needed, {left} are left")
         self.offset = start + size
         return self._data[start : self.offset]

@@ -137,7 +137,7 @@ class Writer:
             case ExceptionDescriptor():
                 self.members(descriptor, value)
             case InterfaceDescriptor(abstract=True):
-                self._abstract(descriptor, value)
+                self._abstract(value)
             case InterfaceDescriptor():
                 self._reference(value)
             case ValueDescriptor() | BoxDescriptor():
@@ -332,7 +332,7 @@ class Writer:
             self._number("I", len(octets))
             self._put(octets, 1)
 
-    def _abstract(self, descriptor: InterfaceDescriptor, value: Any) -> None:
+    def _abstract(self, value: Any) -> None:
         """Append an object reference, or a value that supports the interface (9.3.7)."""
         is_reference = isinstance(value, ObjectReference)
         self._put(b"\1" if is_reference else b"\0", 1)

@@ -38,13 +38,16 @@ _FIXED = frozenset(
 
 
 def entered(text: str, file: str) -> str:
-    """Enter source text in `linecache` as a file `<name>`; return its name, made unique."""
+    """Enter source text in `linecache` as a file `<name>`; return its name.
+
+    Another text of that name gets a number; the same text, of a type compiled again, has one entry.
+    """
+    entry = (len(text), None, text.splitlines(keepends=True), file)
     number = 1
     name = file
-    while name in linecache.cache:
+    while linecache.cache.setdefault(name, entry)[:3] != entry[:3]:
         number += 1
         name = f"{file[:-1]} {number}>"
-    linecache.cache[name] = (len(text), None, text.splitlines(keepends=True), name)
     return name
 
 
