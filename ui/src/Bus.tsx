@@ -2,6 +2,8 @@
 
 import { useState } from "react";
 import uPlot from "uplot";
+import { Menu } from "./Menu.tsx";
+import type { Place } from "./Menu.tsx";
 import { Objects } from "./Objects.tsx";
 import type { Curves } from "./Plot.tsx";
 import { Plot, Span } from "./Plot.tsx";
@@ -24,37 +26,53 @@ export function words(frame: Frame): string {
 
 function Nodes({ bus, lines, full }: { bus: Bus; lines: readonly Line[]; full: boolean }) {
   const manage = (node_id: number, command: string) => store.order({ case: "managed", value: { bus: bus.name, node_id, command } });
+  const [menu, open] = useState<Place & { node_id: number }>();
   const control = (node_id: number, name: string) => (
-    <select aria-label={`NMT command to ${name}`} disabled={!full} value="" onChange={(e) => void manage(node_id, e.target.value)}>
-      <option value="">NMT …</option>
-      {COMMANDS.map((each) => (
-        <option key={each}>{each}</option>
-      ))}
-    </select>
+    <button
+      type="button"
+      aria-haspopup="menu"
+      aria-label={`NMT command to ${name}`}
+      disabled={!full}
+      onClick={(e) => {
+        const { x, bottom } = e.currentTarget.getBoundingClientRect();
+        open({ label: name, node_id, x, y: bottom });
+      }}
+    >
+      NMT …
+    </button>
   );
   return (
-    <table aria-label="Nodes">
-      <thead>
-        <tr>
-          <th scope="col">id</th>
-          <th scope="col">node</th>
-          <th scope="col">NMT state</th>
-          <th scope="col">components</th>
-          <th scope="col">{control(0, "all nodes")}</th>
-        </tr>
-      </thead>
-      <tbody>
-        {(lines.find((each) => each.name === bus.name)?.nodes ?? []).map((node) => (
-          <tr key={node.id}>
-            <td>{node.id}</td>
-            <td title={bus.nodes.find((each) => each.node_id === node.id)?.device}>{node.name}</td>
-            <td>{node.nmtState || "unknown"}</td>
-            <td>{[...node.proxies, ...node.devices].join(", ")}</td>
-            <td>{control(node.id, node.name)}</td>
+    <>
+      <table aria-label="Nodes">
+        <thead>
+          <tr>
+            <th scope="col">id</th>
+            <th scope="col">node</th>
+            <th scope="col">NMT state</th>
+            <th scope="col">components</th>
+            <th scope="col">{control(0, "all nodes")}</th>
           </tr>
-        ))}
-      </tbody>
-    </table>
+        </thead>
+        <tbody>
+          {(lines.find((each) => each.name === bus.name)?.nodes ?? []).map((node) => (
+            <tr key={node.id}>
+              <td>{node.id}</td>
+              <td title={bus.nodes.find((each) => each.node_id === node.id)?.device}>{node.name}</td>
+              <td>{node.nmtState || "unknown"}</td>
+              <td>{[...node.proxies, ...node.devices].join(", ")}</td>
+              <td>{control(node.id, node.name)}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+      {menu && (
+        <Menu
+          place={menu}
+          items={COMMANDS.map((name) => ({ name, act: () => void manage(menu.node_id, name) }))}
+          close={() => open(undefined)}
+        />
+      )}
+    </>
   );
 }
 

@@ -234,23 +234,30 @@ class Reading:
         self._add(ui.Event.of_change(change))
 
     def _add_ports(self) -> None:
-        """Add ports that only occur in connections."""
-        sources = {
+        """Add ports that only occur in connections.
+
+        An InPort and an OutPort of a component may have the same name.
+        """
+        known = {
             (component.instance, port.name): port
             for component in self.components.values()
             for port in component.ports
         }
         for connection in self._joined:
-            ends = _address(connection.source), _address(connection.target)
-            source = sources.get((ends[0].instance, ends[0].port))
-            for end in ends:
-                port = ui.Port(end.port, ui.PortKind.PORT_SERVICE, type_number=NO_TYPE)
-                if source is not None:
-                    port.kind, port.type = ui.PortKind.PORT_IN, source.type
-                    port.type_number = source.type_number
+            source, target = _address(connection.source), _address(connection.target)
+            port = known.get((source.instance, source.port), ui.Port())
+            kinds = [ui.PortKind.PORT_SERVICE] * 2
+            if port.name or any(
+                p.name[:9] == "dataport." for p in connection.properties
+            ):
+                kinds = [ui.PortKind.PORT_OUT, ui.PortKind.PORT_IN]
+            number = port.type_number if port.name else NO_TYPE
+            for end, kind in zip((source, target), kinds, strict=True):
                 ports = self._component(end.instance).ports
-                if all(each.name != end.port for each in ports):
-                    ports.append(port)
+                if (end.port, kind) not in [(each.name, each.kind) for each in ports]:
+                    ports.append(
+                        ui.Port(end.port, kind, type=port.type, type_number=number)
+                    )
 
 
 def _start(log: Log, file: McapFile) -> int | None:

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import re
+import signal
 import socket
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
+from patience import PATIENCE
 from ui_bench import GOAL
 
 from rtgen.cli import run
@@ -59,3 +64,24 @@ def test_naming_services_need_omniorb(
     monkeypatch.setattr(command, "find_spec", found)
     assert run(["ui", "--no-open", "--nameserver", "127.0.0.1"]) == 3
     assert "pip install 'rtgen[corba]'" in capfd.readouterr().err
+
+
+def test_it_listens_on_loopback_alone() -> None:
+    command = [sys.executable, "-m", "rtgen", "ui", str(GOAL), "--no-open", "--pause"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        try:
+            address = process.stdout.readline()
+            found = re.fullmatch(
+                r"http://127\.0\.0\.1:(\d+)/\?token=\S{30,}\n", address
+            )
+            assert found, address
+            port = int(found[1])
+            socket.create_connection(("127.0.0.1", port), PATIENCE).close()
+            # A socket for all addresses of the machine takes these, too.
+            for other in ("127.0.0.2", "::1"):
+                with pytest.raises(OSError, match=r"refused|unreachable|assign"):
+                    socket.create_connection((other, port), PATIENCE)
+        finally:
+            process.send_signal(signal.SIGINT)
+        process.wait(PATIENCE)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-from ui_bench import ROOT, until
+from ui_bench import ROOT, by_both_hands, by_mouse, choose, until
 
 from rtgen.runtime.timing.traffic import BusFrame
 from rtgen.ui.session import Session
@@ -60,46 +60,81 @@ def test_frames_are_decoded_and_filtered(bus: Any) -> None:
     bus.get_by_text("computed").first.wait_for()
 
 
-def test_signals_are_plotted(bus: Any) -> None:
-    chooser = bus.get_by_role("region", name="Signals").locator("select")
-    chooser.select_option(index=1)
+@by_both_hands
+def test_frames_are_held(
+    bus: Any, session: Session, press: Callable[[Any], None]
+) -> None:
+    newest = bus.get_by_role("table", name="Frames").locator("tbody td").first
+    hold = bus.get_by_role("button", name="Hold")
+    press(hold)
+    bus.get_by_role("button", name="Hold", pressed=True).wait_for()
+    held, now = newest.inner_text(), session.now
+    load = bus.get_by_label("Time of the run")
+    until(bus, lambda: float(load.inner_text().removesuffix(" s")) > now + 0.5)
+    assert newest.inner_text() == held
+    press(hold)
+    until(bus, lambda: float(newest.inner_text()) > now)
+
+
+@by_both_hands
+def test_signals_are_plotted(bus: Any, press: Callable[[Any], None]) -> None:
+    region = bus.get_by_role("region", name="Signals")
+    chooser = region.locator("select")
+    if press is by_mouse:
+        chooser.select_option(index=1)
+    else:
+        chooser.press("ArrowDown")
     bus.get_by_role("img", name="Signals over time").wait_for()
+    press(region.get_by_role("button", name="Remove"))
+    bus.get_by_role("img", name="Signals over time").wait_for(state="detached")
 
 
-def test_nodes_are_stopped_and_started(bus: Any, session: Session) -> None:
+@by_both_hands
+def test_nodes_are_stopped_and_started(
+    bus: Any, session: Session, press: Callable[[Any], None]
+) -> None:
     def state() -> str:
         [found] = [n for b in session.whole().buses for n in b.nodes if n.node_id == 1]
         return found.nmt_state
 
-    control = bus.get_by_label("NMT command to front_left")
-    control.select_option("stop")
+    def order(command: str) -> None:
+        press(bus.get_by_role("button", name="NMT command to front_left"))
+        choose(bus, command, press)
+
+    order("stop")
     until(bus, lambda: state() == "stopped")
     bus.get_by_role("row", name="front_left stopped").wait_for()
     bus.get_by_role("button", name="1 front_left stopped, node of can0").wait_for()
-    control.focus()
-    bus.keyboard.type("start")
+    order("start")
     until(bus, lambda: state() == "operational")
 
 
-def test_objects_are_read_and_written(bus: Any) -> None:
+@by_both_hands
+def test_objects_are_read_and_written(bus: Any, press: Callable[[Any], None]) -> None:
     region = bus.get_by_role("region", name="Object dictionary")
-    region.get_by_label("Node").select_option("front_left")
+    node = region.get_by_label("Node")
+    if press is by_mouse:
+        node.select_option("front_left")
+    else:
+        node.select_option("none")
+        node.focus()
+        bus.keyboard.type("front_left")
     region.get_by_label("Objects", exact=True).fill("6083")
-    field = region.get_by_label("New value of 6083h:0")
-    field.fill("1234")
-    field.press("Enter")
+    acceleration = "1234" if press is by_mouse else "4321"
+    region.get_by_label("New value of 6083h:0").fill(acceleration)
+    press(region.get_by_role("button", name="Write 6083h:0"))
     value = region.get_by_role("status", name="Value of 6083h:0")
-    value.get_by_text("1234").wait_for()
-    field.fill("4321")
-    region.get_by_role("button", name="Write 6083h:0").click()
-    value.get_by_text("4321").wait_for()
-    region.get_by_label("Objects", exact=True).fill("6041")
-    region.get_by_role("button", name="Read 6041h:0").click()
-    state = region.get_by_role("status", name="Value of 6041h:0")
-    state.get_by_text(re.compile(r"\d")).wait_for()
+    value.get_by_text(acceleration, exact=True).wait_for()
+    region.get_by_label("Objects", exact=True).fill("1018")
+    press(region.get_by_role("button", name="Read 1018h:1"))
+    identity = region.get_by_role("status", name="Value of 1018h:1")
+    until(bus, lambda: identity.inner_text() != "")
 
 
-def test_frames_are_sent(bus: Any, session: Session) -> None:
+@by_both_hands
+def test_frames_are_sent(
+    bus: Any, session: Session, press: Callable[[Any], None]
+) -> None:
     seen: list[int] = []
 
     def on_traffic(happening: object) -> None:
@@ -107,22 +142,23 @@ def test_frames_are_sent(bus: Any, session: Session) -> None:
             seen.append(happening.can_id)
 
     session.system.clock.traffic.watch(on_traffic)
+    send = bus.get_by_role("button", name="Send once")
     frame = bus.get_by_label("Frame", exact=True)
     frame.fill("7a0#0102")
-    frame.press("Enter")
+    press(send)
     until(bus, lambda: seen.count(0x7A0) == 1)
-    bus.get_by_role("button", name="Send once").click()
-    until(bus, lambda: seen.count(0x7A0) == 2)
+    history = bus.get_by_role("table", name="Emergencies")
+    overruns = history.get_by_text("8110h CAN overrun")
+    before = overruns.count()
     frame.fill("089#1081010000000000")
     frame.press("Enter")
-    history = bus.get_by_role("table", name="Emergencies")
-    history.get_by_text("8110h CAN overrun").wait_for()
+    until(bus, lambda: overruns.count() > before)
     frame.fill("7a1#")
-    bus.get_by_role("button", name="Send cyclically").click()
+    press(bus.get_by_role("button", name="Send cyclically"))
     until(bus, lambda: seen.count(0x7A1) > 2)
-    bus.get_by_role("button", name="End 7a1#").click()
+    press(bus.get_by_role("button", name="End 7a1#"))
     bus.get_by_role("button", name="End 7a1#").wait_for(state="detached")
     bus.get_by_label("Sequence").fill("0 7a2#01\n0.2 7a3#02")
-    bus.get_by_role("button", name="Send the sequence").click()
+    press(bus.get_by_role("button", name="Send the sequence"))
     until(bus, lambda: 0x7A3 in seen)
     assert seen.index(0x7A2) < seen.index(0x7A3)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from ui_bench import until
+from ui_bench import by_keyboard, choose, open_menu, until
 
 from rtgen.ui.session import Session
 
@@ -18,14 +18,15 @@ def press(page: Any, target: Any, key: str = "Enter") -> None:
     page.keyboard.press(key)
 
 
-def test_ports_are_wired_by_keyboard(page: Any, session: Session) -> None:
-    def connected() -> bool:
-        found = [(each.source, each.target) for each in session.whole().connections]
-        return ENDS in [
-            (f"{a.instance}.{a.port}", f"{b.instance}.{b.port}") for a, b in found
-        ]
+def are_connected(session: Session) -> bool:
+    found = [(each.source, each.target) for each in session.whole().connections]
+    return ENDS in [
+        (f"{a.instance}.{a.port}", f"{b.instance}.{b.port}") for a, b in found
+    ]
 
-    assert connected()
+
+def test_ports_are_wired_by_keyboard(page: Any, session: Session) -> None:
+    assert are_connected(session)
     press(page, page.get_by_label("Odometry0, Odometry, ACTIVE"), "Shift+F10")
     page.locator(".menu button:focus").wait_for()
     page.keyboard.press("ArrowUp")
@@ -37,7 +38,7 @@ def test_ports_are_wired_by_keyboard(page: Any, session: Session) -> None:
     changes = page.get_by_role("log", name="Changes of the wiring")
     source, target = ENDS
     press(page, page.get_by_role("button", name=f"Cut {target} from {source}"))
-    until(page, lambda: not connected())
+    until(page, lambda: not are_connected(session))
     changes.get_by_text(f"{source} to {target}: cut").wait_for()
     press(page, page.get_by_text("ports do not fit"))
     refused = page.get_by_role("list", name=f"Ports that do not fit {target}")
@@ -46,5 +47,42 @@ def test_ports_are_wired_by_keyboard(page: Any, session: Session) -> None:
     )
     assert "InPort" in line.inner_text()
     press(page, page.get_by_role("button", name=f"Connect {target} with {source}"))
-    until(page, connected)
+    until(page, lambda: are_connected(session))
     changes.get_by_text(f"{source} to {target}: connected").wait_for()
+
+
+def test_a_line_is_cut_by_its_menu(page: Any, session: Session) -> None:
+    source, target = ENDS
+    line = page.get_by_label(f"from {source} to {target}")
+    open_menu(line, by_keyboard)
+    choose(page, "Cut", by_keyboard)
+    until(page, lambda: not are_connected(session))
+    line.wait_for(state="detached")
+    page.keyboard.press("Control+z")
+    until(page, lambda: are_connected(session))
+    line.wait_for()
+    page.keyboard.press("Control+Shift+z")
+    until(page, lambda: not are_connected(session))
+    page.keyboard.press("Control+z")
+    until(page, lambda: are_connected(session))
+
+
+def test_a_component_is_selected_and_removed(page: Any, session: Session) -> None:
+    chosen = page.get_by_role("combobox", name="Component")
+    page.get_by_label("PathFollower0, PathFollower, ACTIVE").locator(".head").click()
+    until(page, lambda: chosen.input_value() == "PathFollower0")
+    box = page.get_by_label("Odometry0, Odometry, ACTIVE")
+    press(page, box)
+    until(page, lambda: chosen.input_value() == "Odometry0")
+    page.keyboard.press("Delete")
+    until(page, lambda: "Odometry0" not in session.system.instances)
+    box.wait_for(state="detached")
+    undo = page.get_by_role("button", name="Undo", disabled=False)
+    press(page, undo)
+    until(page, lambda: are_connected(session))
+    press(page, page.get_by_role("button", name="Redo", disabled=False))
+    until(page, lambda: "Odometry0" not in session.system.instances)
+    press(page, undo)
+    until(page, lambda: are_connected(session))
+    press(page, page.get_by_role("button", name="Activate all", exact=True))
+    page.get_by_label("Odometry0, Odometry, ACTIVE").wait_for()

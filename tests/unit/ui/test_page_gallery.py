@@ -105,7 +105,7 @@ def picture(page: Any, session: Session, look: Look) -> None:
     until(page, lambda: session.now >= look.time)
     page.wait_for_timeout(1000)
     with Image.open(io.BytesIO(page.screenshot())) as taken:
-        small = taken.convert("RGB").quantize(64, dither=Image.Dither.NONE)
+        small = taken.convert("RGB").quantize(128, dither=Image.Dither.NONE)
         small.save(PICTURES / f"{look.name}.png", optimize=True)
 
 

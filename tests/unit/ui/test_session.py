@@ -243,18 +243,55 @@ def test_a_page_gets_what_a_channel_had_before_it_is_watched(
     assert event.samples[-1].time == pytest.approx(0.099)
 
 
+LOOKING = {
+    "channels": [],
+    "ends": ui.PortAddress("Odometry0", "OdometryPosition"),
+    "looked": -1.0,
+}
+NODE = ui.NodeAddress("can0", 1)
+CHANGING = {
+    "wire": WIRE,
+    "connection": VELOCITY,
+    "activated": ["Odometry0"],
+    "deactivated": ["Odometry0"],
+    "restored": ["Odometry0"],
+    "setting": ui.SetParameter("PathFollower0", "", "max_v", "0.2"),
+    "chosen": ui.ActiveSet("PathFollower0", "default"),
+    "called": ui.Call(ui.PortAddress("RefHardRh30", "InventGUIRefHard"), "", "Stop"),
+    "added": ui.AddComponent("Odometry"),
+    "removed": "Odometry0",
+    "place": ui.Moved("Odometry0"),
+    "file": "x.xml",
+    **dict.fromkeys(("undone", "redone", "played", "paused", "reset", "kept"), True),
+    "step": 1.0,
+    "speed": 2.0,
+    "time": 0.0,
+    "system": str(GOAL),
+    "frame": ui.SendFrame("can0", 0),
+    "managed": ui.NmtCommand("can0", 0, "start"),
+    "read": ui.SdoAccess("can0", 1, 0x6040, 0, ""),
+    "written": ui.SdoAccess("can0", 1, 0x6040, 0, "15"),
+    "injected": ui.Inject(ui.PortAddress("RefHardRh30", "InTargetVelocity")),
+}
+"""Every command of a page that may only look: those that it may give, and the others."""
+
+
 def test_a_page_may_only_look(bench: Bench) -> None:
     page = bench.page(full=False)
     assert not page.events()[0].greeting.full
-    for branch, value in (
-        ("wire", WIRE),
-        ("activated", ["Odometry0"]),
-        ("played", True),
-        ("undone", True),
-        ("file", "x.xml"),
-    ):
-        assert page.ask(branch, value).code == "UIS0002"
-    assert page.done("ends", ui.PortAddress("Odometry0", "OdometryPosition")).fits
+    kinds = {
+        getattr(ui.Command, f"of_{branch}")(value).discriminator
+        for branch, value in (LOOKING | CHANGING | {"node": NODE}).items()
+    }
+    assert kinds == {*ui.CommandKind}
+    before = bench.session.whole()
+    for branch, value in CHANGING.items():
+        assert page.ask(branch, value).code == "UIS0002", branch
+    assert bench.session.whole() == before
+    for branch, value in LOOKING.items():
+        page.done(branch, value)
+    assert page.ask("node", NODE).code == "UIS0003"
+    assert page.done("ends", LOOKING["ends"]).fits
 
 
 def test_time_is_set_back_and_on(bench: Bench, page: Page) -> None:

@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import pytest
 from patience import PATIENCE
 
 from rtgen import runtime
@@ -136,6 +137,53 @@ def opened(browser: Any, address: str, look: tuple[int, str] = WIDE) -> Iterator
     yield page
     page.close()
     assert complaints == []
+
+
+def by_mouse(button: Any) -> None:
+    """Press a button by mouse."""
+    button.click()
+
+
+def by_keyboard(button: Any) -> None:
+    """Press a button by keyboard."""
+    button.focus()
+    button.page.keyboard.press("Enter")
+
+
+by_both_hands = pytest.mark.parametrize("press", [by_mouse, by_keyboard])
+"""Runs a test with each way to press a button."""
+
+
+def open_menu(box: Any, press: Callable[[Any], None]) -> None:
+    """Open the context menu of a component's box or of a connection that has the focus."""
+    page = box.page
+    menu = page.get_by_role("menu")
+    if press is by_mouse:
+        box.locator(".head").click(button="right")
+        menu.wait_for()
+        return
+
+    def has_menu() -> bool:
+        # A box that is being placed does not keep the focus.
+        box.focus()
+        page.keyboard.press("Shift+F10")
+        return bool(menu.is_visible())
+
+    until(page, has_menu)
+
+
+def choose(page: Any, name: str, press: Callable[[Any], None]) -> None:
+    """Choose an item of the menu that is open, by mouse or by arrow keys."""
+    item = page.get_by_role("menuitem", name=name, exact=True)
+    if press is by_mouse:
+        item.click()
+        return
+    items = page.get_by_role("menuitem")
+    items.and_(page.locator(":focus")).wait_for()
+    for _ in range(items.all_inner_texts().index(name)):
+        page.keyboard.press("ArrowDown")
+    item.and_(page.locator(":focus")).wait_for()
+    page.keyboard.press("Enter")
 
 
 def until(page: Any, condition: Callable[[], bool]) -> None:
