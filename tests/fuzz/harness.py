@@ -333,7 +333,9 @@ def main() -> int:
     parser.add_argument("--runs", type=int, default=0, help="maximum number of inputs")
     parser.add_argument("--keep", action="store_true", help="renew the corpus")
     parser.add_argument("--total", type=int, help="number of random inputs per door")
-    parser.add_argument("--first", type=int, default=0, help="number of the first input")
+    parser.add_argument(
+        "--first", type=int, default=0, help="number of the first input"
+    )
     seed = int(os.environ.get("RTGEN_SEED", time.time()))
     parser.add_argument(
         "--seed", type=int, default=seed, help="[RTGEN_SEED, or the time]"
