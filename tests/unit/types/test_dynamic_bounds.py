@@ -203,11 +203,11 @@ def test_a_reference_inside_of_a_value(dyn: Any) -> None:
         # One more chunk, and octets after the state within its chunk.
         (
             "08ffff7f 08000000 01000000 00000000 04000000 00000000 ffffffff",
-            "a value goes on behind the end of its state",
+            "a value continues after the end of its state",
         ),
         (
             "08ffff7f 08000000 01000000 00000000 00000000 ffffffff",
-            "a value goes on behind the end of its state",
+            "a value continues after the end of its state",
         ),
         (
             "08ffff7f 0c000000 01000000 00000000 00000000 ffffffff",
