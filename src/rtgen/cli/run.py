@@ -422,10 +422,9 @@ def _run(
 def _interrupted(condition: Condition, now: int) -> str:
     """Return the message of a run that a signal ends before its condition; `now` in ns."""
     end = f"at {now / SECOND:.3f} s"
-    if condition.instance is not None:
-        return f"interrupted {end}, before {condition.instance}={condition.state}"
-    assert condition.limit is not None
-    return f"interrupted {end} of {condition.limit / SECOND:g} s"
+    if condition.instance is None and condition.limit is not None:
+        return f"interrupted {end} of {condition.limit / SECOND:g} s"
+    return f"interrupted {end}, before {condition.instance}={condition.state}"
 
 
 def _limit(condition: Condition, simulated: bool) -> int | None:
