@@ -130,44 +130,34 @@ class _Forms:
         return isinstance(element, NamedType) and self._is_record(element)
 
     def _is_record(self, type_: Type) -> bool:
-        """Return whether values are structs of numbers without gaps between them."""
-        scalars = list(self._scalars(type_, 0))
-        if not scalars or None in scalars:
-            return False
-        offset = 0
-        aligns = []
-        for size, align, count in cast("list[tuple[int, int, int]]", scalars):
-            offset += -offset % align + size * count
-            aligns.append(align)
-        return aligns[0] == max(aligns) and offset % max(aligns) == 0
+        """Return whether values are structs of numbers, all with the same layout in a sequence."""
+        aligns = list(self._alignments(type_, 0))
+        return bool(aligns) and min(aligns) > 0 and aligns[0] == max(aligns)
 
-    def _scalars(
-        self, type_: Type, depth: int
-    ) -> Iterator[tuple[int, int, int] | None]:
-        """Yield size, alignment and count of the numbers in order; None for anything else."""
+    def _alignments(self, type_: Type, depth: int) -> Iterator[int]:
+        """Yield the alignment of each number in order; 0 for anything else."""
         type_ = self._model.unalias(type_)
         match type_:
             case PrimitiveType(kind) if kind in NUMBERS:
-                yield NUMBERS[kind].size, NUMBERS[kind].align, 1
+                yield NUMBERS[kind].align
                 return
             case ArrayType(element):
                 inner = self._model.unalias(element)
                 flat = len(type_.dimensions) == 1
                 if _is_number(inner) or (flat and _is_octet(inner)):
                     assert isinstance(inner, PrimitiveType)
-                    scalar = NUMBERS[inner.kind]
-                    yield scalar.size, scalar.align, _count(type_)
+                    yield NUMBERS[inner.kind].align
                     return
             case NamedType(name):
                 struct = self._model.find(name)
                 if isinstance(struct, Struct) and depth < _MAX_DEPTH:
                     members = self._members(struct)
                     if not self._is_final(struct) or any(m.optional for m in members):
-                        yield None
+                        yield 0
                     for member in members:
-                        yield from self._scalars(member.type, depth + 1)
+                        yield from self._alignments(member.type, depth + 1)
                     return
-        yield None
+        yield 0
 
     def _members(self, struct: Struct) -> tuple[Member, ...]:
         inherited: tuple[Member, ...] = ()

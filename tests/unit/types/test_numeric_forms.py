@@ -32,6 +32,8 @@ module n {
     struct Point { double x; float y; float class; octet rgb[8]; };
     struct Wide { Point a; double m[2]; };
     struct Gap { double x; short last; };
+    struct Pose { double at[3]; Gap between; float turn[2][2]; octet state; };
+    struct Uneven { long first; double x; };
     struct Everything {
         octet shift;
         sequence<double> scan;
@@ -46,6 +48,10 @@ module n {
         sequence<Point> cloud;
         sequence<Wide> wides;
         sequence<Gap> gaps;
+        Gap fixed_gaps[3];
+        octet after;
+        sequence<Pose> poses;
+        sequence<Uneven> unevens;
         sequence<Doubles> rows;
         string end;
     };
@@ -93,6 +99,13 @@ def filled(n: ModuleType, count: int) -> Any:
         cloud=points,
         wides=[n.Wide(point, [1.0, point.x]) for point in points],
         gaps=[n.Gap(1.0, i % 9) for i in range(count)],
+        fixed_gaps=[n.Gap(0.5, i) for i in range(3)],
+        after=255,
+        poses=[
+            n.Pose([i, 0.5, -0.5], n.Gap(i, 1), [[1.0, 2.0], [3.0, 4.0]], i % 256)
+            for i in range(count)
+        ],
+        unevens=[n.Uneven(i, i / 2) for i in range(count)],
         rows=[[float(i)] * (i % 3) for i in range(min(count, 9))],
         end="é" * (count % 5),
     )
@@ -115,7 +128,10 @@ def test_types_settle_the_form(packages: dict[Numeric, Any]) -> None:
     assert numpies.matrix.shape == (2, 3)
     assert numpies.cloud.dtype == idl.dtype(packages["numpy"].Point)
     assert numpies.cloud.dtype.names == ("x", "y", "class", "rgb")
-    assert type(numpies.gaps) is list
+    assert numpies.gaps.dtype.itemsize == 16
+    assert numpies.poses.dtype == idl.dtype(packages["numpy"].Pose)
+    assert numpies.poses.dtype["at"].shape == (3,)
+    assert type(numpies.unevens) is list
 
 
 @pytest.mark.parametrize("count", [0, 1, 3, 200, 3000])
@@ -314,6 +330,27 @@ def test_octets_that_end_early_are_refused(
         type_.from_cdr(huge)
 
 
+def test_structs_of_many_numbers(tmp_path: Path) -> None:
+    """Python limits the targets before a starred one; large structs have functions of their own."""
+    numbers = " ".join(f"double x{i};" for i in range(300))
+    text = f"""struct Many {{ {numbers} short rows[2][2]; octet k; }};
+        struct S {{ sequence<Many> records; }};"""
+    packages: list[Any] = []
+    for form in FORMS:
+        (tmp_path / form).mkdir()
+        packages.append(emitted.emit_text(tmp_path / form, text, form))
+    values = [0.5 * i for i in range(300)]
+    many = packages[0].Many(*values, [[1, 2], [3, 4]], 5)
+    sent = packages[0].S([many] * 2)
+    for way in WAYS:
+        octets = getattr(sent, f"to_{way}")()
+        for package in packages:
+            made = getattr(package.S, f"from_{way}")(octets)
+            assert getattr(made, f"to_{way}")() == octets
+    assert made.records["x299"].tolist() == [149.5, 149.5]
+    assert made.records.dtype == idl.dtype(package.Many)
+
+
 def test_padding_of_records_is_zero(tmp_path: Path) -> None:
     text = (
         "struct P { double a; octet b; double c; }; struct S { sequence<P> records; };"
@@ -380,6 +417,8 @@ def test_the_project_file_chooses(tmp_path: Path, monkeypatch: Any) -> None:
         ('@numeric("array") sequence<P> a', "NUM0001"),
         ('@numeric("numpy") sequence<Q> a', "NUM0001"),
         ('@numeric("numpy") sequence<R> a', "NUM0001"),
+        ('@numeric("numpy") sequence<T> a', "NUM0001"),
+        ('@numeric("numpy") sequence<U> a', ""),
         ('@numeric("numpy") sequence<P> a', ""),
         ('@numeric("numpy") double a[2][2]', ""),
         ('@numeric("array") double a[2]', ""),
@@ -388,7 +427,8 @@ def test_the_project_file_chooses(tmp_path: Path, monkeypatch: Any) -> None:
 def test_what_numeric_belongs_to(tmp_path: Path, member: str, code: str) -> None:
     file = tmp_path / "a.idl"
     text = f"""struct P {{ double x; }}; struct Q {{ string s; }};
-        struct R {{ octet table[2][2]; }}; struct S {{ {member}; }};"""
+        struct R {{ octet table[2][2]; }}; struct T {{ long i; double x; }};
+        struct U {{ double x; long i; }}; struct S {{ {member}; }};"""
     file.write_text(text, encoding="utf-8")
     result = load([file], root=tmp_path)
     found = [d.code for d in result.diagnostics]

@@ -11,6 +11,7 @@ import numpy
 from rtgen.runtime.marshalling.descriptors import (
     ArrayDescriptor,
     Descriptor,
+    SequenceDescriptor,
     StructDescriptor,
     plain,
 )
@@ -37,12 +38,30 @@ if TYPE_CHECKING:
 
 
 def dtype_of(class_: Any) -> numpy.dtype[Any]:
-    """Return the dtype of a generated struct of numbers: its layout in CDR, with padding.
+    """Return the dtype of a generated struct of numbers: its layout in a sequence, with padding.
 
     The fields have the names of the definition. Raises TypeError for a struct with other members.
     """
     descriptor: Descriptor = getattr(class_, "_descriptor_", class_)
+    sequence = tree_of(SequenceDescriptor(descriptor, numeric="numpy"), CLASSIC)
+    if isinstance(sequence, Records):
+        return _element_dtype(sequence, _NATIVE)
     return _dtype(tree_of(descriptor, CLASSIC), 0, _NATIVE)[0]
+
+
+def _element_dtype(node: Records, order: Order) -> numpy.dtype[Any]:
+    """Return the dtype of an element and the padding after it."""
+    made = _dtype(node.element, 0, order)[0]
+    assert made.names is not None
+    assert made.fields is not None
+    fields = [made.fields[name] for name in made.names]
+    described = {
+        "names": made.names,
+        "formats": [format_ for format_, *_ in fields],
+        "offsets": [offset for _, offset, *_ in fields],
+        "itemsize": node.stride,
+    }
+    return numpy.dtype(described)  # type: ignore[call-overload,no-any-return]
 
 
 def _dtype(node: Node, start: int, order: Order) -> tuple[numpy.dtype[Any], int]:
@@ -77,8 +96,9 @@ def _dtype(node: Node, start: int, order: Order) -> tuple[numpy.dtype[Any], int]
 
 def octets(node: Records, order: Order) -> Callable[[_Records], bytes]:
     """Return the function that encodes the records. It raises ValueError."""
-    there = _dtype(node.element, 0, order)[0]
+    there = _element_dtype(node, order)
     value = _value_dtype(node)
+    excess = -node.padding or None
 
     def packed(records: _Records) -> bytes:
         check(records, value)
@@ -86,7 +106,7 @@ def octets(node: Records, order: Order) -> Callable[[_Records], bytes]:
             return records.tobytes()
         made = numpy.zeros(len(records), there)
         _assign(made, records)
-        return made.tobytes()
+        return made.tobytes()[:excess]
 
     return packed
 
@@ -95,21 +115,25 @@ def taker(
     node: Records, order: Order
 ) -> Callable[[Buffer, int, int], tuple[_Records, int]]:
     """Return the function that decodes a number of records, and the next offset."""
-    there = _dtype(node.element, 0, order)[0]
+    there = _element_dtype(node, order)
     here = _value_dtype(node)
     padding = node.align - 1
+    after = bytes(node.padding)
 
     def take(data: Buffer, offset: int, count: int) -> tuple[_Records, int]:
         if not count:
             return numpy.empty(0, here), offset
         start = offset + (-offset & padding)
-        end = start + count * node.size
+        end = start + node.octets(count)
         if end > len(data):
             raise ValueError("a length beyond the end")
-        if there == here:
+        if there == here or after:
             owned = bytearray(memoryview(data)[start:end])
-            return numpy.frombuffer(owned, here), end
-        return numpy.frombuffer(data, there, count, start).astype(here), end
+            owned += after
+            found = numpy.frombuffer(owned, there)
+        else:
+            found = numpy.frombuffer(data, there, count, start)
+        return found if there == here else found.astype(here), end
 
     return take
 

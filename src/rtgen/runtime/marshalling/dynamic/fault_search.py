@@ -155,8 +155,10 @@ class _Search:
                 return None, self._items(_numbers(count), atom, data, offset)
             case TextSequence():
                 return self._string(node, data, offset)
-            case Records(element, length=length, bound=bound, size=size):
-                return self._repeated(element, length, bound, size, None, data, offset)
+            case Records(element, length=length, bound=bound):
+                return self._repeated(
+                    element, length, bound, node.size, None, data, offset
+                )
             case Repeat(element, minimum, bound, length, key):
                 return self._repeated(
                     element, length, bound, minimum, key, data, offset

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import gcd, prod
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 from rtgen.runtime.marshalling.layouts.nodes import (
     Atom,
@@ -226,8 +226,11 @@ def _framed(node: Framed) -> tuple[Step, ...]:
     return steps_of(node.node, ANYWHERE)
 
 
-def fixed_format(fields: tuple[Field, ...]) -> tuple[str, int, int, bool]:
-    """Return (format, size, alignment, no gaps if repeated) of atoms and arrays from offset 0."""
+def fixed_format(fields: tuple[Field, ...]) -> tuple[str, int, int, int] | None:
+    """Return (format, stride, padding, alignment) of repeated elements that begin at offset 0.
+
+    The result is None if the place of a field depends on that of the element.
+    """
     text, offset, most = "", 0, 1
     aligns = []
     for field in fields:
@@ -237,8 +240,10 @@ def fixed_format(fields: tuple[Field, ...]) -> tuple[str, int, int, bool]:
         offset += padding + size
         most = max(most, align)
         aligns.append(align)
-    gapless = bool(aligns) and aligns[0] == most and offset % most == 0
-    return text, offset, most, gapless
+    if not aligns or aligns[0] != most:
+        return None
+    padding = -offset % most
+    return text + pad(padding), offset + padding, padding, most
 
 
 def _token(node: Placed | Repeat) -> tuple[str, int, int]:
@@ -256,8 +261,9 @@ def _token(node: Placed | Repeat) -> tuple[str, int, int]:
             return f"{size}s/{atom.align}", size, atom.align
         case TextArray(length=length):
             return f"{length}s", length, 1
-        case Records(length=int(length), size=size, align=align):
-            return f"{length * size}s/{align}", length * size, align
+        case Records(length=int(length), align=align):
+            size = node.octets(length)
+            return f"{size}s/{align}", size, align
     raise TypeError(node)
 
 
@@ -268,15 +274,20 @@ def _aligned(atom: Atom) -> str:
 
 
 def _counted_token(node: Placed) -> tuple[str, int, int]:
-    """Return (token, size of an item, alignment) of the items after a count."""
+    """Return (token, divisor of the size of any number of items, alignment) after a count."""
     match node:
         case AtomSequence(atom=atom):
             return f"*{_aligned(atom)}", atom.size, atom.align
         case TextSequence(text=text):
             return ("*z" if text is Text.STRING else "*s"), 1, 1
-        case Records(size=size, align=align):
-            return f"*{size}s/{align}", size, align
+        case Records(stride=stride, padding=padding, align=align):
+            without = f"-{padding}" if padding else ""
+            return f"*{stride}s/{align}{without}", gcd(stride, padding), align
     raise TypeError(node)
+
+
+_MAX_UNSTARRED: Final = 256
+"""Python allows fewer targets of an assignment before a starred one."""
 
 
 class _Arrangement:
@@ -332,7 +343,10 @@ class _Arrangement:
         section = self._sections[-1]
         if not has_count(node):
             star = isinstance(node, AtomArray) and node.form == "list"
-            if star and any(entry.star for entry in section.entries):
+            entries = section.entries
+            if star and (
+                len(entries) >= _MAX_UNSTARRED or any(e.star for e in entries)
+            ):
                 section = _Section(self._position)
                 self._sections.append(section)
             self._position = section.add(

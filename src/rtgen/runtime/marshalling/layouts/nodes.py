@@ -110,19 +110,30 @@ class TextSequence:
 
 @dataclass(frozen=True, slots=True)
 class Records:
-    """A sequence, or array with a length, of elements of one size without gaps.
+    """A sequence, or array with a length, of elements of one size.
 
-    `format` is the `struct` format of an element, `size` its size, a multiple of `align`.
+    `format` is the `struct` format of an element with the padding before the next one, `stride` the
+    size of both, a multiple of `align`. There is no padding after the last element.
     """
 
     element: Node
     fields: tuple[Field, ...]
     format: str
-    size: int
+    stride: int
+    padding: int
     align: int
     bound: int | None = None
     length: int | None = None
     form: Numeric = "list"
+
+    @property
+    def size(self) -> int:
+        """The size of an element."""
+        return self.stride - self.padding
+
+    def octets(self, count: int) -> int:
+        """Return the size of a number of elements."""
+        return count * self.stride - self.padding if count else 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -294,8 +305,8 @@ def minimum_size(node: Node) -> int:
             return length
         case AtomSequence() | TextSequence():
             return 4
-        case Records(length=length, size=size):
-            return 4 if length is None else length * size
+        case Records(length=length):
+            return 4 if length is None else node.octets(length)
         case Repeat(length=length, minimum=minimum):
             return 4 if length is None else length * minimum
         case Group(members=members):

@@ -1,11 +1,11 @@
 """Tables of `struct` calls for the runs of a layout.
 
 A run is given as sections of tokens. `I`, `3d`, `*i` are `struct` codes: one, three, as many as the
-next count; `*48s/8` is 48 octets each, aligned to 8; `*z` is octets of which the last one, a
-string's NUL, is read separately. A leading `@4` says that the section starts at an offset of 4
-modulo 8; `=` that padding is fixed and the rest is a `struct` format; `!` that `struct` does not
-read the section. A negative count is a number of items that are packed as octets, or skipped when
-the section is read.
+next count; `*48s/8` is 48 octets each, aligned to 8; `*48s/8-4` is 4 octets less in total; `*z` is
+octets of which the last one, a string's NUL, is read separately. A leading `@4` says that the
+section starts at an offset of 4 modulo 8; `=` that padding is fixed and the rest is a `struct`
+format; `!` that `struct` does not read the section. A negative count is a number of items that are
+packed as octets, or skipped when the section is read.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _Reader: TypeAlias = tuple[Callable[..., tuple[Any, ...]], int]
 SHAPES_KEPT = 512
 """Maximum number of cached shapes; a full table is cleared."""
 
-_TOKEN = re.compile(r"(\*?)(\d*)([a-zA-Z])(?:/(\d+))?(?: |$)")
+_TOKEN = re.compile(r"(\*?)(\d*)([a-zA-Z])(?:/(\d+))?(?:-(\d+))?(?: |$)")
 _SIZES = {
     "b": 1,
     "B": 1,
@@ -248,8 +248,10 @@ def _arranged(
             texts.append(section[1:])
             offset += struct.calcsize(f"<{section[1:]}")
             continue
-        for star, digits, code, align in _TOKEN.findall(section):
+        for star, digits, code, align, less in _TOKEN.findall(section):
             number = int(digits or 1) * (next(counts) if star else 1)
+            if less and number:
+                number -= int(less)
             size = _SIZES.get(code, 8)
             padding = -offset % int(align or size) if number or not star else 0
             if number < 0:

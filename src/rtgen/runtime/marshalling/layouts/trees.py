@@ -139,10 +139,11 @@ def key_members(
 
 
 class _Trees:
-    """The trees of types in a format."""
+    """The trees of types in a format; structs of any size are `in_place`, or the small ones."""
 
-    def __init__(self, format_: Format) -> None:
+    def __init__(self, format_: Format, in_place: bool = False) -> None:
         self._format = format_
+        self._in_place = in_place
         self._version = format_.version
         self._structs: dict[int, Group | Call] = {}
         """By the descriptor's identity: a struct that many members share has one tree."""
@@ -238,7 +239,8 @@ class _Trees:
         if found is None:
             body = self.body(descriptor)
             assert isinstance(body, Group)
-            found = self._structs[id(descriptor)] = _called_if_large(body)
+            found = body if self._in_place else _called_if_large(body)
+            self._structs[id(descriptor)] = found
         return found
 
     def _member(self, member: MemberDescriptor) -> Node:
@@ -260,10 +262,8 @@ class _Trees:
         text = _text(element)
         if text is not None:
             return TextSequence(text, bound)
-        node = self._repeated(self.of(element), bound, None)
-        if isinstance(node, AtomSequence | Records):
-            node = replace(node, form=numeric)
-        return node
+        trees = _Trees(self._format, in_place=True) if numeric == "numpy" else self
+        return self._repeated(trees.of(element), bound, None, numeric)
 
     def _array(self, array: ArrayDescriptor) -> Node:
         element = array.element
@@ -283,10 +283,14 @@ class _Trees:
         return inner
 
     def _repeated(
-        self, element: Node, bound: int | None, length: int | None
+        self,
+        element: Node,
+        bound: int | None,
+        length: int | None,
+        numeric: Numeric = "list",
     ) -> Records | Repeat | AtomSequence:
         if isinstance(element, Atom) and len(element.code) == 1 and length is None:
-            return AtomSequence(element, bound)
+            return AtomSequence(element, bound, numeric)
         fields = tuple(fields_of(element))
         atoms = tuple(
             f
@@ -294,10 +298,10 @@ class _Trees:
             if isinstance(f, Field) and isinstance(f.node, Atom | AtomArray | TextArray)
         )
         arrays = [f for f in atoms if isinstance(f.node, AtomArray)]
-        if len(atoms) == len(fields) and len(arrays) <= 1:
-            text, size, align, gapless = fixed_format(atoms)
-            if gapless:
-                return Records(element, atoms, text, size, align, bound, length)
+        if len(atoms) == len(fields) and (len(arrays) <= 1 or numeric == "numpy"):
+            fixed = fixed_format(atoms)
+            if fixed is not None:
+                return Records(element, atoms, *fixed, bound, length, numeric)
         least = minimum_size(element)
         if least == 0 and length is None and not self._version:
             raise UnsupportedError("CDR has no sequence of empty elements")

@@ -478,7 +478,10 @@ class Decoder(Position):
         inner.body = self.body
         targets = inner.targets(node.fields)
         value = inner.value(node.element, ())
-        return f"[{value} for {targets} in {records}({self._locals.name(path)})]"
+        octets = self._locals.name(path)
+        if node.padding:
+            octets = f"{octets} and {octets} + {bytes(node.padding)!r}"
+        return f"[{value} for {targets} in {records}({octets})]"
 
 
 class _Record(Decoder):

@@ -332,6 +332,8 @@ class Encoder:
         octets = self._locals.name(path, "octets_")
         packed = f"{pack}({', '.join(arguments)})"
         joined = f'{octets} = b"".join([{packed} for item in {items}])'
+        if node.padding:
+            joined += f"[:-{node.padding}]"
         if node.form == "list":
             self.body.add(joined)
             return octets
