@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 import socket
 import threading
 from collections.abc import Callable, Iterator
@@ -351,6 +352,50 @@ def test_a_board_that_accepts_no_more_connections(
             proxy.close()
     assert failed(report) == [name]
     assert report.outcomes[-1].problems == ("the board accepts no connection any more",)
+
+
+def test_a_board_that_goes_between_two_checks(tmp_path: Path) -> None:
+    """A check that finds no board has failed, if none did before; later ones are skipped."""
+    expected = service(tmp_path)
+    gone = "the board accepts no connection any more"
+    with served(MockBoard(expected)) as address:
+        proxy = Proxy(address, most=7)  # Five are of the first check, and two around it.
+        try:
+            report = report_of(proxy.address, expected, actuate=True)
+        finally:
+            proxy.close()
+    assert failed(report) == ["digest"]
+    assert {o.problems for o in report.outcomes[1:]} == {(gone,)}
+
+
+def test_a_serial_device_that_is_missing_or_no_board(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("serial")
+    service(tmp_path)
+    cdl, device = str(tmp_path / "bench.cdl"), tmp_path / "ttyNONE"
+    for where, word in ((str(device), "No such file"), ("/dev/null", "")):
+        assert run(["conformance", cdl, "--connect", f"serial:{where}"]) == 3
+        said = capfd.readouterr()
+        assert word in said.err
+        assert where in said.err
+
+
+def test_a_serial_line_without_a_board(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Without --actuate nothing is known of a board that does not answer."""
+    pytest.importorskip("serial")
+    service(tmp_path)
+    near, far = os.openpty()
+    try:
+        where = f"serial:{os.ttyname(far)}"
+        command = ["conformance", str(tmp_path / "bench.cdl"), "--connect", where]
+        assert run([*command, "--timeout", "0.1"]) == 3
+        assert "--actuate" in capfd.readouterr().err
+    finally:
+        os.close(near)
+        os.close(far)
 
 
 def test_the_command(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

@@ -147,20 +147,25 @@ class SerialChannel:
     def __str__(self) -> str:
         return self.device
 
+    def open(self) -> None:
+        """Open the line, unless it is open. Raises ChannelError."""
+        if self._line is None:
+            self._line = _Line(self.device, self.baudrate)
+
     def begin(self, request: bytes, first: int) -> bytes:
         """See `Channel`. After a failed call, waits for silence first."""
         if not self._lock.acquire(timeout=self.timeout):
             raise ChannelError(E_TMOUT, f"{self}: in use by another call")
         try:
             self._deadline = monotonic() + self.timeout
-            if self._line is None:
-                self._line = _Line(self.device, self.baudrate)
+            self.open()
+            line = self._open()
             if not self._disturbed:
-                self._line.discard()
-            elif not self._line.drain(self._deadline):
+                line.discard()
+            elif not line.drain(self._deadline):
                 raise self._time_over()
             self._disturbed = False
-            self._line.write(request, self.timeout)
+            line.write(request, self.timeout)
             if not first:
                 return b""
             self._hunt(_reply_start(request))

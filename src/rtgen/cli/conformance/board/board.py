@@ -178,18 +178,16 @@ class BoardUnderTest:
         line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         return line
 
-    def is_there(self) -> bool:
-        """Return whether the board is reachable."""
-        if self.address is None:
-            try:
-                assert self.serial is not None
-                channel = SerialChannel(self.serial, self.baud, self.answer)
-                channel.close()
-            except ChannelError:
-                return False
-            return True
+    def absence(self) -> str | None:
+        """Return why the board cannot be reached; None if it can."""
         try:
-            self._connected(self.address).close()
-        except ConnectError:
-            return False
-        return True
+            if self.address is not None:
+                self._connected(self.address).close()
+                return None
+            channel = self.channel()
+            assert isinstance(channel, SerialChannel)
+            channel.open()
+            channel.close()
+        except (ConnectError, ChannelError) as error:
+            return str(error)
+        return None

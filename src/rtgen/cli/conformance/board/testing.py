@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from pathlib import Path
+from typing import Final
 
 from rtgen.cli.common import Refusal
 from rtgen.cli.conformance.board.board import BoardUnderTest
 from rtgen.cli.conformance.board.checks import CHECKS
 from rtgen.cli.conformance.check import Permission
-from rtgen.cli.conformance.report import Report
+from rtgen.cli.conformance.report import Outcome, Report, Verdict
 from rtgen.cli.rpc.call_command import host_and_port
 from rtgen.cli.rpc.common import Peer, read_unit, service_of, signatures_of
 from rtgen.diagnostics import ToolError
+
+_GONE: Final = "the board accepts no connection any more"
 
 
 def tested(
@@ -65,14 +68,22 @@ def checked(
     permissions: Collection[Permission],
 ) -> Report:
     """Return the report of all checks of a board. Raises ToolError if it cannot be reached."""
-    if not board.is_there():
-        raise ToolError(f"{subject}: no connection")
-    outcomes = tuple(
-        (
-            check.outcome(board, permissions)
-            if board.is_there()
-            else check.skipped("the board accepts no connection any more")
+    why = board.absence()
+    if why is not None:
+        raise ToolError(f"{subject}: {why}")
+    outcomes: list[Outcome] = []
+    for check in CHECKS:
+        gone = check.is_permitted(permissions) and board.absence() is not None
+        if not gone:
+            outcomes.append(check.outcome(board, permissions))
+        elif any(o.verdict is Verdict.FAILED for o in outcomes):
+            outcomes.append(check.skipped(_GONE))
+        else:
+            outcomes.append(check.failed(_GONE))
+    report = Report(subject, definition, tuple(outcomes))
+    if all(o.verdict is Verdict.SKIPPED for o in outcomes):
+        raise ToolError(
+            f"{subject}: no answer, and no check that does without",
+            hint="--actuate calls functions, --function NAME only that one",
         )
-        for check in CHECKS
-    )
-    return Report(subject, definition, outcomes)
+    return report
