@@ -10,8 +10,10 @@ from xml.etree import ElementTree
 
 import pytest
 from can_nodes import SPECS, description, nodes
+from hub_process import HubProcess
 from json_schemas import valid
 
+from refnav.epos_drive_device import EposDriveDevice
 from rtgen.cli import run
 from rtgen.cli.can.decoding.node_index import read_node_index
 from rtgen.cli.conformance.canopen.checks import CHECKS
@@ -26,8 +28,10 @@ from rtgen.cli.conformance.report import (
     as_junit,
     as_text,
 )
+from rtgen.runtime import RealClock, System
 from rtgen.runtime.canopen.node.node import DeviceNode
 from rtgen.runtime.canopen.wire.frames import Frame
+from rtgen.runtime.canopen.wire.nmt import NmtState
 
 ID = 5
 Alter = Callable[[Frame, list[Frame]], list[Frame]]
@@ -515,6 +519,11 @@ FURTHER: dict[str, tuple[str, str, Alter]] = {
         "f_palette",
         answering(0x1001, 0, 0x4F, b"\0"),
     ),
+    "another node with its LSS address": (
+        "lss.address",
+        "f_palette",
+        lambda cause, out: [f for f in out for _ in range(1 + (f.can_id == 0x7E4))],
+    ),
     "a bit rate that does not exist": (
         "lss.refusals",
         "f_palette",
@@ -545,6 +554,33 @@ def test_a_check_finds_other_nodes_too(what: str, tmp_path: Path) -> None:
 
 
 # Reports and the command.
+
+
+@pytest.mark.waits
+def test_a_component_in_real_time_conforms(capfd: pytest.CaptureFixture[str]) -> None:
+    """The states of a component follow its node's within a tick, and commands are faster.
+
+    A busy machine may be late for the periods of the checks.
+    """
+    with HubProcess() as hub, System(RealClock()) as system:
+        device = EposDriveDevice("device")
+        for name, value in (
+            ("interface", "socketcand"),
+            ("options", hub.options()),
+            ("node_id", str(ID)),
+        ):
+            device.configuration_sets.set(name, value)
+        system.add(device, 200.0)
+        system.run(1)
+        where = [*("--interface", "socketcand"), *("--option", f"port={hub.port}")]
+        eds = str(SPECS / "epos_drive.eds")
+        run(["conformance", eds, "--node", str(ID), *where, "--actuate", "--json"])
+        outcomes = json.loads(capfd.readouterr().out)["outcomes"]
+        wrong = {
+            o["check"]: o["problems"] for o in outcomes if o["verdict"] == "failed"
+        }
+        assert wrong.keys() <= {"heartbeat", "pdo.times"}, wrong
+        assert device.node.state is NmtState.PRE_OPERATIONAL
 
 
 def broken() -> Report:
@@ -604,7 +640,7 @@ def test_the_command_on_a_bus(
     [
         (["board.txt"], "is not an EDS, a DCF, a CDL file or"),
         (["f_palette.eds", "--connect", "can0"], "not INTERFACE:CHANNEL"),
-        (["f_palette.eds", "--connect", "virtual:x"], "NODE-ID"),
+        (["f_palette.eds", "--connect", "virtual:x"], "--node N"),
         (["nothing.eds", "--node", "1", "--connect", "virtual:x"], "nothing.eds"),
     ],
 )

@@ -307,6 +307,63 @@ def test_with_merged_stop_a_stop_ends_normally_and_error_is_left_by_reset(
     assert setup.states == (INACTIVE_STATE, NmtState.PRE_OPERATIONAL)
 
 
+STOP, START = NmtCommand.STOP, NmtCommand.START
+PRE_OPERATIONAL = NmtCommand.ENTER_PRE_OPERATIONAL
+
+
+@pytest.mark.parametrize("active", [False, True])
+@pytest.mark.parametrize(
+    ("commands", "state", "last"),
+    [
+        ((STOP, NmtCommand.RESET_NODE), INACTIVE_STATE, "on_reset"),
+        ((STOP, NmtCommand.RESET_COMMUNICATION), INACTIVE_STATE, "on_reset"),
+        ((STOP, PRE_OPERATIONAL), INACTIVE_STATE, "on_reset"),
+        ((STOP, START), ACTIVE_STATE, "on_activated"),
+        ((STOP, PRE_OPERATIONAL, START), ACTIVE_STATE, "on_activated"),
+        ((START, STOP, PRE_OPERATIONAL), INACTIVE_STATE, "on_reset"),
+        ((START, PRE_OPERATIONAL, START), ACTIVE_STATE, "on_activated"),
+        ((PRE_OPERATIONAL, START, STOP), ERROR_STATE, "on_aborting"),
+    ],
+)
+def test_commands_within_one_tick_lead_to_the_state_of_the_last(
+    setup: Setup,
+    commands: tuple[NmtCommand, ...],
+    state: LifeCycleState,
+    last: str,
+    active: bool,
+) -> None:
+    if active:
+        setup.command(START)
+    frames = [command_frame(command, NODE_ID) for command in commands]
+    setup.calls()
+    setup.link.send(frames, setup.listener)
+    sent = setup.run(100)
+    node = {
+        INACTIVE_STATE: NmtState.PRE_OPERATIONAL,
+        ACTIVE_STATE: NmtState.OPERATIONAL,
+        ERROR_STATE: NmtState.STOPPED,
+    }
+    assert setup.states == (state, node[state])
+    assert setup.calls()[-1] == last
+    assert EMERGENCY not in [frame.can_id for frame in sent]
+
+
+def test_a_stop_after_a_start_that_ends_an_error(setup: Setup) -> None:
+    setup.command(STOP)
+    frames = [command_frame(command, NODE_ID) for command in (PRE_OPERATIONAL, STOP)]
+    setup.link.send(frames, setup.listener)
+    assert BOOT_UP not in setup.run(100)
+    assert setup.states == (ERROR_STATE, NmtState.STOPPED)
+
+
+def test_a_failure_after_a_stop_and_a_start_is_reported(setup: Setup) -> None:
+    setup.device.answers["on_activated"] = RTC_ERROR
+    frames = [command_frame(command, NODE_ID) for command in (STOP, START)]
+    setup.link.send(frames, setup.listener)
+    assert EMERGENCY in [frame.can_id for frame in setup.run(100)]
+    assert setup.states == (ERROR_STATE, NmtState.STOPPED)
+
+
 def test_a_local_activate_waits_for_the_master(setup: Setup) -> None:
     assert setup.system.activate("slave") is RTC_OK
     setup.run()

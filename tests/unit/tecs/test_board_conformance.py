@@ -359,7 +359,9 @@ def test_a_board_that_goes_between_two_checks(tmp_path: Path) -> None:
     expected = service(tmp_path)
     gone = "the board accepts no connection any more"
     with served(MockBoard(expected)) as address:
-        proxy = Proxy(address, most=7)  # Five are of the first check, and two around it.
+        proxy = Proxy(
+            address, most=7
+        )  # Five are of the first check, and two around it.
         try:
             report = report_of(proxy.address, expected, actuate=True)
         finally:

@@ -30,6 +30,10 @@ MANAGER = 127
 """Default node-id of the manager, if no bus file sets it."""
 
 
+class NoNodeIdError(Refusal):
+    """Neither a description nor the caller states the node-id of a node."""
+
+
 @dataclass(frozen=True, slots=True)
 class DescribedObject:
     """An object of a node.
@@ -278,7 +282,7 @@ def _described(
     result = eds.load([path], root=Path.cwd(), node_id=node_id)
     device = result.model.devices[0] if result.model.devices else None
     if device is not None and device.node_id is None:
-        raise Refusal(f"--eds {path}: whose is it? Write --eds NODE-ID={path}")
+        raise NoNodeIdError(f"--eds {path}: whose is it? Write --eds NODE-ID={path}")
     return device, result.diagnostics
 
 

@@ -44,13 +44,17 @@ def _ask(node: NodeUnderTest, data: bytes, within: int | None = None) -> bytes:
     return b"" if found is None else found.data
 
 
-def _select(node: NodeUnderTest, address: list[int], within: int | None = None) -> bool:
-    """Return whether a node confirms that an address selects it."""
+def _select(node: NodeUnderTest, address: list[int], within: int | None = None) -> int:
+    """Return how many nodes confirm that an address selects them; 2 for more."""
     _release(node)
     *first, last = map(lss.message, _SELECTION, address)
     for data in first:
         node.line.send(Frame(LSS_REQUEST, data))
-    return _ask(node, last, within)[:1] == bytes((LssCommand.SWITCHED,))
+    confirmed = bytes((LssCommand.SWITCHED,))
+    if _ask(node, last, within)[:1] != confirmed:
+        return 0
+    again = node.await_frame(LSS_RESPONSE, lss_master.TIMEOUT)
+    return 1 if again is None or again.data[:1] != confirmed else 2
 
 
 def _release(node: NodeUnderTest) -> None:
@@ -63,8 +67,8 @@ def _selected(node: NodeUnderTest) -> Iterator[list[int]]:
     """Context in which the node is in the configuration state. Raises SkipError."""
     address = _address(node)
     try:
-        if not _select(node, address):
-            raise SkipError("it is not selected by its identity, see lss.address")
+        if _select(node, address) != 1:
+            raise SkipError("its identity does not select it alone, see lss.address")
         yield address
     finally:
         _release(node)
@@ -83,8 +87,11 @@ def lss_address(node: NodeUnderTest) -> Problems:
         found = _select(node, other, lss_master.TIMEOUT)
         yield "it is selected by another serial number" if found else None
         selected = _select(node, address)
-        yield None if selected else "it is not selected by its identity"
-        if selected:
+        if not selected:
+            yield "it is not selected by its identity"
+        elif selected > 1:
+            yield "another node of the bus has the same LSS address (1018h)"
+        else:
             command = LssCommand.INQUIRE_NODE_ID
             answer = _ask(node, lss.message(command))
             yield _problem("its node-id by LSS", answer, bytes((command, node.id)))

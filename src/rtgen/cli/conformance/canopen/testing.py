@@ -6,9 +6,10 @@ import time
 from collections.abc import Collection
 from pathlib import Path
 
-from rtgen.cli.can.decoding.node_index import read_node_index
+from rtgen.cli.can.decoding.node_index import NoNodeIdError, read_node_index
 from rtgen.cli.can.live.live_bus import opened, send
 from rtgen.cli.can.options import BusAccess
+from rtgen.cli.common import Refusal
 from rtgen.cli.conformance.canopen.checks import CHECKS
 from rtgen.cli.conformance.canopen.node import Bounds, NodeUnderTest, SilenceError
 from rtgen.cli.conformance.check import Permission
@@ -63,7 +64,10 @@ def tested(
     permissions: Collection[Permission],
 ) -> Report:
     """Return the report of all checks. Raises InputError, Refusal and ToolError."""
-    known = read_node_index(None, [(node_id, file)])
+    try:
+        known = read_node_index(None, [(node_id, file)])
+    except NoNodeIdError:
+        raise Refusal(f"{file} has no node-id; --node N names it") from None
     (described,) = known.nodes.values()
     bounds = Bounds(round(timeout * SECOND), round(boot * SECOND))
     with opened(access) as bus:

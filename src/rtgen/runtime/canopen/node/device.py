@@ -81,6 +81,10 @@ class CanopenDevice(DeviceHooks, Component):
         self._resetting = False
         self._ending = False
         self._stopped_by = ""
+        self._stop_pending = False
+        """Whether ERROR was requested since the node had stopped, and is still pending."""
+        self._follow_up: Request | None = None
+        """The pending request that follows the node's state, and does not change it."""
 
     # Object dictionary
 
@@ -272,6 +276,7 @@ class CanopenDevice(DeviceHooks, Component):
             return RTC_OK
         with link.lock:
             now, state = link.now(), self.node.state
+            is_own, self._follow_up = request is self._follow_up, None
             if request is Request.ACTIVATE:
                 if state is NmtState.OPERATIONAL:
                     return RTC_OK
@@ -281,11 +286,11 @@ class CanopenDevice(DeviceHooks, Component):
                 self._send(self.node.go(NmtState.OPERATIONAL, now))
             elif request is Request.DEACTIVATE:
                 self._ending, self.reason = True, ""
-                if state is NmtState.OPERATIONAL:
+                if state is NmtState.OPERATIONAL and not is_own:
                     self._send(self.node.go(NmtState.PRE_OPERATIONAL, now))
             elif request is Request.RESET:
                 self._resetting = True
-                if state is NmtState.STOPPED:
+                if state is NmtState.STOPPED and not is_own:
                     self._send(self.node.reset(now))
         return RTC_OK
 
@@ -298,9 +303,9 @@ class CanopenDevice(DeviceHooks, Component):
         node = self.node
         frames: list[Frame] = []
         if state is ERROR_STATE:
-            if (was_reset or before is not ERROR_STATE) and (
-                node.state is not NmtState.STOPPED
-            ):
+            stopped, self._stop_pending = self._stop_pending, False
+            failed = was_reset or (before is not ERROR_STATE and not stopped)
+            if failed and node.state is not NmtState.STOPPED:
                 return node.fail(now)
         elif before is ERROR_STATE:
             node.remove_error(USER_SOFTWARE)
@@ -324,12 +329,15 @@ class CanopenDevice(DeviceHooks, Component):
             state = context.get_component_state(self)
             if nmt is NmtState.STOPPED:
                 if state is not ERROR_STATE:
+                    self._stop_pending = True
                     self._request_failure(self._stopped_by or "its node has stopped")
             elif state is ERROR_STATE:
+                self._follow_up = Request.RESET
                 context.reset_component(self)
             elif nmt is NmtState.OPERATIONAL and state is INACTIVE_STATE:
                 context.activate_component(self)
             elif nmt is not NmtState.OPERATIONAL and state is ACTIVE_STATE:
+                self._follow_up = Request.DEACTIVATE
                 context.deactivate_component(self)
 
     def _state(self) -> LifeCycleState:
@@ -339,7 +347,10 @@ class CanopenDevice(DeviceHooks, Component):
         return INACTIVE_STATE
 
     def _can_boot(self) -> bool:
-        return self._state() not in (ACTIVE_STATE, ERROR_STATE)
+        return not self._stop_pending and self._state() not in (
+            ACTIVE_STATE,
+            ERROR_STATE,
+        )
 
     def _can_end(self) -> bool:
         return self._state() is not ERROR_STATE
