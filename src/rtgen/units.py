@@ -1,9 +1,9 @@
 """Units of measurement in `@unit`, in EDS files and in profiles.
 
 A text is a product of symbols with exponents, as SI and UCUM write them: `m/s^2`, `rad.s-1`,
-`kg*m²`, `0.001 rpm`, `J/(kg K)`. Units after a comma are those of several members, in their order:
-`m, rad`. pint defines the symbols. Unlike in SI, an angle is a dimension here, so that `rad/s` and
-`Hz` differ.
+`kg*m²`, `0.001 rpm`, `J/(kg K)`, `10*3.m`, `[in_i]`. Units after a comma are those of several
+members, in their order: `m, rad`. pint defines the symbols. Unlike in SI, an angle is a dimension
+here, so that `rad/s` and `Hz` differ.
 """
 
 from __future__ import annotations
@@ -24,8 +24,10 @@ _MAX_LENGTH: Final = 80
 _HIGHEST_POWER: Final = 9
 _SUPERSCRIPTS: Final = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻·⋅\u00d7", "0123456789-***")
 _TOKEN: Final = re.compile(
-    r"\s*(?:(?P<number>\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)|(?P<symbol>[^\W\d]+|[%‰°\u2032\u2033])"
-    r"(?:(?:\^|\*\*)?(?P<power>[+-]?\d+))?|(?P<sign>[*/.()]))\s*"
+    r"\s*(?:10[*^](?P<order>[+-]?\d+)|(?P<number>\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)"
+    r"|(?P<symbol>[^\W\d]+|\[[a-zA-Z_]+\]|''|[%‰°'\u2032\u2033])"
+    r"(?:(?:\^|\*\*)?(?P<power>[+-]?\d+))?(?:\{[^\W\d][\w ]*\})?"
+    r"|\{(?P<note>[^\W\d][\w ]*)\}|(?P<sign>[*/.()]))\s*"
 )
 _ANGLE: Final = "radian"
 _TOLERANCE: Final = 1e-9
@@ -156,12 +158,24 @@ def _factor(tokens: list[re.Match[str]], place: int) -> tuple[Unit, int]:
         if end == len(tokens):
             raise UnitError("a bracket is not closed")
         return inner, end + 1
+    if token.group("note"):
+        return _noted(token.group("note")), place + 1
+    if token.group("order"):
+        return _checked(Unit((), 10.0 ** int(token.group("order")))), place + 1
     if token.group("number"):
         return _checked(Unit((), float(token.group("number")))), place + 1
     power = int(token.group("power") or 1)
     if abs(power) > _HIGHEST_POWER or power == 0:
         raise UnitError(f"an exponent is from 1 to {_HIGHEST_POWER}")
     return _raised(_symbol(token.group("symbol")), power), place + 1
+
+
+def _noted(note: str) -> Unit:
+    """Return the unit of an annotation of UCUM: `{count}` is a count, `{person}` is one."""
+    try:
+        return _symbol(note)
+    except UnitError:
+        return Unit((), 1.0)
 
 
 def _raised(unit: Unit, power: int) -> Unit:

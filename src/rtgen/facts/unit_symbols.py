@@ -1,4 +1,4 @@
-"""Symbols of units that data sheets, EDS files and IDL comments use and SI does not define."""
+"""Symbols of units of UCUM, data sheets, EDS files and IDL comments that SI does not define."""
 
 from __future__ import annotations
 
@@ -44,6 +44,20 @@ SYMBOLS: Final[Mapping[str, str]] = {
     "secs": "second",
     "\u2032": "arcminute",
     "\u2033": "arcsecond",
+    "'": "arcminute",
+    "''": "arcsecond",
+    "Cel": "degC",
+    "[degF]": "degF",
+    "[in_i]": "inch",
+    "[ft_i]": "foot",
+    "[mi_i]": "mile",
+    "[nmi_i]": "nautical_mile",
+    "[kn_i]": "knot",
+    "[lb_av]": "pound",
+    "[lbf_av]": "force_pound",
+    "[psi]": "psi",
+    "[ppm]": "ppm",
+    "[g]": "standard_gravity",
     "°": "degree",
     "%": "percent",
     "‰": "permille",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from hashlib import sha256
 from typing import Final
@@ -25,7 +25,6 @@ from rtgen.lowering.settings import AdapterEntry, Settings
 from rtgen.lowering.stage import Lowered
 from rtgen.model import (
     Adapter,
-    ArrayType,
     Component,
     Member,
     Model,
@@ -41,10 +40,10 @@ from rtgen.model import (
     Type,
 )
 from rtgen.resources import OPENRTM_IDL, idl_source, ros_interfaces
+from rtgen.typemap.member_units import is_real, leaves, unit_of
 from rtgen.typemap.python.names import module_name
 
 _NAME: Final = re.compile(r"[A-Za-z]\w*", re.ASCII)
-_UNIT: Final = re.compile(r"\[([^,\]]+)\]")
 _EXACT_INTEGERS: Final = {
     **INTEGER_RANGES,
     Primitive.FLOAT: (-(2**24), 2**24),
@@ -63,8 +62,9 @@ def lower(model: Model, settings: Settings) -> Lowered:
     components: list[Component] = []
     for entry in entries:
         try:
-            adapters.append(_Maker(model, entry).adapter())
-            components.append(_component(adapters[-1], entry))
+            maker = _Maker(model, entry)
+            adapters.append(maker.adapter())
+            components.append(_component(adapters[-1], *maker.units(adapters[-1])))
         except InputError as error:
             findings += error.diagnostics
     text = repr(
@@ -88,9 +88,7 @@ def lower(model: Model, settings: Settings) -> Lowered:
     return Lowered(made, tuple(findings))
 
 
-def _component(adapter: Adapter, entry: AdapterEntry) -> Component:
-    units = [", ".join(each) for each in zip(*entry.units.values(), strict=True)]
-    received, sent = units or ("", "")
+def _component(adapter: Adapter, received: str, sent: str) -> Component:
     source, target = "::".join(adapter.source), "::".join(adapter.target)
     return Component(
         name=(adapter.name,),
@@ -193,6 +191,27 @@ class _Maker:
             ),
         )
 
+    def units(self, adapter: Adapter) -> tuple[str, str]:
+        """Return the units of both ports; none if the adapter states no unit."""
+        stated = self.entry.units
+        if not stated:
+            return "", ""
+        copies = dict(adapter.copies)
+        paths = {name: tuple(name.split(".")) for name in stated}
+        received = {copies[path]: stated[name][0] for name, path in paths.items()}
+        sent = {path: stated[name][1] for name, path in paths.items()}
+        return (
+            self._units(self._struct(self.entry.source), received),
+            self._units(self._struct(self.entry.target), sent),
+        )
+
+    def _units(self, struct: Struct, stated: Mapping[tuple[str, ...], str]) -> str:
+        """Return each unit of a struct's members once: the stated ones, else the defined ones."""
+        every = (
+            stated.get(leaf.path, leaf.unit) for leaf in leaves(self.model, struct)
+        )
+        return ", ".join(dict.fromkeys(unit for unit in every if unit))
+
     def _split(
         self,
         copies: dict[tuple[str, ...], tuple[str, ...]],
@@ -268,7 +287,7 @@ class _Maker:
             (theirs, stated and stated[0]),
             (own, stated and stated[1]),
         ):
-            if known and said and not _is_equal(known, said):
+            if known and said and _conversion_between(known, said) is None:
                 message = f"`units` says {said} for {name!r}, its definition {known}"
                 raise self._error(ADAPTER_UNIT, message)
         if stated is not None:
@@ -281,7 +300,7 @@ class _Maker:
             raise self._error(ADAPTER_UNIT, message)
         if conversion == (1.0, 0.0):
             return None
-        if not _is_real(self.model, self._type(target, to)):
+        if not is_real(self.model, self._type(target, to)):
             message = f"{name!r} is {self._type(target, to)}, not float or double"
             hint = f"numbers in {theirs} are converted to {own} as real numbers"
             raise self._error(ADAPTER_VALUE, message, hint)
@@ -296,12 +315,7 @@ class _Maker:
             found = self.model.find(inner.name)
             assert isinstance(found, Struct)
             struct = found
-        member = next(m for m in self._members(struct) if m.name == name)
-        annotation = member.annotation("unit")
-        if annotation is not None:
-            return str(dict(annotation.arguments)["value"])
-        units = _UNIT.findall(member.doc)
-        return units[0] if len(units) == 1 else None
+        return unit_of(next(m for m in self._members(struct) if m.name == name))
 
     def _struct(self, scoped: str) -> Struct:
         name = tuple(scoped.removeprefix("::").split("::"))
@@ -380,13 +394,6 @@ def _conversion_between(source: str, target: str) -> tuple[float, float] | None:
         case Relation.SCALED:
             return conversion(*units)
     return None
-
-
-def _is_real(model: Model, type_: Type) -> bool:
-    """Return whether it is a real number, or a sequence or array of real numbers."""
-    if isinstance(type_, SequenceType | ArrayType):
-        type_ = model.unalias(type_.element)
-    return isinstance(type_, PrimitiveType) and type_.kind in FLOAT_LIMITS
 
 
 def _include(name: tuple[str, ...]) -> str | None:

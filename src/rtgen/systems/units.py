@@ -3,20 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import chain
 
 from rtgen.diagnostics import Diagnostic, Related, Rule, Severity
-from rtgen.model import (
-    ArrayType,
-    Connection,
-    Model,
-    NamedType,
-    Port,
-    Primitive,
-    PrimitiveType,
-    SequenceType,
-    Struct,
-)
+from rtgen.model import Connection, Model, NamedType, Port, Struct
+from rtgen.typemap.member_units import Leaf, is_real, leaves
 
 DIMENSIONS_DIFFER = Rule("RTC0593", "ports of different dimensions", Severity.ERROR)
 UNIT_MISSING = Rule("RTC0594", "unit at one end of a connector only", Severity.NOTE)
@@ -25,24 +15,22 @@ MAY_DIFFER = Rule("RTC0596", "units that may not fit", Severity.WARNING)
 
 RULES = (DIMENSIONS_DIFFER, UNIT_MISSING, SCALES_DIFFER, MAY_DIFFER)
 
-_REAL = (Primitive.FLOAT, Primitive.DOUBLE, Primitive.LONG_DOUBLE)
-
 
 def check(
     connection: Connection, source: Port, target: Port, model: Model
 ) -> Iterator[Diagnostic]:
     """Yield diagnostics about the units of two ports of one type; `model` has that type."""
-    sent, wanted = ("".join(port.unit.split()) for port in (source, target))
+    sent, wanted = (" ".join(port.unit.split()) for port in (source, target))
     if sent == wanted:
         return
     related = [
-        Related(port.span, f"{end}: {port.unit or 'no unit'}")
+        Related(port.span, f"{end}: {port.unit.strip() or 'no unit'}")
         for end, port in ((connection.source, source), (connection.target, target))
     ]
     if not sent or not wanted:
         end = connection.target if sent else connection.source
-        message = f"{end} does not say its unit, the other end has {source.unit or target.unit}"
-        hint = f'write @unit("{source.unit or target.unit}") at the port'
+        message = f"{end} does not say its unit, the other end has {sent or wanted}"
+        hint = f'write @unit("{sent or wanted}") at the port'
         yield UNIT_MISSING.at(connection.span, message, related=related, hint=hint)
         return
     rule, hint = _compared(source, target, model)
@@ -82,14 +70,13 @@ def _adapter(source: Port, model: Model, scaled: list[tuple[str, str]]) -> str:
     """Return a hint with an adapter that converts."""
     type_ = model.unalias(source.type)
     name = "::".join(type_.name) if isinstance(type_, NamedType) else str(type_)
-    leaves = list(_numbers(model, type_, ()))
-    paths = [
-        ".".join(leaves[0]) if len(leaves) == 1 else f"MEMBER{place or ''}"
-        for place in range(len(scaled))
-    ]
+    struct = model.find(type_.name) if isinstance(type_, NamedType) else None
+    members = list(leaves(model, struct)) if isinstance(struct, Struct) else []
+    reals = [leaf for leaf in members if is_real(model, leaf.type)]
     units = ", ".join(
         f'"{path}" = ["{sent}", "{wanted}"]'
-        for path, (sent, wanted) in zip(paths, scaled, strict=True)
+        for place, (sent, wanted) in enumerate(scaled)
+        for path in _paths(reals, sent) or (f"MEMBER{place or ''}",)
     )
     return (
         f'connect through an adapter of rtgen.toml, [adapter.NAME] with from = "{name}", '
@@ -97,25 +84,16 @@ def _adapter(source: Port, model: Model, scaled: list[tuple[str, str]]) -> str:
     )
 
 
-def _numbers(
-    model: Model, type_: object, path: tuple[str, ...]
-) -> Iterator[tuple[str, ...]]:
-    """Yield the paths of all members that are real numbers, or sequences and arrays of them."""
-    match type_:
-        case NamedType(name):
-            declaration = model.find(name)
-            if isinstance(declaration, Struct):
-                inherited = NamedType(declaration.base) if declaration.base else None
-                yield from chain(
-                    _numbers(model, inherited, path),
-                    *(
-                        _numbers(model, model.unalias(m.type), (*path, m.name))
-                        for m in declaration.members
-                    ),
-                )
-        case SequenceType(element=element) | ArrayType(element=element):
-            inner = model.unalias(element)
-            if isinstance(inner, PrimitiveType) and inner.kind in _REAL:
-                yield path
-        case PrimitiveType(kind) if kind in _REAL:
-            yield path
+def _paths(reals: list[Leaf], unit: str) -> list[str]:
+    """Return the paths of the members in a unit: those of its dimension, or the only one."""
+    from rtgen.units import Relation, UnitError, parse, relation
+
+    found = []
+    for leaf in reals:
+        try:
+            stated = relation(parse(leaf.unit or ""), parse(unit))
+        except UnitError:
+            continue
+        if stated in (Relation.EQUAL, Relation.SCALED):
+            found.append(leaf)
+    return [".".join(leaf.path) for leaf in found or (reals if len(reals) == 1 else ())]
