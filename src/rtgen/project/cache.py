@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import re
 import stat
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -33,6 +34,7 @@ _LIBRARIES = {"artifacts": ("jinja2", "lark")}
 
 _MAX_ENTRIES = 128
 _MAX_BYTES = 64 * 1024 * 1024
+_ENTRY = re.compile(r"[0-9a-f]{64}\.(json|\d+\.tmp)")
 _PACKAGE = Path(__file__).parents[1]
 _NOT_COMPILER = frozenset({"__pycache__", "cli", "runtime"})
 
@@ -114,7 +116,10 @@ class Cache:
         try:
             if not (_is_own(self._folder) and _is_own(file)):
                 return None
-            digest, _, payload = file.read_bytes().partition(b"\n")
+            with file.open("rb") as stream:
+                if not _is_owned(os.fstat(stream.fileno())):  # exchanged meanwhile
+                    return None
+                digest, _, payload = stream.read().partition(b"\n")
             if digest != sha256(payload).hexdigest().encode():
                 return None
             entry = json.loads(payload)
@@ -174,6 +179,8 @@ class Cache:
         """Remove the least recently used entries, and leftovers of killed runs."""
         found = []
         for file in self._folder.iterdir():
+            if not _ENTRY.fullmatch(file.name):
+                continue
             with contextlib.suppress(FileNotFoundError):
                 status = file.stat()
                 found.append((status.st_mtime_ns, status.st_size, file))
@@ -200,10 +207,16 @@ def default() -> Cache:
 
 
 def _is_own(path: Path, *, sole_writer: bool = True) -> bool:
-    """Return whether only this user can write to a path. Raises OSError."""
+    """Return whether only this user can write to a path, or set a link there. Raises OSError."""
     if sys.platform == "win32":  # user profiles are private
         return True
-    status = path.stat()
+    is_ours = path.lstat().st_uid == os.geteuid()
+    return is_ours and _is_owned(path.stat(), sole_writer=sole_writer)
+
+
+def _is_owned(status: os.stat_result, *, sole_writer: bool = True) -> bool:
+    if sys.platform == "win32":
+        return True
     shared = sole_writer and status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
     return status.st_uid == os.geteuid() and not shared
 

@@ -143,6 +143,35 @@ def test_an_entry_that_another_user_could_have_written_is_not_read(
     assert pipeline.reads == reads + 3, "the folder of another user is left alone"
 
 
+def test_files_of_others_in_the_folder_are_left_alone(
+    pipeline: Pipeline, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The folder may be a link to one with other files: only entries are removed."""
+    monkeypatch.setattr(cache, "_MAX_BYTES", 10)
+    documents = tmp_path / "documents"
+    documents.mkdir()
+    (documents / "thesis.json").write_text("years of work")
+    (tmp_path / "cache").mkdir()
+    (tmp_path / "cache" / "runs").symlink_to(documents)
+    build(project(), cache.default())
+    assert [file.name for file in documents.iterdir()] == ["thesis.json"]
+
+
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() != 0, reason="needs root")
+def test_a_link_of_another_user_is_not_followed(
+    pipeline: Pipeline, tmp_path: Path
+) -> None:
+    documents = tmp_path / "documents"
+    documents.mkdir(mode=0o750)
+    (tmp_path / "cache").mkdir()
+    link = tmp_path / "cache" / "runs"
+    link.symlink_to(documents)
+    os.lchown(link, 12345, 12345)
+    build(project(), cache.default())
+    assert list(documents.iterdir()) == []
+    assert documents.stat().st_mode & 0o777 == 0o750
+
+
 def test_the_number_of_entries_is_bounded(
     pipeline: Pipeline, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
