@@ -355,7 +355,7 @@ def test_a_board_that_accepts_no_more_connections(
 
 
 def test_a_board_that_goes_between_two_checks(tmp_path: Path) -> None:
-    """A check that finds no board has failed, if none did before; later ones are skipped."""
+    """The check that finds no board has failed, and later ones are skipped."""
     expected = service(tmp_path)
     gone = "the board accepts no connection any more"
     with served(MockBoard(expected)) as address:
@@ -366,8 +366,23 @@ def test_a_board_that_goes_between_two_checks(tmp_path: Path) -> None:
             report = report_of(proxy.address, expected, actuate=True)
         finally:
             proxy.close()
-    assert failed(report) == ["digest"]
-    assert {o.problems for o in report.outcomes[1:]} == {(gone,)}
+    assert failed(report) == ["request.start"]
+    assert {o.problems for o in report.outcomes[3:]} == {(gone,)}
+
+
+def test_a_board_with_oneway_functions_alone(tmp_path: Path) -> None:
+    """Nothing is answered, and yet calls do not come faster than the board serves them."""
+    parameters = ", ".join(f"[in] int32_t p{n}" for n in range(20))
+    expected = service(
+        tmp_path, f"signature sBench {{ [oneway] void go( {parameters} ); }};\n"
+    )
+    with served(MockBoard(expected)) as address:
+        report = report_of(address, expected, actuate=True)
+    assert failed(report) == []
+    [limits] = [o for o in report.outcomes if o.check == "call.limits"]
+    assert limits.tried == 40
+    reasons = {p for o in report.outcomes for p in o.problems}
+    assert "the board accepts no connection any more" not in reasons
 
 
 def test_a_serial_device_that_is_missing_or_no_board(

@@ -52,7 +52,7 @@ class Check(Generic[S]):
 
     def outcome(self, subject: S, permissions: Collection[Permission]) -> Outcome:
         """Run the check on a subject."""
-        if self.needs is not None and not self.is_permitted(permissions):
+        if self.needs is not None and self.needs not in permissions:
             return self.skipped(self.needs.value)
         tried = 0
         problems: list[str] = []
@@ -69,17 +69,9 @@ class Check(Generic[S]):
         verdict = Verdict.FAILED if problems else Verdict.PASSED
         return self._outcome(verdict, tried, problems)
 
-    def is_permitted(self, permissions: Collection[Permission]) -> bool:
-        """Return whether the check has the permission that it needs."""
-        return self.needs is None or self.needs in permissions
-
     def skipped(self, reason: str) -> Outcome:
         """Return the outcome of a skipped check."""
         return self._outcome(Verdict.SKIPPED, 0, [reason])
-
-    def failed(self, problem: str) -> Outcome:
-        """Return the outcome of a check that failed before it tried anything."""
-        return self._outcome(Verdict.FAILED, 0, [problem])
 
     def _outcome(self, verdict: Verdict, tried: int, problems: list[str]) -> Outcome:
         return Outcome(

@@ -24,6 +24,7 @@ from rtgen.runtime.opaque_rpc import (
 from rtgen.runtime.opaque_rpc.errors import E_TMOUT
 from rtgen.runtime.sockets import TIME_OVER
 
+MAX_ID = 0x7FFF
 _PIECE = 4096
 _PAUSE = 0.02
 """Seconds between the segments of a request, so that they are received separately."""
@@ -86,20 +87,32 @@ class BoardUnderTest:
         channel = self.channel()
         try:
             function.call(channel, values)
-            if function.oneway:
-                self.serves(channel)
+            served = not function.oneway or self.serves(channel)
         except RpcError as error:
             return f"{function.name}, {what}: {error}"
         finally:
             channel.close()
+        if not served and self.address is not None:
+            # The next connection is served after this one: calls do not fill the board's queue.
+            self.raw([self.unknown_request], wanted=1)
         return None
 
-    def serves(self, channel: TcpChannel | SerialChannel) -> None:
-        """Check by a call whether the board still reads requests after a oneway call."""
+    def serves(self, channel: TcpChannel | SerialChannel) -> bool:
+        """Check by a call whether the board still reads requests after a oneway call.
+
+        Returns False if the signature has no function for it.
+        """
         for function in self.functions.values():
             if not function.oneway and not function.layout.arguments:
                 function.call(channel, ())
-                return
+                return True
+        return False
+
+    @property
+    def unknown_request(self) -> bytes:
+        """A request of a function that is not in the signature."""
+        codec = self.service.codec
+        return codec.request_head(MAX_ID - 1) + codec.awaiting_reply
 
     def raw(
         self, segments: Sequence[bytes], wanted: int = 0, within: float | None = None

@@ -15,7 +15,7 @@ from rtgen.cli.conformance.board.arguments import (
     longest,
     scalars,
 )
-from rtgen.cli.conformance.board.board import BoardUnderTest
+from rtgen.cli.conformance.board.board import MAX_ID, BoardUnderTest
 from rtgen.cli.conformance.check import Check, Permission, Problems, SkipError
 from rtgen.cli.rpc.codecs import Function
 from rtgen.cli.rpc.values import Json
@@ -24,7 +24,6 @@ from rtgen.runtime.opaque_rpc import ArgumentError, ChannelError, RpcError, peer
 from rtgen.runtime.opaque_rpc.digest import DIGEST
 from rtgen.runtime.opaque_rpc.tdr import SOP_REPLY, SOP_REQUEST, Tdr
 
-_MAX_ID: Final = 0x7FFF
 _CALLS: Final = 100
 _CONNECTIONS: Final = 5
 _WIRE: Final = "OpaqueRPC as tecsgen 1.7.0 has it"
@@ -48,16 +47,10 @@ def _refused(board: BoardUnderTest, octets: bytes, what: str) -> str | None:
     return None if answer.closed and not answer.data else f"{what}: {answer}"
 
 
-def _unknown(board: BoardUnderTest) -> bytes:
-    """Return a request of a function that is not in the signature."""
-    codec = board.service.codec
-    return codec.request_head(_MAX_ID - 1) + codec.awaiting_reply
-
-
 def connections(board: BoardUnderTest) -> Problems:
     """Check that connections are served, one after the other."""
     for number in range(1, _CONNECTIONS + 1):
-        yield _refused(board, _unknown(board), f"connection {number}")
+        yield _refused(board, board.unknown_request, f"connection {number}")
 
 
 def digest(board: BoardUnderTest) -> Problems:
@@ -78,7 +71,7 @@ def digest(board: BoardUnderTest) -> Problems:
 def wrong_starts(board: BoardUnderTest) -> Problems:
     """Check that a request with an invalid start is rejected."""
     tdr = board.service.codec.tdr
-    start, identifier = tdr.int16(SOP_REQUEST), tdr.int16(_MAX_ID - 1)
+    start, identifier = tdr.int16(SOP_REQUEST), tdr.int16(MAX_ID - 1)
     for wrong in (
         b"\0\0",
         bytes((start[0] ^ 1, start[1])),
@@ -92,7 +85,7 @@ def unknown_functions(board: BoardUnderTest) -> Problems:
     """Check that a function outside of the signature is rejected."""
     codec = board.service.codec
     known = [f.layout.function.id for f in board.service.functions.values()]
-    for number in (0, max(known, default=0) + 1, _MAX_ID - 1, 0xFFFF):
+    for number in (0, max(known, default=0) + 1, MAX_ID - 1, 0xFFFF):
         if number in known or number == DIGEST:
             continue
         request = codec.request_head(number) + codec.awaiting_reply
@@ -107,7 +100,7 @@ def cut_requests(board: BoardUnderTest) -> Problems:
         for size in sorted({1, 2, 3, 4, len(request) // 2, len(request) - 1}):
             board.leave(request[:size])
             yield _refused(
-                board, _unknown(board), f"after {size} octets of {function.name}"
+                board, board.unknown_request, f"after {size} octets of {function.name}"
             )
 
 
@@ -119,7 +112,7 @@ def stalled_requests(board: BoardUnderTest) -> Problems:
         request = _request(function, arguments(function, Values()))
         what = f"a client silent within {function.name}"
         with board.stalled(request[:-1]):
-            answer = board.raw([_unknown(board)], wanted=1, within=board.stall)
+            answer = board.raw([board.unknown_request], wanted=1, within=board.stall)
         served = answer.closed and not answer.data
         yield None if served else f"{what}: another client is not served in time"
 

@@ -72,14 +72,13 @@ def checked(
     if why is not None:
         raise ToolError(f"{subject}: {why}")
     outcomes: list[Outcome] = []
+    is_gone = False
     for check in CHECKS:
-        gone = check.is_permitted(permissions) and board.absence() is not None
-        if not gone:
-            outcomes.append(check.outcome(board, permissions))
-        elif any(o.verdict is Verdict.FAILED for o in outcomes):
+        if is_gone:
             outcomes.append(check.skipped(_GONE))
-        else:
-            outcomes.append(check.failed(_GONE))
+            continue
+        outcomes.append(check.outcome(board, permissions))
+        is_gone = outcomes[-1].verdict is Verdict.FAILED and board.absence() is not None
     report = Report(subject, definition, tuple(outcomes))
     if all(o.verdict is Verdict.SKIPPED for o in outcomes):
         raise ToolError(
