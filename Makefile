@@ -118,13 +118,16 @@ lowest: $(VENV)/release.stamp
 # The newest versions that pyproject.toml allows, for each platform and interpreter.
 lock: $(VENV)/release.stamp
 	$(BIN)/uv pip compile --quiet --universal --upgrade --no-header --no-annotate \
-	    --python-version 3.11 --extra plot --extra test --extra check pyproject.toml --output-file $(LOCK)
+	    --python-version 3.11 --extra plot --extra test --extra check --extra release pyproject.toml --output-file $(LOCK)
 
 # What rtgen and its extras require, with the licence that each package states.
 licences: $(VENV)/release.stamp
 	$(BIN)/python requirements/licences.py > requirements/licences.md
 
-# Both wheels and the bill of materials of an environment that has rtgen alone, in dist/.
+# Both wheels and the bill of materials of an environment that has rtgen alone, in dist/. A build has
+# the locked versions of its tools, which a wheel contains traces of; pip 25.3 renamed the variable.
+wheels: export PIP_CONSTRAINT = $(CURDIR)/$(LOCK)
+wheels: export PIP_BUILD_CONSTRAINT = $(CURDIR)/$(LOCK)
 wheels: $(VENV)/release.stamp ui
 	rm -rf dist build/bare
 	$(BIN)/python -m pip wheel $(filter-out --no-compile,$(PIP)) --no-deps --wheel-dir dist . ./runtime

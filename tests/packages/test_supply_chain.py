@@ -16,7 +16,12 @@ from packaging.utils import canonicalize_name
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 EXTRAS: dict[str, list[str]] = PROJECT["optional-dependencies"]
-TESTED = [*PROJECT["dependencies"], *EXTRAS["plot"], *EXTRAS["test"]]
+TESTED = [
+    *PROJECT["dependencies"],
+    *EXTRAS["plot"],
+    *EXTRAS["test"],
+    *EXTRAS["release"],
+]
 WORKSHOP = {"test", "check", "bench", "release"}
 
 
@@ -51,6 +56,21 @@ def test_locked_versions_fit_the_requirements() -> None:
             [pinned] = entry.specifier
             assert pinned.operator == "=="
             assert need.specifier.contains(pinned.version), f"{entry} is not {need}"
+
+
+def test_builds_have_locked_tools() -> None:
+    """A wheel names the version of its build back end, and contains what the tools make."""
+    locked = (ROOT / "requirements" / "locked.txt").read_text("utf-8")
+    names = {canonicalize_name(Requirement(line).name) for line in locked.splitlines()}
+    for project in (ROOT, ROOT / "runtime"):
+        content = tomllib.loads((project / "pyproject.toml").read_text("utf-8"))
+        needs = map(Requirement, content["build-system"]["requires"])
+        assert {canonicalize_name(need.name) for need in needs} <= names
+    (makefile,) = re.findall(
+        r"^wheels:(?:.*\n\t?wheels:)*.*", (ROOT / "Makefile").read_text(), re.MULTILINE
+    )
+    for variable in ("PIP_CONSTRAINT", "PIP_BUILD_CONSTRAINT"):
+        assert f"export {variable} = $(CURDIR)/$(LOCK)" in makefile
 
 
 def test_licences_are_those_of_the_requirements() -> None:
