@@ -116,8 +116,8 @@ SCHEMA: dict[str, Any] = {
                     "factors": _each(
                         _OBJECT,
                         {"type": ["number", "string"], "pattern": "^cia402$"},
-                        "Physical value = factor * value; cia402: by 608Fh, 6091h and 60A8h to "
-                        "60AAh of the drive.",
+                        "Physical value = factor * value; cia402: by 608Fh, 6090h to 6092h and "
+                        "60A8h to 60AAh of the drive.",
                     ),
                     "units": _each(
                         _OBJECT, {"type": "string"}, "Units of the physical values."
