@@ -23,32 +23,63 @@ def check(
     sent, wanted = (" ".join(port.unit.split()) for port in (source, target))
     if sent == wanted:
         return
+    silent = (not sent, not wanted)
+    sent, wanted = sent or _defined(source, model), wanted or _defined(target, model)
     related = [
-        Related(port.span, f"{end}: {port.unit.strip() or 'no unit'}")
-        for end, port in ((connection.source, source), (connection.target, target))
+        Related(port.span, f"{end}: {_shown(text, is_silent)}")
+        for end, port, text, is_silent in (
+            (connection.source, source, sent, silent[0]),
+            (connection.target, target, wanted, silent[1]),
+        )
     ]
-    if not sent or not wanted:
-        end = connection.target if sent else connection.source
-        message = f"{end} does not say its unit, the other end has {sent or wanted}"
-        hint = f'write @unit("{sent or wanted}") at the port'
+    is_vague = any(silent) and sent.count(",") != wanted.count(",")
+    if not sent or not wanted or is_vague:
+        end = connection.source if silent[0] else connection.target
+        unit = wanted if silent[0] else sent
+        message = f"{end} does not say its unit, the other end has {unit}"
+        hint = f'write @unit("{unit}") at the port'
         yield UNIT_MISSING.at(connection.span, message, related=related, hint=hint)
         return
-    rule, hint = _compared(source, target, model)
+    rule, hint = _compared(sent, wanted, source, model)
     if rule is not None:
         message = (
-            f"{connection.source} gives {source.unit}, "
-            f"{connection.target} takes {target.unit}"
+            f"{connection.source} gives {sent}, {connection.target} takes {wanted}"
         )
         yield rule.at(connection.span, message, related=related, hint=hint)
 
 
-def _compared(source: Port, target: Port, model: Model) -> tuple[Rule | None, str]:
+def _shown(unit: str, is_silent: bool) -> str:
+    if not unit:
+        return "no unit"
+    return f"{unit}, by its type" if is_silent else unit
+
+
+def _defined(port: Port, model: Model) -> str:
+    """Return the units of a port without one: those of its type, if each real number has one."""
+    units = [leaf.unit for leaf in _reals(port, model)]
+    known = [unit for unit in units if unit and _is_unit(unit)]
+    return ", ".join(dict.fromkeys(known)) if len(known) == len(units) else ""
+
+
+def _is_unit(text: str) -> bool:
+    from rtgen.units import UnitError, parse
+
+    try:
+        parse(text)
+    except UnitError:
+        return False
+    return True
+
+
+def _compared(
+    sent: str, wanted: str, source: Port, model: Model
+) -> tuple[Rule | None, str]:
     """Return the rule violated by two different texts of units, if any, with a hint."""
     from rtgen.units import Relation, UnitError, parse_list, relation
 
-    texts = [[part.strip() for part in p.unit.split(",")] for p in (source, target)]
+    texts = [[part.strip() for part in text.split(",")] for text in (sent, wanted)]
     try:
-        units = [parse_list(port.unit) for port in (source, target)]
+        units = [parse_list(text) for text in (sent, wanted)]
     except UnitError as error:
         return MAY_DIFFER, f"correct @unit: {error}"
     if len(units[0]) != len(units[1]):
@@ -70,9 +101,7 @@ def _adapter(source: Port, model: Model, scaled: list[tuple[str, str]]) -> str:
     """Return a hint with an adapter that converts."""
     type_ = model.unalias(source.type)
     name = "::".join(type_.name) if isinstance(type_, NamedType) else str(type_)
-    struct = model.find(type_.name) if isinstance(type_, NamedType) else None
-    members = list(leaves(model, struct)) if isinstance(struct, Struct) else []
-    reals = [leaf for leaf in members if is_real(model, leaf.type)]
+    reals = _reals(source, model)
     units = ", ".join(
         f'"{path}" = ["{sent}", "{wanted}"]'
         for place, (sent, wanted) in enumerate(scaled)
@@ -84,16 +113,22 @@ def _adapter(source: Port, model: Model, scaled: list[tuple[str, str]]) -> str:
     )
 
 
+def _reals(port: Port, model: Model) -> list[Leaf]:
+    """Return the real numbers of a port's type."""
+    type_ = model.unalias(port.type)
+    struct = model.find(type_.name) if isinstance(type_, NamedType) else None
+    members = leaves(model, struct) if isinstance(struct, Struct) else ()
+    return [leaf for leaf in members if is_real(model, leaf.type)]
+
+
 def _paths(reals: list[Leaf], unit: str) -> list[str]:
     """Return the paths of the members in a unit: those of its dimension, or the only one."""
-    from rtgen.units import Relation, UnitError, parse, relation
+    from rtgen.units import Relation, parse, relation
 
     found = []
     for leaf in reals:
-        try:
-            stated = relation(parse(leaf.unit or ""), parse(unit))
-        except UnitError:
+        if not leaf.unit or not _is_unit(leaf.unit):
             continue
-        if stated in (Relation.EQUAL, Relation.SCALED):
+        if relation(parse(leaf.unit), parse(unit)) in (Relation.EQUAL, Relation.SCALED):
             found.append(leaf)
     return [".".join(leaf.path) for leaf in found or (reals if len(reals) == 1 else ())]

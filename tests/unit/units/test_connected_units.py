@@ -16,6 +16,10 @@ IDL = """#include "BasicDataType.idl"
 module Units {{
     struct Wheels {{ @unit("mm/s") double left; double right; ///< [mm/s]
     }};
+    struct Partly {{ double value; double at; ///< [ms]
+    }};
+    struct Odd {{ double value; ///< [0..1]
+    }};
 }};
 @rtc(category="Units", vendor="me")
 component Source {{ @unit("{sent}") publishes {type} given; }};
@@ -77,6 +81,38 @@ def test_units_of_two_ports(
     folder: Path, capfd: pytest.CaptureFixture[str], sent: str, wanted: str, code: str
 ) -> None:
     (folder / "a.idl").write_text(IDL.format(type=DOUBLE, sent=sent, wanted=wanted))
+    assert run(["inspect", "s.xml", "a.idl"]) == (2 if "error" in code else 0)
+    said = capfd.readouterr().err
+    assert code in said if code else said == ""
+
+
+SILENT = "does not say its unit"
+
+
+@pytest.mark.parametrize(
+    ("type_", "sent", "wanted", "code"),
+    [
+        (POSE, "", "mm, rad", "warning[RTC0595]: Source.given gives m, rad"),
+        (POSE, "m, deg", "", "warning[RTC0595]"),
+        (POSE, "", "s, rad", "error[RTC0593]"),
+        (POSE, "", "m, rad", ""),
+        (POSE, "", "", ""),
+        (POSE, "", "mm", SILENT),
+        (DOUBLE, "", "mm", SILENT),
+        ("Units::Partly", "", "s", SILENT),
+        ("Units::Odd", "", "s", SILENT),
+    ],
+)
+def test_a_port_without_a_unit_has_those_of_its_type(
+    folder: Path,
+    capfd: pytest.CaptureFixture[str],
+    type_: str,
+    sent: str,
+    wanted: str,
+    code: str,
+) -> None:
+    text = IDL.format(type=type_, sent=sent, wanted=wanted).replace(' @unit("")', "")
+    (folder / "a.idl").write_text(text)
     assert run(["inspect", "s.xml", "a.idl"]) == (2 if "error" in code else 0)
     said = capfd.readouterr().err
     assert code in said if code else said == ""
