@@ -146,7 +146,7 @@ def _text(d: Diagnostic, texts: _Texts, colour: bool) -> str:
 
 
 def _prefix(span: Span | None) -> str:
-    return "" if span is None else f"{_shown(span.file)}:{span.line}:{span.column}: "
+    return "" if span is None else f"{printable(span.file)}:{span.line}:{span.column}: "
 
 
 def _painter(colour: bool) -> _Paint:

@@ -174,3 +174,10 @@ def test_sarif() -> None:
         result["relatedLocations"][0]["physicalLocation"]["artifactLocation"]["uri"]
         == "b%20c.idl"
     )
+
+
+def test_a_file_name_stays_in_its_line() -> None:
+    """A line that begins with `::` is a command for GitHub's workflows."""
+    span = Span("a\n::warning::idl", 1, 1, 1, 2)
+    text = report([Diagnostic("IDL0001", Severity.ERROR, "wrong", span)], {})
+    assert text.split("\n")[0] == "a\ufffd::warning::idl:1:1: error[IDL0001]: wrong"

@@ -14,8 +14,9 @@ _CONTROL = re.compile(
 
 _QUOTES = re.compile('"{3,}')
 _STEP = 4
-_INERT = re.compile(r"(?!.*\w \w)[A-Za-z0-9_.,:|\[\]{} ]*")
+_INERT = re.compile(r"(?!.*\w \w)[\w.,:|\[\]{} ]*")
 """Names, types and parameters, without statements, calls, literals or line ends."""
+_WORD = re.compile(r"\w+")
 
 
 class Python(Code):
@@ -39,7 +40,13 @@ def quote(value: object) -> str:
     text = str(value)
     if isinstance(value, Code) or not _INERT.fullmatch(text):
         raise UnquotableError(text, "Python")
+    if not text.isascii() and not all(map(_is_name, _WORD.findall(text))):
+        raise UnquotableError(text, "Python")
     return Python(text)
+
+
+def _is_name(word: str) -> bool:
+    return word.isascii() or word.isidentifier()
 
 
 def string_literal(value: str) -> Python:

@@ -1,0 +1,53 @@
+"""Definitions in files of any name: each target generates files that their languages accept."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from rtgen.cli import run
+
+pytestmark = pytest.mark.once
+
+IDL = """#include "BasicDataType.idl"
+#include "INCLUDED.idl"
+module Named {
+    struct Sample { RTC::Time tm; long x; Inner::Value y; };
+    interface Lever { void turn(in Sample given); };
+};
+@rtc(category="Test", vendor="me")
+component Reader {
+    publishes Named::Sample sample;
+    provides Named::Lever turned;
+};
+"""
+NAMES = ("モータ", "é", "\N{FULLWIDTH LATIN SMALL LETTER O}s", "2²", "a'b\"c", "$(x)")
+
+
+@pytest.mark.parametrize("target", ["embedded", "openrtm", "small", "typescript"])
+@pytest.mark.parametrize("name", NAMES)
+def test_names_of_definition_files(
+    name: str, target: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    included = f"{name}2".replace('"', "")
+    Path("idl").mkdir()
+    Path("idl", f"{name}.idl").write_text(IDL.replace("INCLUDED", included))
+    Path("idl", f"{included}.idl").write_text(
+        "module Inner { struct Value { long z; }; };"
+    )
+    Path("rtgen.toml").write_text(
+        f'[sources]\npaths = ["idl"]\n[output]\ntarget = "{target}"\n'
+    )
+    assert run(["generate", "-q", "--no-cache"]) == 0
+    assert run(["check", "-q"]) == 0
+    made = [path for path in Path("generated").rglob("*") if path.is_file()]
+    assert len(made) > 5
+    for path in made:
+        if path.suffix == ".py":
+            ast.parse(path.read_text())
+        elif path.suffix == ".xml":
+            ElementTree.parse(path)
