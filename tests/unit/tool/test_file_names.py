@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import ast
+import re
+import shutil
+import subprocess
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -24,7 +27,14 @@ component Reader {
     provides Named::Lever turned;
 };
 """
-NAMES = ("モータ", "é", "\N{FULLWIDTH LATIN SMALL LETTER O}s", "2²", "a'b\"c", "$(x)")
+CDL = """signature sLamp { int32_t dim( [in] int32_t percent ); };
+celltype tLamp { entry sLamp eLamp; };
+[active] celltype tSwitch { call sLamp cLamp; };
+cell tLamp Lamp { };
+cell tSwitch Switch { [through( RTCPlugin, "" )] cLamp = Lamp.eLamp; };
+"""
+EDS = Path(__file__).parents[3] / "specs" / "canopen" / "f_palette.eds"
+NAMES = ("モータ", "\N{FULLWIDTH LATIN SMALL LETTER O}s", "2²", "a'b\"c", "$(x)")
 
 
 @pytest.mark.parametrize("target", ["embedded", "openrtm", "small", "typescript"])
@@ -39,6 +49,9 @@ def test_names_of_definition_files(
     Path("idl", f"{included}.idl").write_text(
         "module Inner { struct Value { long z; }; };"
     )
+    if name.isidentifier():
+        Path("idl", f"{name}3.cdl").write_text(CDL)
+        shutil.copy(EDS, Path("idl", f"{name}4.eds"))
     Path("rtgen.toml").write_text(
         f'[sources]\npaths = ["idl"]\n[output]\ntarget = "{target}"\n'
     )
@@ -51,3 +64,8 @@ def test_names_of_definition_files(
             ast.parse(path.read_text())
         elif path.suffix == ".xml":
             ElementTree.parse(path)
+        elif path.suffix == ".sh":
+            subprocess.run(["sh", "-n", path], check=True)
+        elif path.suffix == ".idl":
+            macros = re.findall(r"^#(?:ifndef|define) (.*)$", path.read_text(), re.M)
+            assert all(re.fullmatch(r"[A-Za-z_]\w*", m, re.ASCII) for m in macros)

@@ -105,12 +105,13 @@ class _Writer:
         def guard(declaration: Declaration) -> str:
             if declaration.name not in self._side.shared:
                 return ""
-            return "_".join(("RTGEN", self._package.stem, *declaration.name, "IDL"))
+            parts = ("RTGEN", self._package.stem, *declaration.name, "IDL")
+            return _ascii("_".join(parts))
 
         head = "".join(
             f"// {line}\n" for line in header(self.options.version, self._sources)
         )
-        macro = f"{self._package.stem}_{idl.service.name}_IDL".upper()
+        macro = _ascii(f"{self._package.stem}_{idl.service.name}_IDL").upper()
         body = idl_text(
             self._side.model, idl.declarations, annotations=False, guard=guard
         )
@@ -140,3 +141,8 @@ class _Writer:
         if records:
             structs = list(records.values())
             yield views_module(self._side, names, structs, self.options, package.origin)
+
+
+def _ascii(name: str) -> str:
+    """Return a name for the preprocessor, which knows ASCII alone."""
+    return "".join(c if c.isascii() else f"U{ord(c):04X}" for c in name)

@@ -8,9 +8,10 @@ import shlex
 from rtgen.backends.kit.quoting.code import Code, HashComment, UnquotableError
 from rtgen.backends.kit.quoting.python import comment_text
 
-_BATCH = re.compile(r"[A-Za-z0-9_.,:\\/ -]*")
+_SHELL = re.compile(r"[\w@%+=:,./-]+")
+_BATCH = re.compile(r"[\w.,:\\/ -]*")
 _NOT_IN_REM = re.compile(r"[^A-Za-z0-9_.,:;()\[\]/ @+-]")
-_RUBY = re.compile(r"[A-Za-z0-9_.,:\-/ ]*")
+_RUBY = re.compile(r"[\w.,:\-/ ]*")
 
 
 class Shell(Code):
@@ -36,7 +37,7 @@ def shell_word(value: object) -> Shell:
     text = str(value)
     if "\0" in text:
         raise UnquotableError(text, "a shell")
-    return Shell(shlex.quote(text))
+    return Shell(text if _SHELL.fullmatch(text) else shlex.quote(text))
 
 
 def shell_comment(text: str) -> Shell:
