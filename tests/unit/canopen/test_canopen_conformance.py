@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import signal
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -551,6 +552,28 @@ def test_a_check_finds_other_nodes_too(what: str, tmp_path: Path) -> None:
     eds = SPECS / f"{name}.eds" if name != "limited" else limited(tmp_path)
     report = report_of(eds, alter)
     assert failed(report) == {check}, as_text(report)
+
+
+@pytest.mark.parametrize("at", [10, 250, 450, 550, 650, 750, 850, 950])
+def test_a_node_is_left_in_pre_operational_after_sigterm(at: int) -> None:
+    """At some frame of the checks, with the node in any state."""
+    count = 0
+
+    def interrupted(cause: Frame, frames: list[Frame]) -> list[Frame]:
+        nonlocal count
+        count += 1
+        if count == at:
+            signal.raise_signal(signal.SIGTERM)
+        return frames
+
+    eds = SPECS / "f_palette.eds"
+    (described,) = read_node_index(None, [(ID, eds)]).nodes.values()
+    node = DeviceNode(description(eds), ID, serial_number=1)
+    subject = NodeUnderTest(described, SimulatedLine(node, interrupted))
+    with pytest.raises(KeyboardInterrupt):
+        checked(subject, eds.name, [Permission.ACTUATE])
+    assert node.state is NmtState.PRE_OPERATIONAL
+    assert node.get(0x1017) == DeviceNode(description(eds), ID).get(0x1017)
 
 
 # Reports and the command.

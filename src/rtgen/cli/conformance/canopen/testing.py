@@ -14,6 +14,7 @@ from rtgen.cli.conformance.canopen.checks import CHECKS
 from rtgen.cli.conformance.canopen.node import Bounds, NodeUnderTest, SilenceError
 from rtgen.cli.conformance.check import Permission
 from rtgen.cli.conformance.report import Report
+from rtgen.cli.signals import terminable
 from rtgen.diagnostics import ToolError
 from rtgen.runtime.canopen.bus.messages import frame_of
 from rtgen.runtime.canopen.bus.python_can import OpenBus
@@ -79,7 +80,10 @@ def tested(
 def checked(
     node: NodeUnderTest, definition: str, permissions: Collection[Permission]
 ) -> Report:
-    """Return the report of all checks of a node. Raises ToolError if the node is not there."""
+    """Return the report of all checks of a node. Raises ToolError if the node is not there.
+
+    After Ctrl-C and SIGTERM, too, the node is left in PRE-OPERATIONAL.
+    """
     try:
         node.read_code(_DEVICE_TYPE)
     except SilenceError:
@@ -87,5 +91,10 @@ def checked(
             f"node {node.id} does not answer",
             hint="`rtgen can scan` lists the nodes of the bus; a stopped node has no SDO",
         ) from None
-    outcomes = tuple(check.outcome(node, permissions) for check in CHECKS)
+    try:
+        with terminable():
+            outcomes = tuple(check.outcome(node, permissions) for check in CHECKS)
+    except KeyboardInterrupt:
+        node.restart()
+        raise
     return Report(f"{node.described.name} (node {node.id})", definition, outcomes)
