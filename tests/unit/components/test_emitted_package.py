@@ -52,12 +52,16 @@ def behaviours(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> Iterator[dict[str, ModuleType]]:
     """Import the modules of the skeletons, by name."""
-    before = set(sys.modules)
     monkeypatch.syspath_prepend(str(folder))
+    forget_packages()  # Those of another test, too.
     yield {
         n: importlib.import_module(f"behaviours.{n}") for n in ("limiter", "watcher")
     }
-    for name in set(sys.modules) - before:
+    forget_packages()
+
+
+def forget_packages() -> None:
+    for name in list(sys.modules):
         if name.split(".")[0] in ("behaviours", "robots"):
             del sys.modules[name]
 
