@@ -34,7 +34,7 @@ cell tLamp Lamp { };
 cell tSwitch Switch { [through( RTCPlugin, "" )] cLamp = Lamp.eLamp; };
 """
 EDS = Path(__file__).parents[3] / "specs" / "canopen" / "f_palette.eds"
-NAMES = ("モータ", "\N{FULLWIDTH LATIN SMALL LETTER O}s", "2²", "a'b\"c", "$(x)")
+NAMES = ("モータ", "\N{FULLWIDTH LATIN SMALL LETTER O}s²", "a'b\"$(x)")
 
 
 @pytest.mark.parametrize("target", ["embedded", "openrtm", "small", "typescript"])
