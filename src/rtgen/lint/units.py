@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import chain
 from math import isclose
 from typing import Final
 
 from rtgen.diagnostics import Diagnostic, Span
 from rtgen.lint import rules
 from rtgen.lint.context import Context, fields
-from rtgen.model import Component
+from rtgen.model import Component, Interface
 from rtgen.typemap.canopen.drive_units import (
     BY_DESCRIPTION,
     NoFactorError,
     drive_factor,
 )
+from rtgen.typemap.member_units import annotated_unit
 
 _SAME: Final = 1e-3
 """Relative difference up to which factors count as equal, since one may be rounded."""
@@ -46,10 +48,14 @@ def _texts(context: Context) -> Iterator[tuple[str, Span]]:
             yield from (
                 pair for pair in stated if pair[0] and context.is_given(pair[1].file)
             )
-        for member in fields(declaration):
-            annotation = member.annotation("unit")
-            if annotation is not None:
-                yield str(dict(annotation.arguments)["value"]), member.span
+        operations = (
+            declaration.operations if isinstance(declaration, Interface) else ()
+        )
+        parameters = (p for operation in operations for p in operation.parameters)
+        for entry in chain(fields(declaration), parameters):
+            unit = annotated_unit(entry)
+            if unit is not None:
+                yield unit, entry.span
     for bus in context.model.buses:
         for kind in bus.kinds:
             for _, unit in kind.units:

@@ -64,6 +64,7 @@ class TecsParameter(msgspec.Struct, frozen=True, kw_only=True):
     sizes: Sizes = Sizes()
     allocator: ScopedName | None = None
     span: Span
+    doc: str = ""
 
 
 class TecsFunction(msgspec.Struct, frozen=True, kw_only=True):

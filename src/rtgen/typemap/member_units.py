@@ -1,4 +1,4 @@
-"""The members of a struct, at any depth, with the units that their definitions state."""
+"""Members and parameters with the units that their definitions state."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from typing import Final, NamedTuple
 from rtgen.facts.primitives import FLOAT_LIMITS
 from rtgen.model import (
     ArrayType,
-    Member,
+    Documented,
     Model,
     NamedType,
+    Operation,
     PrimitiveType,
     SequenceType,
     Struct,
@@ -29,13 +30,39 @@ class Leaf(NamedTuple):
     unit: str | None
 
 
-def unit_of(member: Member) -> str | None:
-    """Return a member's unit: that of `@unit`, or the only one in its comment."""
-    annotation = member.annotation("unit")
-    if annotation is not None:
-        return str(dict(annotation.arguments)["value"])
-    units = _BRACKETS.findall(member.doc)
+def annotated_unit(entry: Documented) -> str | None:
+    """Return the unit that `@unit` states for a member or parameter."""
+    annotation = entry.annotation("unit")
+    return None if annotation is None else str(dict(annotation.arguments)["value"])
+
+
+def unit_of(entry: Documented) -> str | None:
+    """Return the unit of a member or parameter: that of `@unit`, or the only one in its comment."""
+    annotated = annotated_unit(entry)
+    if annotated is not None:
+        return annotated
+    units = _BRACKETS.findall(entry.doc)
     return units[0] if len(units) == 1 else None
+
+
+def with_unit(doc: str, unit: str) -> str:
+    """Return a comment with the unit in its first line, before the full stop."""
+    first, newline, rest = doc.strip().partition("\n")
+    if unit:
+        stop = "." if first.endswith(".") else ""
+        first = f"{first.removesuffix('.')} [{unit}]{stop}".strip()
+    return first + newline + rest
+
+
+def operation_text(operation: Operation) -> str:
+    """Return the comment of an operation, and a line for each parameter with a comment or unit."""
+    described = [
+        f"{p.name}: {text}"
+        for p in operation.parameters
+        if (text := " ".join(with_unit(p.doc, annotated_unit(p) or "").split()))
+    ]
+    parts = (operation.doc.strip(), "\n".join(described))
+    return "\n\n".join(filter(None, parts)) if described else operation.doc
 
 
 def leaves(model: Model, struct: Struct, path: tuple[str, ...] = ()) -> Iterator[Leaf]:

@@ -41,6 +41,7 @@ from rtgen.model import (
 )
 from rtgen.typemap.components.names import CONFIGURATION_NAMES
 from rtgen.typemap.components.parameters import Parameters
+from rtgen.typemap.member_units import with_unit
 from rtgen.typemap.python.idl_names import PythonNames
 from rtgen.typemap.python.support import BASE_NAMES, CANOPEN_NAMES
 
@@ -180,7 +181,7 @@ class _BaseModule:
         else:
             value = self._literal(type_, parameter.default)
         text = f"{name}: {mapping.annotation(type_)} = {value}"
-        return _Statement(text, docstring(_with_unit(parameter.doc, parameter.unit), 4))
+        return _Statement(text, docstring(with_unit(parameter.doc, parameter.unit), 4))
 
     def _sequence(self, type_: SequenceType, texts: Sequence[str]) -> str:
         mapping = self._imports.mapping
@@ -216,7 +217,7 @@ class _BaseModule:
         type_ = self._imports.type_name(self._declaration(port).name)
         arguments = ", ".join((*map(string_literal, place), type_))
         text = f"self.{name} = self.{add}({arguments})"
-        return _Statement(text, docstring(_with_unit(port.doc, port.unit), 8))
+        return _Statement(text, docstring(with_unit(port.doc, port.unit), 8))
 
     def _declaration(self, port: Port) -> Declaration:
         type_ = self._model.unalias(port.type)
@@ -309,12 +310,3 @@ def _bound(value: ConstantValue | None) -> str:
 
 def _first_line(doc: str) -> str:
     return doc.strip().partition("\n")[0].strip()
-
-
-def _with_unit(doc: str, unit: str) -> str:
-    """The doc comment with the unit in its first line, before the full stop."""
-    first, newline, rest = doc.strip().partition("\n")
-    if unit:
-        stop = "." if first.endswith(".") else ""
-        first = f"{first.removesuffix('.')} [{unit}]{stop}".strip()
-    return first + newline + rest

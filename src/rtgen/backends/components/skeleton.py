@@ -28,6 +28,7 @@ from rtgen.model import (
     PortKind,
 )
 from rtgen.typemap.components.actions import ACTIONS
+from rtgen.typemap.member_units import operation_text
 from rtgen.typemap.python.idl_names import PythonNames, distinct
 from rtgen.typemap.python.names import identifier
 
@@ -140,7 +141,7 @@ def _operation(imports: Imports, operation: Operation) -> _Operation:
         name=identifier(operation.name),
         parameters=("self", *(f"{names[p.name]}: {annotation(p.type)}" for p in given)),
         result=_result(results),
-        docstring=docstring(operation.doc, 8),
+        docstring=docstring(operation_text(operation), 8),
     )
 
 

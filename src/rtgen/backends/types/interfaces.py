@@ -20,6 +20,7 @@ from rtgen.model import (
     ScopedName,
     Type,
 )
+from rtgen.typemap.member_units import operation_text
 from rtgen.typemap.python.idl import PythonMapping
 from rtgen.typemap.python.idl_names import PythonNames, distinct
 
@@ -106,7 +107,7 @@ class Interfaces:
         spaced = True
         for operation in declaration.operations:
             name = called[operation.name]
-            doc = docstring(operation.doc, 8).rstrip("\n")
+            doc = docstring(operation_text(operation), 8).rstrip("\n")
             if spaced or doc:
                 lines.append("")
             spaced = bool(doc)

@@ -361,6 +361,7 @@ class _Builder:
                         name=names.add(parameter.name),
                         type=type_,
                         span=parameter.span,
+                        doc=parameter.doc,
                     )
                 )
         if len(self.findings) > before:

@@ -34,6 +34,7 @@ from rtgen.model import (
     NamedType,
     Native,
     Operation,
+    Parameter,
     Port,
     PortKind,
     Primitive,
@@ -314,6 +315,7 @@ class Writer:
         names = [p.name for p in operation.parameters]
         parameters = (
             f"{p.direction.value} {self._type(p.type, scope, names)} {escaped(p.name)}"
+            f"{_comment_after(p)}"
             for p in operation.parameters
         )
         text = f"{escaped(operation.name)}({', '.join(parameters)})"
@@ -418,6 +420,11 @@ class Writer:
             lines = self._definition(self._model.find(name))
             return "\n".join(lines).replace("\n", f"\n{STEP}")
         return self._names.text(name, scope, beside)
+
+
+def _comment_after(parameter: Parameter) -> str:
+    text = " ".join(" ".join(comment_lines(parameter.doc)).split())
+    return f" /**< {text} */" if text else ""
 
 
 def _default_id(name: ScopedName) -> str:

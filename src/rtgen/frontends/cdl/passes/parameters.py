@@ -81,15 +81,15 @@ class _Parameter:
 class ParameterAnalysis(SignatureAnalysis):
     """Analyses the parameters of one function."""
 
-    def of(self, written: tree.Parameters) -> tuple[TecsParameter, ...] | None:
+    def of(self, listed: tree.Parameters) -> tuple[TecsParameter, ...] | None:
         """Return the model of a function's parameters; None, after diagnostics, if one is
         invalid.
         """
-        if len(written.items) == 1 and self._is_nothing(written.items[0]):
+        if len(listed.items) == 1 and self._is_nothing(listed.items[0]):
             return ()
         found: dict[str, _Parameter] = {}
         good = True
-        for item in written.items:
+        for item in listed.items:
             parameter = self._parameter(item)
             if parameter is None:
                 good = False
@@ -115,6 +115,7 @@ class ParameterAnalysis(SignatureAnalysis):
             if sizes is None or not parameter.good or parameter.direction is None:
                 good = False
                 continue
+            written = parameter.written
             made.append(
                 TecsParameter(
                     name=parameter.name.text,
@@ -123,6 +124,7 @@ class ParameterAnalysis(SignatureAnalysis):
                     sizes=sizes,
                     allocator=parameter.allocator,
                     span=self._unit.place(parameter.name),
+                    doc=self._table.doc(self._unit, written.start, written.end),
                 )
             )
         return tuple(made) if good else None
