@@ -4,6 +4,7 @@ import { useEffect, useState, useSyncExternalStore } from "react";
 import { Palette } from "./Palette.tsx";
 import type { Tab } from "./Panel.tsx";
 import { Panel } from "./Panel.tsx";
+import { openPicker } from "./picker.ts";
 import { TimeBar } from "./TimeBar.tsx";
 import { Wiring } from "./Wiring.tsx";
 import { store } from "./store.ts";
@@ -31,7 +32,7 @@ export function App() {
   }, [full]);
   const component = system?.components.find((each) => each.instance === selected);
   return (
-    <div className="app">
+    <div className="app" onKeyDown={openPicker}>
       <header>
         <h1>{system?.name || "rtgen"}</h1>
         {system && <TimeBar system={system} full={full} />}

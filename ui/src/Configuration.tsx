@@ -33,7 +33,7 @@ function Entry({ parameter, text, full, label, set }: Slot) {
   const [kind, step] = [/^\w*/.exec(parameter.widget)![0], Number(/\.(.+)/.exec(parameter.widget)?.[1])];
   const range = kind === "slider" && min !== undefined && max !== undefined;
   const commit = () => {
-    if (edited !== undefined && edited !== text) void set(edited).then(() => edit(undefined));
+    if (edited !== undefined && edited !== text) void set(edited).then(() => edit((now) => (now === edited ? undefined : now)));
     else edit(undefined);
   };
   return (

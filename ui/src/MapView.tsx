@@ -1,6 +1,7 @@
 /** Poses with their trails, paths, scans and occupancy grids on a map. */
 
 import { useEffect, useMemo, useRef, useState } from "react";
+import { colour } from "./colours.ts";
 import type { Layer, View } from "./draw.ts";
 import { draw, fitted, metres, round } from "./draw.ts";
 import type { Figure, Pose, Reader } from "./figures.ts";
@@ -13,13 +14,12 @@ const MAX_TRAIL_LENGTH = 5000;
 /** Minimum distance between points of a trail [m]. */
 const NEAREST = 0.005;
 const LEGEND_EVERY = 200;
-const HUES = [215, 25, 130, 290, 55, 340, 175, 0];
 
 interface Shown {
   channel: Channel;
   name: string;
   reader: Reader;
-  hue: number;
+  colour: string;
   /** The pose around which a scan is drawn; undefined: the origin. */
   frame: Channel | undefined;
 }
@@ -51,7 +51,7 @@ function drawn(system: SystemState): Shown[] {
   return found.map((each, i) => ({
     ...each,
     name: nameOf(each.channel),
-    hue: HUES[i % HUES.length]!,
+    colour: colour(i),
     frame: each.reader.kind === "scan" ? frameOf(system, each.channel.port.instance, poses.filter((pose) => pose.beside === each.channel.beside)) : undefined,
   }));
 }
@@ -110,13 +110,13 @@ class Scene {
   layers(shown: readonly Shown[]): Layer[] {
     const figures = new Map(shown.map((each) => [each.channel.id, this.figure(each)]));
     const framing = (frame: Channel | undefined) => frame && (figures.get(frame.id) ?? frameFigure(frame));
-    return shown.map(({ channel, name, hue, frame }) => {
+    return shown.map(({ channel, name, colour, frame }) => {
       const figure = figures.get(channel.id);
       const around = framing(frame);
       const pose = around?.kind === "pose" ? around.pose : { x: 0, y: 0, heading: 0 };
       return {
         name,
-        hue,
+        colour,
         frame: frame ? nameOf(frame) : "the origin",
         trail: figure?.kind === "pose",
         poses: figure?.kind === "pose" ? (this.trails.get(channel.id) ?? []) : figure?.kind === "path" ? figure.poses : [],
@@ -250,7 +250,7 @@ export function MapView({ system }: { system: SystemState }) {
                     })
                   }
                 />
-                <span className="swatch" style={{ background: `hsl(${each.hue} 75% 50%)` }} />
+                <span className="swatch" style={{ background: each.colour }} />
                 {each.name}
               </label>
               <output aria-label={`${each.name} on the map`}>{at >= 0 ? legend.lines[at] : "hidden"}</output>

@@ -31,7 +31,7 @@ function Save({ edits, full }: { edits: EditState; full: boolean }) {
       className="save"
       onSubmit={(e) => {
         e.preventDefault();
-        if (enabled) void store.order({ case: "file", value: name.trim() }).then((result) => result.done && edit(undefined));
+        if (enabled) void store.order({ case: "file", value: name.trim() }).then((result) => result.done && edit((now) => (now === name ? undefined : now)));
       }}
     >
       <textarea

@@ -2,6 +2,7 @@
 
 import { useEffect, useRef } from "react";
 import uPlot from "uplot";
+import { colour } from "./colours.ts";
 import type { Track } from "./store.ts";
 import { store } from "./store.ts";
 
@@ -36,7 +37,8 @@ function series({ names, own = names.length }: Curves): uPlot.Series[] {
   return names.map((label, i) => ({
     label,
     spanGaps: true,
-    stroke: `hsl(${((i < own ? i : i - own) * 137) % 360} 70% 50%)`,
+    stroke: colour(i < own ? i : i - own),
+    width: 2,
     ...(i >= own && { dash: [5, 4] }),
   }));
 }
@@ -57,6 +59,9 @@ export function Span() {
   );
 }
 
+/** Whether the page is dark; its change creates new plots, whose axes have its colours. */
+const dark = matchMedia("(prefers-color-scheme: dark)");
+
 const range = (_: unknown, first: number, last: number): [number, number] => [store.page.span ? Math.max(first, last - store.page.span) : first, last];
 
 /** `read` is called before each drawing; another `source` creates a new plot. */
@@ -74,7 +79,7 @@ export function Plot({ source, read, unit, label }: { source: string; read: () =
       const curves = reading.current();
       if (!curves || !place.current) return;
       const { data } = curves;
-      const now = curves.names.join();
+      const now = [dark.matches, ...curves.names].join();
       const stamp = `${store.page.span} ${data.length} ${data[0].length} ${data[0][0]} ${data[0].at(-1)}`;
       if (!plot || now !== names) {
         plot?.destroy();

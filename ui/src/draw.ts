@@ -5,7 +5,7 @@ import { placed } from "./figures.ts";
 
 export interface Layer {
   name: string;
-  hue: number;
+  colour: string;
   poses: Pose[];
   /** Whether the poses are a trail, which ends at the current pose. */
   trail: boolean;
@@ -98,7 +98,7 @@ export function draw(canvas: HTMLCanvasElement, layers: readonly Layer[], view: 
   const step = round(110 / view.scale);
   drawLines(context, view, width, height, step);
   for (const layer of layers) {
-    context.strokeStyle = context.fillStyle = `hsl(${layer.hue} 75% 50%)`;
+    context.strokeStyle = context.fillStyle = layer.colour;
     for (const { x, y } of layer.points) context.fillRect(across(x) - 1.5, down(y) - 1.5, 3, 3);
     context.lineWidth = 2;
     context.setLineDash(layer.trail ? [] : [6, 4]);

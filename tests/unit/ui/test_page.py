@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from patience import PATIENCE
-from ui_bench import until
+from ui_bench import by_keyboard, pick, until
 
 from rtgen import runtime
 from rtgen.ui.session import Session
@@ -270,10 +270,10 @@ def test_time_by_keyboard(page: Any, session: Session) -> None:
     page.get_by_role("button", name="Step").press("Enter")
     until(page, lambda: session.now > before)
     speed = page.get_by_label("Speed")
-    speed.press("ArrowDown")
+    pick(speed, "2\N{MULTIPLICATION SIGN}", by_keyboard)
     until(page, lambda: session.time().speed == 2.0)
     until(page, lambda: speed.input_value() == "2")
-    speed.press("ArrowUp")
+    pick(speed, "1\N{MULTIPLICATION SIGN}", by_keyboard)
     until(page, lambda: session.time().speed == 1.0)
     page.get_by_role("button", name="Play").press("Enter")
     until(page, lambda: session.time().playing)

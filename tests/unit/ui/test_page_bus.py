@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from ui_bench import ROOT, by_both_hands, by_mouse, choose, until
+from ui_bench import ROOT, by_both_hands, by_mouse, choose, pick, until
 
 from rtgen.runtime.timing.traffic import BusFrame
 from rtgen.ui.session import Session
@@ -80,10 +80,7 @@ def test_frames_are_held(
 def test_signals_are_plotted(bus: Any, press: Callable[[Any], None]) -> None:
     region = bus.get_by_role("region", name="Signals")
     chooser = region.locator("select")
-    if press is by_mouse:
-        chooser.select_option(index=1)
-    else:
-        chooser.press("ArrowDown")
+    pick(chooser, chooser.get_by_role("option").all_inner_texts()[2], press)
     bus.get_by_role("img", name="Signals over time").wait_for()
     press(region.get_by_role("button", name="Remove"))
     bus.get_by_role("img", name="Signals over time").wait_for(state="detached")
@@ -114,11 +111,12 @@ def test_objects_are_read_and_written(bus: Any, press: Callable[[Any], None]) ->
     region = bus.get_by_role("region", name="Object dictionary")
     node = region.get_by_label("Node")
     if press is by_mouse:
-        node.select_option("front_left")
+        pick(node, "front_left", press)
     else:
-        node.select_option("none")
+        pick(node, "none", press)
         node.focus()
-        bus.keyboard.type("front_left")
+        bus.keyboard.type("front_l")  # in the list that the first letter opens
+        bus.keyboard.press("Enter")
     region.get_by_label("Objects", exact=True).fill("6083")
     acceleration = "1234" if press is by_mouse else "4321"
     region.get_by_label("New value of 6083h:0").fill(acceleration)

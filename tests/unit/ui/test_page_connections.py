@@ -35,6 +35,7 @@ def test_ports_are_wired_by_keyboard(page: Any, session: Session) -> None:
     port = page.get_by_label("Chosen port")
     port.focus()
     page.keyboard.type("CurrentWheelAngle")
+    page.keyboard.press("Enter")
     changes = page.get_by_role("log", name="Changes of the wiring")
     source, target = ENDS
     press(page, page.get_by_role("button", name=f"Cut {target} from {source}"))

@@ -25,6 +25,8 @@ from rtgen.ui.session import Session
 pytestmark = [pytest.mark.slow, pytest.mark.peer]
 PICTURES = ROOT / "docs" / "images" / "ui"
 WIRINGS = ROOT / "docs" / "images" / "gallery"
+MOST_COLOURS = Image.Quantize.MAXCOVERAGE
+"""Keeps the colours of thin curves, which median cut replaces."""
 TEXT_PX = 9
 """The least height of the letters of a port's name."""
 RECTANGLES = (
@@ -105,7 +107,9 @@ def picture(page: Any, session: Session, look: Look) -> None:
     until(page, lambda: session.now >= look.time)
     page.wait_for_timeout(1000)
     with Image.open(io.BytesIO(page.screenshot())) as taken:
-        small = taken.convert("RGB").quantize(128, dither=Image.Dither.NONE)
+        small = taken.convert("RGB").quantize(
+            128, MOST_COLOURS, dither=Image.Dither.NONE
+        )
         small.save(PICTURES / f"{look.name}.png", optimize=True)
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import pytest
-from ui_bench import QUIET, ROOT, opened, until
+from ui_bench import QUIET, ROOT, by_keyboard, opened, pick, until
 
 from rtgen.cli.ui import CommandProject
 from rtgen.runtime import SimulatedClock
@@ -27,6 +27,9 @@ VIEWS = {
 LOOKS = [(width, colours) for width in (1440, 820) for colours in ("light", "dark")]
 CONTRAST = 4.5
 """The least contrast of text (WCAG 2.2, 1.4.3)."""
+GRAPHICS = 3.0
+"""The least contrast of curves (WCAG 2.2, 1.4.11)."""
+PAPER = {"light": (255, 255, 255), "dark": (20, 23, 27)}
 
 FLAWS = """([contrast]) => {
     const flaws = [];
@@ -114,6 +117,22 @@ def any_look(browser: Any, server: Any) -> Iterator[Any]:
         yield page
 
 
+def luminance(colour: Sequence[int]) -> float:
+    """Return the relative luminance of a colour (WCAG 2.2)."""
+    parts = [part / 255 for part in colour]
+    red, green, blue = (
+        part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4
+        for part in parts
+    )
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+
+def contrast(one: Sequence[int], other: Sequence[int]) -> float:
+    """Return the contrast of two colours."""
+    dark, light = sorted((luminance(one), luminance(other)))
+    return (light + 0.05) / (dark + 0.05)
+
+
 @pytest.mark.parametrize(("file", "component"), VIEWS, ids=["rh3", "bus", "board"])
 def test_views_can_be_read_and_reached(
     any_look: Any, session: Session, file: str, component: str
@@ -134,3 +153,73 @@ def test_views_can_be_read_and_reached(
             page.set_viewport_size({"width": width, "height": 900})
             page.locator(".wiring[aria-busy=false] .react-flow__node").first.wait_for()
             assert page.evaluate(FLAWS, [CONTRAST]) == [], (tab, width, colours)
+
+
+INKS = """plot => {
+    const pen = new OffscreenCanvas(1, 1).getContext("2d", { willReadFrequently: true });
+    const colour = text => {
+        pen.fillStyle = text;
+        pen.fillRect(0, 0, 1, 1);
+        return [...pen.getImageData(0, 0, 1, 1).data].slice(0, 3);
+    };
+    const picture = plot.querySelector("canvas");
+    if (!picture) return [];
+    const { width, height } = picture;
+    const copy = new OffscreenCanvas(width, height).getContext("2d");
+    copy.drawImage(picture, 0, 0);
+    const { data } = copy.getImageData(0, 0, width, height);
+    const drawn = ink => {
+        let count = 0;
+        for (let i = 0; i < data.length; i += 4)
+            if (data[i + 3] === 255 && ink.every((part, j) => Math.abs(data[i + j] - part) < 3))
+                count += 1;
+        return count;
+    };
+    const text = colour(getComputedStyle(plot).color);
+    const marks = [...plot.querySelectorAll(".u-marker")];
+    return [text, ...marks.map(each => colour(getComputedStyle(each).borderTopColor))]
+        .map(ink => [ink, drawn(ink)]);
+}"""
+"""The colours of the text and of each swatch of a plot, with their pixels in its picture."""
+
+
+def test_swatches_and_curves_have_the_same_colours(
+    any_look: Any, session: Session
+) -> None:
+    page = any_look
+    page.get_by_role("combobox", name="System").select_option(RH3)
+    until(page, lambda: session.file == RH3)
+    page.get_by_label("Go to time in seconds").fill("6")
+    page.get_by_role("button", name="Go", exact=True).click()
+    until(page, lambda: session.now >= 6)
+    page.get_by_role("combobox", name="Component").select_option("Odometry0")
+    page.get_by_role("tab", name="Values").click()
+    pose = page.get_by_role("region", name="Odometry0.OdometryPosition")
+    plot = pose.get_by_role("img", name="Values over time")
+    for colours in ("light", "dark"):
+        page.emulate_media(color_scheme=colours)
+        paper = PAPER[colours]
+        until(page, lambda: min((n for _, n in plot.evaluate(INKS)), default=0) > 20)
+        _, *swatches = plot.evaluate(INKS)
+        assert len(swatches) == 3
+        assert all(contrast(ink, paper) > GRAPHICS for ink, _ in swatches)
+
+
+def test_a_system_is_opened_when_it_is_chosen(any_look: Any, session: Session) -> None:
+    """Keys that pass over systems, or close their list, open none."""
+    page = any_look
+    chooser = page.get_by_role("combobox", name="System")
+    file, instances, now = session.file, session.system.instances, session.now
+    other = "rh3_goal" if file != RH3 else "rh3_board"
+    page.get_by_label(f"{instances[0]}, ").first.locator(".head").click()
+    for leave in ("Escape", "Tab"):
+        chooser.focus()
+        for key in ("ArrowDown", "End", "Delete", leave):
+            page.keyboard.press(key)
+        until(page, lambda: chooser.input_value() == file)
+    page.get_by_role("button", name="Step").press("Enter")
+    until(page, lambda: session.now > now)
+    assert (session.file, session.system.instances) == (file, instances)
+    pick(chooser, other, by_keyboard)
+    until(page, lambda: session.file != file)
+    assert session.profile.name == other

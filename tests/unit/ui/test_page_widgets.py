@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import pytest
-from ui_bench import GOAL, QUIET, until
+from ui_bench import GOAL, QUIET, by_keyboard, by_mouse, pick, until
 
 from rtgen import runtime
 from rtgen.cli.ui import CommandProject
@@ -28,6 +28,7 @@ class Settings:
     layers: list[str] = field(default_factory=lambda: ["walls"])
     order: list[str] = field(default_factory=lambda: ["a", "b"])
     on: bool = False
+    side: str = "left"
     note: str = ""
 
 
@@ -52,6 +53,7 @@ class Shown(runtime.Component):
             ),
             parameter("order", "sequence<string>", "a,b", "ordered_list", "(a,b,c)"),
             parameter("on", "boolean", "false", "", ""),
+            parameter("side", "string", "left", "", "(left,right,both)"),
             parameter("note", "string", "", "text", ""),
         ),
     )
@@ -99,8 +101,10 @@ def test_by_mouse(page: Any, settings: Callable[[], Any]) -> None:
     until(page, lambda: settings().order == ["b", "a"])
     page.get_by_role("button", name="Remove b, number 1").click()
     until(page, lambda: settings().order == ["a"])
-    page.get_by_label("Add to Shown0.order").select_option("c")
+    pick(page.get_by_label("Add to Shown0.order"), "c", by_mouse)
     until(page, lambda: settings().order == ["a", "c"])
+    pick(page.get_by_label("Shown0.side"), "right", by_mouse)
+    until(page, lambda: settings().side == "right")
 
 
 def test_by_keyboard(page: Any, settings: Callable[[], Any]) -> None:
@@ -124,6 +128,10 @@ def test_by_keyboard(page: Any, settings: Callable[[], Any]) -> None:
     page.get_by_role("button", name="Dismiss notice").press("Enter")
     page.get_by_role("radio", name="near").press("Space")
     until(page, lambda: settings().mode == "near")
+    pick(page.get_by_label("Add to Shown0.order"), "b", by_keyboard)
+    until(page, lambda: settings().order == ["a", "c", "b"])
+    pick(page.get_by_label("Shown0.side"), "both", by_keyboard)
+    until(page, lambda: settings().side == "both")
     note = page.get_by_role("textbox", name="Shown0.note")
     note.fill("here")
     note.press("Escape")

@@ -186,6 +186,28 @@ def choose(page: Any, name: str, press: Callable[[Any], None]) -> None:
     page.keyboard.press("Enter")
 
 
+def pick(chooser: Any, name: str, press: Callable[[Any], None]) -> None:
+    """Choose an option of a select, by mouse or by arrow keys, which have no effect themselves."""
+    page = chooser.page
+    option = chooser.get_by_role("option", name=name, exact=True)
+    if press is by_mouse:
+        chooser.click()
+        option.click()
+        return
+    value = chooser.input_value()
+    options = chooser.get_by_role("option")
+    focused = options.and_(page.locator(":focus"))
+    chooser.focus()
+    page.keyboard.press("ArrowDown")
+    focused.wait_for()
+    page.keyboard.press("Home")
+    for _ in range(options.all_inner_texts().index(name)):
+        page.keyboard.press("ArrowDown")
+    option.and_(focused).wait_for()
+    assert chooser.input_value() == value
+    page.keyboard.press("Enter")
+
+
 def until(page: Any, condition: Callable[[], bool]) -> None:
     """Wait for a condition behind the page; its events are handled meanwhile."""
     end = time.monotonic() + PATIENCE
