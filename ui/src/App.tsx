@@ -1,9 +1,9 @@
 /** The page: palette, wiring, panel of the selected component, time. */
 
-import { useEffect, useState, useSyncExternalStore } from "react";
+import { useCallback, useEffect, useState, useSyncExternalStore } from "react";
 import { Palette } from "./Palette.tsx";
 import type { Tab } from "./Panel.tsx";
-import { Panel } from "./Panel.tsx";
+import { Panel, VIEW } from "./Panel.tsx";
 import { openPicker } from "./picker.ts";
 import { TimeBar } from "./TimeBar.tsx";
 import { Wiring } from "./Wiring.tsx";
@@ -13,6 +13,10 @@ export function App() {
   const page = useSyncExternalStore(store.subscribe, store.snapshot);
   const [selected, select] = useState("");
   const [tab, open] = useState<Tab>("Values");
+  const openFromWiring = useCallback((view: Tab) => {
+    open(view);
+    document.getElementById(VIEW)?.focus();
+  }, []);
   const { system } = page;
   const past = system?.time.past ?? false;
   const full = page.full && !past;
@@ -64,7 +68,7 @@ export function App() {
             statistics={page.statistics}
             selected={selected}
             select={select}
-            open={open}
+            open={openFromWiring}
           />
           <Panel
             system={system}

@@ -15,6 +15,9 @@ import { leaves, stateName, store } from "./store.ts";
 
 export const TABS = ["Values", "Connections", "Map", "Drive", "Configuration", "Services", "Buses", "Boards", "Timeline"] as const;
 
+/** The id of the element with the open view. */
+export const VIEW = "view";
+
 export type Tab = (typeof TABS)[number];
 
 interface Selection {
@@ -185,7 +188,7 @@ export function Panel(props: {
           </button>
         ))}
       </div>
-      <div role="tabpanel" aria-label={tab}>
+      <div role="tabpanel" id={VIEW} tabIndex={-1} aria-label={tab}>
         {tab === "Timeline" ? (
           <Timeline lines={lines} />
         ) : tab === "Map" ? (

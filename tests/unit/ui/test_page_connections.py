@@ -34,7 +34,7 @@ def test_ports_are_wired_by_keyboard(page: Any, session: Session) -> None:
     page.keyboard.press("Enter")
     port = page.get_by_label("Chosen port")
     port.focus()
-    page.keyboard.type("CurrentWheelAngle")
+    page.keyboard.press("c")  # opens the list at CurrentWheelAngle
     page.keyboard.press("Enter")
     changes = page.get_by_role("log", name="Changes of the wiring")
     source, target = ENDS

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from math import degrees, hypot
 from pathlib import Path
 from typing import Any
 
 import pytest
-from ui_bench import ROOT, WIDE, anew, until
+from ui_bench import ROOT, WIDE, anew, by_keyboard, choose, pick, reach, until
 
 from rtgen.ui.session import Session
 
@@ -52,30 +53,68 @@ def speed(session: Session, robot: str) -> float:
     return hypot(velocity[0], velocity[1]) if velocity else 0.0
 
 
-def pull(page: Any, stick: Any) -> None:
-    """Pull the stick forward by mouse."""
-    stick.scroll_into_view_if_needed()
-    box = stick.bounding_box()
-    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+def middle(pad: Any) -> tuple[float, float]:
+    pad.scroll_into_view_if_needed()
+    box = pad.bounding_box()
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+@contextmanager
+def mouse(page: Any, pad: Any) -> Iterator[None]:
+    x, y = middle(pad)
     page.mouse.move(x, y)
     page.mouse.down()
     page.mouse.move(x, y - 50)
+    yield
+    page.mouse.up()
+
+
+@contextmanager
+def touch(page: Any, pad: Any) -> Iterator[None]:
+    x, y = middle(pad)
+    finger = page.context.new_cdp_session(page)
+
+    def send(kind: str, *points: tuple[float, float]) -> None:
+        found = [{"x": x, "y": y} for x, y in points]
+        finger.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": found})
+
+    send("touchStart", (x, y))
+    send("touchMove", (x, y - 50))
+    yield
+    send("touchEnd")
+    finger.detach()
+
+
+@contextmanager
+def keyboard(page: Any, pad: Any) -> Iterator[None]:
+    pad.focus()
+    page.keyboard.down("ArrowUp")
+    yield
+    page.keyboard.up("ArrowUp")
+
+
+@contextmanager
+def gamepad(page: Any, pad: Any) -> Iterator[None]:
+    del pad  # a gamepad drives while the view is open
+    page.evaluate(PADS, [0, -1, 0, 0])
+    yield
+    page.evaluate(PADS, [0, 0, 0, 0])
+
+
+PADS = "axes => { navigator.getGamepads = () => [{ connected: true, axes }]; }"
+HANDS = (mouse, touch, keyboard, gamepad)
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
-def test_each_robot_is_driven_by_mouse_and_keyboard(
-    stick: Any, session: Session, robot: str
+@pytest.mark.parametrize("hand", HANDS, ids=lambda hand: hand.__name__)
+def test_each_robot_is_driven_by_each_hand(
+    stick: Any, session: Session, hand: Callable[..., Any], robot: str
 ) -> None:
     pad = take(stick, robot)
-    pull(stick, pad)
-    until(stick, lambda: speed(session, robot) > 0.15)
-    stick.mouse.up()
+    with hand(stick, pad):
+        until(stick, lambda: speed(session, robot) > 0.15)
     until(stick, lambda: speed(session, robot) < 0.01)
-    pad.focus()
-    stick.keyboard.down("ArrowUp")
-    until(stick, lambda: speed(session, robot) > 0.15)
-    stick.keyboard.up("ArrowUp")
-    until(stick, lambda: speed(session, robot) < 0.01)
+    assert all(speed(session, each) < 0.01 for each in ROBOTS)
 
 
 HIDE = """() => {
@@ -101,32 +140,13 @@ def test_a_robot_stops_when_the_page_is_left(
     stick.keyboard.up("KeyW")
 
 
-def test_a_robot_is_driven_by_touch(stick: Any, session: Session) -> None:
-    pad = take(stick, "BlackShip0")
-    pad.scroll_into_view_if_needed()
-    box = pad.bounding_box()
-    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    touch = stick.context.new_cdp_session(stick)
-
-    def send(kind: str, *points: tuple[float, float]) -> None:
-        found = [{"x": x, "y": y} for x, y in points]
-        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": found})
-
-    send("touchStart", (x, y))
-    send("touchMove", (x, y - 50))
-    until(stick, lambda: speed(session, "BlackShip0") > 0.15)
-    send("touchEnd")
-    until(stick, lambda: speed(session, "BlackShip0") < 0.01)
-
-
 def test_a_gamepad_drives_sideways(stick: Any, session: Session) -> None:
     take(stick, "OmniWheel0")
-    pads = "navigator.getGamepads = () => [{ connected: true, axes: [0, 0, %s, 0] }]"
-    stick.evaluate(pads % "-1")
+    stick.evaluate(PADS, [0, 0, -1, 0])
     until(stick, lambda: speed(session, "OmniWheel0") > 0.15)
     velocity: Any = session.system.component("OmniWheel0").observables["velocity"]()
     assert velocity[1] > abs(velocity[0])
-    stick.evaluate(pads % "0")
+    stick.evaluate(PADS, [0, 0, 0, 0])
     until(stick, lambda: speed(session, "OmniWheel0") < 0.01)
 
 
@@ -177,6 +197,12 @@ def leader(session: Session, robot: str) -> list[int]:
     return list(component._leader)
 
 
+def press_key(page: Any, target: Any, key: str = "Enter") -> None:
+    """Move the focus by Tab, and press a key."""
+    reach(page, target)
+    page.keyboard.press(key)
+
+
 def following(session: Session, follower: str) -> str:
     """Return the leader of a robot, by the wiring."""
     [found] = [
@@ -187,19 +213,54 @@ def following(session: Session, follower: str) -> str:
     return found
 
 
-def test_followers_exchange_their_leaders(page: Any, session: Session) -> None:
+def change_leader_by_mouse(page: Any, session: Session, follower: str) -> None:
+    """Cut a follower from its leader in the wiring, and connect it to the other one."""
+    edge = page.locator(f'.react-flow__edge[aria-label*="to {follower}.target"]')
+    edge.focus()
+    page.keyboard.press("Enter")
+    page.keyboard.press("Delete")
+    until(page, lambda: not following(session, follower))
+    target = page.get_by_label(f"in port {follower}.target_position")
+    page.get_by_label(f"out port {LEADERS[follower]}.self_position").drag_to(target)
+
+
+def change_leader_by_keyboard(page: Any, session: Session, follower: str) -> None:
+    """Do the same in the view of connections."""
+    here = f"{follower}.target_position"
+    open_connections(page, follower, "target_position (in)")
+    press_key(page, page.get_by_role("button", name=f"Cut {here} from "))
+    until(page, lambda: not following(session, follower))
+    there = f"{LEADERS[follower]}.self_position"
+    press_key(page, page.get_by_role("button", name=f"Connect {here} with {there}"))
+
+
+def open_connections(page: Any, instance: str, port: str) -> None:
+    """Show what a port is connected with, and what fits it, by the keyboard alone."""
+    press_key(
+        page, page.locator(f'.react-flow__node[data-id="{instance}"]'), "Shift+F10"
+    )
+    choose(page, "Connections", by_keyboard)
+    page.keyboard.press("Tab")
+    chooser = page.get_by_label("Chosen port")
+    chooser.and_(page.locator(":focus")).wait_for()
+    pick(chooser, port, by_keyboard)
+
+
+LEADERS = {"RefHard0": "SegwayRmp0", "BlackShip0": "OmniWheel0"}
+"""The leaders after the exchange, by their followers."""
+
+
+@pytest.mark.parametrize(
+    "change_leader", [change_leader_by_mouse, change_leader_by_keyboard]
+)
+def test_followers_exchange_their_leaders(
+    page: Any, session: Session, change_leader: Callable[..., None]
+) -> None:
     """Experiment B1, by hand: connections are cut and drawn while all robots drive."""
     until(page, lambda: leader(session, "RefHard0") == [1])
     until(page, lambda: leader(session, "BlackShip0") == [2])
-    for follower in ("RefHard0", "BlackShip0"):
-        edge = page.locator(f'.react-flow__edge[aria-label*="to {follower}.target"]')
-        edge.focus()
-        page.keyboard.press("Enter")
-        page.keyboard.press("Delete")
-        until(page, lambda follower=follower: not following(session, follower))
-    for leading, follower in (("SegwayRmp0", "RefHard0"), ("OmniWheel0", "BlackShip0")):
-        target = page.get_by_label(f"in port {follower}.target_position")
-        page.get_by_label(f"out port {leading}.self_position").drag_to(target)
+    for follower, leading in LEADERS.items():
+        change_leader(page, session, follower)
         until(page, lambda f=follower, w=leading: following(session, f) == w)
     until(page, lambda: leader(session, "RefHard0") == [2])
     until(page, lambda: leader(session, "BlackShip0") == [1])
@@ -208,14 +269,37 @@ def test_followers_exchange_their_leaders(page: Any, session: Session) -> None:
     anew(page, session)
 
 
-@wide_only
-def test_one_leads_four(stick: Any, session: Session) -> None:
-    """Experiment B2, by hand: one stick drives all robots once it is wired to them."""
+def connect_by_mouse(page: Any) -> None:
+    """Draw connections from a joystick to all robots, and take its stick."""
     for robot in ROBOTS:
-        target = stick.get_by_label(f"in port {robot}.moving_command")
-        stick.get_by_label("out port JoystickA0.moving_command").drag_to(target)
+        target = page.get_by_label(f"in port {robot}.moving_command")
+        page.get_by_label("out port JoystickA0.moving_command").drag_to(target)
+    take(page, "JoystickA0").focus()
+
+
+def connect_by_keyboard(page: Any) -> None:
+    """Do the same in the view of connections."""
+    open_connections(page, "JoystickA0", "moving_command (out)")
+    for robot in ROBOTS:
+        end = f"JoystickA0.moving_command with {robot}.moving_command"
+        press_key(page, page.get_by_role("button", name=f"Connect {end}"))
+    reach(page, page.get_by_role("tab", name="Connections"), "Shift+Tab")
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("ArrowRight")
+    chooser = page.get_by_label("Driven port")
+    reach(page, chooser)
+    pick(chooser, "JoystickA0.moving_command", by_keyboard)
+    reach(page, page.get_by_role("application", name="Joystick of JoystickA0"))
+
+
+@pytest.mark.parametrize("connect", [connect_by_mouse, connect_by_keyboard])
+@wide_only
+def test_one_leads_four(
+    stick: Any, session: Session, connect: Callable[[Any], None]
+) -> None:
+    """Experiment B2, by hand: one stick drives all robots once it is wired to them."""
+    connect(stick)
     until(stick, lambda: len(session.system.connectors) == len(ROBOTS))
-    take(stick, "JoystickA0").focus()
     stick.keyboard.down("ArrowUp")
     until(stick, lambda: all(speed(session, robot) > 0.15 for robot in ROBOTS))
     stick.keyboard.up("ArrowUp")

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
 import pytest
+from patience import PATIENCE
 from ui_bench import GOAL, QUIET, by_keyboard, by_mouse, pick, until
 
 from rtgen import runtime
@@ -107,7 +109,7 @@ def test_by_mouse(page: Any, settings: Callable[[], Any]) -> None:
     until(page, lambda: settings().side == "right")
 
 
-def test_by_keyboard(page: Any, settings: Callable[[], Any]) -> None:
+def test_by_keyboard(page: Any, session: Session, settings: Callable[[], Any]) -> None:
     slider = page.get_by_role("slider", name="Shown0.gain")
     assert slider.get_attribute("step") == "0.1"
     slider.press("ArrowRight")
@@ -136,6 +138,15 @@ def test_by_keyboard(page: Any, settings: Callable[[], Any]) -> None:
     note.fill("here")
     note.press("Escape")
     assert note.input_value() == ""
+    stored = threading.Event()
+    session.runner.submit(lambda: stored.wait(PATIENCE) and None)
+    note.fill("first")
+    note.press("Enter")
+    note.fill("second")
+    stored.set()
+    until(page, lambda: settings().note == "first")
+    note.press("Enter")
+    until(page, lambda: settings().note == "second")
 
 
 def test_sets_are_made_and_switched(
@@ -152,11 +163,11 @@ def test_sets_are_made_and_switched(
     note.fill("slowly")
     note.press("Enter")
     until(page, lambda: sets.texts("slow")["note"] == "slowly")
-    assert settings().note == ""
+    assert settings().note == "second"
     use = page.get_by_role("button", name="Use this set")
     use.click()
     until(page, lambda: settings().note == "slowly")
     chooser.select_option("default")
     until(page, use.is_enabled)  # the page knows the new active set
     use.press("Enter")
-    until(page, lambda: settings().note == "")
+    until(page, lambda: settings().note == "second")

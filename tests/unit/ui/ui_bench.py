@@ -27,6 +27,8 @@ from rtgen.ui.session import Session
 
 ROOT = Path(__file__).resolve().parents[3]
 GOAL = ROOT / "specs/navigation/rh3_goal.xml"
+MOST_TABS = 400
+"""The elements of a page that Tab reaches are fewer."""
 QUIET = Console("text", False, True)
 WIDE, NARROW = (1440, "light"), (820, "dark")
 """The looks of pages: width and colours."""
@@ -184,6 +186,15 @@ def choose(page: Any, name: str, press: Callable[[Any], None]) -> None:
         page.keyboard.press("ArrowDown")
     item.and_(page.locator(":focus")).wait_for()
     page.keyboard.press("Enter")
+
+
+def reach(page: Any, target: Any, key: str = "Tab") -> None:
+    """Move the focus to an element by Tab, or by Shift+Tab, alone."""
+    for _ in range(MOST_TABS):
+        if target.evaluate("each => each === document.activeElement"):
+            return
+        page.keyboard.press(key)
+    raise AssertionError(f"{target} is not reached by {key}")
 
 
 def pick(chooser: Any, name: str, press: Callable[[Any], None]) -> None:
