@@ -38,7 +38,7 @@ export function App() {
   return (
     <div className="app" onKeyDown={openPicker}>
       <header>
-        <h1>{system?.name || "rtgen"}</h1>
+        <h1 title={system?.name}>{system?.name || "rtgen"}</h1>
         {system && <TimeBar system={system} full={full} />}
         <span className={`link ${page.link}`} role="status">
           {page.link === "live" && past ? (system?.time.kind === "CLOCK_RECORDING" ? "recording" : "looking back") : page.link}
@@ -50,7 +50,7 @@ export function App() {
       </p>
       {page.notice && (
         <p className="notice" role="alert">
-          {page.notice}
+          <span>{page.notice}</span>
           <button type="button" aria-label="Dismiss notice" onClick={() => store.notify("")}>
             ×
           </button>

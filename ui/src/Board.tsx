@@ -32,13 +32,13 @@ export function CallTable({ calls }: { calls: readonly BoardCall[] }) {
                 {call.time.toFixed(3)}
               </th>
               <td className="octets">{hexadecimal(call.request)}</td>
-              <td className="meaning">
-                {call.function ? <strong>{call.function}</strong> : "request"} {listed(call.request_values)}
+              <td className="text">
+                {call.function ? <strong>{call.function}</strong> : "request"} <bdi>{listed(call.request_values)}</bdi>
               </td>
             </tr>
             <tr>
               <td className="octets">{hexadecimal(call.reply)}</td>
-              <td className="meaning">
+              <td className="text">
                 {call.error ? <span className="reason">{call.error}</span> : listed(call.reply_values) || (call.function ? "no values" : printable(call.reply))}
               </td>
             </tr>
@@ -117,7 +117,7 @@ export function Board() {
         <select value={chosen} onChange={(e) => choose(e.target.value)}>
           <option value="">all</option>
           {functions.map((each) => (
-            <option key={each}>{each}</option>
+            <option key={each} value={each}>{each}</option>
           ))}
         </select>
       </label>

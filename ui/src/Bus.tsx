@@ -57,9 +57,9 @@ function Nodes({ bus, lines, full }: { bus: Bus; lines: readonly Line[]; full: b
           {(lines.find((each) => each.name === bus.name)?.nodes ?? []).map((node) => (
             <tr key={node.id}>
               <td>{node.id}</td>
-              <td title={bus.nodes.find((each) => each.node_id === node.id)?.device}>{node.name}</td>
-              <td>{node.nmtState || "unknown"}</td>
-              <td>{[...node.proxies, ...node.devices].join(", ")}</td>
+              <td className="text" title={bus.nodes.find((each) => each.node_id === node.id)?.device}>{node.name}</td>
+              <td className="text">{node.nmtState || "unknown"}</td>
+              <td className="text">{[...node.proxies, ...node.devices].join(", ")}</td>
               <td>{control(node.id, node.name)}</td>
             </tr>
           ))}
@@ -118,9 +118,9 @@ function Frames({ frames, caption }: { frames: readonly Frame[]; caption: string
               <td>{frame.time.toFixed(4)}</td>
               <td>{identifier(frame)}</td>
               <td>{frame.node_id < 0 ? "" : frame.node_id}</td>
-              <td>{frame.kind}</td>
+              <td className="text">{frame.kind}</td>
               <td className="octets">{frame.remote ? "remote" : hexadecimal(frame.data)}</td>
-              <td className="meaning">{words(frame)}</td>
+              <td className="text">{words(frame)}</td>
             </tr>
           ))}
         </tbody>
@@ -132,13 +132,16 @@ function Frames({ frames, caption }: { frames: readonly Frame[]; caption: string
 function Signals({ bus }: { bus: string }) {
   const [chosen, choose] = useState<readonly string[]>([]);
   const { signals } = store.traffic;
-  const names = [...signals.keys()].filter((each) => each.startsWith(`${bus} `));
+  const others = [...signals].filter(([key, signal]) => signal.bus === bus && !chosen.includes(key));
+  const shown = chosen.flatMap((key) => {
+    const signal = signals.get(key);
+    return signal ? [{ key, ...signal }] : [];
+  });
   const read = (): Curves | undefined => {
-    const shown = chosen.flatMap((name) => signals.get(name) ?? []);
     if (!shown.length) return undefined;
-    return { names: chosen.map((name) => name.slice(bus.length + 1)), data: uPlot.join(shown.map((each) => [each.times, each.numbers])) };
+    return { names: shown.map((each) => each.name), data: uPlot.join(shown.map((each) => [each.times, each.numbers])) };
   };
-  const units = new Set(chosen.map((name) => signals.get(name)?.unit ?? ""));
+  const units = new Set(shown.map((each) => each.unit));
   return (
     <section aria-label="Signals">
       <h2>Signals</h2>
@@ -146,21 +149,19 @@ function Signals({ bus }: { bus: string }) {
         Plot
         <select value="" onChange={(e) => e.target.value && choose([...chosen, e.target.value].slice(-8))}>
           <option value="">signal …</option>
-          {names
-            .filter((each) => !chosen.includes(each))
-            .map((each) => (
-              <option key={each} value={each}>
-                {each.slice(bus.length + 1)}
-              </option>
-            ))}
+          {others.map(([key, { name }]) => (
+            <option key={key} value={key}>
+              {name}
+            </option>
+          ))}
         </select>
       </label>
-      {chosen.map((name) => (
-        <button key={name} type="button" aria-label={`Remove ${name}`} onClick={() => choose(chosen.filter((each) => each !== name))}>
-          {name.slice(bus.length + 1)} ×
+      {shown.map(({ key, name }) => (
+        <button key={key} type="button" aria-label={`Remove ${name}`} onClick={() => choose(chosen.filter((each) => each !== key))}>
+          <bdi>{name}</bdi> ×
         </button>
       ))}
-      {chosen.length > 0 && <Plot source={chosen.join()} read={read} unit={units.size === 1 ? [...units].join("") : ""} label="Signals over time" />}
+      {shown.length > 0 && <Plot source={chosen.join()} read={read} unit={units.size === 1 ? [...units].join("") : ""} label="Signals over time" />}
     </section>
   );
 }
@@ -184,7 +185,7 @@ export function BusView({ system: { buses, components }, full }: { system: Syste
         Bus
         <select value={bus.name} onChange={(e) => open(e.target.value)}>
           {buses.map((each) => (
-            <option key={each.name}>{each.name}</option>
+            <option key={each.name} value={each.name}>{each.name}</option>
           ))}
         </select>
       </label>

@@ -23,7 +23,11 @@ export type BusNode = Node<BusData, "bus">;
 /** Opens the view of buses. */
 export const OpenBuses = createContext<() => void>(() => undefined);
 
-const COLOURS: Record<string, string> = { operational: "STATE_ACTIVE", "pre-operational": "STATE_INACTIVE", stopped: "STATE_ERROR" };
+const COLOURS = new Map([
+  ["operational", "STATE_ACTIVE"],
+  ["pre-operational", "STATE_INACTIVE"],
+  ["stopped", "STATE_ERROR"],
+]);
 
 export function BusLine({ data: { line, width, nodes } }: NodeProps<BusNode>) {
   const open = useContext(OpenBuses);
@@ -41,21 +45,21 @@ export function BusLine({ data: { line, width, nodes } }: NodeProps<BusNode>) {
         )}
       </svg>
       <span className="bus-name">
-        {line.name}
+        <bdi>{line.name}</bdi>
         {line.bitRate > 0 && ` ${line.bitRate / 1000} kbit/s`}
       </span>
       {line.nodes.map((node, i) => (
         <button
           key={node.id}
           type="button"
-          className={`bus-node nodrag nopan state ${COLOURS[node.nmtState] ?? "STATE_CREATED"}`}
+          className={`bus-node nodrag nopan state ${COLOURS.get(node.nmtState) ?? "STATE_CREATED"}`}
           style={{ left: nodes[i]!.x - NODE.width / 2, width: NODE.width, height: NODE.height }}
           aria-label={`${node.id} ${node.name} ${node.nmtState || "unknown"}, node of ${line.name}`}
-          title={[...node.proxies.map((each) => `proxy ${each}`), ...node.devices.map((each) => `device ${each}`)].join("\n")}
+          title={[`${node.id} ${node.name}`, node.nmtState, ...node.proxies.map((each) => `proxy ${each}`), ...node.devices.map((each) => `device ${each}`)].filter(Boolean).join("\n")}
           onClick={open}
         >
           <strong>
-            {node.id} {node.name}
+            {node.id} <bdi>{node.name}</bdi>
           </strong>{" "}
           <small>{node.nmtState || "unknown"}</small>
         </button>

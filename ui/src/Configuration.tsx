@@ -40,7 +40,7 @@ function Entry({ parameter, text, full, label, set }: Slot) {
     <>
       <input
         aria-label={label}
-        title={parameter.doc}
+        title={[text, parameter.doc].filter(Boolean).join("\n")}
         disabled={!full}
         type={range ? "range" : kind === "spin" ? "number" : "text"}
         min={min}
@@ -91,7 +91,7 @@ function OrderedList({ parameter, text, full, label, set, choices }: Slot & { ch
       <ol>
         {chosen.map((each, i) => (
           <li key={i}>
-            {each}{" "}
+            <bdi>{each}</bdi>{" "}
             <button type="button" aria-label={`Move ${each} up`} disabled={i === 0} onClick={() => void set(swapped(i).join())}>
               ↑
             </button>
@@ -104,7 +104,7 @@ function OrderedList({ parameter, text, full, label, set, choices }: Slot & { ch
       <select aria-label={`Add to ${label}`} value="" onChange={(e) => void set([...chosen, e.target.value].join())}>
         <option value="">add …</option>
         {choices.map((each) => (
-          <option key={each}>{each}</option>
+          <option key={each} value={each}>{each}</option>
         ))}
       </select>
     </fieldset>
@@ -123,7 +123,7 @@ function Field(slot: Slot) {
   return (
     <select aria-label={label} title={parameter.doc} disabled={!full} value={text} onChange={(e) => void set(e.target.value)}>
       {[...new Set([text, ...choices])].map((each) => (
-        <option key={each}>{each}</option>
+        <option key={each} value={each}>{each}</option>
       ))}
     </select>
   );
@@ -156,7 +156,7 @@ export function Configuration({ component, full }: { component: Component; full:
           <select value={name} onChange={(e) => show(e.target.value)}>
             {component.configuration_sets.map((each) => (
               <option key={each.name} value={each.name}>
-                {each.name}
+                <bdi>{each.name}</bdi>
                 {each.name === component.active_set ? " (active)" : ""}
               </option>
             ))}
@@ -181,7 +181,7 @@ export function Configuration({ component, full }: { component: Component; full:
               <th scope="row" title={parameter.doc}>
                 {parameter.name}
               </th>
-              <td>
+              <td className="text">
                 <Field
                   parameter={parameter}
                   full={full}
@@ -190,8 +190,8 @@ export function Configuration({ component, full }: { component: Component; full:
                   set={(text) => put(name, parameter, text)}
                 />
               </td>
-              <td>
-                {parameter.unit} <small>{limits(parameter.constraint).choices ? "" : parameter.constraint}</small>
+              <td className="text">
+                <bdi>{parameter.unit}</bdi> <small>{limits(parameter.constraint).choices ? "" : parameter.constraint}</small>
               </td>
             </tr>
           ))}

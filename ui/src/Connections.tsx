@@ -12,7 +12,7 @@ function Refusal({ name, reason }: { name: string; reason: string }) {
   const [first, ...rest] = reason.split("\n");
   const line = (
     <>
-      <strong>{name}</strong> {first}
+      <strong>{name}</strong> <bdi>{first}</bdi>
     </>
   );
   if (!rest.length) return line;
@@ -59,7 +59,7 @@ export function Connections({ system, component, full }: { system: SystemState; 
           <option value="">none</option>
           {component.ports.map((each) => (
             <option key={each.name} value={each.name}>
-              {each.name} ({KINDS[each.kind]})
+              <bdi>{each.name}</bdi> ({KINDS[each.kind]})
             </option>
           ))}
         </select>
@@ -74,7 +74,7 @@ export function Connections({ system, component, full }: { system: SystemState; 
               const there = named(each.source) === named(here) ? each.target : each.source;
               return (
                 <li key={each.name}>
-                  {named(there)}
+                  <bdi>{named(there)}</bdi>
                   <button type="button" disabled={!full} aria-label={`Cut ${named(here)} from ${named(there)}`} onClick={() => store.order({ case: "connection", value: each.name })}>
                     Cut
                   </button>
@@ -87,7 +87,7 @@ export function Connections({ system, component, full }: { system: SystemState; 
           <ul className="ends" aria-label={`Ports that fit ${named(here)}`}>
             {offered.map(({ port: there }) => (
               <li key={named(there)}>
-                {named(there)}
+                <bdi>{named(there)}</bdi>
                 <button type="button" disabled={!full} aria-label={`Connect ${named(here)} with ${named(there)}`} onClick={() => connect(there)}>
                   Connect
                 </button>

@@ -219,7 +219,7 @@ export function Drive({ system, full }: { system: SystemState; full: boolean }) 
         <select aria-label="Driven port" value={target?.name ?? ""} disabled={!full} onChange={(e) => choose(e.target.value)}>
           <option value="">none</option>
           {known.map((each) => (
-            <option key={each.name}>{each.name}</option>
+            <option key={each.name} value={each.name}>{each.name}</option>
           ))}
         </select>
       </label>

@@ -25,7 +25,7 @@ export function Form(slot: Slot) {
       return (
         <select {...common} value={String(value)} onChange={(e) => change(e.target.value)}>
           {node.members.map((each) => (
-            <option key={each.name}>{each.name}</option>
+            <option key={each.name} value={each.name}>{each.name}</option>
           ))}
         </select>
       );
@@ -53,7 +53,7 @@ export function Form(slot: Slot) {
             }}
           >
             {node.members.map((each) => (
-              <option key={each.name}>{each.name}</option>
+              <option key={each.name} value={each.name}>{each.name}</option>
             ))}
           </select>
           {member && <Form type={member.type} value={chosen.value} label={`${label}.${member.name}`} change={(part) => change({ branch: member.name, value: part })} />}

@@ -59,7 +59,7 @@ function drawn(system: SystemState): Shown[] {
 /** A pose that is watched but not drawn. */
 function frameFigure({ id, type_number }: Channel): Figure | undefined {
   const track = store.tracks.get(id);
-  return track && reader(store.types, type_number)?.read(track.value);
+  return track?.times.length ? reader(store.types, type_number)?.read(track.value) : undefined;
 }
 
 /** The figures of the newest samples, and the trails of poses. */
@@ -70,7 +70,7 @@ class Scene {
 
   private figure({ channel, reader: { kind, read } }: Shown): Figure | undefined {
     const track = store.tracks.get(channel.id);
-    if (!track) {
+    if (!track?.times.length) {
       // The time was set back, or another system was opened.
       this.seen.delete(channel.id);
       this.trails.delete(channel.id);

@@ -59,7 +59,7 @@ function Name({ binding, name, components, selected, select }: Shown & { binding
   if (!component)
     return (
       <span className={dead ? "dead" : ""}>
-        {name} {mark}
+        <bdi>{name}</bdi> {mark}
       </span>
     );
   return (
@@ -71,7 +71,7 @@ function Name({ binding, name, components, selected, select }: Shown & { binding
       title={component.silent || component.type}
       onClick={() => select(component.instance)}
     >
-      {name} {mark}
+      <bdi>{name}</bdi> {mark}
     </button>
   );
 }

@@ -60,12 +60,12 @@ export function Objects({ bus, full }: { bus: Bus; full: boolean }) {
                 return (
                   <tr key={key}>
                     <th scope="row">
-                      {key} {entry.name}
+                      {key} <bdi>{entry.name}</bdi>
                     </th>
-                    <td>
-                      {entry.type}, {entry.access}
+                    <td className="text">
+                      <bdi>{entry.type}</bdi>, <bdi>{entry.access}</bdi>
                     </td>
-                    <td>
+                    <td className="text">
                       {entry.access !== "wo" && (
                         <button type="button" disabled={!full} aria-label={`Read ${key}`} onClick={() => void read(entry)}>
                           Read

@@ -99,7 +99,7 @@ export function Palette(props: { system: SystemState; full: boolean; selected: s
                 <button
                   type="button"
                   disabled={!full}
-                  title={entry.doc}
+                  title={[entry.type, entry.doc].filter(Boolean).join("\n")}
                   aria-label={`Add ${entry.type}`}
                   onClick={() =>
                     store.order({

@@ -1,6 +1,6 @@
 /** The selected component: its values, configuration and history. */
 
-import { useEffect, useMemo } from "react";
+import { Fragment, useEffect, useMemo } from "react";
 import { Board } from "./Board.tsx";
 import { BusView } from "./Bus.tsx";
 import { Configuration } from "./Configuration.tsx";
@@ -60,7 +60,8 @@ function Values({ system, component }: Selection) {
     return (
       <section key={channel.id} aria-label={name}>
         <h2>{name}</h2>
-        {rows ? (
+        {track?.refused && <p className="reason">The last sample could not be read: {track.refused}</p>}
+        {rows?.times.length ? (
           <>
             {rows.numbers.size > 0 && <Plot source={String(channel.id)} read={curves} unit={unit} label="Values over time" />}
             {rows.thinned && <p className="thinned">Of older samples some are left out of the plot.</p>}
@@ -79,16 +80,16 @@ function Values({ system, component }: Selection) {
                 {leaves(rows.value).map(([path, value]) => (
                   <tr key={path}>
                     <th scope="row">{path}</th>
-                    <td>{track ? written(value) : ""}</td>
-                    {other && <td>{values.has(path) ? written(values.get(path)) : ""}</td>}
-                    <td>{/^tm\b/.test(path) ? "" : unit}</td>
+                    <td className="text">{track ? written(value) : ""}</td>
+                    {other && <td className="text">{values.has(path) ? written(values.get(path)) : ""}</td>}
+                    <td className="text">{/^tm\b/.test(path) ? "" : unit}</td>
                   </tr>
                 ))}
               </tbody>
             </table>
           </>
         ) : (
-          <p>No sample yet.</p>
+          !track?.refused && <p>No sample yet.</p>
         )}
       </section>
     );
@@ -99,7 +100,7 @@ function Values({ system, component }: Selection) {
       {sections}
       {unknown.map((each) => (
         <p key={each.name}>
-          {each.name}: the project does not define {each.type}, so its samples cannot be read.
+          <bdi>{each.name}</bdi>: the project does not define <bdi>{each.type}</bdi>, so its samples cannot be read.
         </p>
       ))}
     </>
@@ -115,7 +116,7 @@ function Timeline({ lines }: { lines: readonly Line[] }) {
     <ol className="timeline">
       {sorted.map((line, i) => (
         <li key={lines.length - i}>
-          <time>{line.time.toFixed(3)} s</time> {line.instance} {line.text}
+          <time>{line.time.toFixed(3)} s</time> <bdi>{line.instance}</bdi> <bdi>{line.text}</bdi>
         </li>
       ))}
     </ol>
@@ -140,15 +141,20 @@ export function Panel(props: {
         <select value={component?.instance ?? ""} onChange={(e) => select(e.target.value)}>
           <option value="">none</option>
           {system.components.map((each) => (
-            <option key={each.instance}>{each.instance}</option>
+            <option key={each.instance} value={each.instance}>{each.instance}</option>
           ))}
         </select>
       </label>
       {component && (
         <>
           <p>
-            <span className={`state ${component.current}`}>{stateName(component.current)}</span> {component.type}
-            {component.contexts.map((each) => `, ${each.rate} Hz ${each.kind.toLowerCase()}${each.running ? "" : ", stopped"}`)}
+            <span className={`state ${component.current}`}>{stateName(component.current)}</span> <bdi>{component.type}</bdi>
+            {component.contexts.map((each) => (
+              <Fragment key={each.handle}>
+                , {each.rate} Hz <bdi>{each.kind.toLowerCase()}</bdi>
+                {!each.running && ", stopped"}
+              </Fragment>
+            ))}
             {statistics && `, ${statistics.ticks} ticks, ${statistics.overruns} overruns, ${statistics.lost} lost`}
           </p>
           {system.beside && store.page.beside.has(component.instance) && <p>beside: {store.page.beside.get(component.instance)}</p>}

@@ -58,7 +58,13 @@ function OperationForm(props: { port: PortAddress; interfaceName: string; operat
     }
     if (!result) return undefined;
     if (!result.done) return failed([result.message, result.hint].filter(Boolean).join(": "));
-    const reply = operation.reply >= 0 ? deserialize(store.types.codec(operation.reply), result.reply) : {};
+    let reply: unknown = {};
+    try {
+      if (operation.reply >= 0) reply = deserialize(store.types.codec(operation.reply), result.reply);
+    } catch (error) {
+      if (error instanceof CdrError) return failed(`the result cannot be read: ${error.message}`);
+      throw error;
+    }
     const calls = store.traffic.callsSince(before);
     const own = calls.filter((each) => each.function.endsWith(`.${operation.name}`));
     return show({ error: "", values: leaves(reply), calls: own.length ? own : calls.slice(-times) });
@@ -98,7 +104,7 @@ function OperationForm(props: { port: PortAddress; interfaceName: string; operat
                 {outcome.values.map(([path, each]) => (
                   <tr key={path}>
                     <th scope="row">{path.replace(/^_result/, "result")}</th>
-                    <td>{String(each)}</td>
+                    <td className="text">{String(each)}</td>
                   </tr>
                 ))}
               </tbody>
@@ -120,9 +126,9 @@ export function Services({ component, full }: { component: Component; full: bool
   return provided.map(({ port, each }) => (
     <section key={`${port.name} ${each.name}`} aria-label={`${port.name} ${each.type}`}>
       <h2>
-        {port.name}: {each.type}
+        <bdi>{port.name}</bdi>: <bdi>{each.type}</bdi>
       </h2>
-      {component.place && !each.operations.length && <p>The project does not define {each.type}, so its operations are unknown.</p>}
+      {component.place && !each.operations.length && <p>The project does not define <bdi>{each.type}</bdi>, so its operations are unknown.</p>}
       {each.operations.map((operation) => (
         <OperationForm key={operation.name} port={{ instance: component.instance, port: port.name }} interfaceName={each.name} operation={operation} full={full} />
       ))}

@@ -75,7 +75,7 @@ export function TimeBar({ system, full }: { system: SystemState; full: boolean }
         <button
           type="button"
           aria-pressed={kept}
-          title="Show this run beside those that begin when time is set back"
+          title={[system.beside, "Show this run beside those that begin when time is set back"].filter(Boolean).join("\n")}
           disabled={!full}
           onClick={() => store.order({ case: "kept", value: !kept })}
         >

@@ -5,13 +5,13 @@ import type { Connection as Drawn, Edge, EdgeProps, Node, NodeProps, ReactFlowIn
 import { memo, useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { BusLine, OpenBuses } from "./BusLine.tsx";
 import type { BusNode, Drop } from "./BusLine.tsx";
-import { around, arrange, height, hung, line, rails, shown, size, stored, title, view, width } from "./layout.ts";
+import { WIDEST, around, arrange, height, hung, line, rails, shown, size, stored, title, view, width } from "./layout.ts";
 import type { Arrangement, Point } from "./layout.ts";
 import { linesOf } from "./lines.ts";
 import { Menu } from "./Menu.tsx";
 import type { Item, Place } from "./Menu.tsx";
 import type { Tab } from "./Panel.tsx";
-import type { Bus, Component, Connection, Fit, Port } from "./protocol/Ui.ts";
+import type { Bus, Component, Connection, Fit, Port, PortAddress } from "./protocol/Ui.ts";
 import type { Statistics } from "./store.ts";
 import { stateName, store } from "./store.ts";
 
@@ -24,8 +24,12 @@ interface BoxData extends Record<string, unknown> {
 type Box = Node<BoxData, "component">;
 type Shown = Box | BusNode;
 
+/** React Flow puts ids into selectors, so names with any characters are escaped. */
+const idOf = encodeURIComponent;
+const nameOf = decodeURIComponent;
 const byInstance = (components: readonly Component[]): Map<string, Component> => new Map(components.map((each) => [each.instance, each]));
-const address = (instance: string, port: string): string => `${instance} ${port}`;
+const portOf = (node: string | null, handle: string | null | undefined): PortAddress => ({ instance: nameOf(node ?? ""), port: nameOf(handle ?? "") });
+const address = ({ instance, port }: PortAddress): string => JSON.stringify([instance, port]);
 
 /** A hue for each type, the same on each page. */
 export function hue(type: string): number {
@@ -37,13 +41,13 @@ export function hue(type: string): number {
 function PortRow({ component, port, fits }: { component: Component; port: Port; fits: BoxData["fits"] }) {
   const service = port.kind === "PORT_SERVICE";
   const kind = service ? "service" : port.kind === "PORT_IN" ? "in" : "out";
-  const refused = fits?.get(address(component.instance, port.name));
+  const refused = fits?.get(address({ instance: component.instance, port: port.name }));
   const type = service ? port.interfaces.map((each) => `${each.provided ? "provides" : "uses"} ${each.type}`).join(", ") : port.type;
   const title = [port.name, type, port.unit && `[${port.unit}]`, port.doc, refused && `Does not fit: ${refused}`].filter(Boolean).join("\n");
   const mark = fits ? (refused === undefined ? "other" : refused ? "refused" : "fits") : "";
   const provided = port.interfaces.some((each) => each.provided);
   const style = { background: service && !provided ? "var(--box)" : `hsl(${hue(type)} 65% 50%)` };
-  const names = { id: port.name, role: "img", "aria-label": `${kind} port ${component.instance}.${port.name}`, title, style };
+  const names = { id: idOf(port.name), role: "img", "aria-label": `${kind} port ${component.instance}.${port.name}`, title, style };
   return (
     <div className={`port ${kind} ${mark} ${service && !provided ? "socket" : ""}`} title={title}>
       {kind !== "out" && <Handle type="target" position={Position.Left} {...names} />}
@@ -71,8 +75,8 @@ function ComponentBox({ data, selected }: NodeProps<Box>) {
         </small>
       </div>
       <div className="ports">
-        <div>{of("PORT_IN")}</div>
-        <div>{of("PORT_OUT")}</div>
+        <div style={{ maxWidth: WIDEST }}>{of("PORT_IN")}</div>
+        <div style={{ maxWidth: WIDEST }}>{of("PORT_OUT")}</div>
       </div>
       {of("PORT_SERVICE")}
     </div>
@@ -159,12 +163,13 @@ export const Wiring = memo(function Wiring(props: {
     setNodes((before) => {
       const known = new Map(before.map((node) => [node.id, node]));
       const boxes = components.map((component): Box => {
-        const old = known.get(component.instance) as Box | undefined;
+        const id = idOf(component.instance);
+        const old = known.get(id) as Box | undefined;
         return {
           ...old,
-          id: component.instance,
+          id,
           type: "component" as const,
-          position: old?.dragging ? old.position : (steered.current.get(component.instance) ?? places.of.get(component.instance) ?? { x: 0, y: 0 }),
+          position: old?.dragging ? old.position : (steered.current.get(id) ?? places.of.get(component.instance) ?? { x: 0, y: 0 }),
           ariaLabel: `${component.instance}, ${component.type}, ${component.silent ? "does not answer" : stateName(component.current)}`,
           data: { component, overruns: statistics.get(component.instance)?.overruns ?? 0n, fits },
         };
@@ -207,11 +212,11 @@ export const Wiring = memo(function Wiring(props: {
   }, [components, places, lines, statistics, fits, selected, setNodes]);
 
   // React Flow calls each new function with what is selected, as if it had just been selected.
-  const onSelectionChange = useCallback(({ nodes: chosen }: { nodes: Shown[] }) => chosen[0] && select(chosen[0].id), [select]);
+  const onSelectionChange = useCallback(({ nodes: chosen }: { nodes: Shown[] }) => chosen[0] && select(nameOf(chosen[0].id)), [select]);
   useEffect(
     () =>
       setNodes((before) =>
-        before.some((node) => node.selected && node.id === selected) ? before : before.map((node) => ({ ...node, selected: node.id === selected })),
+        before.some((node) => node.selected && node.id === idOf(selected)) ? before : before.map((node) => ({ ...node, selected: node.id === idOf(selected) })),
       ),
     [selected, setNodes],
   );
@@ -237,38 +242,38 @@ export const Wiring = memo(function Wiring(props: {
     () =>
       connections.map(
         (each): Wire => ({
-          id: each.name,
+          id: idOf(each.name),
           type: "wire",
           data: { route: arranged ? arrangement?.routes.get(each.name) : undefined },
-          source: each.source.instance,
-          sourceHandle: each.source.port,
-          target: each.target.instance,
-          targetHandle: each.target.port,
-          selected: picked.has(each.name),
+          source: idOf(each.source.instance),
+          sourceHandle: idOf(each.source.port),
+          target: idOf(each.target.instance),
+          targetHandle: idOf(each.target.port),
+          selected: picked.has(idOf(each.name)),
           ariaLabel: `connection ${each.name} from ${each.source.instance}.${each.source.port} to ${each.target.instance}.${each.target.port}`,
         }),
       ),
     [connections, picked, arrangement, arranged],
   );
 
-  const begin = async (instance: string, port: string) => {
+  const begin = async (port: PortAddress) => {
     const drag = ++drags.current;
-    const result = await store.ask({ case: "ends", value: { instance, port } });
+    const result = await store.ask({ case: "ends", value: port });
     // An answer after the end of its drag would be applied to the next drag.
-    if (result.done && drag === drags.current) setFits(new Map(result.fits.map((each: Fit) => [address(each.port.instance, each.port.port), each.refused])));
+    if (result.done && drag === drags.current) setFits(new Map(result.fits.map((each: Fit) => [address(each.port), each.refused])));
   };
   const connect = (drawn: Drawn) =>
     store.order({
       case: "wire",
       value: {
-        source: { instance: drawn.source, port: drawn.sourceHandle ?? "" },
-        target: { instance: drawn.target, port: drawn.targetHandle ?? "" },
+        source: portOf(drawn.source, drawn.sourceHandle),
+        target: portOf(drawn.target, drawn.targetHandle),
         name: "",
         properties: [],
       },
     });
-  const place = (instance: string, position: Point) =>
-    store.order({ case: "place", value: { instance, where: stored(position) } }).then(() => steered.current.delete(instance));
+  const place = (id: string, position: Point) =>
+    store.order({ case: "place", value: { instance: nameOf(id), where: stored(position) } }).then(() => steered.current.delete(id));
   const openBuses = useCallback(() => open("Buses"), [open]);
   const items = ({ label, edge }: Place & { edge: boolean }): Item[] => {
     const order = (name: string, kind: "activated" | "deactivated" | "restored") => ({ name, act: () => void store.order({ case: kind, value: [label] }) });
@@ -294,14 +299,14 @@ export const Wiring = memo(function Wiring(props: {
       aria-busy={arrangement?.shape !== shape}
       onKeyUp={(e) => {
         // Arrow keys have moved the selected boxes on this page; drags are stored when they end.
-        if (full && !arranged && e.key.startsWith("Arrow")) for (const [instance, position] of steered.current) void place(instance, position);
+        if (full && !arranged && e.key.startsWith("Arrow")) for (const [id, position] of steered.current) void place(id, position);
       }}
       onKeyDown={(e) => {
         const target = (e.target as HTMLElement).closest<HTMLElement>(".react-flow__node, .react-flow__edge");
         if (target && full && (e.key === "ContextMenu" || (e.key === "F10" && e.shiftKey))) {
           e.preventDefault();
           const box = target.getBoundingClientRect();
-          setMenu({ label: target.dataset["id"] ?? "", edge: target.matches(".react-flow__edge"), x: box.x + 20, y: box.y + 20 });
+          setMenu({ label: nameOf(target.dataset["id"] ?? ""), edge: target.matches(".react-flow__edge"), x: box.x + 20, y: box.y + 20 });
         }
       }}
     >
@@ -337,20 +342,20 @@ export const Wiring = memo(function Wiring(props: {
           }
           onBeforeDelete={async ({ nodes: gone, edges: cut }) => {
             // The events of the server remove them from the page.
-            if (gone.length) for (const each of gone) await store.order({ case: "removed", value: each.id });
-            else for (const each of cut) await store.order({ case: "connection", value: each.id });
+            if (gone.length) for (const each of gone) await store.order({ case: "removed", value: nameOf(each.id) });
+            else for (const each of cut) await store.order({ case: "connection", value: nameOf(each.id) });
             return false;
           }}
-          onConnectStart={(_, from) => void begin(from.nodeId ?? "", from.handleId ?? "")}
+          onConnectStart={(_, from) => void begin(portOf(from.nodeId, from.handleId))}
           onConnectEnd={(_, state) => {
             const end = state.toHandle;
-            const refused = end && fits?.get(address(end.nodeId, end.id ?? ""));
+            const refused = end && fits?.get(address(portOf(end.nodeId, end.id)));
             if (refused) store.notify(refused);
             drags.current++;
             setFits(undefined);
           }}
           isValidConnection={(drawn) => {
-            const refused = (instance: string, port: string | null | undefined) => fits?.get(address(instance, port ?? ""));
+            const refused = (...end: Parameters<typeof portOf>) => fits?.get(address(portOf(...end)));
             return !(refused(drawn.target, drawn.targetHandle) || refused(drawn.source, drawn.sourceHandle));
           }}
           onConnect={(drawn) => void connect(drawn)}
@@ -358,11 +363,11 @@ export const Wiring = memo(function Wiring(props: {
           onSelectionChange={onSelectionChange}
           onNodeContextMenu={(e, node) => {
             e.preventDefault();
-            if (full) setMenu({ label: node.id, edge: false, x: e.clientX, y: e.clientY });
+            if (full) setMenu({ label: nameOf(node.id), edge: false, x: e.clientX, y: e.clientY });
           }}
           onEdgeContextMenu={(e, edge) => {
             e.preventDefault();
-            if (full) setMenu({ label: edge.id, edge: true, x: e.clientX, y: e.clientY });
+            if (full) setMenu({ label: nameOf(edge.id), edge: true, x: e.clientX, y: e.clientY });
           }}
         >
           <Background />

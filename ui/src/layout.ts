@@ -9,6 +9,8 @@ const ROW = 22;
 const END = 9;
 /** Space for state, rate and overruns. */
 const NARROWEST = 180;
+/** Longer labels are cut; their titles are complete. */
+export const WIDEST = 320;
 /** Total margin of a label in a box. */
 const PADDING = 24;
 /** Scale of places by RT System Editor, whose boxes are narrower. */
@@ -115,13 +117,13 @@ function length(text: string, font: string): number {
     canvas.font = `${font} 12px system-ui, sans-serif`;
     lengths.set(key, canvas.measureText(text).width);
   }
-  return lengths.get(key)! + PADDING;
+  return Math.min(lengths.get(key)! + PADDING, WIDEST);
 }
 
 /** The title of a box: for a component of another process, the name without its place. */
 export const title = ({ place, instance }: Component): string => (place ? instance.slice(place.length + 1) : instance);
 
-/** Size of a box with complete labels. */
+/** Size of a box for its labels. */
 export function width(component: Component): number {
   const longest = (kind: Port["kind"]) => Math.max(0, ...ports(component, kind).map((port) => length(port.name, "normal")));
   const needed = [NARROWEST, length(title(component), "bold"), longest("PORT_IN") + longest("PORT_OUT"), longest("PORT_SERVICE")];
@@ -133,8 +135,9 @@ export function size(component: Component): { width: number; height: number } {
   return { width: width(component), height: HEADER + ROW * rows + END };
 }
 
-const entry = (instance: string, port: string) => `${instance}.${port} in`;
-const exit = (instance: string, port: string) => `${instance}.${port} out`;
+// Names may contain any character.
+const entry = (instance: string, port: string) => JSON.stringify(["in", instance, port]);
+const exit = (instance: string, port: string) => JSON.stringify(["out", instance, port]);
 
 function ends(component: Component): ElkPort[] {
   const { width } = size(component);

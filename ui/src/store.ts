@@ -1,8 +1,8 @@
 /** State of the page: the system as described by the events of the server. */
 
 import { ClientMessage, ServerMessage, VERSION } from "./protocol/Ui.ts";
-import type { Command, Component, Connection, Event, Result, SystemState } from "./protocol/Ui.ts";
-import { decode, deserialize, encode } from "./protocol/_cdr.ts";
+import type { Channel, Command, Component, Connection, Event, Result, SystemState } from "./protocol/Ui.ts";
+import { CdrError, decode, deserialize, encode } from "./protocol/_cdr.ts";
 import { TypeTable } from "./protocol/table.ts";
 import { isFull, thin } from "./series.ts";
 import { Traffic } from "./traffic.ts";
@@ -30,6 +30,8 @@ export interface Track {
   fresh: unknown[];
   /** Whether older values are left out. */
   thinned: boolean;
+  /** Why the newest sample could not be read; empty: it could. */
+  refused: string;
 }
 
 export interface Page {
@@ -330,18 +332,27 @@ export class Store {
     }
   }
 
+  /** Throws CdrError, or SyntaxError for invalid JSON. */
+  private read({ type_number }: Channel, data: Uint8Array): unknown {
+    return type_number < 0 ? JSON.parse(new TextDecoder().decode(data)) : deserialize(this.types.codec(type_number), data);
+  }
+
   private sample(id: number, time: number, data: Uint8Array): void {
     const channel = this.page.system?.channels.find((each) => each.id === id);
     if (!channel) return;
     let track = this.tracks.get(id);
     if (!track || time < (track.times.at(-1) ?? 0)) {
-      track = { value: undefined, times: [], numbers: new Map(), fresh: [], thinned: false };
+      track = { value: undefined, times: [], numbers: new Map(), fresh: [], thinned: false, refused: "" };
       this.tracks.set(id, track);
     }
-    track.value =
-      channel.type_number < 0
-        ? JSON.parse(new TextDecoder().decode(data))
-        : deserialize(this.types.codec(channel.type_number), data);
+    try {
+      track.value = this.read(channel, data);
+    } catch (error) {
+      if (!(error instanceof CdrError || error instanceof SyntaxError)) throw error;
+      track.refused = error.message;
+      return;
+    }
+    track.refused = "";
     if (isFull(track.fresh)) thin(track.fresh);
     track.fresh.push(track.value);
     if (isFull(track.times)) {

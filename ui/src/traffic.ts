@@ -10,6 +10,8 @@ const MAX_LOADS = 600;
 const MAX_CALLS = 1000;
 
 export interface Signal {
+  bus: string;
+  name: string;
   unit: string;
   times: number[];
   numbers: number[];
@@ -18,7 +20,7 @@ export interface Signal {
 export class Traffic {
   readonly frames: Frame[] = [];
   readonly emergencies: Frame[] = [];
-  /** Signals by `BUS NODE KIND.NAME`. */
+  /** Signals by bus and `NODE KIND.NAME`. */
   readonly signals = new Map<string, Signal>();
   readonly loads = new Map<string, BusLoad[]>();
   readonly calls: BoardCall[] = [];
@@ -32,11 +34,12 @@ export class Traffic {
     if (frame.kind === "emcy") append(this.emergencies, frame, MAX_EMERGENCIES);
     for (const field of frame.fields) {
       if (!field.numeric) continue;
-      const key = `${frame.bus} ${frame.node_id < 0 ? "" : frame.node_id} ${frame.kind}.${field.name}`;
+      const name = `${frame.node_id < 0 ? "" : frame.node_id} ${frame.kind}.${field.name}`;
+      const key = JSON.stringify([frame.bus, name]);
       let signal = this.signals.get(key);
       if (!signal) {
         if (this.signals.size >= MAX_SIGNALS) continue;
-        signal = { unit: field.unit, times: [], numbers: [] };
+        signal = { bus: frame.bus, name, unit: field.unit, times: [], numbers: [] };
         this.signals.set(key, signal);
       }
       if (isFull(signal.times)) for (const row of [signal.times, signal.numbers]) thin(row);

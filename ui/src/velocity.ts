@@ -66,7 +66,7 @@ function put(value: unknown, path: string, number: number): void {
 /** How a type represents travel commands. A sample has no time stamp, so its age starts at its arrival. */
 export function command(table: TypeTable, type: number): Command | undefined {
   const form = formOf(table, type);
-  if (!form) return undefined;
+  if (!form || !table.reads(type)) return undefined;
   return {
     sideways: form.left !== undefined,
     sample: ({ forward, left, turn }) => {

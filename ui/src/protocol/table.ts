@@ -52,6 +52,16 @@ export class TypeTable {
     }
   }
 
+  /** Whether the page has a codec of a type. */
+  reads(number: number): boolean {
+    try {
+      return Boolean(this.codec(number));
+    } catch (error) {
+      if (error instanceof cdr.CdrError) return false;
+      throw error;
+    }
+  }
+
   private make(node: TypeNode): Codec {
     const basic = BASIC[node.kind];
     if (basic) return basic;

@@ -1,0 +1,115 @@
+"""Flaws of the page as it is shown: what is cut, covered, faint, too wide or without a name."""
+
+from __future__ import annotations
+
+from typing import Any
+
+_CONTRAST = 4.5
+"""The least contrast of text (WCAG 2.2, 1.4.3)."""
+
+
+def flaws(page: Any, part: str = "body") -> list[str]:
+    """Return the flaws of a part of a page; texts may be cut where a title has all of them."""
+    found: list[str] = page.evaluate(_FLAWS, [_CONTRAST, part])
+    return found
+
+
+_FLAWS = """([contrast, part]) => {
+    const flaws = [];
+    const about = each => {
+        const name = each.getAttribute("aria-label") ?? each.textContent.trim().slice(0, 40);
+        return `${each.tagName.toLowerCase()}.${each.className} "${name}"`;
+    };
+    const seen = each => {
+        const { width, height } = each.getBoundingClientRect();
+        return width > 2 && height > 2 && each.checkVisibility({ visibilityProperty: true });
+    };
+    const light = ([r, g, b]) => {
+        const [x, y, z] = [r, g, b].map(
+            v => v / 255 <= 0.04045 ? v / 255 / 12.92 : ((v / 255 + 0.055) / 1.055) ** 2.4);
+        return 0.2126 * x + 0.7152 * y + 0.0722 * z;
+    };
+    const pen = new OffscreenCanvas(1, 1).getContext("2d", { willReadFrequently: true });
+    const colour = text => {
+        pen.clearRect(0, 0, 1, 1);
+        pen.fillStyle = text;
+        pen.fillRect(0, 0, 1, 1);
+        return [...pen.getImageData(0, 0, 1, 1).data];
+    };
+    const paper = each => {
+        for (let at = each; at; at = at.parentElement) {
+            const found = colour(getComputedStyle(at).backgroundColor);
+            if (found[3] === 255) return found;
+        }
+        return colour("Canvas");
+    };
+    const cut = (each, text) => {
+        const bare = text => text.replace(/\\s+/g, "");
+        const title = each.closest("[title]")?.title ?? "";
+        if (!bare(title).includes(bare(text))) flaws.push(`cut: ${about(each)}: ${text}`);
+    };
+    const outside = (each, x, y) => {
+        for (let at = each.parentElement; at; at = at.parentElement) {
+            const { left, right, top, bottom } = at.getBoundingClientRect();
+            if (getComputedStyle(at).overflowY !== "visible"
+                && (x < left || x > right || y < top || y > bottom)) return true;
+        }
+        return false;
+    };
+    const page = document.documentElement;
+    if (page.scrollWidth > innerWidth) flaws.push(`the page is ${page.scrollWidth} px wide`);
+    for (const each of document.querySelectorAll(".palette, .panel, header, .notice"))
+        if (each.scrollWidth > each.clientWidth + 1) {
+            const end = each.getBoundingClientRect().left + each.clientWidth + 1;
+            const wide = [...each.querySelectorAll("*")].findLast(
+                inner => inner.getBoundingClientRect().right > end);
+            flaws.push(`too wide: ${about(wide ?? each)} in ${each.className}`);
+        }
+    for (const each of document.querySelectorAll(`${part} *`)) {
+        if (!seen(each) || each.closest(".react-flow__attribution, .announced, svg")) continue;
+        const style = getComputedStyle(each);
+        const own = [...each.childNodes].some(n => n.nodeType === 3 && n.data.trim());
+        const field = each.matches(
+            "input:not([type=range], [type=checkbox], [type=radio]), textarea");
+        if (each.matches("select") && style.appearance !== "base-select") {
+            pen.font = style.font;
+            const text = each.selectedOptions[0]?.textContent ?? "";
+            if (pen.measureText(text).width > each.clientWidth - 20)
+                cut(each, text);
+        } else if ((field || own) && style.display !== "inline"
+            && (field || !["visible", "auto", "scroll"].includes(style.overflowX))
+            && (each.scrollWidth > each.clientWidth + 1
+                || each.scrollHeight > each.clientHeight + 3))
+            cut(each, each.value ?? each.textContent);
+        const off = each.closest(":disabled, [aria-disabled=true]");
+        if (own && !off) {
+            const [one, other] = [light(colour(style.color)), light(paper(each))];
+            const found = (Math.max(one, other) + 0.05) / (Math.min(one, other) + 0.05);
+            if (found < contrast) flaws.push(`contrast ${found.toFixed(1)}: ${about(each)}`);
+        }
+        if (each.matches("button, select, input, textarea, [role=img], [role=application]")) {
+            const label = each.getAttribute("aria-label") || each.labels?.[0]?.textContent
+                || each.textContent || each.title;
+            if (!label?.trim()) flaws.push(`no name: ${each.outerHTML.slice(0, 80)}`);
+            const { left, top, width, height } = each.getBoundingClientRect();
+            const [x, y] = [left + width / 2, top + height / 2];
+            const hit = document.elementFromPoint(x, y);
+            if (hit && !outside(each, x, y) && each.matches("button, select, input, textarea")
+                && !each.contains(hit) && !hit.contains(each)
+                && !each.labels?.[0]?.contains(hit))
+                flaws.push(`covered: ${about(each)} by ${about(hit)}`);
+        }
+    }
+    const texts = document.createTreeWalker(document.querySelector(part), NodeFilter.SHOW_TEXT);
+    while (texts.nextNode()) {
+        const { data, parentElement } = texts.currentNode;
+        let at = parentElement;
+        if (!/[\u202a-\u202e\u2066-\u2069]/.test(data) || !seen(at)) continue;
+        const style = () => getComputedStyle(at);
+        while (style().display === "inline" && style().unicodeBidi !== "isolate")
+            at = at.parentElement;
+        if (at.textContent.trim() !== data.trim())
+            flaws.push(`turned: ${about(at)} by "${data}"`);
+    }
+    return flaws;
+}"""
