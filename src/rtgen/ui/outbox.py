@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final
 
+from rtgen.runtime.cdr import CdrError
 from rtgen.ui.protocol.ui import (
     Event,
     EventKind,
@@ -16,6 +17,7 @@ from rtgen.ui.protocol.ui import (
     ServerMessage,
     Statistics,
 )
+from rtgen.ui.texts import sendable
 
 MAX_CHANGES: Final = 4096
 """Maximum number of waiting changes; then the page gets the whole state instead."""
@@ -147,4 +149,11 @@ class Outbox:
             self._changes, self._traffic = deque(), deque()
             self._statistics, self._latest, self._samples = {}, {}, []
             self._dropped, self._thinned = 0, set()
-        return ServerMessage(events=events).to_cdr() if events else b""
+        if not events:
+            return b""
+        message = ServerMessage(events=events)
+        try:
+            return message.to_cdr()
+        except CdrError:
+            octets: bytes = sendable(message).to_cdr()
+            return octets

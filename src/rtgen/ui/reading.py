@@ -109,7 +109,7 @@ class Reading:
             channel = self._channel(message.channel, beside=beside)
         data = message.data
         if channel.type_number == NO_TYPE:
-            data = json.dumps(self._decoders.value(message)).encode()
+            data = _json(self._decoders.value(message))
         self.history.sample(ui.Sample(channel=channel.id, time=self._now, data=data))
 
     def _channel(self, found: Channel, *, beside: bool) -> ui.Channel:
@@ -263,6 +263,15 @@ class Reading:
 def _start(log: Log, file: McapFile) -> int | None:
     """Return the start time of the run [ns]; None if missing, as in files of other writers."""
     return log.start if METADATA in file.metadata else None
+
+
+def _json(value: Any) -> bytes:
+    """Return a value as JSON, with numbers that are not finite as texts."""
+    try:
+        return json.dumps(value, allow_nan=False).encode()
+    except ValueError:
+        finite = json.loads(json.dumps(value), parse_constant=str)
+        return json.dumps(finite).encode()
 
 
 def _content(message: Message, type_: Any) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -15,8 +16,10 @@ from rtgen.cli import run
 from rtgen.cli.ui import CommandProject
 from rtgen.cli.ui_bus import BusDescriber
 from rtgen.diagnostics import ToolError
+from rtgen.recording.mcap_writer import McapWriter
 from rtgen.runtime import Component
-from rtgen.ui.protocol.ui import EventKind
+from rtgen.ui.outbox import Outbox
+from rtgen.ui.protocol.ui import EventKind, ServerMessage
 from rtgen.ui.recorded import Recorded
 from rtgen.ui.serving import Server
 
@@ -37,6 +40,31 @@ def recorded(files: list[str]) -> Iterator[Server]:
     session = Recorded(files, lambda *_: BusDescriber(None))
     with serving(Server(session, "127.0.0.1", 0)) as server:
         yield server
+
+
+def test_texts_and_numbers_that_pages_cannot_hold(tmp_path: Path) -> None:
+    path = tmp_path / "odd\udcff.mcap"
+    with McapWriter(path) as writer:
+        channel = writer.channel("/a\0b", "json", 0, {"unit": "\0"})
+        writer.message(channel, 0, b'{"x": NaN, "y": [-Infinity], "\\u0000": 1}')
+    session = Recorded([str(path)], lambda *_: BusDescriber(None))
+    page = Outbox(lambda: None)
+    session.join(page)
+    [state] = [
+        each.whole
+        for each in ServerMessage.from_cdr(page.take()).events
+        if each.discriminator is EventKind.EVENT_SYSTEM
+    ]
+    assert state.name == "odd\N{REPLACEMENT CHARACTER}.mcap"
+    [topics] = state.components
+    assert topics.ports[0].name == "/a\N{REPLACEMENT CHARACTER}b"
+    assert topics.ports[0].unit == "\N{REPLACEMENT CHARACTER}"
+    [sample] = session.history.samples(1.0, {state.channels[0].id})[0].samples
+    assert b"NaN" in sample.data
+    refused: list[str] = []
+    value = json.loads(sample.data, parse_constant=refused.append)
+    assert value == {"x": "NaN", "y": ["-Infinity"], "\0": 1}
+    assert refused == []
 
 
 def test_two_recordings_are_scrubbed_beside_each_other(recorded: Server) -> None:
