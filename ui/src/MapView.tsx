@@ -127,7 +127,9 @@ class Scene {
   }
 }
 
-const degrees = (angle: number): string => `${((angle * 180) / Math.PI).toFixed(1)}°`;
+/** A number with fixed decimals, without the sign of a rounded zero. */
+const fixed = (number: number, decimals: number): string => number.toFixed(decimals).replace(/^-(?=[0.]+$)/, "");
+const degrees = (angle: number): string => `${fixed((angle * 180) / Math.PI, 1)}°`;
 
 /** A layer in words. */
 function words(layer: Layer): string {
@@ -139,7 +141,7 @@ function words(layer: Layer): string {
   if (layer.points.length) return `${layer.points.length} points around ${layer.frame}`;
   if (!last) return "no sample yet";
   const heading = Number.isNaN(last.heading) ? "" : `, ${degrees(last.heading)}`;
-  const where = `x ${last.x.toFixed(3)} m, y ${last.y.toFixed(3)} m${heading}`;
+  const where = `x ${fixed(last.x, 3)} m, y ${fixed(last.y, 3)} m${heading}`;
   return layer.trail ? where : `${layer.poses.length} poses to ${where}`;
 }
 

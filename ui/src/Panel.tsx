@@ -80,8 +80,8 @@ function Values({ system, component }: Selection) {
                 {leaves(rows.value).map(([path, value]) => (
                   <tr key={path}>
                     <th scope="row">{path}</th>
-                    <td className="text">{track ? written(value) : ""}</td>
-                    {other && <td className="text">{values.has(path) ? written(values.get(path)) : ""}</td>}
+                    <td className={cell(value)}>{track ? written(value) : ""}</td>
+                    {other && <td className={cell(value)}>{values.has(path) ? written(values.get(path)) : ""}</td>}
                     <td className="text">{/^tm\b/.test(path) ? "" : unit}</td>
                   </tr>
                 ))}
@@ -107,6 +107,8 @@ function Values({ system, component }: Selection) {
   );
 }
 
+/** Long texts are wrapped, numbers are not. */
+const cell = (value: unknown) => (typeof value === "number" ? undefined : "text");
 const written = (value: unknown) => (typeof value === "number" ? String(Number(value.toPrecision(7))) : String(value));
 
 function Timeline({ lines }: { lines: readonly Line[] }) {

@@ -62,6 +62,9 @@ export function Span() {
 /** Whether the page is dark; its change creates new plots, whose axes have its colours. */
 const dark = matchMedia("(prefers-color-scheme: dark)");
 
+/** Space for the longest label of an axis [px]. */
+const space = (_: unknown, labels: readonly string[] | null): number => 20 + 7 * Math.max(4, ...(labels ?? []).map((each) => each.length));
+
 const range = (_: unknown, first: number, last: number): [number, number] => [store.page.span ? Math.max(first, last - store.page.span) : first, last];
 
 /** `read` is called before each drawing; another `source` creates a new plot. */
@@ -91,8 +94,8 @@ export function Plot({ source, read, unit, label }: { source: string; read: () =
             width: place.current.clientWidth,
             height: 180,
             scales: { x: { time: false, range } },
-            legend: { live: false },
-            axes: [{ ...axis, size: 30, label: "time [s]", labelSize: 16 }, unit ? { ...axis, label: unit } : axis],
+            legend: { live: false, markers: { dash: (_, i) => (i > (curves.own ?? curves.names.length) ? "dashed" : "solid") } },
+            axes: [{ ...axis, size: 30, label: "time [s]", labelSize: 16 }, { ...axis, size: space, ...(unit && { label: unit }) }],
             series: [{ label: "t" }, ...series(curves)],
           },
           data,
