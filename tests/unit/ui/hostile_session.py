@@ -281,7 +281,8 @@ class Hostile(Recorded):
                 page.show_more([ui.Event.of_samples(samples)])
             case CommandKind.COMMAND_FITS:
                 for i, text in enumerate(TEXTS):
-                    port = ui.PortAddress(component(i, text).instance, text)
+                    name = (text, f"{text} 2")[i % 2]
+                    port = ui.PortAddress(component(i, text).instance, name)
                     result.fits.append(ui.Fit(port, ("", f"{text}\n{text}")[i % 2]))
             case CommandKind.COMMAND_OBJECTS:
                 for i, text in enumerate(TEXTS):

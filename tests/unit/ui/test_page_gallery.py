@@ -107,9 +107,7 @@ def picture(page: Any, session: Session, look: Look) -> None:
     until(page, lambda: session.now >= look.time)
     page.wait_for_timeout(1000)
     with Image.open(io.BytesIO(page.screenshot())) as taken:
-        small = taken.convert("RGB").quantize(
-            128, MOST_COLOURS, dither=Image.Dither.NONE
-        )
+        small = taken.convert("RGB").quantize(256, MOST_COLOURS, kmeans=1)
         small.save(PICTURES / f"{look.name}.png", optimize=True)
 
 

@@ -179,17 +179,18 @@ def test_names_come_back_as_they_are(shown_texts: Any, hostile: Hostile) -> None
     page.set_viewport_size({"width": 3000, "height": 3000})
     page.get_by_role("button", name="Fit View").click()
     boxes = page.locator(".react-flow__node-component")
-    target = component(0, TEXTS[0])
     for i, text in enumerate(TEXTS):
         box, instance = boxes.nth(i), component(i, text).instance
+        j = (i + 1) % len(TEXTS)
         box.focus()
         page.keyboard.press("Shift+F10")
         choose(page, "Remove", by_keyboard)
         until(page, lambda name=instance: name in asked(REMOVE))
         box.locator(".port.out .source").first.drag_to(
-            boxes.first.locator(".port.in .target")
+            boxes.nth(j).locator(".port.in .target")
         )
-        ends = (instance, f"{text} 2"), (target.instance, target.ports[0].name)
+        other = component(j, TEXTS[j])
+        ends = (instance, f"{text} 2"), (other.instance, other.ports[0].name)
         until(page, lambda ends=ends: ends in map(drawn, asked(CONNECT)))
     names = [each.name for each in hostile.state.connections]
     for edge in page.locator(".react-flow__edge").all():
