@@ -119,7 +119,7 @@ def test_random_damage_never_gives_a_traceback(recorded: Path, tmp_path: Path) -
     whole = len(messages(recorded))
     for case in seeds.cases(60):
         draw = random.Random(case)
-        changed = bytearray(data[: draw.randrange(len(MAGIC), len(data))])
+        changed = bytearray(data[: draw.randrange(len(MAGIC) + 1, len(data))])
         for _ in range(draw.randrange(1, 9)):
             changed[draw.randrange(len(MAGIC), len(changed))] = draw.randrange(256)
         path = tmp_path / "a.mcap"

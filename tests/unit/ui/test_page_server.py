@@ -50,6 +50,7 @@ def test_one_that_is_loaded_again_finds_its_state(page: Any, session: Session) -
     page.get_by_role("button", name="Pause").wait_for()
 
 
+@pytest.mark.usefixtures("page")
 def test_one_that_may_only_look_changes_nothing(looking: Any, session: Session) -> None:
     looking.get_by_text("live, read only").wait_for()
     buttons = (
