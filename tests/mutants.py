@@ -53,6 +53,7 @@ PARTS: Mapping[str, Part] = {
             "canopen/test_sdo.py",
             "canopen/test_sdo_bounds.py",
             "canopen/test_sdo_codes.py",
+            "canopen/test_sdo_messages.py",
         ),
     ),
     "life-cycle": Part(

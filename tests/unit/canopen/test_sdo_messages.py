@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
+from sdo_line import Line
 
 from rtgen.runtime.canopen.wire import sdo
 from rtgen.runtime.canopen.wire.frames import Frame
@@ -319,6 +320,47 @@ def check(client: SdoClient, result: bytes | int) -> None:
     with pytest.raises(SdoAbort) as caught:
         client.result()
     assert caught.value.code == result
+
+
+@pytest.mark.parametrize("block_size", [0x20, 0x21, 0x40])
+def test_segments_whose_number_is_a_command(block_size: int) -> None:
+    """The last number of a block starts a transfer, if it is no segment."""
+    value = bytes(7 * block_size + 1)
+    objects = Cells(b"old", limit=len(value))
+    wire = Line(SdoClient(5), SdoServer(5, objects, block_size=block_size))
+    assert wire.run(wire.client.download(0x2000, 0, value, 0, block=True)) == b""
+    assert objects.values[0x2000, 0] == value
+
+
+def test_responses_of_other_formats_are_none() -> None:
+    client = SdoClient(5)
+    client.upload(0x2000, 0, 0)
+    data = bytes.fromhex("4f00200007000000")
+    for frame in (Frame(0x585, data, extended=True), Frame(0x585, remote=True)):
+        assert client.receive(frame, 0) == []
+    assert client.busy
+    client.receive(Frame(0x585, data), 0)
+    assert client.result() == b"\7"
+    assert client.dropped == 0
+
+
+def test_responses_to_nothing_are_counted() -> None:
+    client = SdoClient(5)
+    for count in (1, 2, 3):
+        client.receive(Frame(0x585, bytes.fromhex("4f00200007000000")), 0)
+        assert client.dropped == count
+
+
+def test_each_response_gives_the_server_the_time_for_another() -> None:
+    client = SdoClient(5, timeout=100)
+    client.upload(0x2000, 0, 0)
+    client.receive(Frame(0x585, bytes.fromhex("4100200008000000")), 50)
+    assert client.deadline == 150
+    assert client.poll(149) == []
+    client.receive(Frame(0x585, bytes.fromhex("0031323334353637")), 149)
+    client.receive(Frame(0x585, bytes.fromhex("1d38000000000000")), 248)
+    assert client.result() == b"12345678"
+    assert client.deadline is None
 
 
 def test_draining_lasts_for_a_silence_after_the_abort() -> None:
