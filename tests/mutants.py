@@ -104,6 +104,7 @@ PARTS: Mapping[str, Part] = {
             "tecs/test_opaque_rpc_values.py",
             "tecs/test_message_calls.py",
             "tecs/test_codec_bytes.py",
+            "tecs/test_signature_digest.py",
             "opaque_rpc/test_tcp_server.py",
             "opaque_rpc/test_shared_channel.py",
         ),

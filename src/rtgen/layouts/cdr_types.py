@@ -54,9 +54,6 @@ class CdrTypes:
     def __init__(self, model: Model, representations: Representations) -> None:
         self._model = model
         self._representations = representations
-        self._leaves: dict[Type, list[Type]] = {}
-        self._are_dynamic: dict[Type, bool] = {}
-        self._have_headers: dict[Type, bool] = {}
         self._octets: dict[Type, int] = {}
 
     @cached_property
@@ -70,8 +67,7 @@ class CdrTypes:
         return {
             declaration.name: {
                 leaf.name
-                for type_ in member_types(declaration)
-                for leaf in self._leaves_of(type_)
+                for leaf in map(self._leaf, member_types(declaration))
                 if isinstance(leaf, NamedType)
             }
             for declaration in self._composites
@@ -95,20 +91,17 @@ class CdrTypes:
         found = [d.name for d in self._composites if self._holds_headers(d)]
         return leading_to(self._uses, found)
 
-    def _leaves_of(self, type_: Type) -> list[Type]:
-        """Return the named and basic types that a type consists of."""
-        found = self._leaves.get(type_)
-        if found is None:
-            plain = self._model.unalias(type_)
-            match plain:
+    def _leaf(self, type_: Type) -> Type:
+        """Return the named or basic type of a type's innermost elements, of maps their values."""
+        while True:
+            type_ = self._model.unalias(type_)
+            match type_:
                 case SequenceType(element) | ArrayType(element):
-                    found = self._leaves_of(element)
-                case MapType(key, value):
-                    found = self._leaves_of(key) + self._leaves_of(value)
+                    type_ = element
+                case MapType(value=value):
+                    type_ = value
                 case _:
-                    found = [plain]
-            self._leaves[type_] = found
-        return found
+                    return type_
 
     def is_recursive(self, name: ScopedName) -> bool:
         """Return whether values of the struct or union can contain values of the same type."""
@@ -134,33 +127,18 @@ class CdrTypes:
 
     def is_dynamic(self, type_: Type) -> bool:
         """Return whether values of the type contain one marshalled by its descriptor."""
-        found = self._are_dynamic.get(type_)
-        if found is None:
-            found = self._are_dynamic[type_] = any(
-                self._is_dynamic_leaf(leaf)
-                or (isinstance(leaf, NamedType) and leaf.name in self._dynamic)
-                for leaf in self._leaves_of(type_)
-            )
-        return found
+        leaf = self._leaf(type_)
+        named = isinstance(leaf, NamedType) and leaf.name in self._dynamic
+        return named or self._is_dynamic_leaf(leaf)
 
     def has_headers(self, type_: Type) -> bool:
         """Return whether the type has member headers in XCDR1: optional members, mutable types."""
-        if not self._headed:
-            return False
-        found = self._have_headers.get(type_)
-        if found is None:
-            found = self._have_headers[type_] = any(
-                isinstance(leaf, NamedType) and leaf.name in self._headed
-                for leaf in self._leaves_of(type_)
-            )
-        return found
+        leaf = self._leaf(type_)
+        return isinstance(leaf, NamedType) and leaf.name in self._headed
 
     def _holds_dynamic(self, declaration: Struct | Union) -> bool:
-        return any(
-            self._is_dynamic_leaf(leaf)
-            for type_ in member_types(declaration)
-            for leaf in self._leaves_of(type_)
-        )
+        leaves = map(self._leaf, member_types(declaration))
+        return any(map(self._is_dynamic_leaf, leaves))
 
     def _holds_headers(self, declaration: Struct | Union) -> bool:
         extensibility = self._representations.extensibility(declaration)
@@ -272,8 +250,8 @@ class CdrTypes:
             case ArrayType(element, dimensions):
                 loops = 0 if self._is_fixed(element) else len(dimensions)
                 return loops + self._loops(element)
-            case MapType(key, value):
-                return 1 + max(self._loops(key), self._loops(value))
+            case MapType(_, value):
+                return 1 + self._loops(value)
         return 0
 
     def _is_fixed(self, type_: Type) -> bool:

@@ -24,6 +24,7 @@ from rtgen.model import (
     Model,
     NamedType,
     PrimitiveType,
+    ScopedName,
     Struct,
     Type,
     Union,
@@ -32,10 +33,9 @@ from rtgen.model import (
 _WIDEST = 8
 _WIDEST_IN_XCDR2 = 4
 _HEADER = 4
-"""Size of the header of an appendable struct in XCDR2 (DHEADER)."""
+"""Size and alignment of the header of an appendable struct in XCDR2 (DHEADER)."""
 _MAX_ELEMENTS = 4096
 """Maximum number of structs in an array whose size is computed."""
-_MAX_DEPTH = 64
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +46,13 @@ class MemberPlace:
     member: Member
     offset: int | None
     size: int | None
+
+    @property
+    def end(self) -> int | None:
+        """The offset after the member."""
+        if self.offset is None or self.size is None:
+            return None
+        return self.offset + self.size
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,13 +71,7 @@ def layout(
     xcdr2 = representations.is_xcdr2(struct)
     measure = _Measure(model, representations, xcdr2)
     members = tuple(measure.members(struct))
-    known = [*members, None][-2 if members else 0]
-    end: int | None = 0
-    if known is not None:
-        complete = known.offset is not None and known.size is not None
-        end = (known.offset or 0) + (known.size or 0) if complete else None
-    if representations.extensibility(struct) is Extensibility.MUTABLE:
-        end = None
+    end = members[-1].end if members else measure.begin(struct, 0)
     return StructLayout(members, end, xcdr2)
 
 
@@ -82,15 +83,15 @@ class _Measure:
         self._representations = representations
         self._xcdr2 = xcdr2
         self._widest = _WIDEST_IN_XCDR2 if xcdr2 else _WIDEST
-        self._depth = 0
+        self._lengths: dict[tuple[Type, int], int] = {}
+        """Octets of a value, including padding before it, by its type and offset modulo _WIDEST."""
 
     def members(self, struct: Struct) -> Iterator[MemberPlace]:
         """Yield the members with their places, those of bases first."""
-        start = self._begin(struct, 0)
-        offset = start
+        offset = self.begin(struct, 0)
         for holder, member in self._all(struct):
             if offset is None or member.optional or member.external:
-                yield MemberPlace(holder, member, None, self._size(member.type))
+                yield MemberPlace(holder, member, None, self._after(0, member.type))
                 offset = None
                 continue
             begin = self._aligned(offset, member.type)
@@ -98,9 +99,18 @@ class _Measure:
             size = None if offset is None else offset - begin
             yield MemberPlace(holder, member, begin, size)
 
+    def begin(self, holder: Struct | Union, offset: int) -> int | None:
+        """Return the offset of the first member of a struct or union at an aligned offset."""
+        match self._representations.extensibility(holder):
+            case Extensibility.MUTABLE:
+                return None
+            case Extensibility.APPENDABLE if self._xcdr2:
+                return offset + _HEADER
+        return offset
+
     def _all(self, struct: Struct) -> Iterator[tuple[Struct, Member]]:
         bases = [struct]
-        while (base := bases[-1].base) is not None and len(bases) < _MAX_DEPTH:
+        while (base := bases[-1].base) is not None:
             found = self._model.find(base)
             assert isinstance(found, Struct)
             bases.append(found)
@@ -108,24 +118,22 @@ class _Measure:
             for member in each.members:
                 yield each, member
 
-    def _begin(self, struct: Struct | Union, offset: int) -> int | None:
-        """Return the offset of the first member of a struct or union at an offset."""
-        match self._representations.extensibility(struct):
-            case Extensibility.MUTABLE:
-                return None
-            case Extensibility.APPENDABLE if self._xcdr2:
-                return offset + -offset % _HEADER + _HEADER
-        return offset
-
-    def _size(self, type_: Type) -> int | None:
-        """Return the size of a value at an aligned offset."""
-        return self._after(0, type_)
-
     def _aligned(self, offset: int, type_: Type) -> int:
         return offset + -offset % self._alignment(type_)
 
     def _alignment(self, type_: Type) -> int:
         """Return the alignment of the first octet of a value."""
+        passed: set[Type] = set()
+        found = self._first(type_)
+        while not isinstance(found, int):
+            if found in passed:
+                return 1  # A struct that begins with itself has no values.
+            passed.add(found)
+            found = self._first(found)
+        return found
+
+    def _first(self, type_: Type) -> int | Type:
+        """Return the alignment of a type, or the type with which its values begin."""
         type_ = self._model.unalias(type_)
         match type_:
             case PrimitiveType(kind) if kind in SCALARS:
@@ -133,31 +141,26 @@ class _Measure:
             case PrimitiveType(Primitive.WCHAR):
                 return 2 if self._xcdr2 else 1
             case ArrayType(element):
-                if self._xcdr2 and not self._is_primitive(element):
-                    return _HEADER
-                return self._alignment(element)
+                return _HEADER if self._has_header(element) else element
             case FixedType():
                 return 1
             case NamedType(name):
-                return self._named_alignment(name)
+                return self._first_of_named(name)
         return 4
 
-    def _named_alignment(self, name: tuple[str, ...]) -> int:
+    def _first_of_named(self, name: ScopedName) -> int | Type:
         match self._model.find(name):
+            case Struct() | Union() as holder if self.begin(holder, 0) != 0:
+                return _HEADER
             case Struct() as struct:
-                if self._begin(struct, 0) != 0 or self._depth > _MAX_DEPTH:
-                    return _HEADER
-                first = next(self._all(struct), None)
-                if first is None or first[1].optional:
+                first = next((member for _, member in self._all(struct)), None)
+                if first is None:
                     return 1
-                self._depth += 1
-                found = self._alignment(first[1].type)
-                self._depth -= 1
-                return found
-            case Union() as union:
-                if self._begin(union, 0) != 0:
-                    return _HEADER
-                return self._alignment(union.switch)
+                if first.optional:
+                    return 1 if self._xcdr2 else _HEADER
+                return first.type
+            case Union(switch=switch):
+                return switch
             case Enum(bound=bound):
                 return _octets(bound) if self._xcdr2 else 4
             case Bitmask(bound=bound):
@@ -166,13 +169,25 @@ class _Measure:
                 return min(_octets(bit_count(self._model, bitset)), self._widest)
         return 4
 
-    def _is_primitive(self, type_: Type) -> bool:
-        return isinstance(self._model.unalias(type_), PrimitiveType)
+    def _has_header(self, element: Type) -> bool:
+        """Return whether arrays of these elements have a header (DHEADER)."""
+        plain = self._model.unalias(element)
+        return self._xcdr2 and not isinstance(plain, PrimitiveType)
 
     def _after(self, offset: int, type_: Type) -> int | None:
         """Return the offset after a value; None if its length varies."""
+        key = type_, offset % _WIDEST
+        length = self._lengths.get(key)
+        if length is None:
+            end = self._measured(self._aligned(offset, type_), type_)
+            if end is None:
+                return None
+            length = self._lengths[key] = end - offset
+        return offset + length
+
+    def _measured(self, start: int, type_: Type) -> int | None:
+        """Return the offset after a value at an aligned offset."""
         type_ = self._model.unalias(type_)
-        start = self._aligned(offset, type_)
         match type_:
             case PrimitiveType(kind) if kind in SCALARS:
                 return start + SCALARS[kind].size
@@ -187,23 +202,19 @@ class _Measure:
         return None
 
     def _after_array(self, start: int, element: Type, count: int) -> int | None:
-        plain = self._model.unalias(element)
-        if self._xcdr2 and not self._is_primitive(element):
-            start += _HEADER
-        if isinstance(plain, PrimitiveType):
-            begin = self._aligned(start, plain)
-            end = self._after(begin, plain)
-            return None if end is None else begin + count * (end - begin)
+        if isinstance(self._model.unalias(element), PrimitiveType):
+            end = self._after(start, element)
+            return None if end is None else start + count * (end - start)
         if count > _MAX_ELEMENTS:
             return None
-        offset: int | None = start
+        offset: int | None = start + _HEADER if self._xcdr2 else start
         for _ in range(count):
             if offset is None:
                 return None
-            offset = self._after(offset, plain)
+            offset = self._after(offset, element)
         return offset
 
-    def _after_named(self, start: int, name: tuple[str, ...]) -> int | None:
+    def _after_named(self, start: int, name: ScopedName) -> int | None:
         match self._model.find(name):
             case Enum(bound=bound):
                 return start + (_octets(bound) if self._xcdr2 else 4)
@@ -212,21 +223,15 @@ class _Measure:
             case Bitset() as bitset:
                 return start + _octets(bit_count(self._model, bitset))
             case Struct() as struct:
-                self._depth += 1
-                offset = self._begin(struct, start)
+                offset = self.begin(struct, start)
                 for _, member in self._all(struct):
                     if offset is None or member.optional or member.external:
-                        offset = None
-                        break
-                    if self._depth > _MAX_DEPTH:
-                        offset = None
-                        break
+                        return None
                     offset = self._after(offset, member.type)
-                self._depth -= 1
                 return offset
         return None
 
 
 def _octets(bits: int) -> int:
-    """Return the octets of an integer with at least that many bits."""
-    return next(size for size in (1, 2, 4, 8) if bits <= 8 * size or size == 8)
+    """Return the octets of an integer with at least that many bits; 8 for more than 64."""
+    return next((size for size in (1, 2, 4) if bits <= 8 * size), 8)

@@ -1,6 +1,7 @@
 """Conversations of SDO, octet by octet (CiA 301, 7.2.4.3): `C` and `S` are client and server.
 
-The CRC of `123456789` is 31C3h, that of its first seven digits 86D6h. Abort codes are sent with the low octet first.
+The CRC of `123456789` is 31C3h, that of its first seven digits 86D6h. Abort codes are sent with the
+low octet first.
 """
 
 from __future__ import annotations
@@ -187,7 +188,7 @@ def test_a_server_writes_the_object_of_the_request() -> None:
 
 SEGMENTS = "C 60\nS 00 31323334353637\nC 70\nS 1b 3839"
 BLOCKS = "C a3\nS 01 31323334353637\nS 82 3839\nC a2 02 7f\n"
-RESULTS = {
+RESULTS: dict[str, tuple[bytes | int, str]] = {
     "segments without a size": (NINE, f"C 40 002000\nS 40 002000\n{SEGMENTS}"),
     "segments as large as the limit": (
         NINE,
@@ -251,7 +252,7 @@ def test_a_client_reads(name: str) -> None:
     check(client, result)
 
 
-WRITES = {
+WRITES: dict[str, tuple[bytes | int, str]] = {
     "a block": (
         b"",
         """C c6 002000 09

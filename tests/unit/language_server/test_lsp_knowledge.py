@@ -111,6 +111,15 @@ def test_hints_of_offsets(editor: Editor) -> None:
     assert inlay_hints(view, Range(Position(5, 0), Position(6, 0))) == hints[2:3]
 
 
+def test_hover_of_structs_nested_too_deeply(editor: Editor) -> None:
+    """IDL0314 reports them; their offsets are missing then."""
+    lines = ["struct S0 { octet a; };"]
+    lines += [f"struct S{n} {{ S{n - 1} a; }};" for n in range(1, 500)]
+    view = editor.open("types_idl", "\n".join(lines))
+    assert "CDR: 1 octet" in hovered(editor, view, "struct S5^0 ")
+    assert "struct S499" in hovered(editor, view, "struct S49^9 ")
+
+
 def test_hints_of_a_pdo(editor: Editor) -> None:
     view = editor.open("drive_eds")
     assert [h.label for h in inlay_hints(view, ALL)] == ["Speed: bit 0, 16 bits"]

@@ -123,6 +123,12 @@ CASES = {
         before="struct tagList { int8_t kind; [size_is(len)] int32_t *data;"
         " [size_is(many)] uint8_t *more; int8_t many; int16_t len; };",
     ),
+    "128 bits in a struct whose size depends on values": Case(
+        "ER f( [in] struct tagWide a );",
+        {"a": {"w": 5, "data": [7], "len": 1}},
+        "672a 0001 | 01 | 0000000000000005 0000000000000000 | 07 | 5a3c",
+        before="struct tagWide { int128_t w; [size_is(len)] int8_t *data; int8_t len; };",
+    ),
     "nested arrays of structs": Case(
         "ER f( [in] const struct tagPoint g[2][2] );",
         {"g": [[{"x": n, "y": n} for n in row] for row in ((1, 2), (3, 4))]},

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from functools import cache
 from typing import Any
 
 import pytest
@@ -49,6 +48,8 @@ SIGNATURE = """signature sCalls {
   int32_t some([out,size_is(n)] uint8_t *data, [in] int8_t n);
   [oneway] void note([in] int32_t v);
   [oneway] ER hint([in] int32_t v);
+  ER pay([in] int32_t v, [in] int32_t w);
+  void load([out,size_is(n)] uint8_t *data, [in] int8_t n);
 };"""
 
 
@@ -92,9 +93,15 @@ class Target:
     def hint(self, v: int) -> None:
         self.seen.append(v)
 
+    def pay(self, v: int, w: int) -> int:
+        return v + w
 
-@cache
+    def load(self, n: int) -> bytes:
+        return b"y" * n
+
+
 def codec() -> Codec:
+    """Return a new codec: a cached one would hide mutants of its construction."""
     unit, _ = read_text(SIGNATURE, "calls.cdl")
     signature = next(d for d in unit.declarations if isinstance(d, Signature))
     return Service(unit, signature, make_tdr()).codec
@@ -117,6 +124,7 @@ def test_results_have_the_form_of_the_signature() -> None:
     assert call("read")(channel) == 3
     assert call("pair")(channel) == (3, 4)
     assert call("some")(channel, 2) == (2, b"xx")
+    assert call("load")(channel, 3) == b"yyy"
     assert call("note")(channel, 5) is None
     assert call("hint")(channel, 6) == 0
     assert target.seen == ["nothing", 5, 6]
@@ -129,8 +137,10 @@ def test_a_target_has_to_have_each_function() -> None:
 
     with pytest.raises(TypeError, match=r"^Part does not define twice, pair$"):
         Dispatcher(Part(), codec())
-    made = Dispatcher(target := Target(), codec())
-    assert (made.target, made.codec) == (target, codec())
+    with pytest.raises(TypeError, match=r"^object does not define code, code_out, "):
+        Dispatcher(object(), codec())
+    made = Dispatcher(target := Target(), used := codec())
+    assert (made.target, made.codec) == (target, used)
 
 
 class Scripted:
@@ -214,6 +224,11 @@ def test_a_wrong_reply_resets_the_channel() -> None:
         call("twice")(channel, 2)
     assert caught.value.sub == E_MAGIC
     assert channel.done[1:] == ["reset"]
+    channel = Scripted(bytes.fromhex("561e 00000001 61 6d5f"))
+    with pytest.raises(
+        ProtocolError, match=r"sCalls\.some: EOP is 6d 5f, expected 6d 5e"
+    ):
+        call("some")(channel, 1)
 
 
 def test_a_oneway_call_that_fails(caplog: pytest.LogCaptureFixture) -> None:
@@ -231,6 +246,13 @@ def test_values_that_cannot_be_sent_are_named() -> None:
     said = str(caught.value)
     assert said.startswith(f"sCalls.code(v='{'a' * 56}...): ")
     assert not said.endswith(": None")
+    assert "out of range" not in said
+    with pytest.raises(ArgumentError, match=r"^sCalls\.pay\(v=1, w='x'\): "):
+        call("pay")(channel, 1, "x")
+    for length, shown in ((58, f"'{'a' * 58}'"), (59, f"'{'a' * 56}...")):
+        with pytest.raises(ArgumentError) as caught:
+            call("code")(channel, "a" * length)
+        assert str(caught.value).startswith(f"sCalls.code(v={shown}): ")
     with pytest.raises(ArgumentError, match=r"^sCalls\.fill\(n=300\): 300 is out of"):
         call("fill")(channel, 300)
     assert channel.done == []
@@ -348,13 +370,16 @@ def test_a_target_that_fails_leaves_the_call_without_reply(
         def twice(self, v: int) -> int:
             raise KeyError("no motor")
 
-    channel = ExchangeChannel(PacketServer(Dispatcher(Failing(), codec())))
+    failing = Dispatcher(Failing(), codec())
+    channel = ExchangeChannel(PacketServer(failing))
     with pytest.raises(ChannelError):
         call("twice")(channel, 1)
     record = caplog.records[0]
     assert (record.name, record.levelno) == ("rtgen.runtime.opaque_rpc", logging.ERROR)
-    assert "a call from a client failed and has no reply: " in record.getMessage()
-    assert "no motor" in record.getMessage()
+    wanted = "a call from a client failed and has no reply: KeyError: 'no motor'"
+    assert record.getMessage() == wanted
+    request = bytes.fromhex("672a 0005 00000001 5a3c")
+    assert not serve(failing, PacketReader(request), [].append)
     assert record.exc_info is not None
     assert isinstance(record.exc_info[1], KeyError)
 

@@ -114,6 +114,17 @@ def test_items_of_arrays(tdr: Tdr, kind: str, values: list[int], octets: str) ->
     assert items.integers(data, 0) == []
 
 
+def test_arrays_of_many_128_bit_integers() -> None:
+    items = Items(LITTLE, "w")
+    values = list(range(-20, 20))
+    assert items.integers(items.pack(values) + bytes(160), len(values)) == values
+
+
+def test_the_order_of_octets_of_a_number() -> None:
+    assert NETWORK.int16(0x672A) == BIG.int16(0x672A) == b"\x67\x2a"
+    assert LITTLE.int16(0x672A) == b"\x2a\x67"
+
+
 def test_items_that_are_no_integers() -> None:
     assert Items(LITTLE, "?").pack([True, False]) == b"\1\0"
     assert Items(LITTLE, "?").booleans(b"\1\0\2\1\0", 3) == [True, False, True]
@@ -203,7 +214,9 @@ def test_a_text_ends_at_the_first_zero_or_without_one() -> None:
     text = Text(NETWORK, "utf-8")
     assert [text.text(d) for d in (b"ab\0\x22", b"ab", b"")] == ["ab", "ab", ""]
     assert text.text(b"\xe3\x81") == "\ufffd"
-    assert WideText(LITTLE, "i").text(bytes.fromhex("ffffffff0000000001")) == [-1]
+    wide = WideText(LITTLE, "i")
+    assert wide.text(bytes.fromhex("ffffffff0000000001")) == [-1]
+    assert wide.text(bytes.fromhex("0100000002000000")) == [1, 2]
 
 
 def test_sizes_are_checked_before_anything_is_read() -> None:

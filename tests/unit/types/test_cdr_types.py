@@ -23,6 +23,8 @@ module c {
   @bit_bound(8) bitmask Flags { A, B };
   bitset Low { bitfield<3> a; bitfield<4> b; };
   bitset High : Low { bitfield<9> c; };
+  bitset Higher : High { bitfield<5> d; };
+  native Handle;
   struct Empty {};
   struct Pair { double a; octet b; };
   union Choice switch (short) { case 1: double a; };
@@ -60,6 +62,8 @@ module c {
   struct HoldsLocalValue { map<long, Local> a; };
   struct HoldsLocalElement { Local a[2]; };
   struct HoldsCustom { Custom a; };
+  struct HoldsHandle { Handle a; };
+  struct HoldsVoid { void a; };
   struct Later;
   struct Early { @external Later a; @external Pair b; @external long c; Pair d; };
   struct Later { octet a; };
@@ -139,6 +143,11 @@ def test_least_octets(model: Model) -> None:
         ("HoldsLocalValue", "`c::Local` is local: it does not leave its process"),
         ("HoldsLocalElement", "`c::Local` is local: it does not leave its process"),
         ("HoldsCustom", "`c::Custom` is custom: its user marshals its state"),
+        (
+            "HoldsHandle",
+            "`c::Handle` (native) is not marshalled by CDR codecs here",
+        ),
+        ("HoldsVoid", "`void` has no representation in CDR"),
     ],
 )
 def test_what_is_not_marshalled(holder: str, reason: str, model: Model) -> None:
@@ -168,6 +177,8 @@ def loops(element: str, depth: int) -> str:
         ),
         (loops("Table", MAX_LOOPS - 2), True),
         (loops("Table", MAX_LOOPS - 1), False),
+        (loops("Lists", MAX_LOOPS - 2), True),
+        (loops("Lists", MAX_LOOPS - 1), False),
         (f"map<long, {loops('string', MAX_LOOPS - 1)}>", True),
         (f"map<long, {loops('string', MAX_LOOPS)}>", False),
     ],
@@ -178,6 +189,7 @@ def test_loops_in_loops(type_: str, passes: bool, tmp_path: Path) -> None:
         tmp_path,
         "module c { enum Colour { RED }; bitmask Flags { A }; bitset Bits { bitfield<3> a; };"
         "struct Pair { long a; }; typedef long Row[3]; typedef string Texts[3];"
+        "typedef sequence<string> Strings; typedef Strings Lists[3];"
         f"typedef Pair Table[2][2]; struct Holds {{ {type_} a; }}; }};",
     )
     checked = types_of(model)
@@ -188,6 +200,25 @@ def test_loops_in_loops(type_: str, passes: bool, tmp_path: Path) -> None:
         checked.check(type_of(model, "Holds"))
     reason = f"sequences are nested more than {MAX_LOOPS} deep: put a struct between"
     assert str(caught.value) == reason
+
+
+def test_arrays_of_loops(tmp_path: Path) -> None:
+    text = f"typedef {loops('string', MAX_LOOPS)} Deepest; typedef Deepest Row[2];"
+    model = loaded(
+        tmp_path, f"module c {{ {text} struct Holds {{ Deepest a; Row b; }}; }};"
+    )
+    checked = types_of(model)
+    assert checked.check(type_of(model, "Holds", "a")) == 4
+    with pytest.raises(NotMarshalledError, match="nested more than 12 deep"):
+        checked.check(type_of(model, "Holds", "b"))
+
+
+def test_each_type_is_checked_once(tmp_path: Path) -> None:
+    """The number of values doubles with each level; the time does not."""
+    structs = [f"struct S{n} {{ S{n - 1} a; S{n - 1} b; }};" for n in range(1, 60)]
+    text = f"module c {{ struct S0 {{ octet a; }}; {' '.join(structs)} }};"
+    model = loaded(tmp_path, text)
+    assert types_of(model).check(type_of(model, "S59")) == 1 << 58
 
 
 def test_recursion(model: Model) -> None:
@@ -210,12 +241,14 @@ def test_unset_members(model: Model) -> None:
     assert not types.is_unset(link, member_of(model, "Link", "a"))
 
 
-def test_headers(model: Model) -> None:
+def test_headers(model: Model, tmp_path: Path) -> None:
     """Headers of optional members and of mutable types, at any depth."""
     types = types_of(model)
     for holder in ("HoldsOptional", "HoldsTagged", "HoldsTaggedKey"):
         for _ in range(2):
             assert types.has_headers(type_of(model, holder)), holder
+    plain = loaded(tmp_path, "module c { struct Holds { long a; }; };")
+    assert not types_of(plain).has_headers(type_of(plain, "Holds"))
     for name in ("a_struct", "rows", "a_map", "a_union", "an_octet"):
         assert not types.has_headers(type_of(model, "Holds", name)), name
 
@@ -236,7 +269,7 @@ def test_dynamic_types(model: Model) -> None:
 
 
 def test_counts_of_bits(model: Model) -> None:
-    for name, bits in (("Low", 7), ("High", 16)):
+    for name, bits in (("Low", 7), ("High", 16), ("Higher", 21)):
         bitset = model.find(("c", name))
         assert isinstance(bitset, Bitset)
         assert bit_count(model, bitset) == bits

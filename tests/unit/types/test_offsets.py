@@ -50,6 +50,13 @@ module o {
   struct OptionalFirst { @optional double a; };
   struct HoldsOptionals { octet a; Optionals b; long c; };
   struct HoldsOptionalFirst { octet a; OptionalFirst b; long c; };
+  struct Single { double a; };
+  struct EmptyLast { octet a; Empty b; };
+  interface Remote {};
+  struct Calls { octet a; Remote b; octet c; };
+  struct Ring { @external Ring next; octet a; };
+  struct HoldsRing { octet a; Ring b; };
+  struct HoldsDecimals { octet a; fixed<5,2> b[2]; octet c; };
   struct Elsewhere { octet a; @external double b; };
   struct HoldsElsewhere { octet a; Elsewhere b; octet c; };
   @mutable struct Tagged { double a; };
@@ -57,6 +64,7 @@ module o {
   struct Most { Inner a[4096]; octet b; };
   struct TooMany { Inner a[4097]; octet b; };
   struct Texts { octet a; string b[2]; octet c; };
+  @appendable struct Grown0 {};
   union Choice switch (boolean) { case TRUE: octet one; case FALSE: long two; };
   struct Chosen { octet a; Choice b; };
   @appendable union Grown switch (boolean) { case TRUE: octet one; };
@@ -72,6 +80,9 @@ module o {
     octet a; wchar b; wchar c[2]; octet d[3]; long double e;
   };
   @data_representation(XCDR2) struct Plain2 { octet a; double b; short c; long long d; };
+  @data_representation(XCDR2) struct Octets2 { octet a; octet b[3]; octet c; };
+  @data_representation(XCDR2) struct HoldsOptionalFirst2 { octet a; OptionalFirst b; };
+  @data_representation(XCDR2) struct HoldsEmpty2 { octet a; Grown0 b; Grown0 c; octet d; };
   @data_representation(XCDR2) @appendable struct Grows { octet a; double b; short c; };
   @data_representation(XCDR2) struct Holds { octet a; Grows b; octet c; Inner d[2]; octet e; };
 };
@@ -189,7 +200,21 @@ def test_places_follow_each_other(model: Model) -> None:
         ("Extended", [(0, 1), (8, 16), (24, 1)]),
         ("Optionals", [(0, 1), (None, 4), (None, 4), (None, 8)]),
         ("HoldsOptionals", [(0, 1), (1, None), (None, 4)]),
-        ("HoldsOptionalFirst", [(0, 1), (1, None), (None, 4)]),
+        ("HoldsOptionalFirst", [(0, 1), (4, None), (None, 4)]),
+        ("HoldsOptionalFirst2", [(0, 1), (1, None)]),
+        ("Single", [(0, 8)]),
+        ("EmptyLast", [(0, 1), (1, 0)]),
+        ("Calls", [(0, 1), (4, None), (None, 1)]),
+        ("HoldsRing", [(0, 1), (1, None)]),
+        ("HoldsDecimals", [(0, 1), (1, 6), (7, 1)]),
+        ("Octets2", [(0, 1), (1, 3), (4, 1)]),
+        ("HoldsEmpty2", [(0, 1), (4, 4), (8, 4), (12, 1)]),
+        ("Nested", [(0, 1), (1, 15), (16, 1), (24, 9), (33, 1)]),
+        (
+            "Arrays",
+            [(0, 1), (2, 6), (8, 1), (16, 16), (32, 1), (33, 31), (64, 1)],
+        ),
+        ("Holds", [(0, 1), (4, 18), (22, 1), (24, 28), (52, 1)]),
         ("HoldsElsewhere", [(0, 1), (1, None), (None, 1)]),
         ("Tagged", [(None, 8)]),
         ("HoldsTagged", [(0, 1), (4, None), (None, 1)]),
@@ -233,21 +258,56 @@ def test_a_union_begins_with_its_discriminator(package: Any) -> None:
     assert octets(chosen) == bytes((7, 1, 9))
 
 
-def test_structs_in_structs(tmp_path: Path) -> None:
-    """Structs are measured to a depth of 64, and their neighbours likewise."""
-    lines = ["struct S0 { octet a; double b; };"]
-    lines += [f"struct S{n} {{ octet a; S{n - 1} b; }};" for n in range(1, 80)]
-    lines += ["struct Pair { S9 a; S60 b; S60 c; S60 d; };"]
-    path = tmp_path / "deep.idl"
+def chain(folder: Path, first: str, following: str, levels: int) -> Model:
+    """Return structs S0, S1 and so on; {0} is the number of one, {1} that of the one before."""
+    lines = [first, *(following.format(n, n - 1) for n in range(1, levels))]
+    path = folder / "chain.idl"
     path.write_text("\n".join(lines), encoding="utf-8")
-    model = load([path], root=tmp_path).model
-    known = []
-    for n in range(80):
-        struct = model.find((f"S{n}",))
-        assert isinstance(struct, Struct)
-        known.append(layout(model, struct, Representations(model)).size)
-    ends = {n: n + 1 + -(n + 1) % 8 + 8 for n in range(80)}
-    assert known == [ends[n] if n <= 64 else None for n in range(80)]
-    pair = model.find(("Pair",))
-    assert isinstance(pair, Struct)
-    assert layout(model, pair, Representations(model)).size == 240
+    return load([path], root=folder).model
+
+
+def sizes(model: Model) -> list[int | None]:
+    found = [d for d in model.declarations if isinstance(d, Struct)]
+    return [layout(model, struct, Representations(model)).size for struct in found]
+
+
+def test_structs_in_structs(tmp_path: Path) -> None:
+    first, following = "octet a; double b;", "struct S{0} {{ octet a; S{1} b; }};"
+    model = chain(tmp_path, f"struct S0 {{ {first} }};", following, 80)
+    assert sizes(model) == [n + 1 + -(n + 1) % 8 + 8 for n in range(80)]
+
+
+def test_each_type_is_measured_once(tmp_path: Path) -> None:
+    """The number of values doubles with each level; the time does not."""
+    following = "struct S{0} {{ S{1} a; S{1} b; }};"
+    model = chain(tmp_path, "struct S0 { octet a; double b; };", following, 80)
+    assert sizes(model) == [16 << n for n in range(80)]
+
+
+def test_bases_of_bases(tmp_path: Path) -> None:
+    model = chain(
+        tmp_path, "struct S0 {};", "struct S{0} : S{1} {{ octet a{0}; }};", 80
+    )
+    assert sizes(model) == list(range(80))
+
+
+def test_a_struct_begins_with_the_first_octet_of_its_first_member(
+    tmp_path: Path,
+) -> None:
+    following = "struct S{0} {{ S{1} a; }};"
+    model = chain(tmp_path, "struct S0 { double a; };", following, 80)
+    holder = "struct S{0} {{ octet a; S79 b; }};"
+    text = (tmp_path / "chain.idl").read_text() + holder.format(80)
+    (tmp_path / "chain.idl").write_text(text)
+    model = load([tmp_path / "chain.idl"], root=tmp_path).model
+    struct = model.find(("S80",))
+    assert isinstance(struct, Struct)
+    places = layout(model, struct, Representations(model)).members
+    assert [(place.offset, place.size) for place in places] == [(0, 1), (8, 8)]
+
+
+def test_a_bitset_with_too_many_bits_has_eight_octets(tmp_path: Path) -> None:
+    """IDL0312 reports it; a language server shows the offsets nevertheless."""
+    path = tmp_path / "case.idl"
+    path.write_text("bitset B { bitfield<64> x; bitfield<3> y; }; struct S { B b; };")
+    assert sizes(load([path], root=tmp_path).model) == [8]

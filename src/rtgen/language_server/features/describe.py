@@ -254,20 +254,21 @@ def _octets(count: int) -> str:
 def layout_of_struct(
     analysis: Analysis, struct: Struct
 ) -> tuple[offsets.MemberPlace, ...]:
-    """Return the places of a struct's members; none if a type is missing."""
+    """Return the places of a struct's members; none if a type is missing, or nested too deeply."""
+    made = _laid_out(analysis, struct)
+    return () if made is None else made.members
+
+
+def _laid_out(analysis: Analysis, struct: Struct) -> offsets.StructLayout | None:
     try:
-        made = offsets.layout(analysis.model, struct, representations_of(analysis))
-    except KeyError:
-        return ()
-    return made.members
+        return offsets.layout(analysis.model, struct, representations_of(analysis))
+    except (KeyError, RecursionError):
+        return None
 
 
 def _layout(analysis: Analysis, struct: Struct) -> str:
-    try:
-        made = offsets.layout(analysis.model, struct, representations_of(analysis))
-    except KeyError:
-        return ""
-    if not made.members:
+    made = _laid_out(analysis, struct)
+    if made is None or not made.members:
         return ""
     rows = ["| offset | size | member | type |", "|--:|--:|---|---|"]
     for place in made.members[:_MAX_ROWS]:
