@@ -295,6 +295,10 @@ def test_the_end_of_a_value_in_the_rest_of_a_truncated_one(dyn: Any) -> None:
     for end in ("feffffff ffffffff", "ffffffff"):
         assert dyn.Base.from_cdr(octets + bytes.fromhex(end)).x == 1
     refused(dyn.Base, octets.hex() + "fdffffff", "an end tag -3 at level 2")
+    for tag in ("00ffff7f", "02ffff7f"):
+        without = octets.hex().replace("08ffff7f", tag) + "feffffff ffffffff"
+        message = "a value without chunks inside of one that has them"
+        refused(dyn.Base, without, message)
 
 
 def test_an_indirection_leads_to_a_value_of_the_needed_type(dyn: Any) -> None:

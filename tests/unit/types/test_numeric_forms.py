@@ -58,6 +58,11 @@ module n {
     union Choice switch (long) { case 1: sequence<float> numbers; case 2: sequence<Point> points; };
     exception Failed { sequence<long long> codes; };
     struct Held { Everything inner; any thing; };
+    struct Numbered { long number; float row[80]; };
+    struct Longs { sequence<Numbered> rows; };
+    struct Followed {
+        sequence<double> scan; octet rgb[3]; long after; sequence<long> ids; short last;
+    };
 };
 """
 WAYS = ("cdr", "xcdr1", "xcdr2")
@@ -109,6 +114,27 @@ def filled(n: ModuleType, count: int) -> Any:
         rows=[[float(i)] * (i % 3) for i in range(min(count, 9))],
         end="é" * (count % 5),
     )
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("count", [0, MAX_LIST_LENGTH, MAX_LIST_LENGTH + 1])
+def test_members_after_numbers(
+    packages: dict[Numeric, Any], form: Numeric, count: int
+) -> None:
+    type_ = packages[form].Followed
+    value = type_([0.5] * count, b"rgb", -7, list(range(count)), 9)
+    again = type_.from_cdr(value.to_cdr())
+    assert (again.rgb, again.after, again.last) == (b"rgb", -7, 9)
+    assert ([*again.scan], [*again.ids]) == ([0.5] * count, [*range(count)])
+
+
+def test_long_arrays_in_elements(packages: dict[Numeric, Any]) -> None:
+    for form, kind in (("list", list), ("array", NumericArray)):
+        n = packages[form]
+        value = n.Longs([n.Numbered(i, [i / 2] * 80) for i in range(3)])
+        again = n.Longs.from_cdr(value.to_cdr())
+        assert again == value
+        assert {type(element.row) for element in again.rows} == {kind}
 
 
 def test_types_settle_the_form(packages: dict[Numeric, Any]) -> None:

@@ -67,6 +67,7 @@ from rtgen.runtime.marshalling.octets import (
 from rtgen.runtime.marshalling.type_codes import TypeCodeReader, simple_type
 
 _T = TypeVar("_T")
+_WITHOUT_CHUNKS = "a value without chunks inside of one that has them"
 _MAX_IDS = 100
 
 
@@ -315,7 +316,7 @@ class Reader(OctetReader):
         ids = self._header(tag)
         chunked = bool(tag & CHUNKED)
         if self._level and not chunked:
-            raise Fault("a value without chunks inside of one that has them")
+            raise Fault(_WITHOUT_CHUNKS)
         actual, truncated = self._actual(formal, ids)
         if truncated and not chunked:
             raise Fault(f"{ids[0]} is not known, and has no chunks")
@@ -466,6 +467,8 @@ class Reader(OctetReader):
                     raise Fault("a value continues after the end of its state")
                 elif tag < VALUE_TAG:
                     self._skip(tag)
+                elif not tag & CHUNKED:
+                    raise Fault(_WITHOUT_CHUNKS)
                 else:
                     self._header(tag)
                     level += 1
