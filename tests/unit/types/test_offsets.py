@@ -50,6 +50,9 @@ module o {
   struct OptionalFirst { @optional double a; };
   struct HoldsOptionals { octet a; Optionals b; long c; };
   struct HoldsOptionalFirst { octet a; OptionalFirst b; long c; };
+  struct After17 { octet a[17]; double b; };
+  struct After3 { octet a[3]; double b; };
+  struct Phases { After17 a; After3 b; };
   struct Single { double a; };
   struct EmptyLast { octet a; Empty b; };
   interface Remote {};
@@ -202,6 +205,7 @@ def test_places_follow_each_other(model: Model) -> None:
         ("HoldsOptionals", [(0, 1), (1, None), (None, 4)]),
         ("HoldsOptionalFirst", [(0, 1), (4, None), (None, 4)]),
         ("HoldsOptionalFirst2", [(0, 1), (1, None)]),
+        ("Phases", [(0, 32), (32, 16)]),
         ("Single", [(0, 8)]),
         ("EmptyLast", [(0, 1), (1, 0)]),
         ("Calls", [(0, 1), (4, None), (None, 1)]),
