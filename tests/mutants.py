@@ -144,7 +144,7 @@ def _prepare(name: str) -> Path:
         "pytest_add_cli_args": list(_ARGUMENTS),
         "pytest_add_cli_args_test_selection": [f"tests/unit/{t}" for t in part.tests],
     }
-    lines = ["[mutmut]", "use_git_change_detection = false"]
+    lines = ["[mutmut]", "use_git_change_detection = false", "timeout_multiplier = 5"]
     for key, values in lists.items():
         lines += [f"{key} =", *(f"    {value}" for value in values)]
     (folder / "setup.cfg").write_text("\n".join(lines) + "\n")
