@@ -389,6 +389,16 @@ def test_requests_that_are_refused_before_more_is_read(
     assert caught.value.sub == code
 
 
+def test_the_end_of_a_request_without_values() -> None:
+    function = only(service("ER f( void );"))
+    assert function.decode_request(bytes.fromhex("672a0001 5a3c")) == ()
+    with pytest.raises(
+        ProtocolError, match=r"f: EOP is 6d 5e, expected 5a 3c"
+    ) as caught:
+        function.decode_request(bytes.fromhex("672a0001 6d5e"))
+    assert caught.value.sub == E_MAGIC
+
+
 @pytest.mark.parametrize(
     ("text", "arguments", "reply", "code"),
     [
