@@ -51,6 +51,9 @@ _PERIODS = (0, 0, 0, 1, 3, 20, 400, 3000)
 _MAX_FRAMES = 300
 """Maximum number of frames in an answer: a block of segments and others that may be due."""
 _MAX_POLLS = 20_000
+_POLLS_BEFORE_STALL = 8
+_COMPLETE = 31
+"""One in that many inputs has all polls of each pause; in the others the host stalls."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,8 +133,12 @@ class NodeTarget(_Target):
     """The target of a slave alone."""
 
     def check(self, number: int, data: bytes) -> Iterator[str]:
-        """Send the frames to the slave, and run what is due between them."""
+        """Send the frames to the slave, and run what is due between them.
+
+        A host that stalls polls the slave a few times, and then at the end of the pause.
+        """
         node = DeviceNode(_DEVICES[number % 4], 1 if number % 7 else 255)
+        stall = _POLLS_BEFORE_STALL if number % _COMPLETE else _MAX_POLLS
         now = 0
         _hold(node.boot(now))
         for each in Strange.read(data):
@@ -139,7 +146,7 @@ class NodeTarget(_Target):
             end = now + each.pause * MILLISECOND
             polls = 0
             while (due := node.deadline) is not None and due <= end:
-                now = max(due, now)
+                now = max(due, now) if polls < stall else end
                 _hold(node.poll(now))
                 polls += 1
                 if polls > _MAX_POLLS:

@@ -201,7 +201,8 @@ class DevicePdos:
         """PDOs by the indices of their parameters."""
         self._receivers: dict[DevicePdo, RpdoReceiver] = {}
         self._transmitters: dict[DevicePdo, TpdoTransmitter] = {}
-        self._timed: list[RpdoReceiver | TpdoTransmitter] = []
+        self._timed_receivers: list[tuple[DevicePdo, RpdoReceiver]] = []
+        self._timed_transmitters: list[tuple[DevicePdo, TpdoTransmitter]] = []
         self._synchronous_receivers: list[tuple[DevicePdo, RpdoReceiver]] = []
         self._synchronous_transmitters: list[tuple[DevicePdo, TpdoTransmitter]] = []
         self._by_id: dict[int, list[DevicePdo]] = {}
@@ -231,8 +232,12 @@ class DevicePdos:
     def deadline(self) -> int | None:
         """Time of the next call of `poll`."""
         deadline = None
-        for part in self._timed:
-            due = part.deadline
+        for _, transmitter in self._timed_transmitters:
+            due = transmitter.deadline
+            if due is not None and (deadline is None or due < deadline):
+                deadline = due
+        for _, receiver in self._timed_receivers:
+            due = receiver.deadline
             if due is not None and (deadline is None or due < deadline):
                 deadline = due
         return deadline
@@ -312,11 +317,11 @@ class DevicePdos:
 
     def poll(self, now: int) -> Iterator[Frame]:
         """Process timers: event timers, inhibit times, RPDO time-outs."""
-        for pdo, receiver in self._receivers.items():
+        for pdo, receiver in self._timed_receivers:
             code = receiver.poll(now)
             if code:
                 self._errors.add(code, pdo.label)
-        for pdo, transmitter in self._transmitters.items():
+        for pdo, transmitter in self._timed_transmitters:
             due = transmitter.deadline
             if due is not None and due <= now:
                 self._refresh(pdo, now)
@@ -364,8 +369,12 @@ class DevicePdos:
 
     def _index(self) -> None:
         self._by_id, self._carriers = {}, {}
-        self._timed = [part for part in self._transmitters.values() if part.timed]
-        self._timed += [part for part in self._receivers.values() if part.timed]
+        self._timed_receivers = [
+            each for each in self._receivers.items() if each[1].timed
+        ]
+        self._timed_transmitters = [
+            each for each in self._transmitters.items() if each[1].timed
+        ]
         self._synchronous_receivers = [
             each for each in self._receivers.items() if each[1].synchronous
         ]
