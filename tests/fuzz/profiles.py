@@ -21,6 +21,7 @@ from rtgen.frontends.kit import located_xml
 from rtgen.inspection.models import inspect
 from rtgen.lowering.profiles.lower import lower
 from rtgen.lowering.settings import Settings
+from rtgen.lowering.stage import Lowered
 from rtgen.model import Model
 from rtgen.typemap.profiles.rules import RULES
 
@@ -97,7 +98,7 @@ class ProfileTarget:
             files=(*base.files, *read.model.files),
             profiles=read.model.profiles,
         )
-        lowered = lower(known, Settings())
+        lowered = lower(known, Settings()) if read.model.profiles else Lowered(known)
         model = lowered.model
         diagnostics = (*read.diagnostics, *lowered.diagnostics)
         _hold(diagnostics)

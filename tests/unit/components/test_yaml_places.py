@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+import yaml
 
 from rtgen.diagnostics import Diagnostic, InputError
 from rtgen.frontends import profile_tree, profile_yaml, rts_profile
@@ -22,6 +23,15 @@ rtsProfile:
         - rate: fast
     - id: RTC:Sample:Fluid:Valve:1.0
 """
+
+
+@pytest.fixture(autouse=True, params=["libyaml", "Python"])
+def parser(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Read by libyaml, and as where PyYAML has no libyaml."""
+    if request.param == "Python":
+        monkeypatch.setattr(yaml, "__with_libyaml__", False)
+    elif not yaml.__with_libyaml__:
+        pytest.skip("PyYAML has no libyaml")
 
 
 def places(diagnostics: tuple[Diagnostic, ...]) -> list[tuple[str, int, int, int]]:
@@ -65,6 +75,7 @@ def test_a_system() -> None:
         ("", (1, 1), "there is neither `rtcProfile` nor `rtsProfile`"),
         ("a: &x b\nc: *x", (2, 4), "an alias"),
         ("? [a]\n: b", (1, 3), "not YAML: a key that is not text"),
+        ("a: b\n--- c", (2, 1), "not YAML: expected a single document"),
         ("a: [b", (1, 6), "not YAML: expected ',' or ']', but got '<stream end>'"),
     ],
 )
@@ -107,6 +118,13 @@ def test_places_of_lists_texts_and_mappings() -> None:
         for i in items.content
         if isinstance(i, located_yaml.Node)
     ] == [("12", 2, 5, 7), ("b c", 3, 5, 10)]
+
+
+def test_the_end_of_a_mapping_in_one_line() -> None:
+    for text, end in (("a: {b: c}", 10), ("a:\n  b: c\n", 4)):
+        content = located_yaml.parse(text, "a.yaml").content
+        assert isinstance(content, dict)
+        assert content["a"].span.end_column == end
 
 
 def test_a_long_text() -> None:
