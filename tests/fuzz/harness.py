@@ -2,6 +2,7 @@
 
     python tests/fuzz/harness.py DOOR... [--seconds S] [--runs N] [--keep]
     python tests/fuzz/harness.py DOOR... --total N [--first M] [--seconds S]
+    python tests/fuzz/harness.py DOOR... --types N [--first M]
 
 An input that takes over 10 s or 500 MB, or that raises an undocumented exception, is written to
 `build/fuzz/DOOR/` with its traceback; the exit code is then 1. A line for each door summarizes the
@@ -12,6 +13,9 @@ reaches.
 fewest inputs so far is next. `build/fuzz/inputs.json` counts them, so that a stopped run continues
 there, or at number M if it has no count of the door; the number of an input alone determines its
 octets.
+
+`--types` generates the Python of numbered inputs of each door of definitions, from number M on,
+until there are N packages, which must import, round-trip and type-check (`accepted.py`).
 """
 
 from __future__ import annotations
@@ -20,6 +24,7 @@ import argparse
 import hashlib
 import json
 import logging
+import multiprocessing
 import os
 import re
 import shutil
@@ -29,6 +34,7 @@ import tempfile
 import time
 import traceback
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -51,6 +57,10 @@ _DEFECT_PREFIX = "defect-"
 """Prefix of the names of inputs that once showed a defect; they are kept."""
 _DRAWN_SHARE = 0.2
 """The share of inputs that are drawn by the grammar instead of mutated."""
+_PACKAGES = 500
+"""Number of packages that mypy checks at once."""
+_MAX_DRAWN = 200
+"""Maximum number of inputs drawn for a package."""
 _FIRST_CHUNK = 1000
 _SECONDS_OF_CHUNK = 60
 _EXECUTED = re.compile(r"stat::number_of_executed_units:\s*(\d+)")
@@ -275,6 +285,47 @@ def _keep_failures(name: str, found: fuzzing.Report) -> None:
             file.with_suffix(".txt").write_text(failure.detail)
 
 
+def typed(name: str, count: int, first: int = 0) -> Iterator[tuple[str, bool]]:
+    """Check packages of inputs from number `first` on; yield a summary after each batch."""
+    number, packages = first, 0
+    while packages < count:
+        # In a process of its own, since imported modules leave something in memory.
+        context = multiprocessing.get_context("spawn")
+        with ProcessPoolExecutor(1, mp_context=context) as worker:
+            size = min(_PACKAGES, count - packages)
+            end, made, failures = worker.submit(_batch, name, number, size).result()
+        folder = FOUND / name
+        for each, (data, detail) in failures.items():
+            folder.mkdir(parents=True, exist_ok=True)
+            (folder / f"types-{each}").write_bytes(data)
+            (folder / f"types-{each}.txt").write_text(detail)
+        number, packages = end, packages + made
+        tried = number - first
+        line = f"{name:<14} {packages:>9} packages of {tried} inputs"
+        yield f"{line}, {len(failures)} failures", not failures
+        if made < size:
+            break
+
+
+def _batch(
+    name: str, first: int, count: int
+) -> tuple[int, int, dict[int, tuple[bytes, str]]]:
+    """Return the next number, the number of packages, and inputs with failures."""
+    from accepted import Packages
+
+    prefix = f"{name.replace('-', '_')}_"
+    number, made = first, 0
+    with tempfile.TemporaryDirectory() as scratch:
+        target = DoorTarget(name, Path(scratch))
+        packages = Packages(Path(scratch) / "packages")
+        while made < count and number < first + _MAX_DRAWN * count:
+            made += packages.add(f"{prefix}{number}", name, target.make(number))
+            number += 1
+        packages.check_types()
+    found = {int(k.removeprefix(prefix)): v for k, v in packages.failures.items()}
+    return number, made, {n: (target.make(n), found[n]) for n in sorted(found)}
+
+
 def keep(name: str) -> int:
     """Store the smallest inputs that reach lines which smaller ones do not; return their number."""
     paths = [*(FOUND / name / "reached").iterdir(), *corpus(name)]
@@ -334,6 +385,9 @@ def main() -> int:
     parser.add_argument("--keep", action="store_true", help="renew the corpus")
     parser.add_argument("--total", type=int, help="number of random inputs per door")
     parser.add_argument(
+        "--types", type=int, help="number of packages to check per door"
+    )
+    parser.add_argument(
         "--first", type=int, default=0, help="number of the first input"
     )
     seed = int(os.environ.get("RTGEN_SEED", time.time()))
@@ -345,6 +399,14 @@ def main() -> int:
     if unknown:
         parser.error(f"there is no door {', '.join(unknown)}: {', '.join(MODULES)}")
     good = True
+    if given.types is not None:
+        from accepted import DOORS
+
+        for name in given.doors or DOORS:
+            for line, sound in typed(name, given.types, given.first):
+                print(line, flush=True)
+                good &= sound
+        return 0 if good else 1
     if given.total is not None:
         names = given.doors or list(MODULES)
         for line, sound in bulk(
