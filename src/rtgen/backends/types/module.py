@@ -218,7 +218,7 @@ class TypesModule:
                 attribute += f": {self.scope.TypeAlias}"
             lines.append(f"{attribute} = {local}")
             if isinstance(inner, Typedef):
-                lines += self._nested_codec(inner)
+                lines += self._nested_codec(inner, isinstance(declaration, Interface))
             if isinstance(inner, Enum):
                 for member, attribute in self._names.enumerators(inner).items():
                     outside = self._names.attribute((*inner.name[:-1], member))
@@ -255,12 +255,13 @@ class TypesModule:
                 lines[codec] = f"{codec}: {py.TypeAlias} = {value}"
         return lines
 
-    def _nested_codec(self, alias: Typedef) -> list[str]:
+    def _nested_codec(self, alias: Typedef, in_interface: bool) -> list[str]:
         """The class attribute for the codec of an alias; a codec defined later is assigned then."""
         outside = self._names.public_companion(alias.name, "Codec")
         local = self._names.companion(alias.name, "Codec")
         if alias.name in self.codecs:
-            return [f"{outside}: {self.scope.TypeAlias} = {local}"]
+            annotation = f": {self.scope.TypeAlias}" if in_interface else ""
+            return [f"{outside}{annotation} = {local}"]
         if not self.has_codec(alias):
             return []
         self._late[alias.name] = outside
@@ -272,8 +273,15 @@ class TypesModule:
         mapping = self._mapping
         first = declaration.cases[0]
         unset = self._types.is_unset(declaration, first)
-        value = self._valuetypes.field(first.type, False).partition(" = ")[2]
         version = self._version(declaration, _Holdings(self._types, declaration))
+        variables = self._unions.values(declaration, mapping, version)
+        value = self._valuetypes.field(first.type, False).partition(" = ")[2]
+        if "|" in str(variables["value_type"]) and not mapping.is_inferred(first.type):
+            # Type checkers do not infer the elements from one type of several.
+            default = mapping.default(first.type)
+            annotation = string_literal(mapping.annotation(first.type))
+            value = f"{self.scope.cast}({annotation}, {default})"
+            value = f"{self.scope.field}(default_factory=lambda: {value})"
         return render(
             "types/union.py.j2",
             py=self.scope,
@@ -282,7 +290,7 @@ class TypesModule:
             docstring=self._doc(declaration),
             attributes=self._nested(declaration),
             value="None" if unset else value,
-            **self._unions.values(declaration, mapping, version),
+            **variables,
         )
 
     def _enum(self, declaration: Enum | Bitmask) -> str:

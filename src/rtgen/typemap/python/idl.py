@@ -221,6 +221,17 @@ class PythonMapping:
                 return self._name_of(name)
         return f"lambda: {self.default(type_)}"
 
+    def is_inferred(self, type_: Type) -> bool:
+        """Return whether the expression of the initial value alone determines the type."""
+        type_ = self._model.unalias(type_)
+        if not isinstance(type_, ArrayType) or self._text_type(type_) is not None:
+            return True
+        element = self._model.unalias(type_.element)
+        if isinstance(element, SequenceType | ArrayType) and element.numeric == "array":
+            return False
+        unknown = self.default(element) in ("[]", "{}", "None")
+        return not unknown and self.is_inferred(element)
+
     def is_text(self, type_: Type) -> bool:
         """Return whether a sequence or array is `bytes` or `str` in Python."""
         flat = not isinstance(type_, ArrayType) or len(type_.dimensions) == 1

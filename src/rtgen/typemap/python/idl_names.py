@@ -250,6 +250,8 @@ class PythonNames:
         elif isinstance(declaration, Valuetype):
             entries = declaration.state
             inherited = self._inherited_state(declaration)
+            nested = self.inside(declaration.name)
+            inherited += [self._attribute(inner.name) for inner in nested]
         else:
             entries = declaration.members
             if isinstance(declaration, Struct | Bitset) and declaration.base:
@@ -375,6 +377,9 @@ class PythonNames:
         return self._depths[scope]
 
     def _attribute(self, name: ScopedName) -> str:
+        if self.is_nested(name):
+            holder = self._model.find(name[:-1])
+            return identifier(name[-1], OWN_NAMES.get(type(holder), ()))
         return identifier(name[-1], _PACKAGES if len(name) == 1 else ())
 
     @cached_property

@@ -35,6 +35,7 @@ HOMES = {
     "bool": "builtins",
     "bytearray": "builtins",
     "bytes": "builtins",
+    "cast": "typing",
     "classmethod": "builtins",
     "dataclass": "dataclasses",
     "dataclass_field": "dataclasses:field",
