@@ -231,7 +231,6 @@ def _bus(folder: Path, data: bytes) -> list[Path]:
 
 _SOURCES: dict[str, Callable[[Path, bytes], list[Path]]] = {
     "idl": _idl,
-    "preprocessor": _idl,
     "cdl": _cdl,
     "c-header": _c_header,
     "eds": _in_file("input.eds"),
