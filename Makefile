@@ -138,7 +138,8 @@ wheels: $(VENV)/release.stamp ui
 	    --output-file dist/rtgen.cdx.json build/bare/bin/python
 
 # `make fuzz DOOR=idl SECONDS=600` explores one place where octets enter (tests/fuzz/doors, `all` for
-# each), guided by coverage; `TOTAL=1000000` passes it that number of inputs, faster and without coverage. Without DOOR:
+# each), guided by coverage; `TOTAL=1000000` passes it that number of inputs, faster and without coverage;
+# `TYPES=2000` checks the packages generated from that number of accepted inputs. Without DOOR:
 # The random tests with thirty times their inputs, others each time: `make fuzz RTGEN_SEED=7` repeats them.
 # Those of `make test` are drawn by the commit; `make test RTGEN_SEED=7` by another seed.
 fuzz: SECONDS ?= 60
@@ -147,7 +148,7 @@ fuzz: export RTGEN_BUDGET ?= 30
 fuzz: $(VENV)/test.stamp
 ifdef DOOR
 	$(BIN)/python tests/fuzz/harness.py $(filter-out all,$(DOOR)) --seconds $(SECONDS) \
-	    $(if $(TOTAL),--total $(TOTAL)) $(if $(FIRST),--first $(FIRST))
+	    $(if $(TOTAL),--total $(TOTAL)) $(if $(TYPES),--types $(TYPES)) $(if $(FIRST),--first $(FIRST))
 else
 	$(BIN)/pytest -n 2 --dist worksteal -m random
 endif

@@ -402,6 +402,11 @@ def main() -> int:
     if given.types is not None:
         from accepted import DOORS
 
+        unknown = sorted(set(given.doors).difference(DOORS))
+        if unknown:
+            parser.error(
+                f"no Python is made of {', '.join(unknown)}: {', '.join(DOORS)}"
+            )
         for name in given.doors or DOORS:
             for line, sound in typed(name, given.types, given.first):
                 print(line, flush=True)

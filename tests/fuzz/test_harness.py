@@ -47,6 +47,17 @@ def test_inputs_in_bulk_go_on_where_they_were_stopped(
     assert line.split()[:2] == ["slcan", "20"]
 
 
+def test_packages_of_numbered_inputs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(harness, "FOUND", tmp_path)
+    [(line, sound)] = harness.typed("msg", 2, 5)
+    name, packages, *_, inputs, _, failures, _ = line.replace(",", "").split()
+    assert (name, packages, failures, sound) == ("msg", "2", "0", True), line
+    assert int(inputs) >= 2
+    assert not list(tmp_path.iterdir())
+
+
 def test_what_a_door_raises_at_is_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
