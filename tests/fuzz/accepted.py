@@ -91,9 +91,7 @@ class Packages:
             read = rtgen.read(sources, include=[folder], lowered=True)
             if has_errors(read.diagnostics):
                 return False
-            emission = rtgen.emit(
-                read.model, options=Options(name, f"{name}_nodes", "0")
-            )
+            emission = rtgen.emit(read.model, options=_options(name))
         if has_errors(emission.diagnostics):
             return False
         made = False
@@ -118,6 +116,19 @@ class Packages:
             for type_ in chance.sample(found, min(len(found), _TYPES)):
                 for encoding in octets.encodings(type_):
                     list(octets.explore(encoding, chance, _CHANGES))
+
+
+def _options(name: str) -> Options:
+    """Return the options of a package, which the name of its input decides."""
+    chance = Random(name)
+    return Options(
+        name,
+        f"{name}_nodes",
+        "0",
+        representation=chance.choice(("cdr", "xcdr2")),
+        extensibility=chance.choice(("final", "appendable", "mutable")),
+        lazy=chance.random() < 0.2,
+    )
 
 
 def _modules(folder: Path, packages: tuple[str, ...]) -> Iterator[ModuleType]:
