@@ -218,20 +218,23 @@ def _lexer() -> Any:
 
 
 @cache
-def _predefined() -> dict[str, Any]:
-    """Return the macros that are defined for each header."""
+def _prepared() -> Preprocessor:
+    """Return a preprocessor with the macros that are defined for each header."""
     run = Preprocessor(_lexer().clone())
     for name, value in {**_COMPILER, "TECSGEN": "1"}.items():
         run.define(f"{name} {value}")
     for name in ("__DATE__", "__TIME__"):
         del run.macros[name]  # they differ between runs
-    return dict(run.macros)
+    return run
 
 
 class _Preprocessor(Preprocessor):  # type: ignore[misc]  # pcpp has no types
     def __init__(self, library: Library[HeaderFile], file: HeaderFile) -> None:
-        super().__init__(_lexer().clone())
-        self.macros = dict(_predefined())
+        # A copy, since pcpp takes longer to begin than to read most headers.
+        for name, value in vars(_prepared()).items():
+            is_own = isinstance(value, (dict, list))
+            setattr(self, name, value.copy() if is_own else value)
+        self.lexer = _lexer().clone()
         self.problems: list[str] = []
         self.missing: list[str] = []
         self.spans: dict[str, str] = {}
