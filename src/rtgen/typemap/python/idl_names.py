@@ -81,6 +81,9 @@ OWN_NAMES[Bitmask] = OWN_NAMES[Enum]
 OWN_NAMES[Bitset] = CODEC | NUMBER
 OWN_NAMES[Valuetype] = CODEC | {"described"}
 
+_ARGUMENTS = frozenset({"self", "cls"})
+"""First arguments of methods, whose bodies refer to classes."""
+
 COMPANIONS = ("Stub", "Skeleton", "Codec")
 """Suffixes of the names of further classes of a declaration."""
 
@@ -443,7 +446,7 @@ class PythonNames:
             name: text if count[text] == 1 else "_".join(name)
             for name, text in short.items()
         }
-        reserved = attributes.union(HOMES, self.taken_in(module))
+        reserved = attributes.union(HOMES, _ARGUMENTS, self.taken_in(module))
         free = {identifier(text, reserved) for text in wanted.values()}
         taken: set[str] = set()
         for name, text in wanted.items():
