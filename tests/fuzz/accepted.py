@@ -10,7 +10,7 @@ import sys
 import tempfile
 import traceback
 from collections.abc import Callable, Iterator
-from contextlib import chdir
+from contextlib import chdir, contextmanager
 from importlib import import_module, invalidate_caches
 from pathlib import Path
 from pkgutil import walk_packages
@@ -110,8 +110,8 @@ class Packages:
     def _import(self, name: str) -> None:
         """Import all modules, and encode and decode values of some types."""
         chance = Random(name)
-        with forgotten_types():
-            modules = list(_modules(self._folder, (name, f"{name}_nodes")))
+        packages = (name, f"{name}_nodes")
+        with forgotten_types(), _imported(self._folder, packages) as modules:
             found = [t for module in modules for t in octets.types(module)]
             for type_ in chance.sample(found, min(len(found), _TYPES)):
                 for encoding in octets.encodings(type_):
@@ -131,18 +131,19 @@ def _options(name: str) -> Options:
     )
 
 
-def _modules(folder: Path, packages: tuple[str, ...]) -> Iterator[ModuleType]:
-    """Import the modules of packages; they are removed from `sys.modules` afterwards."""
+@contextmanager
+def _imported(folder: Path, packages: tuple[str, ...]) -> Iterator[list[ModuleType]]:
+    """Import all modules of packages, and remove them from `sys.modules` afterwards."""
     sys.path.insert(0, str(folder))
     invalidate_caches()
     try:
+        modules = []
         for name in packages:
-            if not (folder / name).is_dir():
-                continue
-            package = import_module(name)
-            yield package
-            for module in walk_packages(package.__path__, f"{name}."):
-                yield import_module(module.name)
+            if (folder / name).is_dir():
+                package = import_module(name)
+                inside = walk_packages(package.__path__, f"{name}.")
+                modules += [package, *(import_module(each.name) for each in inside)]
+        yield modules
     finally:
         sys.path.remove(str(folder))
         for name in [n for n in sys.modules if n.partition(".")[0] in packages]:

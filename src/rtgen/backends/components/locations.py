@@ -8,6 +8,14 @@ from rtgen.typemap.profiles import escapes as profile_escapes
 from rtgen.typemap.python.names import identifier, module_name
 
 _COMPONENTS = "components"
+SKELETON_NAMES = frozenset(
+    {
+        *("RTC_OK", "ReturnCode_t", "NotImplementedError", "annotations", "property"),
+        *("bool", "bytes", "dict", "float", "int", "list", "object", "self", "str"),
+        "tuple",
+    }
+)
+"""Names that the module of a skeleton uses."""
 
 
 def package_folder(options: Options, component: Component) -> str:
@@ -40,10 +48,15 @@ def imported_from(options: Options, target: str) -> tuple[str, str]:
 
 def factory(component: Component, options: Options) -> tuple[str, str]:
     """Module and name of what makes a component: its own, else the class of its skeleton."""
-    name = component.name[-1]
     if component.factory:
         return imported_from(options, component.factory)
-    return f"{options.skeleton_prefix}{module_name(name)}", identifier(name)
+    module = f"{options.skeleton_prefix}{module_name(component.name[-1])}"
+    return module, skeleton_class(component)
+
+
+def skeleton_class(component: Component) -> str:
+    """Return the name of the class of a component's skeleton."""
+    return identifier(component.name[-1], SKELETON_NAMES)
 
 
 def source_of(model: Model, component: Component) -> SourceFile:

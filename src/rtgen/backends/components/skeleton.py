@@ -9,7 +9,13 @@ import msgspec
 from rtgen.backends import Options, Owner
 from rtgen.backends.components.base_module import class_names
 from rtgen.backends.components.imports import Imports
-from rtgen.backends.components.locations import base_location, heading, source_of
+from rtgen.backends.components.locations import (
+    SKELETON_NAMES,
+    base_location,
+    heading,
+    skeleton_class,
+    source_of,
+)
 from rtgen.backends.components.members import attributes_of
 from rtgen.backends.kit.python_module import import_blocks, imports_from
 from rtgen.backends.kit.python_text import fit_text, header_comment
@@ -31,10 +37,6 @@ from rtgen.typemap.components.actions import ACTIONS
 from rtgen.typemap.member_units import operation_text
 from rtgen.typemap.python.idl_names import PythonNames, distinct
 from rtgen.typemap.python.names import identifier
-
-_TAKEN = frozenset(
-    {"RTC_OK", "ReturnCode_t", "NotImplementedError", "annotations", "property", "self"}
-)
 
 
 class _Attribute(msgspec.Struct, frozen=True):
@@ -67,9 +69,9 @@ def skeleton_module(
 ) -> str:
     """The whole module of a component without errors."""
     source = source_of(model, component)
-    name = identifier(component.name[-1])
+    name = skeleton_class(component)
     base, _ = class_names(component)
-    taken = {*_TAKEN, name, base}
+    taken = {*SKELETON_NAMES, name, base}
     providers: list[tuple[Port, str, str]] = []
     for port, attribute in attributes_of(component).ports:
         if port.kind is PortKind.PROVIDER:
