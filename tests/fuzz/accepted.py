@@ -94,18 +94,17 @@ class Packages:
             emission = rtgen.emit(read.model, options=_options(name))
         if has_errors(emission.diagnostics):
             return False
-        made = False
-        for artifact in emission.artifacts:
-            if artifact.path.endswith(".py"):
-                made = True
-                users = artifact.owner is Owner.USER
-                below = self._folder / f"{name}_nodes" if users else self._folder
-                path = below / artifact.path
-                path.parent.mkdir(parents=True, exist_ok=True)
-                path.write_text(artifact.text, encoding="utf-8")
-                if users:
-                    (below / "__init__.py").touch()
-        return made
+        modules = [a for a in emission.artifacts if a.path.endswith(".py")]
+        for artifact in modules:
+            below = self._folder
+            if artifact.owner is Owner.USER:
+                below /= f"{name}_nodes"
+                below.mkdir(exist_ok=True)
+                (below / "__init__.py").touch()
+            path = below / artifact.path
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(artifact.text, encoding="utf-8")
+        return bool(modules)
 
     def _import(self, name: str) -> None:
         """Import all modules, and encode and decode values of some types."""
@@ -202,7 +201,9 @@ def _declarations(folder: Path, sources: list[Path]) -> list[TecsDeclaration]:
 
 def _joined(folder: Path, signatures: list[tuple[str, str]]) -> list[Path]:
     """Write joins of servers and clients of as many signatures, with their text, as can be."""
-    for chosen in (signatures, *([each] for each in signatures)) if signatures else ():
+    if not signatures:
+        return []
+    for chosen in (signatures, *([each] for each in signatures)):
         parts = ['import("input.cdl");\n']
         parts += (_JOIN.format(name, text, n) for n, (name, text) in enumerate(chosen))
         sources = _in_file("joined.cdl")(folder, "".join(parts).encode())
