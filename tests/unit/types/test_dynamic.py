@@ -123,6 +123,42 @@ def test_type_codes_without_names_of_their_own(dyn: Any) -> None:
     assert (again.name, difference(again, alias)) == ("Arr", None)
 
 
+@pytest.mark.parametrize("name", ["A", "B", "N", "U", "X", "T"])
+@pytest.mark.parametrize("flip", [0x01, 0xFF])
+def test_a_type_code_read_before_changes_no_later_one(
+    dyn: Any, name: str, flip: int
+) -> None:
+    """An element of a sequence is read anew each time; a type by itself is remembered."""
+    octets = type_code(getattr(dyn, name))
+    sequence = type_code(SequenceDescriptor(getattr(dyn, name)._descriptor_))
+    begin = sequence.index(octets[8:]) - 8
+    differ = 0
+    for place in range(8, len(octets)):
+        read: list[Any] = []
+        for whole, at in ((octets, place), (sequence, begin + place)):
+            changed = whole[:at] + bytes([whole[at] ^ flip]) + whole[at + 1 :]
+            decoded(TYPE_CODE, octets, True)
+            try:
+                read.append(decoded(TYPE_CODE, changed, True))
+            except CdrError:
+                read.append(None)
+        alone, element = read[0], getattr(read[1], "element", None)
+        assert repr(alone) == repr(element)
+        differ += alone is not getattr(dyn, name)._descriptor_
+    assert 0 < differ < len(octets) - 8
+
+
+def test_a_type_that_is_generated_later_is_found(tmp_path: Path) -> None:
+    text = "module {0} {{ struct Found {{ long x; }}; }};"
+    (tmp_path / "a").mkdir()
+    early = emitted.emit_text(tmp_path / "a", text.format("Early")).early
+    octets = type_code(early.Found).replace(b"Early", b"Later")
+    assert decoded(TYPE_CODE, octets, True).repository_id == "IDL:Later/Found:1.0"
+    (tmp_path / "b").mkdir()
+    later = emitted.emit_text(tmp_path / "b", text.format("Later")).later
+    assert decoded(TYPE_CODE, octets, True) is later.Found._descriptor_
+
+
 def test_what_has_no_type_code(dyn: Any) -> None:
     for descriptor in (PrimitiveDescriptor("int8"), dyn.Opt._descriptor_, "long"):
         with pytest.raises(CdrError, match="type code"):

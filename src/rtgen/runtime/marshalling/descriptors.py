@@ -435,6 +435,9 @@ UNKNOWN: Final[dict[type[Description], Any]] = {}
 """Classes of values without a generated type, by class of descriptor; filled by `values`."""
 
 _REGISTERED: dict[str, Named] = {}
+_OUTDATED: list[dict[Any, Any]] = []
+"""Tables that depend on the registered types."""
+_T = TypeVar("_T", bound=dict[Any, Any])
 
 
 def register(class_: type[Any], descriptor: Named) -> None:
@@ -445,6 +448,14 @@ def register(class_: type[Any], descriptor: Named) -> None:
     object.__setattr__(descriptor, "class_", class_)
     if descriptor.repository_id:
         _REGISTERED[descriptor.repository_id] = descriptor
+        for table in _OUTDATED:
+            table.clear()
+
+
+def until_registration(table: _T) -> _T:
+    """Return the table, which is cleared when a type is registered."""
+    _OUTDATED.append(table)
+    return table
 
 
 def registered(repository_id: str) -> Descriptor | None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeAlias, TypeVar
 
 from rtgen.facts.primitives import (
     INTEGERS,
@@ -30,6 +30,7 @@ from rtgen.runtime.marshalling.descriptors import (
     InterfaceDescriptor,
     LinkDescriptor,
     MemberDescriptor,
+    Named,
     PrimitiveDescriptor,
     SequenceDescriptor,
     StringDescriptor,
@@ -37,9 +38,14 @@ from rtgen.runtime.marshalling.descriptors import (
     UnionDescriptor,
     ValueDescriptor,
     plain,
+    until_registration,
 )
 from rtgen.runtime.marshalling.errors import Fault
 from rtgen.runtime.marshalling.octets import text_octets, text_value
+
+_Paddings: TypeAlias = tuple[tuple[int, int], ...]
+_K = TypeVar("_K")
+_V = TypeVar("_V")
 
 _SIMPLE = {kind: str(name) for name, kind in TYPE_CODE_KINDS.items()}
 _OBJREF, _STRUCT, _UNION, _ENUM, _STRING, _SEQUENCE, _ARRAY = 14, 15, 16, 17, 18, 19, 20
@@ -72,13 +78,66 @@ _LABELS = {
 MAX_DEPTH = 100
 """Maximum nesting of encapsulations."""
 
+_MAX_CACHED = 256
+"""Maximum number of cached type codes; a full table is cleared."""
+_MAX_CACHED_OCTETS = 4096
+"""Maximum size of a cached type code."""
+
+_WRITTEN: dict[tuple[int, bool], tuple[Any, int, bytes]] = {}
+"""By the descriptor's identity and the byte order: descriptor, kind, parameters."""
+_READ: dict[tuple[int, int, bytes], tuple[_Paddings, bytes, Descriptor]] = (
+    until_registration({})
+)
+"""By kind, size and repository id: padding, encapsulation with padding of 0, type."""
+
 
 def type_code_octets(descriptor: Any, little_endian: bool) -> tuple[int, bytes]:
     """Return the kind of a type code and its parameters, which begin at a multiple of 4."""
+    found = _WRITTEN.get((id(descriptor), little_endian))
+    if found is not None:
+        return found[1:]
     writer = _Writer()
     writer.type(descriptor, little_endian)
     kind = struct.unpack_from("<I" if little_endian else ">I", writer.out)[0]
-    return kind, bytes(writer.out[4:])
+    parameters = bytes(writer.out[4:])
+    if isinstance(descriptor, Named) and len(parameters) <= _MAX_CACHED_OCTETS:
+        _keep(_WRITTEN, (id(descriptor), little_endian), (descriptor, kind, parameters))
+    return kind, parameters
+
+
+def type_of_code(kind: int, encapsulation: bytes) -> Descriptor:
+    """Return the type of a kind whose parameters are in the encapsulation. Raises Fault."""
+    if kind in (_SEQUENCE, _ARRAY) or not 8 < len(encapsulation) <= _MAX_CACHED_OCTETS:
+        return _Reader(encapsulation).parameters(kind)
+    end = 8 + int.from_bytes(
+        encapsulation[4:8], "little" if encapsulation[0] else "big"
+    )
+    key = kind, len(encapsulation), encapsulation[8:end]
+    found = _READ.get(key)
+    if found is not None:
+        paddings, octets, descriptor = found
+        if _with_zeros(encapsulation, paddings) == octets:
+            return descriptor
+    reader = _Reader(encapsulation)
+    descriptor = reader.parameters(kind)
+    paddings = tuple(reader.paddings)
+    octets = bytes(_with_zeros(encapsulation, paddings))
+    _keep(_READ, key, (paddings, octets, descriptor))
+    return descriptor
+
+
+def _with_zeros(encapsulation: bytes, paddings: _Paddings) -> bytearray:
+    """Return the octets with padding of 0: omniORB's padding is not initialized."""
+    octets = bytearray(encapsulation)
+    for start, end in paddings:
+        octets[start:end] = bytes(end - start)
+    return octets
+
+
+def _keep(table: dict[_K, _V], key: _K, value: _V) -> None:
+    if len(table) >= _MAX_CACHED:
+        table.clear()
+    table[key] = value
 
 
 class _Writer:
@@ -243,10 +302,12 @@ def _label_number(label: int | str | bool) -> int:
     return ord(label) if isinstance(label, str) else int(label)
 
 
-class TypeCodeReader:
+class _Reader:
     """Reads the parameters of a type code in an encapsulation, which begins 8 after its kind."""
 
     def __init__(self, encapsulation: bytes) -> None:
+        self.paddings: list[tuple[int, int]] = []
+        """Start and end of each padding in the encapsulation."""
         self._data = bytes(8) + encapsulation
         self._offset = 8
         self._end = len(self._data)
@@ -319,7 +380,11 @@ class TypeCodeReader:
         return int(number)
 
     def _align(self, align: int) -> None:
-        self._offset += -(self._offset - self._base) % align
+        padding = -(self._offset - self._base) % align
+        if padding:
+            start = self._offset - 8
+            self.paddings.append((start, start + padding))
+            self._offset += padding
 
     def _text(self) -> str:
         length = self._count(1)

@@ -64,7 +64,7 @@ from rtgen.runtime.marshalling.octets import (
     wide_character_value,
     wide_value,
 )
-from rtgen.runtime.marshalling.type_codes import TypeCodeReader, simple_type
+from rtgen.runtime.marshalling.type_codes import simple_type, type_of_code
 
 _T = TypeVar("_T")
 _WITHOUT_CHUNKS = "a value without chunks inside of one that has them"
@@ -294,7 +294,7 @@ class Reader(OctetReader):
         simple = simple_type(kind, self._integer)
         if simple is not None:
             return simple
-        return TypeCodeReader(self._octets(self._count(1))).parameters(kind)
+        return type_of_code(kind, self._octets(self._count(1)))
 
     # Values (CORBA 3.3 part 2, 9.3.4).
 
