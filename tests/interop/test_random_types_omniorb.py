@@ -227,6 +227,7 @@ def all_padding(descriptor: Any, value: Any, little_endian: bool) -> list[int]:
             self.out[before:] = b"\xa5" * (len(self.out) - before)
 
         patch.setattr(type_codes._Writer, "_align", filled)
+        patch.setattr(type_codes, "_WRITTEN", {})
         other = octets_of(descriptor, value, little_endian)
     filler = [i for i, (a, b) in enumerate(zip(plainly, other, strict=True)) if a != b]
     return filler + places(descriptor, plainly, little_endian)
