@@ -228,6 +228,9 @@ def _prepared() -> Preprocessor:
     return run
 
 
+_PARAMETERS = "a parameter of the macro has no name"
+
+
 class _Preprocessor(Preprocessor):  # type: ignore[misc]  # pcpp has no types
     def __init__(self, library: Library[HeaderFile], file: HeaderFile) -> None:
         # A copy, since pcpp takes longer to begin than to read most headers.
@@ -257,6 +260,15 @@ class _Preprocessor(Preprocessor):  # type: ignore[misc]  # pcpp has no types
         out = _Bounded()
         self.write(out)
         return out.getvalue()
+
+    def define(self, tokens: Any) -> None:
+        try:
+            super().define(tokens)
+        except IndexError:  # pcpp accesses the first token of an empty parameter
+            if isinstance(tokens, str):
+                self.problems.append(f"-D {tokens}: {_PARAMETERS}")
+            else:
+                self.on_error(tokens[0].source, tokens[0].lineno, _PARAMETERS)
 
     def expand_macros(self, tokens: Any, expanding_from: Any = ()) -> Any:
         self._tokens += len(tokens)

@@ -51,7 +51,7 @@ _OPERATIONS: dict[str, Callable[[int, int], int]] = {
     "-": operator.sub,
     "*": operator.mul,
 }
-_INTEGER = re.compile(r"(?:0[xX][0-9a-fA-F]+|0[0-7]*|[1-9]\d*)[uUlL]{0,3}")
+_INTEGER = re.compile(r"(?:0[xX][0-9a-fA-F]+|0[0-7]*|[1-9][0-9]*)[uUlL]{0,3}")
 _ESCAPES = {"n": 10, "t": 9, "0": 0, "r": 13, "a": 7, "b": 8, "f": 12, "v": 11}
 _MAX_DEPTH = 64
 

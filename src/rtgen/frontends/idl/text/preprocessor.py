@@ -41,9 +41,9 @@ MAX_INCLUDES = 10_000
 """Maximum number of inclusions in a translation unit."""
 
 _DIRECTIVE = re.compile(r"^[ \t\v\f\r]*(?:#|%:)([^\n]*)", re.MULTILINE)
-_COMMAND = re.compile(r"\s*([^\W\d]\w*|\d+|)\s*(.*?)\s*$", re.DOTALL)
+_COMMAND = re.compile(r"\s*([^\W\d]\w*|[0-9]+|)\s*(.*?)\s*$", re.DOTALL)
 _INCLUDE = re.compile(r'"([^"\n]+)"|<([^>\n]+)>')
-_LINE = re.compile(r'(\d{1,9})(?:\s+"((?:\\.|[^"\\])*)"(?:\s+\d+)*)?')
+_LINE = re.compile(r'([0-9]{1,9})(?:\s+"((?:\\.|[^"\\])*)"(?:\s+[0-9]+)*)?')
 _STRUCTURE = re.compile(
     r'"(?:\\.|[^"\\])*"|\'(?:\\.|[^\'\\\n]){0,12}\'|[{}()\[\]]|[^\s{}()\[\]"\']+'
 )
