@@ -9,10 +9,22 @@ _CONTRAST = 4.5
 
 
 def flaws(page: Any, part: str = "body") -> list[str]:
-    """Return the flaws of a part of a page; texts may be cut where a title has all of them."""
-    found: list[str] = page.evaluate(_FLAWS, [_CONTRAST, part])
+    """Return the lasting flaws of a part of a page; texts may be cut where a title has all of them.
+
+    Those of a page that is being arranged do not count.
+    """
+    found: list[str] = []
+    for _ in range(_LOOKS):
+        found = page.evaluate(_FLAWS, [_CONTRAST, part])
+        if not found:
+            break
+        page.wait_for_timeout(_BETWEEN)
     return found
 
+
+_LOOKS = 30
+_BETWEEN = 100
+"""Milliseconds between two looks."""
 
 _FLAWS = """([contrast, part]) => {
     const flaws = [];
