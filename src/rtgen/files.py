@@ -33,11 +33,8 @@ def overlaid(contents: Mapping[str, bytes]) -> Iterator[None]:
 
 
 def is_file(path: Path) -> bool:
-    """Return whether the path is a file; no other name is one, such as one that is too long."""
-    try:
-        return _unsaved(path) is not None or path.is_file()
-    except OSError:
-        return False
+    """Return whether the path is a file."""
+    return _unsaved(path) is not None or path.is_file()
 
 
 def read_start(path: Path, limit: int | None = None) -> bytes:
