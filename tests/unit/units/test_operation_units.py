@@ -9,6 +9,7 @@ import pytest
 
 from rtgen.cli import run
 from rtgen.frontends.idl import load
+from rtgen.model import Interface
 
 CDL = """
 /** A wheel. */
@@ -45,12 +46,9 @@ def test_units_of_a_board_are_in_idl_and_python(folder: Path) -> None:
     (folder / "definitions/wheel.cdl").write_text(CDL)
     assert run(["generate"]) == 0
     (idl,) = folder.glob("generated/**/Wheel.idl")
-    (wheel,) = (
-        d
-        for d in load([idl], root=idl.parent).model.declarations
-        if d.scoped == "Wheel"
-    )
-    operations = {o.name: o for o in wheel.operations}  # type: ignore[attr-defined]
+    declared = load([idl], root=idl.parent).model.declarations
+    (wheel,) = (d for d in declared if isinstance(d, Interface))
+    operations = {o.name: o for o in wheel.operations}
     docs = [p.doc for p in operations["turn"].parameters]
     assert docs == ["Speed [rad/s]", 'Angle, "as measured" [rad]']
     assert [p.doc for p in operations["stop"].parameters] == [""]

@@ -50,22 +50,16 @@ def dtype_of(class_: Any) -> numpy.dtype[Any]:
 
 
 def _element_dtype(node: Records, order: Order) -> numpy.dtype[Any]:
-    """Return the dtype of an element and the padding after it."""
-    made = _dtype(node.element, 0, order)[0]
-    assert made.names is not None
-    assert made.fields is not None
-    fields = [made.fields[name] for name in made.names]
-    described = {
-        "names": made.names,
-        "formats": [format_ for format_, *_ in fields],
-        "offsets": [offset for _, offset, *_ in fields],
-        "itemsize": node.stride,
-    }
-    return numpy.dtype(described)  # type: ignore[call-overload,no-any-return]
+    return _dtype(node.element, 0, order, node.padding)[0]
 
 
-def _dtype(node: Node, start: int, order: Order) -> tuple[numpy.dtype[Any], int]:
-    """Return the dtype of a value that begins at or after `start`, and its first offset."""
+def _dtype(
+    node: Node, start: int, order: Order, padding: int = 0
+) -> tuple[numpy.dtype[Any], int]:
+    """Return the dtype of a value that begins at or after `start`, and its first offset.
+
+    `padding` octets follow a struct.
+    """
     match node:
         case Atom(code=code, align=align):
             return numpy.dtype(code).newbyteorder(order), start + -start % align
@@ -88,7 +82,7 @@ def _dtype(node: Node, start: int, order: Order) -> tuple[numpy.dtype[Any], int]
                 "names": [names[attribute] for attribute, _ in members],
                 "formats": formats,
                 "offsets": [offset - begin for offset in offsets],
-                "itemsize": end - begin,
+                "itemsize": end - begin + padding,
             }
             return numpy.dtype(described), begin  # type: ignore[call-overload]
     raise TypeError(f"{node} has no dtype")
