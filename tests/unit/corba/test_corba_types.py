@@ -47,7 +47,7 @@ module M {
   union Quiet switch (short) { case 1: long number; case -2: string text; };
   enum Numbered { @value(3) THREE, @value(7) SEVEN };
   struct Held { Numbered which; Word few; int8 small; uint8 octet_; };
-  exception Odd { any what; Large much; string from; };
+  exception Odd { any what; Large much; string from; Held rest; };
   interface Echo {
     WideLetters echo_wide_letters(in WideLetters a);
     WideKey echo_wide_keys(in WideKey a);
@@ -100,7 +100,7 @@ def connect(m: Any, request: pytest.FixtureRequest) -> Iterator[Connect]:
             methods = {name: lambda self, a: a for name in calls_of(interface)}
 
             def fail(self: Any, a: int) -> None:
-                raise m.Odd(AnyValue(m.Plain, m.Plain(a)), Decimal("-1.2500"), "here")
+                raise odd(m, a)
 
             methods["fail"] = fail
             servant = type("Servant", (interface,), methods)()
@@ -113,6 +113,12 @@ def connect(m: Any, request: pytest.FixtureRequest) -> Iterator[Connect]:
 
         yield connected
     orb.close()
+
+
+def odd(m: Any, number: int) -> Any:
+    held = m.Held(m.SEVEN, "ab", -1, 2)
+    what = AnyValue(m.Plain, m.Plain(number))
+    return m.Odd(what, Decimal("-1.2500"), "here", held)
 
 
 @pytest.mark.parametrize("numeric", ["array", "numpy"])
@@ -182,9 +188,7 @@ def test_what_is_converted(m: Any, connect: Connect) -> None:
     )
     with pytest.raises(m.Odd) as caught:
         stub.fail(3)
-    assert caught.value == m.Odd(
-        AnyValue(m.Plain, m.Plain(3)), Decimal("-1.2500"), "here"
-    )
+    assert caught.value == odd(m, 3)
 
 
 def test_what_does_not_fit_is_reported_with_its_place(m: Any, connect: Connect) -> None:

@@ -281,18 +281,24 @@ class WireTypes:
 
         parts = {"_NP_RepositoryId": descriptor.repository_id, "__init__": keep}
         theirs = type(name, (CORBA.UserException,), parts)
+        # omniORBpy passes the exception itself to a client in the same process.
+        uncopied = type(name, (theirs,), {})
+        head = tcInternal.tv_except, theirs, descriptor.repository_id, name
+        code = tcInternal.TypeCode_except((*head, *members.parts))
 
         def raised(error: Any) -> Any:
-            return theirs(*vars(members.outgoing(error)).values())
+            return uncopied(*vars(members.outgoing(error)).values())
 
         def caught(error: Any) -> Any:
+            if isinstance(error, uncopied):
+                error = omniORB.cdrUnmarshal(
+                    code, omniORB.cdrMarshal(code, error, 1), 1
+                )
             return class_(
                 *members.incoming(getattr(error, m) for m, _, _ in members.entries)
             )
 
-        kind = tcInternal.tv_except
-        made = kind, theirs, descriptor.repository_id, name, *members.parts
-        return WireException(made, raised, caught)
+        return WireException(code._d, raised, caught)
 
     def _reference(self, descriptor: Any, interface: Interface) -> WireType:
         objects = self._objects
