@@ -72,8 +72,9 @@ class AnyValue(Dynamic):
     value: Any = None
 
     def __post_init__(self) -> None:
-        described = getattr(self.type, "_descriptor_", self.type)
-        object.__setattr__(self, "type", described)
+        described = getattr(self.type, "_descriptor_", None)
+        if described is not None:
+            object.__setattr__(self, "type", described)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> AnyValue:
         return AnyValue(self.type, deepcopy(self.value, memo))

@@ -29,6 +29,7 @@ from rtgen.runtime.values import AnyValue
 
 IDL = """
 module M {
+  typedef sequence<any> ListOfAny;
   typedef sequence<wchar> WideLetters;
   typedef wchar WideKey[2];
   typedef char Letters[2][3];
@@ -63,6 +64,7 @@ module M {
     Held echo_held(in Held a);
     CORBA::TypeCode echo_codes(in CORBA::TypeCode a);
     any echo_anys(in any a);
+    ListOfAny echo_lists(in ListOfAny a);
     void fail(in long a) raises (Odd);
   };
 
@@ -204,9 +206,15 @@ def test_what_does_not_fit_is_reported_with_its_place(m: Any, connect: Connect) 
         ("plains", m.Plain(2**31)),
         ("trees", m.Tree("z", Decimal("100.5"))),
         ("held", m.Held(m.THREE, "ab", 128, 0)),
+        ("anys", AnyValue(m.Plain, m.Plain(2**31))),
+        ("anys", AnyValue(m.Held, m.Held(m.THREE, "ab", 128, 0))),
+        ("anys", AnyValue(StringDescriptor(bound=3), "abcd")),
+        ("anys", 3),
     ):
         with pytest.raises(CdrError, match=rf"^Echo\.echo_{name} request\.a"):
             getattr(stub, f"echo_{name}")(value)
+    with pytest.raises(CdrError, match=r"request\.a\[1\]\.value\.below\[0\]\.load: "):
+        stub.echo_lists([AnyValue(), AnyValue(m.Plain, m.Plain(1, [m.Plain(2**31)]))])
 
 
 def test_what_cannot_travel_is_refused_when_it_is_called(

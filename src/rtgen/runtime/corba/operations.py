@@ -6,7 +6,8 @@ from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
 from rtgen.runtime.cdr import UserException
-from rtgen.runtime.corba.wire_types import WireException, WireType, WireTypes
+from rtgen.runtime.corba.wire_conversions import WireType
+from rtgen.runtime.corba.wire_types import WireException, WireTypes
 from rtgen.runtime.marshalling.descriptors import DataType
 from rtgen.runtime.services.calls import Call, calls_of
 from rtgen.runtime.services.servants import BadOperation, MarshalError, Servant
@@ -115,6 +116,8 @@ def _converting(
         return None
     pairs = tuple(converts)
     tail = tuple(rest)
+    if len(pairs) == 1 and not tail:
+        return _converting_one(*converts)
 
     def convert(values: Values) -> Values:
         return (
@@ -124,5 +127,15 @@ def _converting(
             ),
             *tail,
         )
+
+    return convert
+
+
+def _converting_one(only: Any) -> Callable[[Values], Values]:
+    """Return `_converting` of one value, which is faster."""
+
+    def convert(values: Values) -> Values:
+        (value,) = values
+        return (only(value),)
 
     return convert

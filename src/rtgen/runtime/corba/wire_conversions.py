@@ -3,9 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 Convert: TypeAlias = Callable[[Any], Any]
+
+
+@dataclass(frozen=True, slots=True)
+class WireType:
+    """A descriptor of omniORBpy; `outgoing` and `incoming` convert values, None if unnecessary."""
+
+    descriptor: Any
+    outgoing: Convert | None = None
+    incoming: Convert | None = None
 
 
 def each(convert: Convert | None) -> Convert | None:

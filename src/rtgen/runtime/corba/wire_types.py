@@ -19,8 +19,10 @@ import omniORB
 from omniORB import CORBA, tcInternal
 
 from rtgen.runtime.cdr import UserException
+from rtgen.runtime.corba.wire_anys import TYPE_CODE, Anys
 from rtgen.runtime.corba.wire_conversions import (
     Convert,
+    WireType,
     each,
     int8_of,
     latin_octet,
@@ -52,11 +54,12 @@ from rtgen.runtime.marshalling.octets import (
     wide_character_value,
 )
 from rtgen.runtime.services.servants import MarshalError, Servant
-from rtgen.runtime.values import decoded, encoded
 
 Interface: TypeAlias = type[Servant] | None
 
 _PRIMITIVES = {
+    "null": tcInternal.tv_null,
+    "void": tcInternal.tv_void,
     "short": tcInternal.tv_short,
     "long": tcInternal.tv_long,
     "long long": tcInternal.tv_longlong,
@@ -88,15 +91,6 @@ _DIGITS = Context(prec=31)
 
 
 @dataclass(frozen=True, slots=True)
-class WireType:
-    """A descriptor of omniORBpy; `outgoing` and `incoming` convert values, None if unnecessary."""
-
-    descriptor: Any
-    outgoing: Convert | None = None
-    incoming: Convert | None = None
-
-
-@dataclass(frozen=True, slots=True)
 class WireException:
     """A user exception: `raised` converts to omniORBpy's class, `caught` from it."""
 
@@ -118,8 +112,9 @@ class Objects(Protocol):
 class WireTypes:
     """The types of one ORB. `of` and `exception` raise MarshalError for unsupported types."""
 
-    def __init__(self, objects: Objects) -> None:
+    def __init__(self, objects: Objects, anys: Anys | None = None) -> None:
         self._objects = objects
+        self._anys = anys or Anys(self._separate)
         # Keeps each descriptor alive, so that its id stays unique.
         self._made: dict[int, tuple[Descriptor, WireType]] = {}
         self._exceptions: dict[type[UserException], WireException] = {}
@@ -133,6 +128,10 @@ class WireTypes:
         if found is None:
             found = self._made[id(descriptor)] = descriptor, self._type(descriptor)
         return found[1]
+
+    def _separate(self, descriptor: Any) -> WireType:
+        """Return the type of a descriptor, which a peer may have sent, without keeping it."""
+        return WireTypes(self._objects, self._anys).of(descriptor)
 
     def exception(self, class_: type[UserException]) -> WireException:
         """Return the wire form of an exception."""
@@ -153,11 +152,9 @@ class WireTypes:
             case PrimitiveDescriptor(name) if name in _PRIMITIVES:
                 return WireType(_PRIMITIVES[name])
             case PrimitiveDescriptor("any"):
-                return _by_octets(tcInternal.tv_any, CORBA._tc_any, descriptor)
+                return self._anys.type
             case PrimitiveDescriptor("CORBA::TypeCode"):
-                return _by_octets(
-                    tcInternal.tv_TypeCode, CORBA._tc_TypeCode, descriptor
-                )
+                return TYPE_CODE
             case PrimitiveDescriptor("char"):
                 return WireType(tcInternal.tv_octet, latin_octet, chr)
             case PrimitiveDescriptor("wchar"):
@@ -399,16 +396,6 @@ def _fixed(digits: int, scale: int) -> WireType:
         return Decimal(str(value)).quantize(unit, context=_DIGITS)
 
     return WireType((tcInternal.tv_fixed, digits, scale), outgoing, incoming)
-
-
-def _by_octets(kind: int, code: Any, descriptor: PrimitiveDescriptor) -> WireType:
-    def outgoing(value: Any) -> Any:
-        return omniORB.cdrUnmarshal(code, encoded(descriptor, value, True), 1)
-
-    def incoming(value: Any) -> Any:
-        return decoded(descriptor, omniORB.cdrMarshal(code, value, 1), True)
-
-    return WireType(kind, outgoing, incoming)
 
 
 def _label(switch: Descriptor, label: Any) -> Any:

@@ -52,6 +52,15 @@ _OBJREF, _STRUCT, _UNION, _ENUM, _STRING, _SEQUENCE, _ARRAY = 14, 15, 16, 17, 18
 _ALIAS, _EXCEPT, _WSTRING, _FIXED, _VALUE, _BOX = 21, 22, 27, 28, 29, 30
 _NATIVE, _ABSTRACT, _LOCAL, _COMPONENT, _HOME, _EVENT = 31, 32, 33, 34, 35, 36
 _INDIRECTION = 0xFFFFFFFF
+STRINGS = _STRING, _WSTRING
+"""Kinds whose parameter is a bound."""
+FIXED = _FIXED
+"""Kind whose parameters are digits and scale."""
+ENCAPSULATED = frozenset(range(_OBJREF, _EVENT + 1)) - {
+    *(*STRINGS, _FIXED, _NATIVE),
+    *_SIMPLE,
+}
+"""Kinds whose parameters are in an encapsulation."""
 _MODIFIERS = ("", "custom", "abstract", "truncatable")
 _VALUE_BASE = ValueDescriptor("IDL:omg.org/CORBA/ValueBase:1.0", "ValueBase", ())
 _OBJECT = InterfaceDescriptor("", "Object")
@@ -89,6 +98,8 @@ _READ: dict[tuple[int, int, bytes], tuple[_Paddings, bytes, Descriptor]] = (
     until_registration({})
 )
 """By kind, size and repository id: padding, encapsulation with padding of 0, type."""
+_READ_EXACTLY: dict[tuple[int, bytes], Descriptor] = until_registration({})
+"""By kind and encapsulation."""
 
 
 def type_code_octets(descriptor: Any, little_endian: bool) -> tuple[int, bytes]:
@@ -107,6 +118,15 @@ def type_code_octets(descriptor: Any, little_endian: bool) -> tuple[int, bytes]:
 
 def type_of_code(kind: int, encapsulation: bytes) -> Descriptor:
     """Return the type of a kind whose parameters are in the encapsulation. Raises Fault."""
+    found = _READ_EXACTLY.get((kind, encapsulation))
+    if found is None:
+        found = _type_of_code(kind, encapsulation)
+        if len(encapsulation) <= _MAX_CACHED_OCTETS:
+            _keep(_READ_EXACTLY, (kind, encapsulation), found)
+    return found
+
+
+def _type_of_code(kind: int, encapsulation: bytes) -> Descriptor:
     if kind in (_SEQUENCE, _ARRAY) or not 8 < len(encapsulation) <= _MAX_CACHED_OCTETS:
         return _Reader(encapsulation).parameters(kind)
     end = 8 + int.from_bytes(

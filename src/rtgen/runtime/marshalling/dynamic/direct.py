@@ -6,6 +6,7 @@ from typing import Any
 
 from rtgen.runtime.marshalling.descriptors import (
     ArrayDescriptor,
+    Descriptor,
     StructDescriptor,
     UnionDescriptor,
 )
@@ -30,13 +31,18 @@ def _compiled_class(descriptor: StructDescriptor | UnionDescriptor) -> Any:
     class_ = descriptor.class_
     if class_ is None:
         return None
-    sizes = LeastSizes()
-    if has_headers(descriptor) or any(
-        isinstance(part, ArrayDescriptor) and not sizes.of(part.element)
-        for part in parts(descriptor)
-    ):
+    if has_headers(descriptor) or has_empty_elements(descriptor):
         return None
     try:
         return class_ if class_._read_ and class_._write_ else None
     except UnsupportedError:
         return None
+
+
+def has_empty_elements(descriptor: Descriptor) -> bool:
+    """Return whether a type has an array of elements without octets."""
+    sizes = LeastSizes()
+    return any(
+        isinstance(part, ArrayDescriptor) and not sizes.of(part.element)
+        for part in parts(descriptor)
+    )
