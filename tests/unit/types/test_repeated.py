@@ -1,5 +1,6 @@
 """Readers for repeated shapes: the same values, the same refusals, in a limited number."""
 
+import emitted
 import pytest
 
 from refrobots import iis, rtc
@@ -100,3 +101,15 @@ def test_a_long_shape_gets_no_reader_and_is_not_watched_for_ever(decode):
         decode(iis.TimedPose2D, octets)
     assert not readers(decode, True)
     assert decode.__globals__["watching"] == []
+
+
+def test_arrays_of_records_beside_a_sequence(tmp_path):
+    text = """module M {
+        struct Point { double x; octet mark; };
+        struct Scan { sequence<long> ids; char grid[2][2]; Point ends[2]; };
+    };"""
+    m = emitted.emit_text(tmp_path, text).m
+    scan = m.Scan([1, 2], ["ab", "cd"], [m.Point(0.5, 1), m.Point(-0.5, 2)])
+    for little_endian in (True, False):
+        for _ in range(repeated.SIGHTINGS + 2):
+            assert m.Scan.from_cdr(scan.to_cdr(little_endian), little_endian) == scan

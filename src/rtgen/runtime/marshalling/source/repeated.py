@@ -17,6 +17,7 @@ from rtgen.runtime.marshalling.layouts.layout import Entry, Run, Step
 from rtgen.runtime.marshalling.layouts.nodes import (
     AtomArray,
     AtomSequence,
+    Records,
     TextSequence,
 )
 from rtgen.runtime.marshalling.source.text import Namespace, entered
@@ -52,7 +53,8 @@ def is_repeatable(steps: tuple[Step, ...]) -> bool:
     if not any(isinstance(field.node, AtomSequence) for field in counted):
         return False
     return not any(
-        isinstance(n, AtomArray) and n.form != "list" for n in nodes
+        isinstance(n, Records) or (isinstance(n, AtomArray) and n.form != "list")
+        for n in nodes
     ) and all(
         isinstance(field.node, TextSequence)
         or (isinstance(field.node, AtomSequence) and field.node.form != "numpy")
