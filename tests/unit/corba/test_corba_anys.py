@@ -28,6 +28,7 @@ from rtgen.runtime.marshalling.descriptors import (
     ANY,
     NULL,
     ArrayDescriptor,
+    BranchDescriptor,
     Descriptor,
     EnumDescriptor,
     FixedDescriptor,
@@ -36,10 +37,11 @@ from rtgen.runtime.marshalling.descriptors import (
     SequenceDescriptor,
     StringDescriptor,
     StructDescriptor,
+    UnionDescriptor,
 )
 from rtgen.runtime.marshalling.type_codes import type_code_octets
 from rtgen.runtime.services.servants import MarshalError
-from rtgen.runtime.values import AnyValue, DynamicValue
+from rtgen.runtime.values import AnyValue, DynamicUnion, DynamicValue
 
 IDL = """
 module Anys {
@@ -53,6 +55,8 @@ module Anys {
   union Either switch (Gear) { case LOW: Pair both; default: any rest; };
   exception Odd { string why; };
   valuetype Shared { public long x; };
+  union First switch (long) { default: long rest; case 1: string text; };
+  valuetype Unread { public First what; };
   typedef sequence<any> List;
   interface Calls {
     any echo(in any a);
@@ -129,12 +133,24 @@ def unknown() -> StructDescriptor:
     return StructDescriptor("IDL:Unknown/Thing:1.0", "Thing", members)
 
 
+def unknown_union(switch: Descriptor, label: Any) -> UnionDescriptor:
+    """Return a union without a generated class, with its default first."""
+    branches = (
+        BranchDescriptor((), True, "rest", unknown()),
+        BranchDescriptor((label,), False, "text", StringDescriptor()),
+    )
+    name = f"By{switch}"
+    return UnionDescriptor(f"IDL:Unknown/{name}:1.0", name, switch, branches)
+
+
 def values(anys: Any) -> list[AnyValue]:
     pair = anys.Pair(1, "other")
     pairs = [pair, anys.Pair(-2, "")]
     leaf = anys.Tree("\xe9", AnyValue(anys.Pair, pair), [])
     tree = anys.Tree("t", AnyValue(anys.Tree, leaf), [leaf, leaf])
     thing = DynamicValue(unknown(), {"mark": "\xe9", "kind": 1})
+    kind = unknown().members[1].type
+    by_kind, by_long = unknown_union(kind, 0), unknown_union(LONG, -3)
     wide = StringDescriptor(wide=True)
     char = PrimitiveDescriptor("char")
     return [
@@ -170,6 +186,12 @@ def values(anys: Any) -> list[AnyValue]:
             SequenceDescriptor(ANY),
             [AnyValue(unknown(), thing), AnyValue(anys.Pair, pair)],
         ),
+        AnyValue(anys.First, anys.First(3, 4)),
+        AnyValue(kind, 1),
+        AnyValue(by_kind, DynamicUnion(by_kind, 0, "text")),
+        AnyValue(by_kind, DynamicUnion(by_kind, 1, thing)),
+        AnyValue(by_long, DynamicUnion(by_long, 7, thing)),
+        AnyValue(by_long, DynamicUnion(by_long, -3, "text")),
         AnyValue(anys.Odd, anys.Odd("why")),
         AnyValue(PrimitiveDescriptor("Object"), None),
     ]
@@ -308,6 +330,20 @@ def code(type_: Descriptor) -> tuple[int, bytes]:
     return type_code_octets(type_, True)
 
 
+def send_type_code(remote: Served, kind: int, parameters: bytes) -> None:
+    """Call `echo` with an `any` of this type code."""
+    head = (tcInternal.tv_struct, tuple, "", "", "kind", tcInternal.tv_ulong, "rest")
+    octets = (tcInternal.tv_array, tcInternal.tv_octet, len(parameters) + 64)
+
+    class Given:
+        def __init__(self) -> None:
+            self.kind = kind
+            self.rest = parameters + bytes(64)
+
+    operation = ((*head, octets),), (tcInternal.tv_long,), None
+    remote.reference._obj.invoke("echo", operation, (Given(),))
+
+
 @pytest.mark.parametrize(
     ("kind", "parameters", "reason"),
     [
@@ -325,23 +361,26 @@ def test_type_codes_that_are_wrong(
     parameters: bytes,
     reason: str,
 ) -> None:
-    head = (tcInternal.tv_struct, tuple, "", "", "kind", tcInternal.tv_ulong, "rest")
-    octets = (tcInternal.tv_array, tcInternal.tv_octet, len(parameters) + 64)
-
-    class Given:
-        def __init__(self) -> None:
-            self.kind = kind
-            self.rest = parameters + bytes(64)
-
-    operation = ((*head, octets),), (tcInternal.tv_long,), None
     with pytest.raises(CORBA.MARSHAL):
-        remote.reference._obj.invoke("echo", operation, (Given(),))
-    assert (
-        f"a received type code is wrong: {reason}" in caplog.text
-        or reason in caplog.text
-    )
+        send_type_code(remote, kind, parameters)
+    assert "a received type code is wrong: " in caplog.text
+    assert reason in caplog.text
     assert remote.servant.calls == 0
     assert remote.stub.echo(AnyValue(LONG, 3)) == AnyValue(LONG, 3)
+
+
+def test_unions_that_omniorb_cannot_read(
+    anys: Any, remote: Served, caplog: pytest.LogCaptureFixture
+) -> None:
+    wide = unknown_union(PrimitiveDescriptor("wchar"), "w")
+    for type_ in (anys.Unread._descriptor_, SequenceDescriptor(wide)):
+        given = AnyValue(type_, [] if isinstance(type_, SequenceDescriptor) else None)
+        with pytest.raises(MarshalError, match="omniORBpy cannot read "):
+            remote.stub.echo(given)
+        kind, parameters = code(type_)
+        with pytest.raises(CORBA.MARSHAL):
+            send_type_code(remote, kind, parameters)
+    assert "omniORBpy cannot read" in caplog.text
 
 
 def test_results_that_are_wrong(anys: Any, remote: Served) -> None:

@@ -3,14 +3,14 @@
 A type code consists of its kind and the parameters of this kind, an `any` of a type code and a
 value of this type (CORBA 3.3 part 2, 9.3.5). So they have the octets of unions, and omniORBpy
 marshals them as unions: it parses no type codes, and constructs values of generated types as it
-does elsewhere. Values of other types, such as those without a generated class and valuetypes, are
-converted by octets.
+does elsewhere. Valuetypes, and other types that rtgen does not describe to omniORBpy, are converted
+by octets.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import lru_cache
 from types import SimpleNamespace
 from typing import Any
@@ -23,13 +23,19 @@ from rtgen.runtime.failures import log
 from rtgen.runtime.marshalling.descriptors import (
     ANY,
     ArrayDescriptor,
+    BoxDescriptor,
     Descriptor,
     FixedDescriptor,
     Named,
+    PrimitiveDescriptor,
     SequenceDescriptor,
+    UnionDescriptor,
+    ValueDescriptor,
+    plain,
 )
 from rtgen.runtime.marshalling.dynamic.direct import has_empty_elements
 from rtgen.runtime.marshalling.errors import FAILURES, Fault
+from rtgen.runtime.marshalling.layouts.trees import parts
 from rtgen.runtime.marshalling.type_codes import (
     ENCAPSULATED,
     FIXED,
@@ -41,6 +47,7 @@ from rtgen.runtime.marshalling.type_codes import (
 from rtgen.runtime.services.servants import MarshalError
 from rtgen.runtime.values import AnyValue, decoded, encoded
 
+_WCHAR = PrimitiveDescriptor("wchar")
 _MAX_CONTENTS = 256
 """Maximum number of cached types; a full table is cleared."""
 
@@ -196,7 +203,15 @@ def _key(type_: Descriptor) -> Any:
 
 
 def _by_octets(type_: Descriptor) -> WireType:
-    """Return the type that omniORBpy constructs from the type code."""
+    """Return the type that omniORBpy constructs from the type code. Raises Fault.
+
+    omniORBpy 4.3.3 misreads unions that switch on a wchar, and ends the process for a union whose
+    first branch is the default.
+    """
+    for union in _unions(type_):
+        first = union.branches[0]
+        if plain(union.switch) == _WCHAR or (first.default and not first.labels):
+            raise Fault(f"omniORBpy cannot read {union} from a type code")
     kind, octets = type_code_octets(type_, True)
     code = omniORB.cdrUnmarshal(
         CORBA._tc_TypeCode, kind.to_bytes(4, "little") + octets, 1
@@ -211,6 +226,24 @@ def _by_octets(type_: Descriptor) -> WireType:
         return decoded(ANY, octets, True).value
 
     return WireType(code._d, outgoing, incoming)
+
+
+def _unions(type_: Descriptor) -> Iterator[UnionDescriptor]:
+    """Yield the unions in a type, also those in the states of valuetypes."""
+    waiting = [type_]
+    seen: set[int] = set()
+    while waiting:
+        for part in parts(waiting.pop()):
+            if id(part) in seen:
+                continue
+            seen.add(id(part))
+            match part:
+                case UnionDescriptor():
+                    yield part
+                case ValueDescriptor():
+                    waiting += [member.type for member in part.all_members()]
+                case BoxDescriptor(target=target):
+                    waiting.append(target)
 
 
 def _union(class_: Callable[..., Any], switch: Any, branches: dict[int, Any]) -> Any:

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from decimal import Context, Decimal
+from functools import partial
 from operator import attrgetter
 from types import SimpleNamespace
 from typing import Any, Protocol, TypeAlias
@@ -36,6 +37,7 @@ from rtgen.runtime.marshalling.descriptors import (
     ArrayDescriptor,
     Descriptor,
     EnumDescriptor,
+    ExceptionDescriptor,
     FixedDescriptor,
     InterfaceDescriptor,
     LinkDescriptor,
@@ -54,6 +56,7 @@ from rtgen.runtime.marshalling.octets import (
     wide_character_value,
 )
 from rtgen.runtime.services.servants import MarshalError, Servant
+from rtgen.runtime.values import DynamicUnion, DynamicValue
 
 Interface: TypeAlias = type[Servant] | None
 
@@ -185,6 +188,9 @@ class WireTypes:
                 return self._recursive(descriptor, self._struct)
             case UnionDescriptor():
                 return self._recursive(descriptor, self._union)
+            case ExceptionDescriptor(class_=class_) if class_ is not None:
+                made = self.exception(class_)
+                return WireType(made.descriptor, made.raised, made.caught)
         raise MarshalError(f"values of {descriptor} cannot travel by CORBA")
 
     def _recursive(self, descriptor: Any, make: Callable[[Any], WireType]) -> WireType:
@@ -209,11 +215,9 @@ class WireTypes:
         return WireType(made, lambda value: self.of(target).outgoing(value))  # type: ignore[misc]
 
     def _struct(self, descriptor: StructDescriptor) -> WireType:
-        class_ = class_of(descriptor)
+        class_ = class_of(descriptor) or _dynamic_maker(descriptor)
         members = self._members(descriptor.members)
         head = descriptor.repository_id, _last(descriptor.name)
-        if class_ is None:
-            raise MarshalError(f"there is no class of {descriptor}")
         if not _converted([descriptor], set()):
             return WireType((tcInternal.tv_struct, class_, *head, *members.parts))
         made = tcInternal.tv_struct, members.maker(class_), *head, *members.parts
@@ -226,9 +230,9 @@ class WireTypes:
         return _Members([(m.name, m.attribute, self.of(m.type)) for m in members])
 
     def _union(self, descriptor: UnionDescriptor) -> WireType:
-        class_ = class_of(descriptor)
+        class_ = class_of(descriptor) or partial(DynamicUnion, descriptor)
         switch = plain(descriptor.switch)
-        if class_ is None or not (
+        if not (
             isinstance(switch, EnumDescriptor)
             or (isinstance(switch, PrimitiveDescriptor) and switch.name in _SWITCHES)
         ):
@@ -236,7 +240,7 @@ class WireTypes:
         discriminator = self.of(descriptor.switch)
         if switch == _CHAR:
             discriminator = WireType(tcInternal.tv_char)
-        if discriminator.outgoing is not None:
+        if discriminator.outgoing is not None and class_of(switch) is not None:
             raise MarshalError(
                 f"{descriptor} switches on {switch} with numbers of its own"
             )
@@ -252,10 +256,15 @@ class WireTypes:
         cases = {e[0]: e for i, e in enumerate(entries) if i != default}
         converted = _converted([descriptor], set())
         if not converted:
-            class_._d, class_._v = _DISCRIMINATOR, _VALUE
+            read: Any = class_of(descriptor) or DynamicUnion
+            read._d, read._v = _DISCRIMINATOR, _VALUE
         made = (
             tcInternal.tv_union,
-            _union_maker(class_, descriptor, wires) if converted else class_,
+            (
+                _union_maker(class_, descriptor, discriminator, wires)
+                if converted
+                else class_
+            ),
             descriptor.repository_id,
             _last(descriptor.name),
             discriminator.descriptor,
@@ -264,7 +273,9 @@ class WireTypes:
             entries[default] if default >= 0 else None,
             cases,
         )
-        return WireType(made, _union_outgoing(descriptor, wires) if converted else None)
+        if not converted:
+            return WireType(made)
+        return WireType(made, _union_outgoing(descriptor, discriminator, wires))
 
     def _exception(self, class_: type[UserException]) -> WireException:
         descriptor = class_._descriptor_
@@ -345,10 +356,22 @@ _DISCRIMINATOR = property(attrgetter("discriminator"))
 _VALUE = property(attrgetter("value"))
 
 
+def _dynamic_maker(descriptor: StructDescriptor) -> Callable[..., DynamicValue]:
+    """Return the function that constructs values of a struct without a class."""
+    names = [member.attribute for member in descriptor.members]
+    return lambda *values: DynamicValue(
+        descriptor, dict(zip(names, values, strict=True))
+    )
+
+
 def _union_maker(
-    class_: Callable[..., Any], descriptor: UnionDescriptor, wires: Sequence[WireType]
+    class_: Callable[..., Any],
+    descriptor: UnionDescriptor,
+    switch: WireType,
+    wires: Sequence[WireType],
 ) -> Callable[[Any, Any], Any]:
     def make(discriminator: Any, value: Any) -> Any:
+        discriminator = through(switch.incoming, discriminator)
         branch = descriptor.branch(discriminator)
         if branch is not None:
             wire = wires[descriptor.branches.index(branch)]
@@ -358,14 +381,18 @@ def _union_maker(
     return make
 
 
-def _union_outgoing(descriptor: UnionDescriptor, wires: Sequence[WireType]) -> Convert:
+def _union_outgoing(
+    descriptor: UnionDescriptor, switch: WireType, wires: Sequence[WireType]
+) -> Convert:
     def outgoing(union: Any) -> SimpleNamespace:
         value = union.value
         branch = descriptor.branch(union.discriminator)
         if branch is not None:
             wire = wires[descriptor.branches.index(branch)]
             value = through(wire.outgoing, value)
-        return SimpleNamespace(_d=union.discriminator, _v=value)
+        return SimpleNamespace(
+            _d=through(switch.outgoing, union.discriminator), _v=value
+        )
 
     return outgoing
 
@@ -374,7 +401,7 @@ def _enum(descriptor: EnumDescriptor) -> WireType:
     class_ = class_of(descriptor)
     numbers = [number for _, number in descriptor.members]
     if class_ is None:
-        raise MarshalError(f"there is no class of {descriptor}")
+        return _dynamic_enum(descriptor, numbers)
     if numbers != list(range(len(numbers))):
         kind = tcInternal.tv_long if descriptor.code == "i" else tcInternal.tv_ulong
         return WireType(kind, int, class_)
@@ -383,6 +410,18 @@ def _enum(descriptor: EnumDescriptor) -> WireType:
         item._n, item._v, item._parent_id = name, number, descriptor.repository_id
     name = _last(descriptor.name)
     return WireType((tcInternal.tv_enum, descriptor.repository_id, name, items))
+
+
+def _dynamic_enum(descriptor: EnumDescriptor, numbers: list[int]) -> WireType:
+    """Return the type of an enum without a class, whose values are numbers."""
+    kind = tcInternal.tv_long if descriptor.code == "i" else tcInternal.tv_ulong
+
+    def checked(number: int) -> int:
+        if number not in numbers:
+            raise ValueError(f"{number!r} is not a member of {descriptor}")
+        return number
+
+    return WireType(kind, checked, checked)
 
 
 def _fixed(digits: int, scale: int) -> WireType:
@@ -399,7 +438,8 @@ def _fixed(digits: int, scale: int) -> WireType:
 
 
 def _label(switch: Descriptor, label: Any) -> Any:
-    return class_of(switch)(label) if isinstance(switch, EnumDescriptor) else label
+    class_ = class_of(switch)
+    return label if class_ is None else class_(label)
 
 
 def _unused(switch: Descriptor, union: UnionDescriptor) -> Any:
@@ -407,7 +447,7 @@ def _unused(switch: Descriptor, union: UnionDescriptor) -> Any:
     used = {label for branch in union.branches for label in branch.labels}
     candidates: Iterable[Any] = range(len(used) + 1)
     if isinstance(switch, EnumDescriptor):
-        candidates = class_of(switch)
+        candidates = class_of(switch) or candidates
     elif switch == _CHAR:
         candidates = map(chr, candidates)
     elif switch == PrimitiveDescriptor("boolean"):
@@ -426,8 +466,10 @@ def _is_converted(descriptor: Descriptor, seen: set[int]) -> bool:
             return name not in _PRIMITIVES
         case StringDescriptor():
             return False
-        case EnumDescriptor(members=members):
-            return any(i != number for i, (_, number) in enumerate(members))
+        case EnumDescriptor(members=members, class_=class_):
+            return class_ is None or any(
+                i != number for i, (_, number) in enumerate(members)
+            )
         case SequenceDescriptor(element, numeric=numeric) | ArrayDescriptor(
             element, numeric=numeric
         ):
@@ -439,8 +481,15 @@ def _is_converted(descriptor: Descriptor, seen: set[int]) -> bool:
             renamed = isinstance(whole, StructDescriptor) and any(
                 part.attribute != part.name for part in parts
             )
-            return renamed or _converted((part.type for part in parts), seen)
+            switches = isinstance(whole, UnionDescriptor) and _enum_without_class(whole)
+            return renamed or switches or _converted((p.type for p in parts), seen)
     return True
+
+
+def _enum_without_class(union: UnionDescriptor) -> bool:
+    """Return whether the union switches on an enum without a class, whose values are checked."""
+    switch = plain(union.switch)
+    return isinstance(switch, EnumDescriptor) and switch.class_ is None
 
 
 def _items(
