@@ -55,8 +55,8 @@ module Anys {
   union Either switch (Gear) { case LOW: Pair both; default: any rest; };
   exception Odd { string why; };
   valuetype Shared { public long x; };
+  struct HolderOfShared { Shared one; };
   union First switch (long) { default: long rest; case 1: string text; };
-  valuetype Unread { public First what; };
   typedef sequence<any> List;
   interface Calls {
     any echo(in any a);
@@ -210,11 +210,6 @@ def test_values_of_all_types(anys: Any, served: Served) -> None:
     for class_ in (anys.Pair, anys.Gear, anys.Either, anys.Tree, anys.Odd):
         given = next(v for v in values(anys) if v.type is class_._descriptor_)
         assert served.stub.echo(given).type is class_._descriptor_
-    shared = anys.Shared()
-    shared.x = 7
-    again = served.stub.echo(AnyValue(anys.Shared, shared)).value
-    assert (type(again), again.x) == (anys.Shared, 7)
-    assert again is not shared
 
 
 def test_references(anys: Any, served: Served) -> None:
@@ -369,18 +364,23 @@ def test_type_codes_that_are_wrong(
     assert remote.stub.echo(AnyValue(LONG, 3)) == AnyValue(LONG, 3)
 
 
-def test_unions_that_omniorb_cannot_read(
+def test_valuetypes_are_refused(
     anys: Any, remote: Served, caplog: pytest.LogCaptureFixture
 ) -> None:
-    wide = unknown_union(PrimitiveDescriptor("wchar"), "w")
-    for type_ in (anys.Unread._descriptor_, SequenceDescriptor(wide)):
-        given = AnyValue(type_, [] if isinstance(type_, SequenceDescriptor) else None)
-        with pytest.raises(MarshalError, match="omniORBpy cannot read "):
-            remote.stub.echo(given)
-        kind, parameters = code(type_)
+    """omniORB crashes for some octets of a valuetype, so it reads none."""
+    for type_ in (
+        anys.Shared._descriptor_,
+        anys.HolderOfShared._descriptor_,
+        SequenceDescriptor(anys.Shared._descriptor_),
+    ):
+        value: Any = [] if isinstance(type_, SequenceDescriptor) else None
+        with pytest.raises(MarshalError, match="cannot travel by CORBA"):
+            remote.stub.echo(AnyValue(type_, value))
         with pytest.raises(CORBA.MARSHAL):
-            send_type_code(remote, kind, parameters)
-    assert "omniORBpy cannot read" in caplog.text
+            send_type_code(remote, *code(type_))
+    assert caplog.text.count("a received type code is wrong: ") == 3
+    assert remote.servant.calls == 0
+    assert remote.stub.echo_code(anys.Shared._descriptor_) is anys.Shared._descriptor_
 
 
 def test_results_that_are_wrong(anys: Any, remote: Served) -> None:

@@ -2,20 +2,19 @@
 
 A type code consists of its kind and the parameters of this kind, an `any` of a type code and a
 value of this type (CORBA 3.3 part 2, 9.3.5). So they have the octets of unions, and omniORBpy
-marshals them as unions: it parses no type codes, and constructs values of generated types as it
-does elsewhere. Valuetypes, and other types that rtgen does not describe to omniORBpy, are converted
-by octets.
+marshals them as unions: it parses no type codes, and constructs values as it does elsewhere.
+Types that operations do not support are refused: octets of a peer can make omniORB crash while it
+reads a valuetype by its type code.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import lru_cache
 from types import SimpleNamespace
 from typing import Any
 
-import omniORB
 from omniORB import CORBA, tcInternal
 
 from rtgen.runtime.corba.wire_conversions import WireType
@@ -23,19 +22,13 @@ from rtgen.runtime.failures import log
 from rtgen.runtime.marshalling.descriptors import (
     ANY,
     ArrayDescriptor,
-    BoxDescriptor,
     Descriptor,
     FixedDescriptor,
     Named,
-    PrimitiveDescriptor,
     SequenceDescriptor,
-    UnionDescriptor,
-    ValueDescriptor,
-    plain,
 )
 from rtgen.runtime.marshalling.dynamic.direct import has_empty_elements
 from rtgen.runtime.marshalling.errors import FAILURES, Fault
-from rtgen.runtime.marshalling.layouts.trees import parts
 from rtgen.runtime.marshalling.type_codes import (
     ENCAPSULATED,
     FIXED,
@@ -45,9 +38,8 @@ from rtgen.runtime.marshalling.type_codes import (
     type_of_code,
 )
 from rtgen.runtime.services.servants import MarshalError
-from rtgen.runtime.values import AnyValue, decoded, encoded
+from rtgen.runtime.values import AnyValue
 
-_WCHAR = PrimitiveDescriptor("wchar")
 _MAX_CONTENTS = 256
 """Maximum number of cached types; a full table is cleared."""
 
@@ -81,8 +73,8 @@ class _Content(int):
     _d: int
     _v: Any
 
-    def __del__(self) -> None:
-        del _BRANCHES[int(self)]
+    def __del__(self, branches: dict[int, Any] = _BRANCHES) -> None:
+        del branches[int(self)]
 
 
 class Anys:
@@ -109,7 +101,7 @@ class Anys:
             if isinstance(parameters, bytes):
                 return self._content_of(type_of_code(kind, parameters))
             return self._simple(kind, parameters)
-        except FAILURES as error:
+        except (MarshalError, *FAILURES) as error:
             raise _refused("type code", error) from error
 
     def _simple_content(self, kind: int, parameters: Any) -> _Content:
@@ -132,10 +124,7 @@ class Anys:
         code = _code(type_)
         if has_empty_elements(type_):
             raise Fault("an array of elements without octets")
-        try:
-            wire = self._make(type_)
-        except MarshalError:
-            wire = _by_octets(type_)
+        wire = self._make(type_)
         content = _Content(next(_numbers))
         _BRANCHES[int(content)] = (int(content), "", wire.descriptor)
         content.type, content.wire = type_, wire
@@ -200,50 +189,6 @@ def _key(type_: Descriptor) -> Any:
         case Named():
             return id(type_)
     return type_
-
-
-def _by_octets(type_: Descriptor) -> WireType:
-    """Return the type that omniORBpy constructs from the type code. Raises Fault.
-
-    omniORBpy 4.3.3 misreads unions that switch on a wchar, and ends the process for a union whose
-    first branch is the default.
-    """
-    for union in _unions(type_):
-        first = union.branches[0]
-        if plain(union.switch) == _WCHAR or (first.default and not first.labels):
-            raise Fault(f"omniORBpy cannot read {union} from a type code")
-    kind, octets = type_code_octets(type_, True)
-    code = omniORB.cdrUnmarshal(
-        CORBA._tc_TypeCode, kind.to_bytes(4, "little") + octets, 1
-    )
-
-    def outgoing(value: Any) -> Any:
-        octets = encoded(ANY, AnyValue(type_, value), True)
-        return omniORB.cdrUnmarshal(CORBA._tc_any, octets, 1).value()
-
-    def incoming(value: Any) -> Any:
-        octets = omniORB.cdrMarshal(CORBA._tc_any, CORBA.Any(code, value), 1)
-        return decoded(ANY, octets, True).value
-
-    return WireType(code._d, outgoing, incoming)
-
-
-def _unions(type_: Descriptor) -> Iterator[UnionDescriptor]:
-    """Yield the unions in a type, also those in the states of valuetypes."""
-    waiting = [type_]
-    seen: set[int] = set()
-    while waiting:
-        for part in parts(waiting.pop()):
-            if id(part) in seen:
-                continue
-            seen.add(id(part))
-            match part:
-                case UnionDescriptor():
-                    yield part
-                case ValueDescriptor():
-                    waiting += [member.type for member in part.all_members()]
-                case BoxDescriptor(target=target):
-                    waiting.append(target)
 
 
 def _union(class_: Callable[..., Any], switch: Any, branches: dict[int, Any]) -> Any:

@@ -3,7 +3,7 @@
 omniORBpy marshals any object with the attributes named by a descriptor, and constructs values by
 calling the class in the descriptor. So data classes, enums and unions need no conversion. Types
 that omniORBpy represents by its own classes (`any`, type codes, `fixed`, object references), and
-types that contain them, are converted. Values of `any` are passed as octets, which are the same.
+types that contain them, are converted.
 """
 
 from __future__ import annotations
