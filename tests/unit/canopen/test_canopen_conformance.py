@@ -101,7 +101,7 @@ def test_our_own_nodes_conform(name: str) -> None:
 
 
 def limited(folder: Path) -> Path:
-    """Return f_palette with additions: limits, a write-only object, guarding, remote frames."""
+    """Return f_palette with additions: limits, objects of other access, guarding, remote frames."""
     text = (SPECS / "f_palette.eds").read_text()
     for group, objects in (
         ("Optional", {0x100C: ("0x0006", "rw", ""), 0x100D: ("0x0005", "rw", "")}),
@@ -111,6 +111,7 @@ def limited(folder: Path) -> Path:
                 0x2F00: ("0x0003", "ro", "LowLimit=-100\nHighLimit=100\n"),
                 0x2F01: ("0x0006", "wo", ""),
                 0x2F02: ("0x0006", "rw", "LowLimit=0\nHighLimit=10\n"),
+                0x2F03: ("0x0007", "rw", "PDOMapping=1\n"),
             },
         ),
     ):
@@ -126,7 +127,7 @@ def limited(folder: Path) -> Path:
         for index, (kind, access, limits) in objects.items():
             text += (
                 f"\n[{index:X}]\nParameterName=Object {index:X}\nObjectType=0x7\n"
-                f"DataType={kind}\nAccessType={access}\nDefaultValue=0\n{limits}PDOMapping=0\n"
+                f"DataType={kind}\nAccessType={access}\nDefaultValue=0\n{limits}"
             )
     # TPDO 1 may be requested by remote frames.
     assert "DefaultValue=$NODEID+0x40000180" in text
@@ -255,7 +256,8 @@ class AfterAbort:
     def __call__(self, cause: Frame, out: list[Frame]) -> list[Frame]:
         if at(cause, 0x80, 0x1008):
             self.aborted = True
-        if self.aborted and cause.data[:1] == b"\x60" and out:
+        is_segment = bool(out) and out[0].data[:1] != b"\x80"
+        if self.aborted and cause.data[:1] == b"\x60" and is_segment:
             self.aborted = False
             return [Frame(f.can_id, f.data[:1] + b"?" + f.data[2:]) for f in out]
         return out
@@ -276,10 +278,10 @@ class ServedWhenStopped:
 
 
 class RefusesItsOwnValue:
-    """Refuses the value of an object of the application that it would store."""
+    """Refuses the values of digital outputs that it would store."""
 
     def __call__(self, cause: Frame, out: list[Frame]) -> list[Frame]:
-        stored = [f for f in out if f.data[:1] == b"\x60" and f.data[2] >= 0x20]
+        stored = [f for f in out if f.data[:1] == b"\x60" and f.data[2] == 0x62]
         return sdo_abort(cause, 0x08000000) if stored else out
 
 
@@ -358,6 +360,102 @@ class LosesItsGuard:
         return [f for f in out if f.data[:2] != b"\x30\x81"]
 
 
+class AbortsNothing:
+    """Answers one request for a segment of 1008h after the client has aborted."""
+
+    def __init__(self) -> None:
+        self.aborts = 0
+
+    def __call__(self, cause: Frame, out: list[Frame]) -> list[Frame]:
+        self.aborts += at(cause, 0x80, 0x1008)
+        if self.aborts == 1 and cause.data[:1] == b"\x60":
+            self.aborts = 2
+            return plain(0x01)(cause)
+        return out
+
+
+class StartsItself:
+    """Shows OPERATIONAL from a reset until the next command."""
+
+    def __init__(self) -> None:
+        self.is_started = False
+
+    def __call__(self, cause: Frame, out: list[Frame]) -> list[Frame]:
+        if cause.can_id == 0:
+            self.is_started = cause.data[0] in (0x81, 0x82)
+        state = b"\5" if self.is_started else b"\x7f"
+        shown = changed(0x700 + ID, lambda data: state if data == b"\x7f" else data)
+        return shown(cause, out)
+
+
+class KeepsItsHeartbeat:
+    """Has another heartbeat period after a reset of communication than before it."""
+
+    def __init__(self) -> None:
+        self.is_other = False
+
+    def __call__(self, cause: Frame, out: list[Frame]) -> list[Frame]:
+        if writes(cause, 0x1017, 0x1017, 0):
+            self.is_other = cause.data[4] == 0x65
+        other = answering(0x1017, 0, 0x4B, b"\x65\0")
+        return other(cause, out) if self.is_other else out
+
+
+class SendsInPreOperational:
+    """Sends a PDO at each SYNC in PRE-OPERATIONAL."""
+
+    def __init__(self) -> None:
+        self.is_started = False
+
+    def __call__(self, cause: Frame, out: list[Frame]) -> list[Frame]:
+        if cause.can_id == 0:
+            self.is_started = cause.data[0] == 1
+        is_sync = cause.can_id == 0x80 and not self.is_started
+        return [*out, Frame(0x180 + ID, b"\0")] if is_sync else out
+
+
+class ObeysOthers:
+    """Shows that it is stopped after a command to node 255."""
+
+    def __init__(self) -> None:
+        self.is_stopped = False
+
+    def __call__(self, cause: Frame, out: list[Frame]) -> list[Frame]:
+        if cause.can_id == 0:
+            self.is_stopped = cause.data[1] == 255
+        is_stopped = self.is_stopped
+        shown = changed(0x700 + ID, lambda data: b"\4" if is_stopped else data)
+        return shown(cause, out)
+
+
+class IgnoresLong:
+    """Answers reads of the application with older values after an RPDO 1 of three octets."""
+
+    def __init__(self) -> None:
+        self.values: dict[bytes, list[Frame]] = {}
+        self.is_old = False
+
+    def __call__(self, cause: Frame, out: list[Frame]) -> list[Frame]:
+        if cause.can_id == 0x200 + ID:
+            self.is_old = len(cause.data) == 3
+        is_read = cause.can_id == 0x600 + ID and cause.data[:1] == b"\x40"
+        if not is_read or cause.data[2] < 0x20:
+            return out
+        if not self.is_old:
+            self.values[cause.data] = out
+        return self.values.get(cause.data, out)
+
+
+class TwoOctets:
+    """Accepts values of the application with a wrong length, and does not store them."""
+
+    def __call__(self, cause: Frame, out: list[Frame]) -> list[Frame]:
+        refused = [f for f in out if f.data[:1] + f.data[5:8] == b"\x80\0\x07\6"]
+        is_write = cause.can_id == 0x600 + ID and cause.data[0] >> 5 == 1
+        is_application = is_write and cause.data[2] >= 0x20
+        return acknowledged(cause) if refused and is_application else out
+
+
 def without_boot_up(command: int) -> Alter:
     """Send no boot-up message after an NMT command."""
     return lambda cause, out: (
@@ -391,6 +489,12 @@ def selected_by_any_serial(cause: Frame, out: list[Frame]) -> list[Frame]:
     return out
 
 
+def selected_by_any_revision(cause: Frame, out: list[Frame]) -> list[Frame]:
+    """Select a node with serial number 1, whatever the other numbers are."""
+    is_serial = cause.can_id == 0x7E5 and cause.data[:5] == b"\x43\1\0\0\0"
+    return [Frame(0x7E4, b"\x44" + bytes(7))] if is_serial else out
+
+
 def too_high_is_stored(cause: Frame, out: list[Frame]) -> list[Frame]:
     refused = [f for f in out if f.data[4:8] == (0x06090031).to_bytes(4, "little")]
     return acknowledged(cause) if refused else out
@@ -398,7 +502,7 @@ def too_high_is_stored(cause: Frame, out: list[Frame]) -> list[Frame]:
 
 MUTANTS: dict[str, tuple[str, Alter]] = {
     "sdo.read": ("f_palette", refusing(0x40, 0x1018, 4)),
-    "object.type": ("f_palette", answering(0x1001, 0, 0x4B, b"\1\0")),
+    "object.type": ("f_palette", answering(0x6000, 1, 0x4B, b"\0\0")),
     "object.limits": ("limited", answering(0x2F00, 0, 0x4B, b"\xff\x7f")),
     "object.constants": ("f_palette", answering(0x1000, 0, 0x43, b"\x99\0\0\0")),
     "object.defaults": ("limited", answering(0x2F02, 0, 0x4B, b"\5\0")),
@@ -433,6 +537,14 @@ MUTANTS: dict[str, tuple[str, Alter]] = {
         "f_palette",
         instead_of_abort(0x05040002, plain(0xC6), lambda f: True),
     ),
+    "sdo.block-repeats": (
+        "f_palette",
+        lambda cause, out: (
+            [Frame(f.can_id, f.data[:1] + b"\1" + f.data[2:]) for f in out]
+            if cause.data[:1] == b"\x82" and cause.can_id == 0x600 + ID
+            else out
+        ),
+    ),
     "emcy.history": (
         "f_palette",
         instead_of_abort(0x06090030, acknowledged, lambda f: at(f, 0x20, 0x1003)),
@@ -447,12 +559,14 @@ MUTANTS: dict[str, tuple[str, Alter]] = {
         ),
     ),
     "nmt.boot-up": ("f_palette", without_boot_up(0x82)),
+    "nmt.parameters": ("f_palette", KeepsItsHeartbeat()),
     "nmt.stopped": ("f_palette", ServedWhenStopped()),
     "nmt.states": (
         "f_palette",
         changed(0x700 + ID, lambda data: b"\x7f" if data == b"\x05" else data),
     ),
     "sdo.range": ("limited", too_high_is_stored),
+    "sdo.lengths": ("f_palette", TwoOctets()),
     "sdo.same-value": ("f_palette", RefusesItsOwnValue()),
     "pdo.synchronous": ("motor_core_unit", SilentAtSync()),
     "pdo.reception": ("f_palette", OldValues(synchronous=False)),
@@ -463,9 +577,21 @@ MUTANTS: dict[str, tuple[str, Alter]] = {
             lambda data: b"\0\0" + data[2:] if data[:2] == b"\x10\x82" else data,
         ),
     ),
+    "pdo.states": ("f_palette", SendsInPreOperational()),
+    "pdo.content": ("limited", changed(0x180 + ID, lambda data: data[::-1])),
+    "pdo.identifiers": (
+        "f_palette",
+        instead_of_abort(
+            0x06090030,
+            acknowledged,
+            lambda f: writes(f, 0x1400, 0x19FF, 1) and not f.data[7] & 0x80,
+        ),
+    ),
     "pdo.mapping": (
         "f_palette",
-        instead_of_abort(0x06040041, acknowledged, lambda f: True),
+        instead_of_abort(
+            0x06040041, acknowledged, lambda f: f.data[4:] == b"\x20\0\0\x10"
+        ),
     ),
     "pdo.transmission": (
         "f_palette",
@@ -476,6 +602,10 @@ MUTANTS: dict[str, tuple[str, Alter]] = {
     "pdo.times": ("f_palette", SlowTimer()),
     "pdo.synchronous-reception": ("f_palette", OldValues(synchronous=True)),
     "emcy.entry": ("f_palette", answering(0x1003, 1, 0x43, b"\x30\x81\0\0")),
+    "emcy.reset": (
+        "f_palette",
+        changed(0x80 + ID, lambda data: None if data[:2] == b"\0\0" else data),
+    ),
     "heartbeat.consumer": (
         "f_palette",
         changed(0x80 + ID, lambda data: None if data[:2] == b"\x30\x81" else data),
@@ -483,6 +613,10 @@ MUTANTS: dict[str, tuple[str, Alter]] = {
     "guarding.life": ("limited", LosesItsGuard()),
     "nmt.reset": ("f_palette", without_boot_up(0x81)),
     "lss.address": ("f_palette", selected_by_any_serial),
+    "lss.identify": (
+        "f_palette",
+        changed(0x7E4, lambda data: None if data[:1] == b"\x4f" else data),
+    ),
     "lss.identity": (
         "f_palette",
         changed(0x7E4, lambda data: b"\x5b\x63" if data[:1] == b"\x5b" else data),
@@ -513,7 +647,9 @@ FURTHER: dict[str, tuple[str, str, Alter]] = {
     "segments that are too long": (
         "sdo.segments",
         "f_palette",
-        instead_of_abort(0x06070012, acknowledged, lambda f: f.data[:1] == b"\x21"),
+        instead_of_abort(
+            0x06070012, acknowledged, lambda f: f.data[:3] == b"\x21\x17\x10"
+        ),
     ),
     "no bit of the error register": (
         "emcy.entry",
@@ -524,6 +660,101 @@ FURTHER: dict[str, tuple[str, str, Alter]] = {
         "lss.address",
         "f_palette",
         lambda cause, out: [f for f in out for _ in range(1 + (f.can_id == 0x7E4))],
+    ),
+    "selected by another revision number": (
+        "lss.address",
+        "f_palette",
+        selected_by_any_revision,
+    ),
+    "its own node-id is not accepted": (
+        "lss.refusals",
+        "f_palette",
+        changed(0x7E4, lambda data: b"\x11\1" if data[:1] == b"\x11" else data),
+    ),
+    "an answer in the LSS state waiting": (
+        "lss.address",
+        "f_palette",
+        lambda cause, out: (
+            [Frame(0x7E4, bytes((0x5E, ID)) + bytes(6))]
+            if cause.can_id == 0x7E5 and cause.data[:1] == b"\x5e"
+            else out
+        ),
+    ),
+    "a second boot-up message": (
+        "nmt.boot-up",
+        "f_palette",
+        lambda cause, out: (
+            out + [f for f in out if f.data == b"\0" and f.can_id == 0x700 + ID]
+        ),
+    ),
+    "it starts by itself": (
+        "nmt.boot-up",
+        "f_palette",
+        StartsItself(),
+    ),
+    "another error register in the emergency": (
+        "emcy.entry",
+        "f_palette",
+        changed(0x80 + ID, lambda data: data[:2] + b"\x81" + data[3:]),
+    ),
+    "the older error first": (
+        "emcy.entry",
+        "f_palette",
+        answering(0x1003, 2, 0x43, b"\x20\x82\0\0"),
+    ),
+    "a long RPDO is ignored": ("pdo.length", "f_palette", IgnoresLong()),
+    "a limit is refused": (
+        "sdo.range",
+        "limited",
+        lambda cause, out: (
+            sdo_abort(cause, 0x06090031)
+            if at(cause, 0x20, 0x2F02) and cause.data[4] == 10
+            else out
+        ),
+    ),
+    "types over 24 are refused": (
+        "pdo.transmission",
+        "f_palette",
+        lambda cause, out: (
+            sdo_abort(cause, 0x06090030)
+            if writes(cause, 0x1800, 0x19FF, 2) and cause.data[4] == 240
+            else out
+        ),
+    ),
+    "its own type is refused": (
+        "pdo.transmission",
+        "f_palette",
+        lambda cause, out: (
+            sdo_abort(cause, 0x06090030)
+            if writes(cause, 0x1800, 0x19FF, 2) and cause.data[4] == 255
+            else out
+        ),
+    ),
+    "an entry of a mapping in use": (
+        "pdo.mapping",
+        "f_palette",
+        instead_of_abort(
+            0x06010003, acknowledged, lambda f: writes(f, 0x1A00, 0x1BFF, 1)
+        ),
+    ),
+    "an aborted transfer goes on": (
+        "sdo.abort",
+        "f_palette",
+        AbortsNothing(),
+    ),
+    "a toggle bit of a download": (
+        "sdo.segments",
+        "f_palette",
+        lambda cause, out: (
+            [Frame(f.can_id, b"\x30" + f.data[1:]) for f in out]
+            if out and out[0].data[:1] == b"\x20" and cause.can_id == 0x600 + ID
+            else out
+        ),
+    ),
+    "commands to other node-ids": (
+        "nmt.states",
+        "f_palette",
+        ObeysOthers(),
     ),
     "a bit rate that does not exist": (
         "lss.refusals",

@@ -9,20 +9,23 @@ from rtgen.cli.can.decoding.node_index import DescribedObject
 from rtgen.cli.conformance.canopen import network_checks, pdo_changes
 from rtgen.cli.conformance.canopen.lss_checks import (
     lss_address,
+    lss_identify,
     lss_identity,
     lss_refusals,
 )
 from rtgen.cli.conformance.canopen.node import NodeUnderTest, SilenceError, refusal
 from rtgen.cli.conformance.canopen.pdo_checks import (
     parameters,
+    pre_operational,
     reception,
-    short_reception,
     synchronous,
+    wrong_lengths,
 )
 from rtgen.cli.conformance.canopen.sdo_checks import (
     HEARTBEAT,
     NAME,
     block_download,
+    block_repeats,
     block_sizes,
     long_name,
     segments,
@@ -35,6 +38,7 @@ from rtgen.runtime.canopen.wire import sdo
 from rtgen.runtime.canopen.wire.frames import (
     ERROR_CONTROL,
     MILLISECOND,
+    NMT,
     Frame,
 )
 from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState
@@ -42,11 +46,22 @@ from rtgen.runtime.canopen.wire.sdo import SdoAbort, Target
 
 _HISTORY: Final = (0x1003, 0)
 _GUARD_TIME: Final = (0x100C, 0)
+_STARTUP: Final = (0x1F80, 0)
 _PERIOD: Final = 100
 """Heartbeat period of the checks, in ms."""
+_OTHER_PERIOD: Final = 70
+"""The period for a node that has the first one already."""
+_SETTINGS: Final = (*range(0x1005, 0x1008), *range(0x1012, 0x101A), 0x1028, 0x1029)
+"""Objects of the communication profile that accept their present values."""
+_QUIET: Final = 20 * MILLISECOND
+"""Time in which a second boot-up message would follow."""
+_NO_NODE: Final = 255
+_NO_COMMAND: Final = 0x7F
 _BEATS: Final = 5
 _MAX_SILENT: Final = 5
 """Number of objects without a response after which reading stops."""
+_APPLICATION: Final = 0x2000
+"""The first index of the application."""
 _READ_ONLY: Final = (sdo.READ_ONLY, sdo.ACCESS_UNSUPPORTED)
 _WRITE_ONLY: Final = (sdo.WRITE_ONLY, sdo.ACCESS_UNSUPPORTED)
 _LENGTH: Final = (sdo.LENGTH_MISMATCH, sdo.LENGTH_TOO_HIGH, sdo.LENGTH_TOO_LOW)
@@ -215,6 +230,11 @@ def aborted(node: NodeUnderTest) -> Problems:
     long_name(node)
     node.ask(Target(*NAME).message(sdo.UPLOAD))
     node.abandon(NAME)
+    answer = node.ask(bytes((sdo.UPLOAD_SEGMENT,)).ljust(8, b"\0"))
+    code = int.from_bytes(answer[4:8], "little") if answer[0] == sdo.ABORT else None
+    yield refusal("a segment after the abort", code, sdo.COMMAND_UNKNOWN)
+    if code is None:
+        node.abandon(NAME)
     same = node.upload(NAME) == node.values[NAME]
     yield None if same else "1008h differs after an aborted transfer"
 
@@ -252,33 +272,47 @@ def boot_up(node: NodeUnderTest) -> Problems:
     if node.restart() != NmtState.INITIALISING:
         yield f"no boot-up within {node.bounds.boot // MILLISECOND} ms"
         return
+    again = node.await_frame(ERROR_CONTROL + node.id, _QUIET)
+    is_second = again is not None and again.data == b"\0"
+    yield "a second boot-up message follows" if is_second else None
     yield None if node.read_code((0x1000, 0)) is None else "1000h is refused after it"
+    if not node.has(*HEARTBEAT) or node.has(*_STARTUP):
+        return
+    if not node.described.objects[HEARTBEAT].access.writable:
+        return
+    before = node.upload(HEARTBEAT)
+    node.download(HEARTBEAT, _PERIOD.to_bytes(2, "little"))
+    state = node.await_state([NmtState.PRE_OPERATIONAL], 3 * _PERIOD * MILLISECOND)
+    node.download(HEARTBEAT, before)
+    shown = "nothing" if state is None else f"{state:02X}h"
+    is_there = state == NmtState.PRE_OPERATIONAL
+    yield None if is_there else f"the heartbeat shows {shown} after it"
 
 
 def heartbeat(node: NodeUnderTest) -> Problems:
     """Check that 1017h starts the heartbeat with its period, and 0 stops it."""
     before = writable_heartbeat(node)
+    first = _PERIOD.to_bytes(2, "little")
+    period = _OTHER_PERIOD if before == first else _PERIOD
     try:
-        node.download(HEARTBEAT, _PERIOD.to_bytes(2, "little"))
+        node.download(HEARTBEAT, period.to_bytes(2, "little"))
         read = int.from_bytes(node.upload(HEARTBEAT), "little")
         yield (
-            None if read == _PERIOD else f"1017h is {read} after {_PERIOD} was written"
+            None if read == period else f"1017h is {read} after {period} was written"
         )
         times = []
         for _ in range(_BEATS + 1):
-            frame = node.await_frame(
-                ERROR_CONTROL + node.id, 10 * _PERIOD * MILLISECOND
-            )
+            frame = node.await_frame(ERROR_CONTROL + node.id, 10 * period * MILLISECOND)
             if frame is None:
-                yield f"no heartbeat within {10 * _PERIOD} ms"
+                yield f"no heartbeat within {10 * period} ms"
                 return
             times.append(node.line.now())
         mean = (times[-1] - times[0]) / _BEATS / MILLISECOND
-        fits = abs(mean - _PERIOD) <= node.bounds.period_tolerance * _PERIOD
-        yield None if fits else f"a period of {mean:.0f} ms, {_PERIOD} was written"
+        fits = abs(mean - period) <= node.bounds.period_tolerance * period
+        yield None if fits else f"a period of {mean:.0f} ms, {period} was written"
         node.download(HEARTBEAT, bytes(2))
-        node.await_frame(ERROR_CONTROL + node.id, _PERIOD * MILLISECOND // 4)
-        late = node.await_frame(ERROR_CONTROL + node.id, 3 * _PERIOD * MILLISECOND)
+        node.await_frame(ERROR_CONTROL + node.id, period * MILLISECOND // 4)
+        late = node.await_frame(ERROR_CONTROL + node.id, 3 * period * MILLISECOND)
         yield None if late is None else "the heartbeat goes on after 0 was written"
     finally:
         node.download(HEARTBEAT, before)
@@ -332,19 +366,29 @@ def states(node: NodeUnderTest) -> Problems:
             (NmtCommand.STOP, NmtState.STOPPED),
             (NmtCommand.START, NmtState.OPERATIONAL),
             (NmtCommand.ENTER_PRE_OPERATIONAL, NmtState.PRE_OPERATIONAL),
+            (NmtCommand.START, NmtState.OPERATIONAL),
         ):
             node.command(command)
             state = node.await_state([wanted], 10 * _PERIOD * MILLISECOND)
             shown = "nothing" if state is None else f"{state:02X}h"
             name = command.name.replace("_", " ")
             yield None if state == wanted else f"{name}: the heartbeat shows {shown}"
+        for data, what in (
+            (bytes((NmtCommand.STOP, _NO_NODE)), f"a command to node {_NO_NODE}"),
+            (bytes((_NO_COMMAND, node.id)), f"command {_NO_COMMAND:02X}h"),
+        ):
+            node.line.send(Frame(NMT, data))
+            for _ in range(2):
+                state = node.await_state(NmtState, 10 * _PERIOD * MILLISECOND)
+            fits = state == NmtState.OPERATIONAL
+            yield None if fits else f"{what} is not ignored"
     finally:
         node.command(NmtCommand.ENTER_PRE_OPERATIONAL)
         node.download(HEARTBEAT, before)
 
 
 def range_of_writes(node: NodeUnderTest) -> Problems:
-    """Check that values beyond the limits are rejected, and the value is unchanged."""
+    """Check that limits are accepted, values beyond them rejected, and the value unchanged."""
     for thing in _objects(node):
         before = node.values.get(thing.number)
         if not thing.access.writable or before is None:
@@ -355,6 +399,13 @@ def range_of_writes(node: NodeUnderTest) -> Problems:
         ):
             if limit is None:
                 continue
+            if thing.number[0] >= _APPLICATION:
+                code = node.write_code(thing.number, encode(thing.kind, limit))
+                if code is None:
+                    node.download(thing.number, before)
+                    yield None
+                else:
+                    yield f"{thing}: its limit {limit} is refused with {code:08X}h"
             try:
                 octets = encode(thing.kind, limit + step)
             except ObjectValueError:
@@ -367,15 +418,35 @@ def range_of_writes(node: NodeUnderTest) -> Problems:
                 node.download(thing.number, before)
 
 
-def same_value(node: NodeUnderTest) -> Problems:
-    """Check that an object of the application accepts its current value."""
+def wrong_lengths_of_writes(node: NodeUnderTest) -> Problems:
+    """Check that objects of the application reject values that are too long or too short."""
     for thing in _objects(node):
         before = node.values.get(thing.number)
-        if thing.number[0] >= 0x2000 and thing.access.writable and before:
+        if thing.number[0] < _APPLICATION or not thing.access.writable or not before:
+            continue
+        if size(thing.kind) != len(before):
+            continue
+        for octets in (before + bytes(1), before[:-1]):
+            if octets:
+                code = node.write_code(thing.number, octets)
+                yield refusal(f"{thing} with {len(octets)} octets", code, *_LENGTH)
+        kept = node.upload(thing.number) == before
+        yield None if kept else f"{thing}: a refused value was stored"
+        if not kept:
+            node.download(thing.number, before)
+
+
+def same_value(node: NodeUnderTest) -> Problems:
+    """Check that objects of the application, and settings, accept their current values."""
+    for thing in _objects(node):
+        before = node.values.get(thing.number)
+        index = thing.number[0]
+        is_tried = index >= _APPLICATION or index in _SETTINGS
+        if is_tried and thing.access.writable and before:
             code = node.write_code(thing.number, before)
             yield (
                 None
-                if code is None
+                if code is None or (index in _SETTINGS and code == sdo.DEVICE_STATE)
                 else f"{thing}: its own value is refused with {code:08X}h"
             )
 
@@ -434,6 +505,12 @@ CHECKS: Final = (
         "CiA 301, 7.2.4.3.13",
         block_sizes,
     ),
+    Check(
+        "sdo.block-repeats",
+        "lost segments of blocks are repeated",
+        "CiA 301, 7.2.4.3.11",
+        block_repeats,
+    ),
     Check("emcy.history", "the error history", "CiA 301, 7.5.2.4", errors),
     Check(
         "heartbeat", "the heartbeat keeps its period", "CiA 301, 7.2.8.3.2.2", heartbeat
@@ -441,6 +518,12 @@ CHECKS: Final = (
     Check("guarding", "node guarding", "CiA 301, 7.2.8.3.2.1", guarding),
     Check(
         "nmt.boot-up", "boot-up after reset communication", "CiA 301, 7.3.2.2", boot_up
+    ),
+    Check(
+        "nmt.parameters",
+        "reset communication reverts parameters",
+        "CiA 301, 7.3.2.2.1",
+        network_checks.parameters_reverted,
     ),
     Check("nmt.stopped", "a stopped node serves no SDO", "CiA 301, 7.3.2.2.4", stopped),
     Check(
@@ -452,9 +535,16 @@ CHECKS: Final = (
     ),
     Check(
         "sdo.range",
-        "values beyond the limits are refused",
+        "limits are accepted, values beyond them refused",
         _SDO,
         range_of_writes,
+        ACTUATE,
+    ),
+    Check(
+        "sdo.lengths",
+        "objects refuse values of a wrong length",
+        _SDO,
+        wrong_lengths_of_writes,
         ACTUATE,
     ),
     Check(
@@ -480,9 +570,30 @@ CHECKS: Final = (
     ),
     Check(
         "pdo.length",
-        "an RPDO that is too short is reported and changes nothing",
-        "CiA 301, 7.2.7.1",
-        short_reception,
+        "RPDOs that are too short are reported, longer ones truncated",
+        "CiA 301, 7.2.2.4",
+        wrong_lengths,
+        ACTUATE,
+    ),
+    Check(
+        "pdo.states",
+        "no PDOs in PRE-OPERATIONAL",
+        "CiA 301, 7.3.2.2.5",
+        pre_operational,
+        ACTUATE,
+    ),
+    Check(
+        "pdo.content",
+        "TPDOs have the values of their objects",
+        "CiA 301, 7.5.2.38",
+        pdo_changes.content,
+        ACTUATE,
+    ),
+    Check(
+        "pdo.identifiers",
+        "identifiers of valid PDOs cannot be changed",
+        "CiA 301, 7.5.2.37",
+        pdo_changes.identifiers,
         ACTUATE,
     ),
     Check(
@@ -521,6 +632,13 @@ CHECKS: Final = (
         ACTUATE,
     ),
     Check(
+        "emcy.reset",
+        "the end of an error is reported",
+        "CiA 301, 7.2.7.2",
+        network_checks.error_reset,
+        ACTUATE,
+    ),
+    Check(
         "heartbeat.consumer",
         "a lost heartbeat is reported",
         "CiA 301, 7.2.8.3.2.2",
@@ -544,10 +662,11 @@ CHECKS: Final = (
     Check(
         "lss.address", "selected only by its LSS address", "CiA 305, 3.7", lss_address
     ),
+    Check("lss.identify", "identifies itself in a range", "CiA 305, 3.7", lss_identify),
     Check("lss.identity", "reports its identity", "CiA 305, 3.11", lss_identity),
     Check(
         "lss.refusals",
-        "node-ids and bit rates out of range are refused",
+        "node-ids and bit rates are accepted and refused",
         "CiA 305, 3.9",
         lss_refusals,
     ),

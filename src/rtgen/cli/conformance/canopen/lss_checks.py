@@ -17,6 +17,12 @@ _SELECTION: Final = (
     *(LssCommand.SWITCH_VENDOR, LssCommand.SWITCH_PRODUCT),
     *(LssCommand.SWITCH_REVISION, LssCommand.SWITCH_SERIAL),
 )
+_PARTS: Final = ("vendor-id", "product code", "revision number", "serial number")
+_IDENTIFICATION: Final = (
+    *(LssCommand.IDENTIFY_VENDOR, LssCommand.IDENTIFY_PRODUCT),
+    *(LssCommand.IDENTIFY_REVISION_LOW, LssCommand.IDENTIFY_REVISION_HIGH),
+    *(LssCommand.IDENTIFY_SERIAL_LOW, LssCommand.IDENTIFY_SERIAL_HIGH),
+)
 _INQUIRIES: Final = (
     *(LssCommand.INQUIRE_VENDOR, LssCommand.INQUIRE_PRODUCT),
     *(LssCommand.INQUIRE_REVISION, LssCommand.INQUIRE_SERIAL),
@@ -82,10 +88,12 @@ def _problem(what: str, answer: bytes, wanted: bytes) -> str | None:
 def lss_address(node: NodeUnderTest) -> Problems:
     """Check that LSS selects the node by its identity only, and reports its node-id."""
     address = _address(node)
-    other = [*address[:3], address[3] ^ 1]
     try:
-        found = _select(node, other, lss_master.TIMEOUT)
-        yield "it is selected by another serial number" if found else None
+        for part, name in enumerate(_PARTS):
+            other = list(address)
+            other[part] ^= 1
+            found = _select(node, other, lss_master.TIMEOUT)
+            yield f"it is selected by another {name}" if found else None
         selected = _select(node, address)
         if not selected:
             yield "it is not selected by its identity"
@@ -95,8 +103,27 @@ def lss_address(node: NodeUnderTest) -> Problems:
             command = LssCommand.INQUIRE_NODE_ID
             answer = _ask(node, lss.message(command))
             yield _problem("its node-id by LSS", answer, bytes((command, node.id)))
+            _release(node)
+            answer = _ask(node, lss.message(command), lss_master.TIMEOUT)
+            yield "it answers in the waiting state" if answer else None
     finally:
         _release(node)
+
+
+def lss_identify(node: NodeUnderTest) -> Problems:
+    """Check that the node identifies itself for ranges with its address, and no others."""
+    address = _address(node)
+    identified = bytes((LssCommand.IDENTIFIED,))
+    low = address[3] ^ 1
+    for serials, wanted in (((low, low), b""), ((address[3],) * 2, identified)):
+        numbers = (*address[:2], *(address[2],) * 2, *serials)
+        *first, last = map(lss.message, _IDENTIFICATION, numbers)
+        for data in first:
+            node.line.send(Frame(LSS_REQUEST, data))
+        answer = _ask(node, last, None if wanted else lss_master.TIMEOUT)
+        shown = answer.hex(" ") or "no answer"
+        fits = answer[:1] == wanted
+        yield None if fits else f"serial numbers {serials[0]} to {serials[1]}: {shown}"
 
 
 def lss_identity(node: NodeUnderTest) -> Problems:
@@ -109,8 +136,11 @@ def lss_identity(node: NodeUnderTest) -> Problems:
 
 
 def lss_refusals(node: NodeUnderTest) -> Problems:
-    """Check that invalid node-ids and bit rates are rejected, and nothing changes."""
+    """Check that its node-id is accepted, and invalid node-ids and bit rates are rejected."""
     with _selected(node):
+        own = lss.message(LssCommand.CONFIGURE_NODE_ID, node.id, 1)
+        accepted = bytes((LssCommand.CONFIGURE_NODE_ID, 0))
+        yield _problem("its own node-id is not accepted", _ask(node, own), accepted)
         for command, value, size in (
             (LssCommand.CONFIGURE_NODE_ID, _NO_NODE_ID, 1),
             (LssCommand.CONFIGURE_BIT_TIMING, _NO_BIT_RATE << 8, 2),

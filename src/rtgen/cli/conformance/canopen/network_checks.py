@@ -6,12 +6,17 @@ from typing import Final
 
 from rtgen.cli.conformance.canopen.node import NodeUnderTest
 from rtgen.cli.conformance.canopen.pdo_checks import receptions
-from rtgen.cli.conformance.canopen.sdo_checks import HEARTBEAT
+from rtgen.cli.conformance.canopen.sdo_checks import HEARTBEAT, writable_heartbeat
 from rtgen.cli.conformance.check import Problems, SkipError
-from rtgen.runtime.canopen.wire.emergency import HEARTBEAT_LOST, PDO_TOO_SHORT
+from rtgen.runtime.canopen.wire.emergency import (
+    HEARTBEAT_LOST,
+    PDO_TOO_LONG,
+    PDO_TOO_SHORT,
+)
 from rtgen.runtime.canopen.wire.frames import (
     EMERGENCY,
     ERROR_CONTROL,
+    MAX_DATA,
     MAX_NODE_ID,
     MILLISECOND,
     Frame,
@@ -23,6 +28,7 @@ _GUARD_TIME: Final = (0x100C, 0)
 _LIFE_FACTOR: Final = (0x100D, 0)
 _HISTORY: Final = 0x1003
 _REGISTER: Final = (0x1001, 0)
+_ERROR_RESET: Final = 0x0000
 _PERIOD: Final = 100
 """Heartbeat and guard time of the checks, in ms."""
 
@@ -34,6 +40,19 @@ def reset(node: NodeUnderTest) -> Problems:
         yield f"no boot-up within {node.bounds.boot // MILLISECOND} ms"
         return
     yield None if node.read_code((0x1000, 0)) is None else "1000h is refused after it"
+
+
+def parameters_reverted(node: NodeUnderTest) -> Problems:
+    """Check that reset communication reverts 1017h."""
+    writable_heartbeat(node)
+    node.restart()
+    before = node.upload(HEARTBEAT)
+    node.download(HEARTBEAT, bytes((before[0] ^ 1,)) + before[1:])
+    node.restart()
+    now = node.upload(HEARTBEAT)
+    yield None if now == before else f"1017h is {now.hex()} then, not {before.hex()}"
+    if now != before:
+        node.download(HEARTBEAT, before)
 
 
 def _emergency(node: NodeUnderTest, within: int) -> int | None:
@@ -89,6 +108,54 @@ def life_guarding(node: NodeUnderTest) -> Problems:
         node.restart()
 
 
+def _reported(node: NodeUnderTest) -> bytes:
+    """Return the emergency for a short RPDO. Raises SkipError."""
+    frame = node.await_frame(EMERGENCY + node.id, node.bounds.answer)
+    code = None if frame is None else int.from_bytes(frame.data[:2], "little")
+    if frame is None or code != PDO_TOO_SHORT or len(frame.data) != MAX_DATA:
+        raise SkipError("a short RPDO is not reported, see pdo.length")
+    return frame.data
+
+
+def error_reset(node: NodeUnderTest) -> Problems:
+    """Check that the end of an error is reported by 0000h, and cleared in the register."""
+    received = next(receptions(node), None)
+    if received is None:
+        raise SkipError("no RPDO can be too short")
+    _, can_id, mapped = received
+    whole = b"".join(node.upload(thing.number) for thing in mapped)
+    node.command(NmtCommand.START)
+    try:
+        node.line.send(Frame(can_id, whole[:-1]))
+        _reported(node)
+        node.line.send(Frame(can_id, whole))
+        code = _emergency(node, node.bounds.answer)
+        yield _is(code, _ERROR_RESET, "a right RPDO followed a short one")
+        register = node.upload(_REGISTER)[0]
+        yield f"1001h is {register:02X}h then" if register & 1 else None
+    finally:
+        node.restart()
+
+
+def _second_entry(node: NodeUnderTest, can_id: int, short: bytes) -> str | None:
+    """Return a problem unless a second error comes first in the history."""
+    long = short + bytes(2)
+    if len(long) > MAX_DATA or not node.has(_HISTORY, 2):
+        return None
+    node.line.send(Frame(can_id, long))
+    code = _emergency(node, node.bounds.answer)
+    if code == _ERROR_RESET:
+        code = _emergency(node, node.bounds.answer)
+    if code != PDO_TOO_LONG:
+        return None
+    codes = [
+        int.from_bytes(node.upload((_HISTORY, sub))[:2], "little") for sub in (1, 2)
+    ]
+    shown = " and ".join(f"{code:04X}h" for code in codes)
+    problem = f"1003h:1 and 2 are {shown} after {PDO_TOO_SHORT:04X}h and {code:04X}h"
+    return None if codes == [code, PDO_TOO_SHORT] else problem
+
+
 def entries(node: NodeUnderTest) -> Problems:
     """Check that an error is in the history and the register; 0 empties the history."""
     received = next(receptions(node), None)
@@ -99,16 +166,17 @@ def entries(node: NodeUnderTest) -> Problems:
     node.command(NmtCommand.START)
     try:
         node.line.send(Frame(can_id, short))
-        code = _emergency(node, node.bounds.answer)
-        if code != PDO_TOO_SHORT:
-            raise SkipError("a short RPDO is not reported, see pdo.length")
+        message = _reported(node)
         count = node.upload((_HISTORY, 0))[0]
         yield None if count else "1003h counts no error after an emergency"
         newest = int.from_bytes(node.upload((_HISTORY, 1)), "little") & 0xFFFF
-        problem = f"1003h:1 is {newest:04X}h after emergency {code:04X}h"
-        yield None if newest == code else problem
+        problem = f"1003h:1 is {newest:04X}h after emergency {PDO_TOO_SHORT:04X}h"
+        yield None if newest == PDO_TOO_SHORT else problem
         register = node.upload(_REGISTER)[0]
+        problem = f"1001h is {register:02X}h, the emergency has {message[2]:02X}h"
+        yield None if register == message[2] else problem
         yield None if register & 1 else f"1001h is {register:02X}h with an error"
+        yield _second_entry(node, can_id, short)
         if node.described.objects[_HISTORY, 0].access.writable:
             node.download((_HISTORY, 0), b"\0")
             count = node.upload((_HISTORY, 0))[0]

@@ -97,6 +97,10 @@ class NodeUnderTest:
     def ask(self, data: bytes) -> bytes:
         """Return the response to a single SDO message."""
         self.line.send(Frame(SDO_REQUEST + self.id, data))
+        return self.next_answer()
+
+    def next_answer(self) -> bytes:
+        """Return the next SDO message of the node."""
         found = self.await_frame(SDO_RESPONSE + self.id, self.bounds.answer)
         if found is None:
             raise SilenceError

@@ -16,6 +16,7 @@ from rtgen.cli.conformance.check import Problems
 from rtgen.facts.canopen import INVALID, MAX_SYNC_CYCLIC
 from rtgen.model.canopen import Pdo, PdoDirection
 from rtgen.runtime.canopen.description import ObjectNumber
+from rtgen.runtime.canopen.values import size
 from rtgen.runtime.canopen.wire import sdo
 from rtgen.runtime.canopen.wire.frames import (
     MAX_DATA,
@@ -35,8 +36,12 @@ from rtgen.runtime.canopen.wire.sdo import SdoAbort
 
 _COB_ID, _TYPE, _INHIBIT, _EVENT_TIMER = 1, 2, 3, 5
 _RESERVED: Final = (MAX_SYNC_CYCLIC + 1, RTR_SYNC - 1)
-_CYCLES: Final = (1, 3)
+_CYCLES: Final = (1, 3, MAX_SYNC_CYCLIC)
 """Tested transmission types of PDOs that follow SYNC."""
+_SYNC_PERIOD: Final = MILLISECOND
+"""Minimum time between two SYNCs."""
+_REPEATED: Final = 3
+"""Number of equal PDOs of type 0 after which they count as cyclic."""
 _PERIOD: Final = 50
 """Event timer and inhibit time of the checks in ms."""
 _SENT: Final = 5
@@ -156,6 +161,11 @@ def mapping(node: NodeUnderTest) -> Problems:
             now = [int.from_bytes(node.upload(place), "little") for place in places]
             same = now == entries and node.upload(count)[0] == len(entries)
             yield None if same else f"{each.name}: its mapping is another one then"
+            locked = node.write_code(places[0], bytes(4)) is not None
+            problem = f"{each.name}: an entry can be changed while sub-index 0 is not 0"
+            yield None if locked else problem
+            if not locked:
+                _mapped(node, pdo, entries)
 
 
 def _most(node: NodeUnderTest, pdo: Pdo) -> int:
@@ -175,6 +185,73 @@ def _mapped(node: NodeUnderTest, pdo: Pdo, entries: list[int]) -> int | None:
     return node.write_code(count, bytes((len(entries),)))
 
 
+def content(node: NodeUnderTest) -> Problems:
+    """Check that TPDOs have the values of the mapped objects, with one mapped object, too."""
+    for each in _changed(node, _COB_ID, _TYPE):
+        mapped = whole_objects(node, each.pdo)
+        if each.pdo.direction is not PdoDirection.TPDO or not mapped:
+            continue
+        if not each.take_type(1):
+            continue
+        yield _carried(each, mapped)
+        count = each.pdo.mapping, 0
+        if len(mapped) > 1 and _is_writable(node, count):
+            with each.invalid():
+                node.download(count, b"\1")
+            yield _carried(each, mapped[:1])
+            yield from _written(each)
+
+
+def _written(each: ChangedPdo) -> Problems:
+    """Check a TPDO that maps a writable object, with the lowest bit of its value changed."""
+    node = each.node
+    for thing in node.described.objects.values():
+        variable = node.described.device.find(*thing.number)
+        before = node.values.get(thing.number, b"")
+        if variable is None or not variable.pdo_mappable or len(before) < 2:
+            continue
+        if not thing.access.writable or size(thing.kind) != len(before):
+            continue
+        index, sub = thing.number
+        with each.invalid():
+            entry = index << 16 | sub << 8 | 8 * len(before)
+            if _mapped(node, each.pdo, [entry]) is not None:
+                continue
+        node.download(thing.number, bytes((before[0] ^ 1,)) + before[1:])
+        try:
+            yield _carried(each, [thing])
+        finally:
+            node.download(thing.number, before)
+        return
+
+
+def _carried(each: ChangedPdo, mapped: list[DescribedObject]) -> str | None:
+    """Return a problem unless a TPDO of type 1 has the values of these objects."""
+    node = each.node
+    with _operational(node):
+        before = [node.upload(thing.number) for thing in mapped]
+        node.line.send(Frame(SYNC))
+        frame = node.await_frame(each.can_id, node.bounds.answer)
+        after = [node.upload(thing.number) for thing in mapped]
+    if frame is None:
+        return f"{each.name}: not sent after a SYNC"
+    wanted = b"".join(after)
+    # Values that change meanwhile are not compared, only their length.
+    fits = frame.data == wanted if before == after else len(frame.data) == len(wanted)
+    problem = f"{each.name} has {frame.data.hex()}, its objects have {wanted.hex()}"
+    return None if fits else problem
+
+
+def identifiers(node: NodeUnderTest) -> Problems:
+    """Check that the identifier of a valid PDO cannot be changed."""
+    for each in _changed(node, _COB_ID):
+        number = each.pdo.communication, _COB_ID
+        other = (each.cob_id ^ 1).to_bytes(4, "little")
+        refused = node.write_code(number, other) is not None
+        problem = f"{each.name}: the identifier was changed while the PDO is valid"
+        yield None if refused else problem
+
+
 def transmission(node: NodeUnderTest) -> Problems:
     """Check that TPDOs are sent by their transmission type, and reserved types are rejected."""
     for each in _changed(node, _COB_ID, _TYPE):
@@ -182,15 +259,21 @@ def transmission(node: NodeUnderTest) -> Problems:
             for kind in _RESERVED:
                 code = each.set(_TYPE, kind)
                 yield refusal(f"{each.name}: type {kind}", code, sdo.VALUE_INVALID)
+            own = node.values[each.pdo.communication, _TYPE]
+            accepted = node.write_code((each.pdo.communication, _TYPE), own) is None
+            problem = f"{each.name}: its own type {own[0]} is refused"
+            yield None if accepted else problem
         if each.pdo.direction is not PdoDirection.TPDO:
             continue
+        cyclic = False
         for kind in _CYCLES:
             if each.take_type(kind):
+                cyclic = kind > 1
                 yield _cyclic(each, kind)
+            elif cyclic:
+                yield f"{each.name}: type {kind} is refused, but lower ones are not"
         if each.take_type(SYNC_ACYCLIC):
-            with _operational(node):
-                sent = node.await_frame(each.can_id, _QUIET) is not None
-            yield f"{each.name}, type 0: sent without SYNC" if sent else None
+            yield _acyclic(each)
         if node.line.remote_frames and not CobId(each.cob_id).bit30:
             for kind in (RTR_SYNC, RTR):
                 if each.take_type(kind):
@@ -200,12 +283,28 @@ def transmission(node: NodeUnderTest) -> Problems:
 def _cyclic(each: ChangedPdo, kind: int) -> str | None:
     node = each.node
     with _operational(node):
-        counted = 0
-        for _ in range(2 * kind):
+        counted, cycles = 0, 2 if kind <= _SENT else 1
+        for place in range(1, cycles * kind + 1):
             node.line.send(Frame(SYNC))
-            counted += node.await_frame(each.can_id, _QUIET) is not None
-    problem = f"{each.name}, type {kind}: {counted} after {2 * kind} SYNCs"
-    return None if counted == 2 else problem
+            within = max(_QUIET // kind, _SYNC_PERIOD) if place % kind else _QUIET
+            counted += node.await_frame(each.can_id, within) is not None
+    problem = f"{each.name}, type {kind}: {counted} after {cycles * kind} SYNCs"
+    return None if counted == cycles else problem
+
+
+def _acyclic(each: ChangedPdo) -> str | None:
+    node, sent = each.node, list[bytes]()
+    with _operational(node):
+        if node.await_frame(each.can_id, _QUIET) is not None:
+            return f"{each.name}, type 0: sent without SYNC"
+        for _ in range(_REPEATED):
+            node.line.send(Frame(SYNC))
+            frame = node.await_frame(each.can_id, _QUIET)
+            sent += [] if frame is None else [frame.data]
+    cyclic = len(sent) == _REPEATED and len(set(sent)) == 1
+    return (
+        f"{each.name}, type 0: sent at each SYNC without a change" if cyclic else None
+    )
 
 
 def _remote(each: ChangedPdo, kind: int) -> str | None:
@@ -230,16 +329,16 @@ def times(node: NodeUnderTest) -> Problems:
             continue
         with each.invalid():
             each.set(_EVENT_TIMER, _PERIOD)
-        yield _spaced(each, "event timer", exactly=True)
+        yield _spaced(each, "event timer")
         if each.can_set(_INHIBIT):
             with each.invalid():
                 each.set(_EVENT_TIMER, _PERIOD // 5)
                 each.set(_INHIBIT, 10 * _PERIOD)
-            yield _spaced(each, "inhibit time", exactly=False)
+            yield _spaced(each, "inhibit time", later=_PERIOD // 5)
 
 
-def _spaced(each: ChangedPdo, what: str, *, exactly: bool) -> str | None:
-    """Return a problem unless the times between PDOs are the period, or at least that."""
+def _spaced(each: ChangedPdo, what: str, *, later: int = 0) -> str | None:
+    """Return a problem unless PDOs are sent with the period, or up to `later` ms after it."""
     node, times = each.node, list[int]()
     with _operational(node):
         while len(times) <= _SENT:
@@ -249,7 +348,7 @@ def _spaced(each: ChangedPdo, what: str, *, exactly: bool) -> str | None:
     # The PDO sent at the start of the node does not come from the timer.
     mean = (times[-1] - times[1]) / (_SENT - 1) / MILLISECOND
     tolerance = node.bounds.period_tolerance * _PERIOD
-    fits = mean >= _PERIOD - tolerance and (not exactly or mean <= _PERIOD + tolerance)
+    fits = _PERIOD - tolerance <= mean <= _PERIOD + later + tolerance
     problem = f"{each.name}: PDOs each {mean:.0f} ms with an {what} of {_PERIOD} ms"
     return None if fits else problem
 

@@ -13,6 +13,7 @@ from rtgen.model.canopen import Pdo, PdoDirection, resolved
 from rtgen.runtime.canopen.wire.emergency import PDO_TOO_SHORT
 from rtgen.runtime.canopen.wire.frames import (
     EMERGENCY,
+    MAX_DATA,
     MILLISECOND,
     SYNC,
     CobId,
@@ -22,6 +23,8 @@ from rtgen.runtime.canopen.wire.nmt import NmtCommand
 
 _MAX_SYNCHRONOUS: Final = 240
 _EVENT_DRIVEN: Final = 254
+_QUIET: Final = 100 * MILLISECOND
+"""Time-out after which a PDO counts as not sent."""
 
 
 def parameters(node: NodeUnderTest) -> Problems:
@@ -114,8 +117,8 @@ def reception(node: NodeUnderTest) -> Problems:
         node.command(NmtCommand.ENTER_PRE_OPERATIONAL)
 
 
-def short_reception(node: NodeUnderTest) -> Problems:
-    """Check that a short RPDO changes nothing, and is reported by an emergency."""
+def wrong_lengths(node: NodeUnderTest) -> Problems:
+    """Check that a short RPDO changes nothing, with an emergency, and a long one is truncated."""
     acting = list(receptions(node))
     node.command(NmtCommand.START)
     try:
@@ -128,12 +131,47 @@ def short_reception(node: NodeUnderTest) -> Problems:
             frame = node.await_frame(EMERGENCY + node.id, node.bounds.answer)
             code = None if frame is None else int.from_bytes(frame.data[:2], "little")
             shown = "none" if code is None else f"{code:04X}h"
-            yield (
-                None
-                if code == PDO_TOO_SHORT
-                else f"rpdo{pdo.number}: the emergency is {shown}"
-            )
+            problem = f"rpdo{pdo.number}: the emergency is {shown}"
+            yield None if code == PDO_TOO_SHORT else problem
             kept = [node.upload(thing.number) for thing in mapped] == before
             yield None if kept else f"rpdo{pdo.number}: its objects have changed"
+        for pdo, can_id, mapped in acting:
+            whole = b"".join(node.upload(thing.number) for thing in mapped)
+            if len(whole) == MAX_DATA:
+                continue
+            other = bytes((whole[0] ^ 1,)) + whole[1:]
+            node.line.send(Frame(can_id, other))
+            if b"".join(node.upload(thing.number) for thing in mapped) != other:
+                continue  # `reception` reports it.
+            node.line.send(Frame(can_id, whole + bytes(1)))
+            now = b"".join(node.upload(thing.number) for thing in mapped)
+            problem = f"rpdo{pdo.number}: one that is too long is ignored"
+            yield None if now == whole else problem
+            node.line.send(Frame(can_id, whole))
     finally:
         node.command(NmtCommand.ENTER_PRE_OPERATIONAL)
+
+
+def pre_operational(node: NodeUnderTest) -> Problems:
+    """Check that a node in PRE-OPERATIONAL sends no TPDO, and ignores RPDOs."""
+    acting = list(receptions(node))
+    identifiers = {
+        CobId(int.from_bytes(node.values[pdo.communication, 1], "little")).can_id
+        for pdo in node.described.device.pdos
+        if pdo.direction is PdoDirection.TPDO and (pdo.communication, 1) in node.values
+    }
+    node.restart()
+    node.line.send(Frame(SYNC))
+    end = node.line.now() + _QUIET
+    sent = False
+    while (frame := node.line.receive(end)) is not None:
+        sent |= frame.can_id in identifiers and not frame.remote
+    yield "it sends TPDOs" if sent else None
+    for pdo, can_id, mapped in acting:
+        before = [node.upload(thing.number) for thing in mapped]
+        other = [bytes((value[0] ^ 1,)) + value[1:] for value in before]
+        node.line.send(Frame(can_id, b"".join(other)))
+        kept = [node.upload(thing.number) for thing in mapped] == before
+        yield None if kept else f"rpdo{pdo.number}: it is not ignored"
+        if not kept:
+            node.line.send(Frame(can_id, b"".join(before)))

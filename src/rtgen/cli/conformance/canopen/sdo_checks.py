@@ -65,7 +65,7 @@ def segments(node: NodeUnderTest) -> Problems:
             raise SkipError("1017h does not accept segments") from None
         raise
     answer = node.ask(Segments(before).next(sdo.DOWNLOAD_SEGMENT))
-    taken = answer[0] & ~sdo.TOGGLE == sdo.DOWNLOAD_SEGMENT_DONE
+    taken = answer[0] == sdo.DOWNLOAD_SEGMENT_DONE
     yield None if taken else f"the answer to a segment is {answer.hex(' ')}"
     yield _is_kept(node, before)
 
@@ -154,3 +154,49 @@ def block_sizes(node: NodeUnderTest) -> Problems:
         node.abandon(NAME)
     same = node.upload(NAME) == node.values[NAME]
     yield None if same else "1008h differs after that"
+
+
+def block_repeats(node: NodeUnderTest) -> Problems:
+    """Check that segments of a block that were lost, in either direction, are repeated."""
+    yield _upload_repeats(node)
+    before = writable_heartbeat(node)
+    answer = _blocks(node, before)
+    check = sdo.crc(before) if answer[0] & sdo.WITH_CRC else 0
+    last = before.ljust(sdo.SEGMENT, b"\0")
+    for number, wanted in ((2, 0), (1, 1)):
+        answer = node.ask(bytes((sdo.LAST_IN_BLOCK | number,)) + last)
+        fits = answer[:2] == bytes((sdo.BLOCK_ACKNOWLEDGED, wanted))
+        shown = answer.hex(" ")
+        yield None if fits else f"the answer to segment {number} is {shown}"
+        if not fits:
+            node.abandon(HEARTBEAT)
+            return
+    node.ask(_end(check, len(before)))
+    yield _is_kept(node, before)
+
+
+def _upload_repeats(node: NodeUnderTest) -> str | None:
+    """Return a problem unless a block is repeated from the last acknowledged segment."""
+    target = Target(*long_name(node, sdo.SEGMENT + 1))
+    command = sdo.BLOCK_UPLOAD | sdo.WITH_CRC
+    answer = node.ask(target.message(command, bytes((sdo.MAX_BLOCK,))))
+    if _abort(answer) in _NO_TRANSFER:
+        raise SkipError("the node has no block transfer")
+    if answer[0] & sdo.CODE != sdo.BLOCK_UPLOAD_ANSWER:
+        raise SkipError("the node answers a block upload of 1008h by segments")
+    _block_of(node, bytes((sdo.BLOCK_START,)))
+    lost = bytes((sdo.BLOCK_ACKNOWLEDGED, 0, sdo.MAX_BLOCK))
+    again = _block_of(node, lost)
+    node.abandon(NAME)
+    value = node.values[NAME]
+    content = b"".join(segment[1:] for segment in again)[: len(value)]
+    same = again[0][0] & ~sdo.LAST_IN_BLOCK == 1 and content == value
+    return None if same else "a block without acknowledgement is not repeated"
+
+
+def _block_of(node: NodeUnderTest, request: bytes) -> list[bytes]:
+    """Return the segments up to the last one of a transfer, or up to an abort."""
+    found = [node.ask(request.ljust(sdo.FRAME, b"\0"))]
+    while not found[-1][0] & sdo.LAST_IN_BLOCK and len(found) < sdo.MAX_BLOCK:
+        found.append(node.next_answer())
+    return found
