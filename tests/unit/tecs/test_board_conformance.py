@@ -240,6 +240,21 @@ def backwards(data: bytes) -> bytes:
     return b"".join(requests[::-1]) if len(requests) > 2 else data
 
 
+class LosesTheNext:
+    """Ends the connection of the call that follows a call with a wrong start."""
+
+    def __init__(self) -> None:
+        self.is_confused = False
+
+    def __call__(self, data: bytes) -> bytes | None:
+        if data[:4] == b"\0\0\0\6":
+            self.is_confused = True
+        elif self.is_confused and data[:4] == START + b"\0\6":
+            self.is_confused = False
+            return None
+        return data
+
+
 class AfterMany:
     """Ends a connection after many requests."""
 
@@ -265,6 +280,7 @@ MUTANTS: dict[str, tuple[Callable[[MockBoard, Service], None], dict[str, object]
         {"instead": answering(lambda data: data[:2] == START and number_of(data) == 0)},
     ),
     "request.end": (unchanged, {"request": mended}),
+    "request.recovery": (unchanged, {"request": LosesTheNext()}),
     "request.segments": (unchanged, {"request": in_one_piece}),
     "call.order": (unchanged, {"request": backwards}),
     "call.reply": (
@@ -274,6 +290,10 @@ MUTANTS: dict[str, tuple[Callable[[MockBoard, Service], None], dict[str, object]
     "call.limits": (refusing(MOVE, lambda values: values[0] == (1 << 31) - 1), {}),
     "call.arrays": (refusing(FILL, lambda values: values[1] == 4), {}),
     "call.texts": (refusing(LABEL, lambda values: len(str(values[0])) == 7), {}),
+    "call.long-texts": (
+        unchanged,
+        {"instead": answering(lambda data: data[:8] == START + b"\0\3\0\0\0\x09")},
+    ),
     "call.null": (refusing(MAYBE, lambda values: values[0] is None), {}),
     "call.oneway": (
         unchanged,
@@ -301,6 +321,14 @@ def test_a_check_fails_for_a_board_that_breaks_just_it(
         finally:
             proxy.close()
     assert failed(report) == [name]
+
+
+def test_an_element_at_its_limit_that_is_refused(tmp_path: Path) -> None:
+    expected = service(tmp_path)
+    board = MockBoard(expected)
+    refusing(FILL, lambda values: values[0] == [0x7FFF])(board, expected)
+    with served(board) as address:
+        assert failed(report_of(address, expected, actuate=True)) == ["call.limits"]
 
 
 def test_a_silent_client_that_keeps_others_out(tmp_path: Path) -> None:

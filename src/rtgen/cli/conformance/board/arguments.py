@@ -31,7 +31,7 @@ _LARGEST_FLOAT: Final = {
 }
 _UNBOUNDED_LENGTH: Final = 16
 """Test length of unbounded arrays and texts, in elements or units."""
-_MAX_LENGTH: Final = 4096
+MAX_LENGTH: Final = 4096
 """Maximum length tested, in elements or units."""
 
 
@@ -123,7 +123,7 @@ def _units(function: Function, node: String, known: Mapping[str, object]) -> int
     """Return the length of the longest text without its terminator."""
     if node.length is None:
         return _UNBOUNDED_LENGTH
-    return min(_MAX_LENGTH, max(0, function.evaluated(node.length, known) - 1))
+    return min(MAX_LENGTH, max(0, function.evaluated(node.length, known) - 1))
 
 
 def _members(
@@ -156,7 +156,7 @@ def longest(function: Function) -> int | None:
     most = max(
         (a.most for a in arrays if a.most is not None), default=_UNBOUNDED_LENGTH
     )
-    for length in range(min(most, _MAX_LENGTH), -1, -1):
+    for length in range(min(most, MAX_LENGTH), -1, -1):
         if not exceeds(function, length):
             return length
     return None

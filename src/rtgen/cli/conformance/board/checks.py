@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from rtgen.cli.conformance.board.arguments import (
+    MAX_LENGTH,
     Values,
     arguments,
     ends,
@@ -19,13 +20,16 @@ from rtgen.cli.conformance.board.board import MAX_ID, BoardUnderTest
 from rtgen.cli.conformance.check import Check, Permission, Problems, SkipError
 from rtgen.cli.rpc.codecs import Function
 from rtgen.cli.rpc.values import Json
-from rtgen.layouts.tdr import Role, Run, String
+from rtgen.facts.tdr import Scalar
+from rtgen.layouts.tdr import Basic, Item, Role, Run, String, references
 from rtgen.runtime.opaque_rpc import ArgumentError, ChannelError, RpcError, peer_digest
 from rtgen.runtime.opaque_rpc.digest import DIGEST
 from rtgen.runtime.opaque_rpc.tdr import SOP_REPLY, SOP_REQUEST, Tdr
 
 _CALLS: Final = 100
 _CONNECTIONS: Final = 5
+_LENGTH: Final = "i"
+"""The type of the length of a text."""
 _WIRE: Final = "OpaqueRPC as tecsgen 1.7.0 has it"
 
 
@@ -142,6 +146,20 @@ def limits(board: BoardUnderTest) -> Problems:
             for end in ends(scalar, board.service.codec.tdr):
                 given = arguments(function, Values(), {name: end})
                 yield board.problem(function, given, f"{name} = {end}")
+        if any(not isinstance(i.node, Basic) for i in function.layout.arguments):
+            yield from _inner_limits(board, function)
+
+
+def _inner_limits(board: BoardUnderTest, function: Function) -> Problems:
+    """Check that numbers in arrays and structs are accepted at both limits."""
+    tdr = board.service.codec.tdr
+    for end, what in enumerate(("lowest", "highest")):
+
+        def number(scalar: Scalar, end: int = end) -> Json:
+            return ends(scalar, tdr)[end]
+
+        values = Values(number=number, length=min(1, longest(function) or 0))
+        yield board.problem(function, arguments(function, values), f"{what} numbers")
 
 
 def _with_arrays(board: BoardUnderTest) -> Iterator[tuple[Function, int]]:
@@ -163,17 +181,18 @@ def arrays(board: BoardUnderTest) -> Problems:
 
 
 def long_arrays(board: BoardUnderTest) -> Problems:
-    """Check that an array beyond the bound of the signature is rejected."""
+    """Check that arrays beyond the bound of the signature, and negative lengths, are rejected."""
     for function, most in _with_arrays(board):
-        if exceeds(function, most + 1):
-            request = _too_long(function, board.service.codec.tdr, most)
-            if request is not None:
-                what = f"{function.name}, arrays of length {most + 1}"
-                yield _refused(board, request, what)
+        for length in (most + 1, -1):
+            if exceeds(function, length):
+                request = _with_length(function, board.service.codec.tdr, most, length)
+                if request is not None:
+                    what = f"{function.name}, arrays of length {length}"
+                    yield _refused(board, request, what)
 
 
-def _too_long(function: Function, tdr: Tdr, most: int) -> bytes | None:
-    """Return a request with arrays one element too long; None if the function has no arrays.
+def _with_length(function: Function, tdr: Tdr, most: int, length: int) -> bytes | None:
+    """Return a request with another length of its arrays; None if it cannot have that length.
 
     Lengths come first (spec of the wire, "referenced" parameters), and are overwritten.
     """
@@ -186,7 +205,7 @@ def _too_long(function: Function, tdr: Tdr, most: int) -> bytes | None:
         if name in missing and field.role is Role.VALUE:
             missing.remove(name)
             try:
-                form.pack_into(request, offset, most + 1)
+                form.pack_into(request, offset, length)
             except struct.error:
                 return None
         offset += form.size
@@ -206,6 +225,52 @@ def texts(board: BoardUnderTest) -> Problems:
             yield board.problem(
                 function, given, "texts full" if full else "texts empty"
             )
+
+
+def long_texts(board: BoardUnderTest) -> Problems:
+    """Check that a text of one unit more than its buffer is rejected."""
+    length = board.service.codec.tdr.struct(_LENGTH)
+    for function in board.functions.values():
+        for item in function.layout.items:
+            most = _text_size(function, item)
+            if most is None:
+                continue
+            given = arguments(function, Values(), {item.name: most * "x"})
+            whole = length.pack(most) + most * b"x"
+            longer = length.pack(most + 1) + (most + 1) * b"x"
+            request = _request(function, given).replace(whole, longer)
+            what = f"{function.name}, {item.name} of {most + 1} units"
+            yield _refused(board, request, what)
+
+
+def _text_size(function: Function, item: Item) -> int | None:
+    """Return the constant size of a parameter that is a text of octets; None for others."""
+    node = item.node
+    if not isinstance(node, String) or not item.inward or node.is_wide:
+        return None
+    if node.length is None or any(references(node.length)):
+        return None
+    size = function.evaluated(node.length, {})
+    return size if size <= MAX_LENGTH else None
+
+
+def recovery(board: BoardUnderTest) -> Problems:
+    """Check that a valid call is answered after each kind of request that is rejected."""
+    function = _simplest(board)
+    given = arguments(function, Values())
+    request = _request(function, given)
+    start = board.service.codec.tdr.int16(SOP_REQUEST)
+    for octets, what in (
+        (b"\0\0" + request[2:], "a wrong start"),
+        (board.unknown_request, "an unknown function"),
+        (request[:-2] + b"\0\0", "a wrong end"),
+        (start, "a request that was cut"),
+    ):
+        if octets is start:
+            board.leave(octets)
+        else:
+            board.raw([octets], wanted=1)
+        yield board.problem(function, given, f"after {what}")
 
 
 def nulls(board: BoardUnderTest) -> Problems:
@@ -348,6 +413,13 @@ CHECKS: Final = (
         ACTUATE,
     ),
     Check(
+        "request.recovery",
+        "calls are answered after requests that were refused",
+        _WIRE,
+        recovery,
+        ACTUATE,
+    ),
+    Check(
         "request.segments",
         "requests are accepted in pieces",
         _WIRE,
@@ -372,12 +444,19 @@ CHECKS: Final = (
     Check("call.arrays", "arrays are accepted empty and full", _WIRE, arrays, ACTUATE),
     Check(
         "call.long-arrays",
-        "arrays beyond their bound are refused",
+        "arrays beyond their bound, and negative lengths, are refused",
         _WIRE,
         long_arrays,
         ACTUATE,
     ),
     Check("call.texts", "texts are accepted empty and full", _WIRE, texts, ACTUATE),
+    Check(
+        "call.long-texts",
+        "texts beyond their buffer are refused",
+        _WIRE,
+        long_texts,
+        ACTUATE,
+    ),
     Check(
         "call.null",
         "nullable parameters accept NULL",
