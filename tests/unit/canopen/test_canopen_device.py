@@ -581,3 +581,15 @@ def test_events_that_were_overwritten_in_the_inhibit_time_are_counted(
     assert setup.system.observable("slave.overwritten") == (2,)
     assert setup.device.lost == 0
     assert [frame.data[2] for frame in setup.run(100)] == [3]
+
+
+def test_devices_of_one_kind_have_different_serial_numbers() -> None:
+    """Without a serial number of its own or in the description, a device has its node-id."""
+    with System(SimulatedClock()) as system:
+        slaves = [Slave(f"slave{node_id}") for node_id in (5, 6)]
+        for slave, node_id in zip(slaves, (5, 6), strict=True):
+            slave.configuration_sets.set("node_id", str(node_id))
+            system.add(slave, 100.0)
+        slaves[1].node.serial_number = 1234
+        system.run(1)
+        assert [slave.node.serial_number for slave in slaves] == [5, 1234]

@@ -118,15 +118,20 @@ def test_the_queue_is_bounded_and_counted() -> None:
         assert bench.system.statistics("Drive0").lost == 100
 
 
-def test_pdos_too_short_are_ignored_and_of_too_long_ones_the_first_octets_taken() -> (
-    None
-):
+def test_pdos_too_short_are_ignored_and_of_too_long_ones_the_first_octets_taken(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
     with active() as bench:
         for data in (b"", b"\x01", b"\x01\0\0", b"\x02\0\0\0", b"\x03\0\0\0\xff\xff"):
             bench.node.send(Frame(0x180 + NODE, data))
         bench.run(0.02)
         assert bench.values() == [2, 3]
         assert bench.system.observable("Drive0.malformed") == (3.0, 1.0)
+        reports = [r.getMessage() for r in caplog.records if "tpdo" in r.getMessage()]
+        assert reports == [
+            "Drive0: tpdo1 has 0 octets, not 4: it is ignored",
+            "Drive0: tpdo1 has 6 octets, not 4: only 4 are used",
+        ]
         assert bench.state == "ACTIVE"
 
 

@@ -123,6 +123,9 @@ class Watcher(Protocol):
     def received(self) -> None:
         """Called for a PDO."""
 
+    def malformed(self, number: int, octets: int, wanted: int) -> None:
+        """Called for a TPDO of a wrong length, the first one after those of the right length."""
+
     def booted(self, node: ProxiedNode) -> None:
         """Called for a boot-up message."""
 
@@ -144,13 +147,15 @@ class Watcher(Protocol):
 
 @dataclass(slots=True)
 class _Received:
-    """A TPDO of the device."""
+    """A TPDO of the device. `malformed`: the last one had a wrong length."""
 
+    number: int
     receiver: Receiver
     extended: bool
     size: int
     too_short: int = field(default=0)
     too_long: int = field(default=0)
+    malformed: bool = field(default=False)
 
 
 class ProxiedNode:
@@ -194,7 +199,7 @@ class ProxiedNode:
                 cob_id = CobId(value)
                 bits = sum(bits for _, _, bits in pdo.mapping)
                 self._pdos[cob_id.can_id] = _Received(
-                    receivers[number], cob_id.extended, (bits + 7) // 8
+                    number, receivers[number], cob_id.extended, (bits + 7) // 8
                 )
         self._transmitters = tuple(transmitters)
         self._at_sync = tuple(t for t in transmitters if t.synchronous)
@@ -306,7 +311,10 @@ class ProxiedNode:
         return ()
 
     def _take(self, pdo: _Received, data: bytes, now: int) -> None:
-        if len(data) != pdo.size:
+        was_malformed, pdo.malformed = pdo.malformed, len(data) != pdo.size
+        if pdo.malformed:
+            if not was_malformed:
+                self._watcher.malformed(pdo.number, len(data), pdo.size)
             if len(data) < pdo.size:
                 pdo.too_short += 1
                 return

@@ -55,6 +55,11 @@ class StateMirror:
         for context in tuple(self._component._contexts.values()):
             context.wake()
 
+    def malformed(self, number: int, octets: int, wanted: int) -> None:
+        """See `Watcher`."""
+        effect = "it is ignored" if octets < wanted else f"only {wanted} are used"
+        self._report(f"tpdo{number} has {octets} octets, not {wanted}: {effect}")
+
     def booted(self, node: ProxiedNode) -> None:
         """See `Watcher`."""
         self._reported.clear()

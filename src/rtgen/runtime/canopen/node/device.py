@@ -15,11 +15,13 @@ from rtgen.runtime.canopen.bus.links import open_link
 from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.hooks import DeviceHooks, Incoming, Outgoing
+from rtgen.runtime.canopen.node.identity import SERIAL_NUMBER
 from rtgen.runtime.canopen.node.node import USER_SOFTWARE, DeviceNode
 from rtgen.runtime.canopen.node.node_events import NodeEvents
 from rtgen.runtime.canopen.node.parameter_file import ParameterFile
 from rtgen.runtime.canopen.wire.frames import CobId, Frame
 from rtgen.runtime.canopen.wire.heartbeat import HeartbeatEvent, HeartbeatNews
+from rtgen.runtime.canopen.wire.lss import UNCONFIGURED
 from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState, Transition
 from rtgen.runtime.canopen.wire.pdo_transmission import RTR, RTR_SYNC
 from rtgen.runtime.failures import log
@@ -144,7 +146,9 @@ class CanopenDevice(DeviceHooks, Component):
             self._keep_parameters(
                 ParameterFile(config.parameter_file, self.description)
             )
-        node.take_node_id(int(config.node_id))
+        node_id = int(config.node_id)
+        self._distinguish(node_id)
+        node.take_node_id(node_id)
         link = self._link = open_link(
             self, config.interface, config.channel, config.bitrate, config.options
         )
@@ -153,6 +157,13 @@ class CanopenDevice(DeviceHooks, Component):
             link.attach(node)
         self._warn_of_requests(link)
         return link
+
+    def _distinguish(self, node_id: int) -> None:
+        """Use the node-id as serial number, if there is none: LSS addresses are unique then."""
+        serial = self.description.by_number.get(SERIAL_NUMBER)
+        is_described = serial is not None and serial.initial(node_id)
+        if self.node.serial_number is None and not is_described:
+            self.node.serial_number = None if node_id == UNCONFIGURED else node_id
 
     def _keep_parameters(self, file: ParameterFile) -> None:
         """Load the stored parameters from a file, and save them when they change."""

@@ -9,7 +9,7 @@ from rtgen.runtime.canopen.node.object_dictionary import DeviceDictionary
 from rtgen.runtime.canopen.wire.lss import LssAddress
 
 IDENTITY: Final = 0x1018
-_SERIAL_NUMBER: Final = 4
+SERIAL_NUMBER: Final = (IDENTITY, 4)
 
 
 def preset_identity(
@@ -22,7 +22,7 @@ def preset_identity(
         if not dictionary.number((IDENTITY, sub)):
             _preset(dictionary, sub, value)
     if serial_number is not None:
-        _preset(dictionary, _SERIAL_NUMBER, serial_number)
+        _preset(dictionary, SERIAL_NUMBER[1], serial_number)
 
 
 def lss_address(
