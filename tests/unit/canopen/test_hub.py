@@ -382,6 +382,17 @@ def test_answers(hub: HubProcess) -> None:
     assert "2 refused in all" in hub.error_line()
 
 
+def test_a_report_has_no_control_characters_of_a_client(hub: HubProcess) -> None:
+    with hub.connect() as end:
+        end.sendall(b"< open hostile >< send \x1b]0;x\x07\n >")
+        while b"< ok >" not in end.recv(256):
+            pass
+    line = hub.error_line()
+    assert "refused, no frame: send \ufffd]0;x\ufffd" in line
+    assert "\x1b" not in line
+    assert "1 refused in all" in hub.error_line()
+
+
 @pytest.mark.parametrize("name", ["a" * 33, "two words", "", "\x01"])
 def test_what_is_no_channel(hub: HubProcess, name: str) -> None:
     with hub.connect() as end:

@@ -13,6 +13,7 @@ import click
 
 from rtgen.cli.common import OK, Console, WholeRange, with_console, write_out
 from rtgen.diagnostics import ToolError
+from rtgen.diagnostics.printable import printable
 from rtgen.runtime.canopen.bus.hub import QUEUE, Hub, HubSettings
 from rtgen.runtime.canopen.bus.hub_faults import Fault, fault_of
 from rtgen.runtime.canopen.bus.python_can import SOCKETCAND_PORT
@@ -126,7 +127,7 @@ async def _serve(
 ) -> None:
     def report(text: str) -> None:
         # Diagnostics are printed with --quiet too.
-        sys.stderr.write(f"rtgen can hub: {text}\n")
+        sys.stderr.write(f"rtgen can hub: {printable(text)}\n")
         sys.stderr.flush()
 
     hub = Hub(settings, report)
