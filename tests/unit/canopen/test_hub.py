@@ -390,7 +390,6 @@ def test_a_report_has_no_control_characters_of_a_client(hub: HubProcess) -> None
     line = hub.error_line()
     assert "refused, no frame: send \ufffd]0;x\ufffd" in line
     assert "\x1b" not in line
-    assert "1 refused in all" in hub.error_line()
 
 
 @pytest.mark.parametrize("name", ["a" * 33, "two words", "", "\x01"])

@@ -354,12 +354,28 @@ def oneway(board: BoardUnderTest) -> Problems:
     for function in board.functions.values():
         if function.oneway:
             given = arguments(function, Values())
-            if board.address is None:
-                yield board.problem(function, given, "oneway")
-            else:
+            if board.address is not None:
                 answer = board.silent(_request(function, given))
                 silent = not answer.data and not answer.closed
                 yield None if silent else f"{function.name}: {answer}"
+            yield _answered_after(board, function, given)
+
+
+def _answered_after(
+    board: BoardUnderTest, oneway_function: Function, given: Json
+) -> str | None:
+    """Return a problem unless a call is answered after a oneway call of its connection."""
+    function = _simplest(board)
+    channel = board.channel()
+    try:
+        oneway_function.call(channel, oneway_function.arguments_from_json(given))
+        values = arguments(function, Values())
+        function.call(channel, function.arguments_from_json(values))
+    except RpcError as error:
+        return f"{function.name} after {oneway_function.name}: {error}"
+    finally:
+        channel.close()
+    return None
 
 
 def repeated(board: BoardUnderTest) -> Problems:
