@@ -217,6 +217,27 @@ def test_sdo_of_a_node_that_nobody_described(
         assert "give --bus or --eds" in shown(capfd.readouterr().err)
 
 
+def test_an_sdo_answer_that_is_not_valid(capfd: pytest.CaptureFixture[str]) -> None:
+    """The node answers a read as if it were a write."""
+    with can.Bus(interface="virtual", channel="odd") as bus:
+
+        def answer(message: can.Message) -> None:
+            if message.arbitration_id == 0x609:
+                data = b"\x60" + message.data[1:4] + bytes(4)
+                bus.send(
+                    can.Message(arbitration_id=0x589, data=data, is_extended_id=False)
+                )
+
+        notifier = can.Notifier(bus, [answer])
+        try:
+            read = ["odd", "sdo", "read", "9", "1000", "--type", "u32", "--no-look"]
+            assert command(*read) == 1
+        finally:
+            notifier.stop()
+    said = shown(capfd.readouterr().err)
+    assert "the answer is not valid: 05040001h command specifier unknown" in said
+
+
 def test_sdo_refusals(capfd: pytest.CaptureFixture[str]) -> None:
     near = ["--no-look", "--bus", LINKED]
     with nodes("refusal", PAIR):

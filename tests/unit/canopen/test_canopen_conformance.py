@@ -785,6 +785,12 @@ def test_a_check_finds_other_nodes_too(what: str, tmp_path: Path) -> None:
     assert failed(report) == {check}, as_text(report)
 
 
+def test_an_answer_that_is_not_valid_is_no_refusal() -> None:
+    report = report_of(SPECS / "f_palette.eds", MUTANTS["sdo.block"][1])
+    [outcome] = [o for o in report.outcomes if o.check == "sdo.block"]
+    assert outcome.problems == ("an answer is not valid: 05040004h CRC error",)
+
+
 @pytest.mark.parametrize("at", [10, 450, 600, 750, 900])
 def test_a_node_is_left_in_pre_operational_after_sigterm(at: int) -> None:
     """At some frame of the checks, with the node in any state."""

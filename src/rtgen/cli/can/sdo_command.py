@@ -116,7 +116,7 @@ def sdo_(
 
     NODE is a name of the bus file or a node-id, OBJECT a name of the description or a number such
     as 6040 or 6401:1. Long values use block transfer if the node supports it. Exit code 1: the node
-    refuses, and the reason is printed.
+    refuses, or its answer is not valid, and the reason is printed.
     """
     known = described.known()
     node_id = known.node(node)
@@ -145,7 +145,8 @@ def sdo_(
                 block=file is not None or (bool(thing.name) and thing.kind in _BLOCKS),
             )
         except SdoAbort as abort:
-            raise _Aborted(f"{called}: the node refuses: {abort}") from abort
+            what = "the node refuses" if abort.received else "the answer is not valid"
+            raise _Aborted(f"{called}: {what}: {abort}") from abort
         except SilentError:
             raise ToolError(
                 f"{known.name(node_id)} does not answer",

@@ -67,7 +67,9 @@ class NodeUnderTest:
         """See `Subject`."""
         if isinstance(fault, SilenceError):
             return f"no answer within {self.bounds.answer // MILLISECOND} ms"
-        return f"the node refuses: {fault}"
+        is_refusal = isinstance(fault, SdoAbort) and fault.received
+        what = "the node refuses" if is_refusal else "an answer is not valid"
+        return f"{what}: {fault}"
 
     @property
     def id(self) -> int:

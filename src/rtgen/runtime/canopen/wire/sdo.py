@@ -109,10 +109,14 @@ ABORT_TEXTS: Final = {
 
 
 class SdoAbort(Exception):
-    """A transfer was aborted, or an access rejected; `code` is the abort code."""
+    """A transfer was aborted, or an access rejected; `code` is the abort code.
 
-    def __init__(self, code: int) -> None:
+    `received`: the peer has sent it; otherwise this end did not accept the peer's message.
+    """
+
+    def __init__(self, code: int, *, received: bool = False) -> None:
         self.code = code
+        self.received = received
         super().__init__(f"{code:08X}h {ABORT_TEXTS.get(code, 'unknown abort code')}")
 
 

@@ -133,7 +133,7 @@ class SdoClient:
             self.dropped += 1
             return []
         if data[0] == sdo.ABORT:
-            self._end(SdoAbort(sdo.announced_size(data)))
+            self._end(SdoAbort(sdo.announced_size(data), received=True))
             return []
         try:
             messages = self._step(data)
