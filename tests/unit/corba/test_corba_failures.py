@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import signal
+import socket
+import subprocess
 import sys
 import time
 from collections.abc import Callable
@@ -192,6 +194,29 @@ def test_a_process_waits_for_data_ports_of_others(
     assert (
         rtgen(["run", "data.xml", *options, "Counter0,Caller0", "--until", "0.1"]) == 0
     )
+
+
+def test_a_naming_service_ends_with_its_process_though_that_is_killed() -> None:
+    program = (
+        "import time; from rtgen.runtime.corba.name_server import NameServer\n"
+        "print(NameServer().address, flush=True); time.sleep(600)"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", program], stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        host, _, port = process.stdout.readline().strip().partition(":")
+        socket.create_connection((host, int(port))).close()
+        process.kill()
+
+    def is_gone() -> bool:
+        try:
+            socket.create_connection((host, int(port))).close()
+        except ConnectionRefusedError:
+            return True
+        return False
+
+    wait_for(is_gone)
 
 
 def test_a_missing_package_is_reported_with_its_extra(

@@ -26,8 +26,24 @@ _LOCATED = struct.Struct("<II")
 _LOCATE_REQUEST = 3
 
 
+_UNTIL_END_OF_INPUT = """
+exec 3<&0
+"$@" </dev/null 3<&- &
+server=$!
+{ read -r line <&3; kill "$server"; } &
+wait "$server"
+"""
+"""Shell commands that run a program until it ends, or the standard input does.
+
+The input ends with the process that holds its other end, even if that process is killed.
+"""
+
+
 class NameServer:
-    """An omniNames process on a free port; `close` ends it. Raises TransportError."""
+    """An omniNames process on a free port; `close`, or the end of this process, ends it.
+
+    Raises TransportError.
+    """
 
     def __init__(self) -> None:
         program = _program()
@@ -59,7 +75,8 @@ class NameServer:
         self._folder.cleanup()
 
     def _end(self) -> None:
-        self._process.terminate()
+        assert self._process.stdin is not None
+        self._process.stdin.close()
         self._process.wait()
 
 
@@ -87,8 +104,8 @@ def _started(program: str, port: int, folder: str) -> subprocess.Popen[bytes]:
     command += ["-ignoreport", "-ORBendPoint", f"giop:tcp:{LOOPBACK}:{port}"]
     # In a separate session: Ctrl-C is for the processes that must still unbind their names.
     return subprocess.Popen(
-        command,
-        stdin=subprocess.DEVNULL,
+        ["/bin/sh", "-c", _UNTIL_END_OF_INPUT, "sh", *command],
+        stdin=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
         start_new_session=True,
