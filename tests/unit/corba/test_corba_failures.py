@@ -17,11 +17,14 @@ from patience import PATIENCE
 pytest.importorskip("omniORB", reason="omniORBpy is not installed")
 
 
+import omniORB
 from corba_runs import REAL, Here, Run, wait_for
+from omniORB import CORBA
 
 from rtgen import runtime
 from rtgen.cli import run as rtgen
 from rtgen.runtime.corba.name_server import NameServer
+from rtgen.runtime.corba.naming import Naming
 
 
 @pytest.mark.slow
@@ -128,7 +131,20 @@ def test_ctrl_c_while_waiting(start: Callable[..., Run]) -> None:
     caller.wait_for("naming service")
     time.sleep(0.3)
     caller.process.send_signal(signal.SIGINT)
-    assert caller.code() == 130
+    assert caller.code() == 130, caller.error_text()
+
+
+def test_ctrl_c_within_a_request_to_the_naming_service() -> None:
+    """omniORBpy replaces the KeyboardInterrupt of a call by an error of its own."""
+
+    class Root:
+        def resolve(self, path: object) -> object:
+            raise CORBA.UNKNOWN(omniORB.UNKNOWN_PythonException)
+
+    naming = object.__new__(Naming)
+    naming.address, naming._root = "127.0.0.1", Root()
+    with pytest.raises(KeyboardInterrupt):
+        naming.providers(("Caller0", "calc"))
 
 
 @pytest.mark.parametrize(

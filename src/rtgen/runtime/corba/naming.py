@@ -12,6 +12,7 @@ from itertools import islice
 from typing import Any, TypeVar
 
 import CosNaming
+import omniORB
 from omniORB import CORBA
 
 from rtgen.runtime.corba.faults import is_silent
@@ -60,6 +61,7 @@ class Naming:
         try:
             self._root = orb.string_to_object(text)._narrow(_Context)
         except (CORBA.Exception, ValueError) as error:
+            _raise_interrupt(error)
             raise NoNamingServiceError(
                 f"no naming service answers at {self.address}: {_error_text(error)}"
             ) from error
@@ -194,9 +196,21 @@ class Naming:
         try:
             return ask()
         except (CORBA.Exception, ValueError) as error:
+            _raise_interrupt(error)
             raise TransportError(
                 f"cannot {what} at the naming service {self.address}: {_error_text(error)}"
             ) from error
+
+
+def _raise_interrupt(error: Exception) -> None:
+    """Raise KeyboardInterrupt if that was the reason for an error of omniORBpy.
+
+    A signal handler that raises during a call ends it with this error. Naming services do not run
+    Python code, so no other exception of Python is behind it.
+    """
+    reason = getattr(error, "minor", None)
+    if isinstance(error, CORBA.UNKNOWN) and reason == omniORB.UNKNOWN_PythonException:
+        raise KeyboardInterrupt from error
 
 
 def _path(id_: str, kind: str = "") -> list[Any]:
