@@ -15,6 +15,7 @@ from component_models import (
     parameter,
     port,
 )
+from msgspec.structs import replace
 
 from rtgen.backends import rtc_profile
 from rtgen.backends.components import rules
@@ -22,6 +23,7 @@ from rtgen.backends.components.backend import BACKEND
 from rtgen.backends.components.checks import check
 from rtgen.diagnostics import Severity
 from rtgen.model import (
+    Annotation,
     Component,
     ConfigurationParameter,
     EnumeratorName,
@@ -32,8 +34,10 @@ from rtgen.model import (
     SequenceType,
     StringType,
 )
+from rtgen.model.rtc_profile import EVENT
 
 CLIP = EnumeratorName(("Safety", "CLIP"))
+BELL = (Annotation(EVENT, (("name", "press"), ("source", "Off\a"))),)
 
 
 def codes(*components: Component) -> list[str]:
@@ -93,6 +97,7 @@ def test_a_sound_component() -> None:
         ({"max_instances": -1}, "RTC0107"),
         ({"doc": "bell \a"}, "RTC0108"),
         ({"description": "\ud800"}, "RTC0108"),
+        ({"version": "1\a"}, "RTC0108"),
     ],
 )
 def test_component(more: dict[str, object], code: str) -> None:
@@ -123,6 +128,7 @@ def test_two_components_with_one_package() -> None:
             "RTC0204",
         ),
         ([port("inport", "\0")], "RTC0108"),
+        ([replace(port("inport", "a"), annotations=BELL)], "RTC0108"),
     ],
 )
 def test_ports(items: list[Port], code: str) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from rtgen.diagnostics import Severity
 from rtgen.frontends.bus import load
 from rtgen.frontends.bus.schema import SCHEMA
 from rtgen.layouts.can_messages import Writing, messages
@@ -173,6 +174,26 @@ def test_odd_content(tmp_path: Path, old: str, new: str) -> None:
     result = load(tmp_path / "net.toml", root=tmp_path)
     assert result.bus is None
     assert {d.code for d in result.diagnostics} <= {"EDS0700", "EDS0701", "EDS0704"}
+
+
+@pytest.mark.parametrize(
+    "text", ["two\nlines", "\r", "\0", "a\0b", " before", "behind\t"]
+)
+def test_texts_that_no_description_can_hold(tmp_path: Path, text: str) -> None:
+    eds = BASE.read_text(encoding="utf-8")
+    eds += "\n[2010]\nParameterName=Label\nObjectType=0x7\nDataType=0x0009\nAccessType=rw\n"
+    (tmp_path / "board.eds").write_text(eds, encoding="utf-8")
+    (tmp_path / "net.toml").write_text(
+        '[bus]\nbit_rate = 500\n[device.board]\neds = "board.eds"\n'
+        f'[node.one]\ndevice = "board"\nid = 1\n[node.one.values]\n"2010" = {json.dumps(text)}\n',
+        encoding="utf-8",
+    )
+    errors = [
+        d
+        for d in load(tmp_path / "net.toml", root=tmp_path).diagnostics
+        if d.severity is Severity.ERROR
+    ]
+    assert [(d.code, d.span.line) for d in errors if d.span] == [("EDS0704", 9)]
 
 
 @pytest.mark.parametrize(

@@ -21,6 +21,7 @@ from rtgen.model import (
     Struct,
     Union,
 )
+from rtgen.model.rtc_profile import EVENT, EVENT_ARGUMENTS
 from rtgen.typemap.components.parameters import (
     Parameters,
     ValueMismatchError,
@@ -147,18 +148,20 @@ def _texts(component: Component) -> Iterator[Diagnostic]:
                 yield rules.TEXT.at(span, message)
                 return
 
-    own = (component.kind, component.category, component.vendor, component.description)
+    own = (component.kind, component.category, component.vendor, component.version)
     yield from finding(
         component.span,
         f"component `{component.scoped}`",
-        (*own, component.execution, component.doc),
+        (*own, component.description, component.execution, component.doc),
     )
     for port in component.ports:
         owner = f"port `{port.identifier}`"
         yield from finding(
             port.span, owner, (port.name, port.port, port.instance, port.unit)
         )
-        yield from finding(port.span, owner, (port.doc,))
+        events = (each for each in port.annotations if each.name == EVENT)
+        of_events = (str(e.get(key) or "") for e in events for key in EVENT_ARGUMENTS)
+        yield from finding(port.span, owner, (port.doc, *of_events))
     for item in component.configuration:
         default = "" if item.default is None else value_text(item.default)
         texts = (item.name, item.unit, item.constraint, item.widget, item.doc, default)

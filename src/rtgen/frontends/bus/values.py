@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 from msgspec.structs import replace
@@ -12,6 +13,9 @@ from rtgen.frontends.eds.findings import Findings
 from rtgen.frontends.eds.ini import Entry
 from rtgen.frontends.eds.pdos import PdoReader
 from rtgen.model.canopen import Device, Value
+
+_NOT_IN_ENTRY = re.compile(r"^\s|\s\Z|[\0\r\n]")
+"""Parts of a text that EDS and DCF files cannot have, or that their readers remove."""
 
 
 class BadValueError(Exception):
@@ -51,6 +55,11 @@ def configured(
         message = findings.diagnostics[0].message.removeprefix("value: ")
         message = message.removesuffix("; it is ignored")
         raise BadValueError(f"{variable.name}: {message}")
+    if isinstance(declared, str) and _NOT_IN_ENTRY.search(declared):
+        raise BadValueError(
+            f"{variable.name}: a description cannot have a text with line breaks, with NUL, "
+            "or with white space at its ends"
+        )
     written = replace(variable, value=declared, value_span=span)
     objects = tuple(
         (
