@@ -120,11 +120,12 @@ lock: $(VENV)/release.stamp
 	$(BIN)/uv pip compile --quiet --universal --upgrade --no-header --no-annotate \
 	    --python-version 3.11 --extra plot --extra test --extra check --extra release pyproject.toml --output-file $(LOCK)
 
-# What rtgen and its extras require, with the licence that each package states.
-licences: $(VENV)/release.stamp
+# What rtgen and its extras require, and what its page contains, with the licence that each package states.
+licences: $(VENV)/release.stamp ui
 	$(BIN)/python requirements/licences.py > requirements/licences.md
 
-# Both wheels and the bill of materials of an environment that has rtgen alone, in dist/. A build has
+# Both wheels and the bill of materials of an environment that has rtgen alone, with the packages in its
+# page, in dist/. A build has
 # the locked versions of its tools, which a wheel contains traces of; pip 25.3 renamed the variable.
 wheels: export PIP_CONSTRAINT = $(CURDIR)/$(LOCK)
 wheels: export PIP_BUILD_CONSTRAINT = $(CURDIR)/$(LOCK)
@@ -136,6 +137,7 @@ wheels: $(VENV)/release.stamp ui
 	$(BIN)/python -m pip --python build/bare/bin/python uninstall --quiet --yes setuptools pip
 	$(BIN)/cyclonedx-py environment --output-reproducible --pyproject pyproject.toml \
 	    --output-file dist/rtgen.cdx.json build/bare/bin/python
+	$(BIN)/python requirements/page.py dist/rtgen.cdx.json
 
 # `make fuzz DOOR=idl SECONDS=600` explores one place where octets enter (tests/fuzz/doors, `all` for
 # each), guided by coverage; `TOTAL=1000000` passes it that number of inputs, faster and without coverage;

@@ -1,4 +1,4 @@
-"""Prints the licences of what rtgen and each of its extras require directly, as Markdown.
+"""Prints the licences of what rtgen requires directly, and of what its page contains, as Markdown.
 
 pip-licenses reads what the installed packages state; a package that is not installed is an error.
 """
@@ -12,6 +12,8 @@ import sys
 import tomllib
 from pathlib import Path
 
+import page
+
 ROOT = Path(__file__).resolve().parent.parent
 NAME = re.compile(r"[\w.-]+")
 WORKSHOP = ("test", "check", "bench", "release")
@@ -19,12 +21,20 @@ WORKSHOP = ("test", "check", "bench", "release")
 
 HEAD = """# Licences of requirements
 
-rtgen is under Apache-2.0. It contains none of the packages below: they are installed beside it,
-those of extras where asked for. What a package states covers its own code, not always the
+rtgen is under Apache-2.0. It contains none of the packages of this table: they are installed beside
+it, those of extras where asked for. What a package states covers its own code, not always the
 libraries that its wheel brings (omniORB, SDL): read theirs before you pass them on.
 `make licences` makes this page of what the packages state.
 
 | extra | package | licence |
+|---|---|---|
+"""
+
+PAGE = """
+The page of `rtgen ui`, in rtgen's wheel, is built from these npm packages. The wheel has the texts
+of their licences in `rtgen/ui/page/licenses.md`.
+
+| package | version | licence |
 |---|---|---|
 """
 
@@ -57,7 +67,9 @@ def main() -> int:
                 print(f"{name} is not installed", file=sys.stderr)
                 return 1
             lines.append(f"| {extra or '(always)'} | {name} | {licence(entry)} |")
+    contained = [f"| {' | '.join(package)} |" for package in page.packages()]
     sys.stdout.write(HEAD + "\n".join(lines) + "\n")
+    sys.stdout.write(PAGE + "\n".join(contained) + "\n")
     return 0
 
 

@@ -7,5 +7,7 @@ export default defineConfig({
     emptyOutDir: true,
     assetsInlineLimit: 0,
     chunkSizeWarningLimit: 2000,
+    // Of what the page contains; it is a part of the wheel.
+    license: { fileName: "licenses.md" },
   },
 });

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import importlib
+import json
 import re
 import subprocess
 import sys
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
@@ -76,6 +79,7 @@ def test_builds_have_locked_tools() -> None:
 def test_licences_are_those_of_the_requirements() -> None:
     """`make licences` renews the page."""
     text = (ROOT / "requirements" / "licences.md").read_text("utf-8")
+    text = text.partition("npm packages")[0]
     rows = re.findall(r"^\| (\S+) \| (\S+) \| (.+) \|$", text, re.MULTILINE)
     listed = {(extra, name) for extra, name, _ in rows if not extra.startswith("-")}
     groups = {"(always)": PROJECT["dependencies"], **EXTRAS}
@@ -86,6 +90,51 @@ def test_licences_are_those_of_the_requirements() -> None:
         for need in needs
     }
     assert not [row for row in rows if "UNKNOWN" in row[2]]
+
+
+def test_licences_are_those_of_the_page() -> None:
+    """`make licences` renews them after a change of the page's dependencies."""
+    text = (ROOT / "requirements" / "licences.md").read_text("utf-8")
+    text = text.partition("npm packages")[2]
+    rows = re.findall(r"^\| (\S+) \| (\d\S*) \| (.+) \|$", text, re.MULTILINE)
+    listed = {name: version for name, version, _ in rows}
+    lock = json.loads((ROOT / "ui" / "package-lock.json").read_text("utf-8"))
+    packages = lock["packages"]
+    assert packages[""]["dependencies"].items() <= listed.items()
+    for name, version in listed.items():
+        entry = packages[f"node_modules/{name}"]
+        assert entry["version"] == version
+        assert not entry.get("dev")
+
+
+def test_a_bill_of_materials_has_the_packages_of_the_page(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(ROOT / "requirements")
+    page = importlib.import_module("page")
+    licences = tmp_path / "licenses.md"
+    licences.write_text(
+        "# Licenses\n\n## @a/b - 1.2.0 (EPL-2.0 OR MIT)\n\n## 1. TERMS\n"
+    )
+    monkeypatch.setattr(page, "LICENSES", licences)
+    bill: dict[str, Any] = {
+        "components": [{"bom-ref": "lark==1.3.1"}],
+        "dependencies": [
+            {"ref": "lark==1.3.1"},
+            {"ref": "root", "dependsOn": ["lark==1.3.1"]},
+        ],
+        "metadata": {"component": {"bom-ref": "root", "name": "rtgen"}},
+    }
+    page.complete(bill, "3.2.1", page.packages())
+    url = "pkg:npm/%40a/b@1.2.0"
+    assert bill["metadata"]["component"]["version"] == "3.2.1"
+    assert bill["dependencies"][1:] == [
+        {"ref": "root", "dependsOn": ["lark==1.3.1", url]},
+        {"ref": url},
+    ]
+    [_, added] = bill["components"]
+    assert (added["name"], added["purl"]) == ("@a/b", url)
+    assert added["licenses"][0]["expression"] == "EPL-2.0 OR MIT"
 
 
 def test_the_workflow_of_a_release_calls_what_there_is() -> None:
