@@ -15,7 +15,7 @@ from functools import cache, lru_cache
 from math import inf, ulp
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
-from rtgen.facts.unit_symbols import PHRASES, SYMBOLS
+from rtgen.facts.unit_symbols import DEFINITIONS, PHRASES, SYMBOLS
 
 if TYPE_CHECKING:
     from pint import UnitRegistry
@@ -234,4 +234,9 @@ def _in_root_units(value: float, name: str) -> float:
 def _registry() -> UnitRegistry[float]:
     import pint
 
-    return pint.UnitRegistry(cache_folder=None, autoconvert_offset_to_baseunit=True)
+    registry: UnitRegistry[float] = pint.UnitRegistry(
+        cache_folder=None, autoconvert_offset_to_baseunit=True
+    )
+    for definition in DEFINITIONS:
+        registry.define(definition)
+    return registry

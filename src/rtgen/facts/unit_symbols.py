@@ -48,16 +48,35 @@ SYMBOLS: Final[Mapping[str, str]] = {
     "''": "arcsecond",
     "Cel": "degC",
     "[degF]": "degF",
+    "[degR]": "degR",
     "[in_i]": "inch",
     "[ft_i]": "foot",
+    "[yd_i]": "yard",
     "[mi_i]": "mile",
     "[nmi_i]": "nautical_mile",
     "[kn_i]": "knot",
     "[lb_av]": "pound",
+    "[oz_av]": "ounce",
     "[lbf_av]": "force_pound",
+    "[gal_us]": "gallon",
+    "[HP]": "horsepower",
+    "[Btu_IT]": "Btu",
     "[psi]": "psi",
     "[ppm]": "ppm",
+    "[pi]": "pi",
+    "[c]": "speed_of_light",
     "[g]": "standard_gravity",
+    "G": "magnetic_gauss",
+    "gauss": "magnetic_gauss",
+    "mG": "millimagnetic_gauss",
+    "milligauss": "millimagnetic_gauss",
+    "uG": "micromagnetic_gauss",
+    "kG": "kilomagnetic_gauss",
+    "AU": "astronomical_unit",
+    "ar": "are",
+    "By": "byte",
+    "mo": "month",
+    "wk": "week",
     "°": "degree",
     "%": "percent",
     "‰": "permille",
@@ -76,3 +95,8 @@ PHRASES: Final[Mapping[str, str]] = {
     "°F": "degF",
 }
 """Units written with several words or signs, and a single symbol for each."""
+
+DEFINITIONS: Final = ("magnetic_gauss = 1e-4 * tesla",)
+"""Further units in pint's notation: the gauss of pint is that of the Gaussian system, which cannot be
+converted to tesla.
+"""
