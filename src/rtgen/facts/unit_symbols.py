@@ -97,6 +97,4 @@ PHRASES: Final[Mapping[str, str]] = {
 """Units written with several words or signs, and a single symbol for each."""
 
 DEFINITIONS: Final = ("magnetic_gauss = 1e-4 * tesla",)
-"""Further units in pint's notation: the gauss of pint is that of the Gaussian system, which cannot be
-converted to tesla.
-"""
+"""Further units in pint's notation, whose own gauss is no scale of the tesla."""

@@ -158,7 +158,7 @@ def test_names_that_the_package_imports_are_free_for_definitions(
         drive = import_module("mine.drive")
         for name in ("Time", "Objects", "Aggregated", "Write"):
             assert getattr(drive, name)._descriptor_.name == f"Drive::{name}"
-        for name in ("idl", "TYPE_CHECKING", "lazy_names"):
+        for name in ("idl", "TYPE_CHECKING_", "lazy_names"):
             assert getattr(drive, name) is drive.Kind[name]
         write = drive.Write(drive.Tpdo1(rtc.Time(1, 2)), drive.Time(5))
         assert drive.Write.from_cdr(write.to_cdr()) == write

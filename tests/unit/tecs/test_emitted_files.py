@@ -281,14 +281,17 @@ def test_the_plug_in_of_a_file_knows_the_joins_of_main_files_that_it_imports(
     assert "Caller" not in made["robots/tecs/part/RTCPlugin.rb"]
 
 
-@pytest.mark.parametrize("name", ["lazy_names", "TYPE_CHECKING"])
+@pytest.mark.parametrize(
+    ("name", "made"),
+    [("lazy_names", "lazy_names"), ("TYPE_CHECKING", "TYPE_CHECKING_")],
+)
 def test_a_signature_is_called_as_what_its_package_imports(
-    name: str, tmp_path: Path
+    name: str, made: str, tmp_path: Path
 ) -> None:
     text = joined(SERVER.replace("sServer", name), name)
     emission, _ = emit(tmp_path, {"server.cdl": text})
     write(tmp_path, emission.artifacts)
-    program = f"from robots.tecs.server import {name}; print({name}._descriptor_.name)"
+    program = f"from robots.tecs.server import {made}; print({made}._descriptor_.name)"
     command = [sys.executable, "-c", program]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert done.stdout.strip().endswith(name), done.stderr

@@ -6,6 +6,7 @@ Python mapping 1.3 prepends one).
 
 from __future__ import annotations
 
+import builtins
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from functools import cached_property
@@ -26,12 +27,13 @@ from rtgen.model import (
     Native,
     ScopedName,
     Struct,
+    Typedef,
     Union,
     ValueBox,
     Valuetype,
 )
 from rtgen.model.components import Component
-from rtgen.typemap.python.implementation_modules import implementation_modules
+from rtgen.typemap.python.implementation_modules import implementation_modules, referred
 from rtgen.typemap.python.names import identifier, scope_modules
 from rtgen.typemap.python.support import HOMES
 
@@ -83,6 +85,9 @@ OWN_NAMES[Valuetype] = CODEC | {"described"}
 
 _ARGUMENTS = frozenset({"self", "cls"})
 """First arguments of methods, whose bodies refer to classes."""
+
+_FUTURE = frozenset({"annotations"})
+"""Names that implementation modules import from `__future__`."""
 
 COMPANIONS = ("Stub", "Skeleton", "Codec")
 """Suffixes of the names of further classes of a declaration."""
@@ -446,16 +451,32 @@ class PythonNames:
             name: text if count[text] == 1 else "_".join(name)
             for name, text in short.items()
         }
-        reserved = attributes.union(HOMES, _ARGUMENTS, self.taken_in(module))
+        reserved = attributes.union(HOMES, _ARGUMENTS, _FUTURE, self.taken_in(module))
+        hidden = reserved.union(dir(builtins))
+        ahead = _referred_ahead(declarations)
         free = {identifier(text, reserved) for text in wanted.values()}
         taken: set[str] = set()
         for name, text in wanted.items():
-            chosen = identifier(text, reserved)
+            chosen = identifier(text, hidden if name in ahead else reserved)
             plain = identifier(text)
             while chosen in taken or (chosen not in (text, plain) and chosen in free):
                 chosen += "_"
             taken.add(chosen)
             self._implementations[name] = self._homes[module], chosen
+
+
+def _referred_ahead(declarations: Iterable[Declaration]) -> set[ScopedName]:
+    """Return the declarations that a typedef before them refers to.
+
+    mypy takes the name of a builtin in such a typedef for the builtin.
+    """
+    before: set[ScopedName] = set()
+    found: set[ScopedName] = set()
+    for declaration in declarations:
+        if isinstance(declaration, Typedef):
+            found.update(name for name in referred(declaration) if name not in before)
+        before.add(declaration.name)
+    return found
 
 
 def distinct(names: Iterable[str], reserved: Collection[str]) -> dict[str, str]:

@@ -13,6 +13,8 @@ from rtgen.model import ScopedName
 _WORD_END = re.compile(r"([A-Z]+)([A-Z][a-z])")
 _WORD_START = re.compile(r"([a-z0-9])([A-Z])")
 _NOT_A_WORD = re.compile(r"\W")
+_CHECKING = "TYPE_CHECKING"
+"""A name that type checkers take for a constant of theirs, wherever it is defined."""
 _MODULES_OF_PYTHON = ("__init__", "__main__")
 
 
@@ -33,7 +35,7 @@ def _plain(name: str) -> str:
     name = words(name)
     if not name.isidentifier():
         name = f"o_{name}"
-    while keyword.iskeyword(name):
+    while keyword.iskeyword(name) or name == _CHECKING:
         name += "_"
     return name
 
