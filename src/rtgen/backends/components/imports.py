@@ -16,16 +16,23 @@ class Imports:
 
     Types in IDL modules are named by their Python module (`iis.TimedPose2D`), those of the global
     scope directly, and those of the module itself (`own`, by its absolute name) as it has them.
-    `taken` are the names bound by the module itself.
+    `taken` are the names bound by the module itself, `hidden` those of attributes of its classes,
+    which annotations there would refer to.
     """
 
     def __init__(
-        self, model: Model, names: PythonNames, taken: Collection[str], own: str = ""
+        self,
+        model: Model,
+        names: PythonNames,
+        taken: Collection[str],
+        own: str = "",
+        hidden: Collection[str] = (),
     ) -> None:
         self.mapping = PythonMapping(model, self.type_name, self.spell, servants=True)
         self._names = names
         self._own = own
-        self._taken = set(taken)
+        self._hidden = hidden
+        self._taken = {*taken, *hidden}
         self._imported: dict[tuple[str, str], str] = {}
 
     def type_name(self, type_: ScopedName) -> str:
@@ -44,7 +51,9 @@ class Imports:
     def spell(self, module: str, name: str) -> str:
         """The name under which `name` of a module is imported; builtins have no module."""
         if not module:
-            return name
+            if name not in self._hidden:
+                return name
+            module = "builtins"
         known = self._imported.get((module, name))
         if known is None:
             last = module.rpartition(".")[2]

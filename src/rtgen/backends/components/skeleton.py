@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import msgspec
 
@@ -32,6 +32,7 @@ from rtgen.model import (
     Operation,
     Port,
     PortKind,
+    Valuetype,
 )
 from rtgen.typemap.components.actions import ACTIONS
 from rtgen.typemap.member_units import operation_text
@@ -78,8 +79,10 @@ def skeleton_module(
             class_name = identifier(_servant_name(attribute), taken)
             taken.add(class_name)
             providers.append((port, attribute, class_name))
-    imports = Imports(model, names, taken)
+    hidden = {n for port, *_ in providers for n in _attribute_names(model, port)}
+    imports = Imports(model, names, taken, hidden=hidden)
     servants = [_servant(model, imports, *provider) for provider in providers]
+    property_ = imports.spell("", "property")
     runtime = imports_from("rtgen.runtime", ["RTC_OK", "ReturnCode_t"])
     own = imports_from(base_location(options.package, component), [base])
     text = render(
@@ -88,6 +91,7 @@ def skeleton_module(
         docstring=docstring(heading(component), 0),
         imports=import_blocks([*imports.imports(), *runtime, *own]),
         servants=servants,
+        property=property_,
         name=name,
         base=base,
         class_docstring=docstring(component.doc, 4, heading(component)),
@@ -102,19 +106,31 @@ def _servant_name(attribute: str) -> str:
     return f"{''.join(words)}Servant"
 
 
-def _servant(
-    model: Model, imports: Imports, port: Port, attribute: str, name: str
-) -> _Servant:
+def _interfaces(model: Model, port: Port) -> list[Interface | Valuetype]:
+    """Return the interface of a port, after its bases."""
     type_ = model.unalias(port.type)
     assert isinstance(type_, NamedType), "checked before anything is emitted"
     interface = model.find(type_.name)
     assert isinstance(interface, Interface), "checked before anything is emitted"
-    interfaces = [*model.bases(interface), interface]
+    return [*model.bases(interface), interface]
+
+
+def _attribute_names(model: Model, port: Port) -> Iterator[str]:
+    """Yield the names of the methods and properties of a provider's servant."""
+    for interface in _interfaces(model, port):
+        yield from (identifier(each.name) for each in interface.attributes)
+        yield from (identifier(each.name) for each in interface.operations)
+
+
+def _servant(
+    model: Model, imports: Imports, port: Port, attribute: str, name: str
+) -> _Servant:
+    interfaces = _interfaces(model, port)
     attributes = {a.name: a for each in interfaces for a in each.attributes}
     operations = {o.name: o for each in interfaces for o in each.operations}
     return _Servant(
         name=name,
-        interface=imports.type_name(type_.name),
+        interface=imports.type_name(interfaces[-1].name),
         facet=port.name,
         attribute=attribute,
         attributes=tuple(_attribute(imports, each) for each in attributes.values()),
@@ -142,13 +158,13 @@ def _operation(imports: Imports, operation: Operation) -> _Operation:
     return _Operation(
         name=identifier(operation.name),
         parameters=("self", *(f"{names[p.name]}: {annotation(p.type)}" for p in given)),
-        result=_result(results),
+        result=_result(results, imports.spell("", "tuple")),
         docstring=docstring(operation_text(operation), 8),
     )
 
 
-def _result(results: Sequence[str]) -> str:
+def _result(results: Sequence[str], tuple_: str) -> str:
     """The result of an operation: nothing, a single value, or a tuple."""
     if len(results) > 1:
-        return f"tuple[{', '.join(results)}]"
+        return f"{tuple_}[{', '.join(results)}]"
     return results[0] if results else "None"

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from rtgen.backends.kit.quoting.python import string_literal
 from rtgen.backends.openrtm.plan import Unit
 from rtgen.backends.openrtm.wire_names import CORBA_PACKAGE, WireNames, wire_id
-from rtgen.model import Declaration, Enum, ExceptionDecl, ScopedName
+from rtgen.model import Declaration, Enum, ExceptionDecl, Interface, ScopedName
 from rtgen.typemap.python.names import identifier
 
 WIRE = "rtgen.runtime.openrtm.wire"
@@ -37,7 +37,14 @@ class WireScope:
         self._unit = unit
         self._names = names
         self._module = module
-        self._taken = {*self.defined, *parameters}
+        # Attributes of classes, which annotations there would refer to.
+        self._hidden = {
+            name
+            for declaration in unit.model.declarations
+            if isinstance(declaration, Interface)
+            for name in names.python.operations(declaration).values()
+        }
+        self._taken = {*self.defined, *parameters, *self._hidden}
         self._imports: dict[tuple[str, str], str] = {}
         self._constants: dict[tuple[str, ScopedName], tuple[str, str]] = {}
 
@@ -49,7 +56,9 @@ class WireScope:
 
     def spell(self, module: str, name: str) -> str:
         """Like `runtime`, for names of the mapping table; builtins have no module."""
-        return self._imported(module, name) if module else name
+        if not module and name not in self._hidden:
+            return name
+        return self._imported(module or "builtins", name)
 
     def type(self, name: ScopedName) -> str:
         """Return the generated class of a type or interface: `extended_data_types.Point2D`."""

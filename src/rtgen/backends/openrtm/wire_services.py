@@ -101,7 +101,7 @@ class WireServices:
             results=[attribute.type],
             raises=attribute.get_raises,
             name=name,
-            decorators=["@property"],
+            decorators=[f"@{self._py.spell('', 'property')}"],
         )
         if not attribute.readonly:
             yield self._made(
@@ -191,7 +191,7 @@ class WireServices:
     def _result(self, results: Sequence[Type]) -> str:
         annotations = [self._mapping.annotation(type_) for type_ in results]
         if len(annotations) > 1:
-            return f"tuple[{', '.join(annotations)}]"
+            return f"{self._py.spell('', 'tuple')}[{', '.join(annotations)}]"
         return annotations[0] if annotations else "None"
 
     def _give(self, results: Sequence[Type], result: str) -> str:

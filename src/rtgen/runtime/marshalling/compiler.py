@@ -127,6 +127,7 @@ def _function(
     file = entered(text, f"<{format_} {kind} of {descriptor.name}>")
     namespace = references.namespace.values
     namespace["__name__"] = __name__
-    exec(compile(text, file, "exec"), namespace)
-    function: Callable[..., Any] = namespace[head.split("(")[0].removeprefix("def ")]  # type: ignore[assignment]
+    made: dict[str, Callable[..., Any]] = {}  # a class may have the function's name
+    exec(compile(text, file, "exec"), namespace, made)
+    [function] = made.values()
     return function, references

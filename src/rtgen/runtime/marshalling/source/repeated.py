@@ -178,6 +178,6 @@ class Repeated:
         unpack = table.shape(counts).unpack
         values = {**self._namespace.values, "unpack": unpack}
         values["little_endian"] = little_endian
-        exec(compile(text, file, "exec"), values)
-        read: _Reader = values["read"]
-        return read
+        made: dict[str, _Reader] = {}  # a class may have the function's name
+        exec(compile(text, file, "exec"), values, made)
+        return made["read"]
