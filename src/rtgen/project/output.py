@@ -216,13 +216,15 @@ def component_types(output: Path) -> ComponentTypes:
     Raises ToolError for a damaged manifest.
     """
     file = output / MANIFEST
+    hint = "run rtgen generate, which writes it anew"
+    if file.exists() and not file.is_file():
+        raise ToolError(f"{shown(file)} is not a regular file", hint=hint)
     try:
         return msgspec.json.decode(file.read_bytes(), type=ComponentTypes)
     except FileNotFoundError:
         return ComponentTypes()
     except (OSError, msgspec.DecodeError, RecursionError) as error:
         reason = error.strerror if isinstance(error, OSError) else error
-        hint = "run rtgen generate, which writes it anew"
         raise ToolError(f"cannot read {shown(file)}: {reason}", hint=hint) from error
 
 

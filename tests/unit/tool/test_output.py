@@ -119,6 +119,14 @@ def test_without_component_types_the_manifest_has_no_table(project: Project) -> 
     assert output.component_types(project.root / "nowhere") == ComponentTypes()
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="no named pipes")
+def test_a_pipe_in_the_place_of_the_manifest_is_not_read(project: Project) -> None:
+    project.output.mkdir()
+    os.mkfifo(project.output / ".rtgen.json")
+    with pytest.raises(ToolError, match="is not a regular file"):
+        output.component_types(project.output)
+
+
 def test_of_types_of_one_name_the_first_counts() -> None:
     first = ComponentTypes({"A": "a:A"})
     second = ComponentTypes({"A": "b:A", "B": "b:B"}, {"A": "C", "B": "C++"})
