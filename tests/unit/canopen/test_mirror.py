@@ -8,9 +8,11 @@ import pytest
 from msgspec.structs import replace
 
 from rtgen.backends.canopen.eds_text import eds_text
-from rtgen.backends.canopen.mirror import SHIFT, mirrored
+from rtgen.backends.canopen.mirror import SHIFT, measured, mirrored
 from rtgen.frontends.eds import load
+from rtgen.model.can_bus import kind_of
 from rtgen.model.canopen import NO_RTR, Access, Device, NodeRelative, Pdo
+from rtgen.typemap.canopen.ports import DevicePorts
 
 ROOT = Path(__file__).parents[3]
 SAMPLER = ROOT / "tests/golden/cases/canopen_devices/input/specs/sampler.eds"
@@ -36,6 +38,21 @@ def pair(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[Device, Device
     result = load([path], root=tmp_path)
     assert {d.code for d in result.diagnostics} <= ODD
     return device, result.model.devices[0]
+
+
+def test_factors_and_units_of_the_bus_file_are_in_the_mirror(tmp_path: Path) -> None:
+    device = read(ROOT / "specs/canopen/epos_drive.eds")
+    kind = replace(
+        kind_of(device), factors=(((0x6064, 0), 0.25),), units=(((0x6064, 0), "rad"),)
+    )
+    path = tmp_path / "mirror.eds"
+    made = mirrored(measured(DevicePorts(device, kind)), path.name)
+    path.write_text(eds_text(made), encoding="utf-8")
+    position, velocity = (read(path).find(index) for index in (0x6064, 0x606C))
+    assert position is not None
+    assert (position.factor, position.unit) == (0.25, "rad")
+    assert velocity is not None
+    assert (velocity.factor, velocity.unit) == (None, "")
 
 
 def by_place(device: Device) -> dict[tuple[str, int], Pdo]:

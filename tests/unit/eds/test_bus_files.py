@@ -196,6 +196,15 @@ def test_texts_that_no_description_can_hold(tmp_path: Path, text: str) -> None:
     assert [(d.code, d.span.line) for d in errors if d.span] == [("EDS0704", 9)]
 
 
+def test_a_unit_that_no_description_can_hold(tmp_path: Path) -> None:
+    shutil.copy(BASE, tmp_path / "board.eds")
+    units = '[device.board.units]\n"2000" = "m\\n[x]"\n\n[device.board.factors]'
+    text = LINKED.replace("[device.board.factors]", units)
+    (tmp_path / "net.toml").write_text(text, encoding="utf-8")
+    found = load(tmp_path / "net.toml", root=tmp_path).diagnostics
+    assert "EDS0701" in {d.code for d in found}
+
+
 @pytest.mark.parametrize(
     ("described", "own", "expected"),
     [(5000, "", 5), (0, "", 2), (5000, "boot_timeout = 1.5", 1.5), (1 << 31, "", 3600)],

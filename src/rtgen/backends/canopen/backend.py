@@ -8,7 +8,7 @@ from rtgen.backends import Artifact, Emission, Options
 from rtgen.backends.canopen.device_module import device_module
 from rtgen.backends.canopen.eds_text import eds_text
 from rtgen.backends.canopen.idl_file import idl_of
-from rtgen.backends.canopen.mirror import mirrored
+from rtgen.backends.canopen.mirror import measured, mirrored
 from rtgen.backends.canopen.network_files import network_files
 from rtgen.backends.canopen.objects_module import objects_module
 from rtgen.backends.canopen.proxy_module import proxy_module
@@ -69,7 +69,7 @@ class _Devices:
         yield self._component(proxy_module, ports, "Proxy")
         yield self._component(device_module, ports, "Device")
         name = f"{module}Proxy.eds"
-        yield file(name, eds_text(mirrored(device, name), lines))
+        yield file(name, eds_text(mirrored(measured(ports), name), lines))
 
     def _component(
         self,

@@ -25,6 +25,7 @@ from rtgen.model.canopen import (
     Value,
     Variable,
 )
+from rtgen.typemap.canopen.ports import DevicePorts
 
 SHIFT = 0x400
 
@@ -32,6 +33,23 @@ _OWN = (0x1000, 0x1001, 0x1018)
 _COB_ID, _TRANSMISSION, _SYNC_START = 1, 2, 6
 _ON_REQUEST = (252, 253)
 _EVENT_DRIVEN = 255
+
+
+def measured(ports: DevicePorts) -> Device:
+    """Return the device with the factors and the units of the bus file at its objects."""
+    stated = {number for number, _ in (*ports.kind.factors, *ports.kind.units)}
+
+    def changed(variable: Variable) -> Variable:
+        if (variable.index, variable.subindex) not in stated:
+            return variable
+        quantity = ports.quantity(variable)
+        return replace(variable, factor=quantity.factor, unit=quantity.unit)
+
+    objects = (
+        replace(thing, variables=tuple(map(changed, thing.variables)))
+        for thing in ports.device.objects
+    )
+    return replace(ports.device, objects=tuple(objects))
 
 
 def mirrored(device: Device, file_name: str) -> Device:

@@ -17,7 +17,13 @@ from rtgen.frontends import Dependency, eds, key_of
 from rtgen.frontends.bus import rules
 from rtgen.frontends.bus.checks import check
 from rtgen.frontends.bus.schema import problems
-from rtgen.frontends.bus.values import BadValueError, configured, number_of
+from rtgen.frontends.bus.values import (
+    NO_ENTRY,
+    BadValueError,
+    configured,
+    is_entry,
+    number_of,
+)
 from rtgen.frontends.eds.findings import Findings
 from rtgen.frontends.eds.rules.lexical import MISSING_FILE, UNREADABLE
 from rtgen.frontends.kit.located_toml import Path as Place
@@ -229,6 +235,9 @@ class _Reader:
             for key, numbers in (("factors", kind.factors), ("units", kind.units))
             for number, _ in numbers
         ]
+        for _, unit in kind.units:
+            if not is_entry(unit):
+                self._report(rules.BAD_CONTENT, (*place, "units"), NO_ENTRY)
         for key, listed in (
             ("parameters", kind.parameters),
             ("operations", kind.operations),

@@ -17,6 +17,10 @@ from rtgen.model.canopen import Device, Value
 _NOT_IN_ENTRY = re.compile(r"^\s|\s\Z|[\0\r\n]")
 """Parts of a text that EDS and DCF files cannot have, or that their readers remove."""
 
+NO_ENTRY = (
+    "a description cannot have line breaks, NUL, or white space at the ends of a text"
+)
+
 
 class BadValueError(Exception):
     """An invalid value for the object; the message gives the reason."""
@@ -26,6 +30,11 @@ def number_of(text: str) -> tuple[int, int]:
     """Parse an object's number `6401:1` or `6040`, in hexadecimal digits."""
     index, _, subindex = text.partition(":")
     return int(index, 16), int(subindex or "0", 16)
+
+
+def is_entry(text: str) -> bool:
+    """Return whether the text can be the value of an entry in an EDS or DCF file."""
+    return _NOT_IN_ENTRY.search(text) is None
 
 
 def _text(value: Any) -> str:
@@ -55,11 +64,8 @@ def configured(
         message = findings.diagnostics[0].message.removeprefix("value: ")
         message = message.removesuffix("; it is ignored")
         raise BadValueError(f"{variable.name}: {message}")
-    if isinstance(declared, str) and _NOT_IN_ENTRY.search(declared):
-        raise BadValueError(
-            f"{variable.name}: a description cannot have a text with line breaks, with NUL, "
-            "or with white space at its ends"
-        )
+    if isinstance(declared, str) and not is_entry(declared):
+        raise BadValueError(f"{variable.name}: {NO_ENTRY}")
     written = replace(variable, value=declared, value_span=span)
     objects = tuple(
         (
