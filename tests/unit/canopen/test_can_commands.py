@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import can
@@ -217,25 +219,70 @@ def test_sdo_of_a_node_that_nobody_described(
         assert "give --bus or --eds" in shown(capfd.readouterr().err)
 
 
-def test_an_sdo_answer_that_is_not_valid(capfd: pytest.CaptureFixture[str]) -> None:
-    """The node answers a read as if it were a write."""
-    with can.Bus(interface="virtual", channel="odd") as bus:
+@contextmanager
+def answering(channel: str, data: bytes) -> Iterator[None]:
+    """Run a node 9 that gives one answer to each SDO request."""
+    with can.Bus(interface="virtual", channel=channel) as bus:
 
         def answer(message: can.Message) -> None:
             if message.arbitration_id == 0x609:
-                data = b"\x60" + message.data[1:4] + bytes(4)
+                whole = data[:1] + message.data[1:4] + data[1:]
                 bus.send(
-                    can.Message(arbitration_id=0x589, data=data, is_extended_id=False)
+                    can.Message(arbitration_id=0x589, data=whole, is_extended_id=False)
                 )
 
         notifier = can.Notifier(bus, [answer])
         try:
-            read = ["odd", "sdo", "read", "9", "1000", "--type", "u32", "--no-look"]
-            assert command(*read) == 1
+            yield
         finally:
             notifier.stop()
+
+
+def test_an_sdo_answer_that_is_not_valid(capfd: pytest.CaptureFixture[str]) -> None:
+    """The node answers a read as if it were a write."""
+    with answering("odd", bytes.fromhex("60 00 00 00 00")):
+        read = ["odd", "sdo", "read", "9", "1000", "--type", "u32", "--no-look"]
+        assert command(*read) == 1
     said = shown(capfd.readouterr().err)
     assert "the answer is not valid: 05040001h command specifier unknown" in said
+
+
+@pytest.mark.parametrize(
+    ("kind", "wanted"),
+    [
+        *[("u8", 1), ("i8", 1), ("bool", 1), ("u24", 3), ("u32", 4), ("i32", 4)],
+        *[("r32", 4), ("u64", 8), ("r64", 8), ("time_of_day", 6)],
+    ],
+)
+def test_an_sdo_answer_of_another_length(
+    kind: str, wanted: int, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """The node answers with two octets, which are no value of the type."""
+    with answering(f"short {kind}", bytes.fromhex("4b 12 34 00 00")):
+        read = [f"short {kind}", "sdo", "read", "9", "2000", "--no-look", "--type"]
+        assert command(*read, kind) == 1
+        printed = capfd.readouterr()
+        assert printed.out == ""
+        problem = f"the answer is not valid: {kind} has {wanted} octets, not 2"
+        assert problem in shown(printed.err)
+        assert command(*read, "octets") == 0
+        assert out(capfd) == "12 34"
+
+
+def test_an_sdo_answer_with_half_a_character(capfd: pytest.CaptureFixture[str]) -> None:
+    with answering("half", bytes.fromhex("47 12 34 56 00")):
+        read = ["half", "sdo", "read", "9", "2000", "--no-look", "--type", "wstring"]
+        assert command(*read) == 1
+    said = shown(capfd.readouterr().err)
+    assert "wstring has octets in pairs, not 3" in said
+
+
+def test_an_sdo_answer_without_its_length(capfd: pytest.CaptureFixture[str]) -> None:
+    """An expedited answer may leave out its length; it then has four octets."""
+    with answering("open", bytes.fromhex("42 12 34 00 00")):
+        read = ["open", "sdo", "read", "9", "2000", "--no-look", "--type", "u16"]
+        assert command(*read) == 0
+    assert out(capfd) == str(0x3412)
 
 
 def test_sdo_refusals(capfd: pytest.CaptureFixture[str]) -> None:

@@ -11,7 +11,7 @@ from typing import get_args
 import click
 
 from rtgen.cli.can.decoding.node_index import DescribedObject, NodeIndex, number_of
-from rtgen.cli.can.decoding.object_values import Field, sdo_value
+from rtgen.cli.can.decoding.object_values import Field, decoded
 from rtgen.cli.can.live.bus_session import BusSession, SilentError
 from rtgen.cli.can.live.live_bus import opened
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
@@ -42,8 +42,8 @@ _BLOCKS: tuple[Kind, ...] = ("octets", "string", "wstring")
 """Kinds of values that may be long, and are read by block transfer."""
 
 
-class _Aborted(click.ClickException):
-    """The node has aborted the transfer."""
+class _NoValueError(click.ClickException):
+    """The node has aborted the transfer, or its answer is not a value of the object."""
 
     exit_code = NO
 
@@ -146,7 +146,7 @@ def sdo_(
             )
         except SdoAbort as abort:
             what = "the node refuses" if abort.received else "the answer is not valid"
-            raise _Aborted(f"{called}: {what}: {abort}") from abort
+            raise _NoValueError(f"{called}: {what}: {abort}") from abort
         except SilentError:
             raise ToolError(
                 f"{known.name(node_id)} does not answer",
@@ -156,7 +156,13 @@ def sdo_(
         _write(file, got)
         console.say(f"{len(got)} octets in {file}")
         return OK
-    field = Field(known.name(node_id), thing, sdo_value(thing, got))
+    try:
+        value = decoded(thing, got)
+    except ObjectValueError as error:
+        raise _NoValueError(
+            f"{called}: the answer is not valid: {error}; `--type octets` prints it"
+        ) from error
+    field = Field(known.name(node_id), thing, value)
     if as_json:
         parsed = {"node": node_id, "node_name": field.node, **field.to_json()}
         write_out(f"{json.dumps(parsed)}\n")

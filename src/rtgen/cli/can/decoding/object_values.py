@@ -81,16 +81,21 @@ def field_of(
     return Field(node.name if node else "", thing, value)
 
 
-def sdo_value(thing: DescribedObject, octets: bytes) -> ObjectValue:
-    """Decode the octets of an SDO transfer; octets of a wrong length are returned unchanged.
+def decoded(thing: DescribedObject, octets: bytes) -> ObjectValue:
+    """Decode the octets of an SDO transfer. Raises ObjectValueError.
 
     An expedited message without size indication has 4 octets, which may be too many.
     """
     wanted = size(thing.kind)
     if wanted is not None and wanted < len(octets) == 4:
         octets = octets[:wanted]
+    return decode(thing.kind, octets)
+
+
+def sdo_value(thing: DescribedObject, octets: bytes) -> ObjectValue:
+    """Decode the octets of an SDO transfer; octets of a wrong length are returned unchanged."""
     try:
-        return decode(thing.kind, octets)
+        return decoded(thing, octets)
     except ObjectValueError:
         return octets
 
