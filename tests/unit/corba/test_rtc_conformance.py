@@ -17,6 +17,7 @@ pytest.importorskip("omniORB", reason="omniORBpy is not installed")
 from corba_runs import NAVIGATION, ROOT, wait_for
 from json_schemas import valid
 from omniORB import CORBA
+from omniORB import any as anys
 
 from rtgen import compile as compiled
 from rtgen.cli import run as rtgen
@@ -39,7 +40,13 @@ from rtgen.runtime.corba.rt_objects.objects import Exported
 from rtgen.runtime.corba.rt_objects.ports import PortService
 from rtgen.runtime.corba.rt_objects.wire import texts, values
 from rtgen.runtime.corba.transport import CorbaTransport
-from rtgen.runtime.return_codes import ExecutionKind, LifeCycleState
+from rtgen.runtime.return_codes import (
+    PRECONDITION_NOT_MET,
+    ExecutionKind,
+    LifeCycleState,
+    ReturnCode_t,
+)
+from rtgen.runtime.rtc.configuration import ConfigurationSets
 from rtgen.runtime.rtc.execution_context import ExecutionContext
 
 if TYPE_CHECKING:
@@ -232,15 +239,20 @@ def instead(
 
 def in_port(name: str, **changed: Any) -> Callable[[Any], Any]:
     """Return a component profile in which one port is changed."""
+    return changed_port(name, lambda port: replace(port, **changed))
 
-    def change(profile: Any) -> Any:
+
+def changed_port(name: str, change: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """Return a component profile with another profile of a port."""
+
+    def changed(profile: Any) -> Any:
         ports = [
-            replace(port, **changed) if port.name.endswith(f".{name}") else port
+            change(port) if port.name.endswith(f".{name}") else port
             for port in profile.port_profiles
         ]
         return replace(profile, port_profiles=ports)
 
-    return change
+    return changed
 
 
 def typed(kind: str, type_: str) -> list[Any]:
@@ -289,10 +301,6 @@ def ok(self: Any, *given: Any) -> Any:
     return RTC_OK
 
 
-VALUES = {"gain": "2.0", "mode": "SLOW", "weights": "", "label": ""}
-COUNT = values({**VALUES, "count": "-5"})
-OTHER = values({**VALUES, "count": "4"})
-"""Meets its constraint, and differs from the default."""
 LEVEL = "IDL:Bench/Level:1.0"
 PROFILE = "get_component_profile"
 MUTANTS: dict[str, tuple[type, str, Callable[..., Any]]] = {
@@ -347,9 +355,9 @@ MUTANTS: dict[str, tuple[type, str, Callable[..., Any]]] = {
         otherwise(lambda _: LifeCycleState.CREATED_STATE),
     ),
     "configuration.values": (
-        Configuration,
-        "get_configuration_sets",
-        otherwise(lambda sets: [replace(s, configuration_data=COUNT) for s in sets]),
+        ConfigurationSets,
+        "texts",
+        otherwise(lambda found: {**found, "count": "-5"}),
     ),
     "life-cycle.activation": (
         ContextService,
@@ -418,9 +426,9 @@ MUTANTS: dict[str, tuple[type, str, Callable[..., Any]]] = {
         instead(pretend, lambda self, name: name not in self._sets.ids),
     ),
     "configuration.defaults": (
-        Configuration,
-        "get_configuration_sets",
-        otherwise(lambda sets: [replace(s, configuration_data=OTHER) for s in sets]),
+        ConfigurationSets,
+        "texts",
+        otherwise(lambda found: {**found, "count": "4"}),
     ),
     "connections.services": (
         PortService,
@@ -428,9 +436,173 @@ MUTANTS: dict[str, tuple[type, str, Callable[..., Any]]] = {
         instead(taken, has(STRICTNESS, "strict")),
     ),
     "exit": (RtObject, "exit", instead(ok)),
+    "configuration.reads": (
+        Configuration,
+        "get_configuration_parameter_value",
+        otherwise(lambda _: anys.to_any("17")),
+    ),
+    "configuration.parameters": (
+        Configuration,
+        "set_configuration_parameter",
+        instead(pretend),
+    ),
+    "configuration.added": (
+        Configuration,
+        "add_configuration_set",
+        instead(pretend, lambda self, given: given.id not in self._sets.ids),
+    ),
+    "contexts.defaults": (
+        ExecutionContext,
+        "get_rate",
+        otherwise(lambda rate: rate / 2),
+    ),
+    "connections.all": (PortService, "disconnect_all", instead(ok)),
 }
 WITHOUT_MUTANT = {"ports.names", "configuration.names", "life-cycle.error", "left"}
 """Checks that have tests of their own."""
+
+
+def with_property(key: str, text: str) -> Callable[[Any], Any]:
+    """Return a change of an answer: another value of a property that its profile has."""
+
+    def change(found: Any) -> Any:
+        if isinstance(found, tuple):
+            return found[0], change(found[1])
+        stated = texts(found.properties)
+        if key not in stated:
+            return found
+        return replace(found, properties=values({**stated, key: text}))
+
+    return change
+
+
+def but(operation: str) -> Callable[..., Any]:
+    """Return a method of a context that refuses a request, and carries out another one."""
+
+    def answer(self: ContextService, _reference: Any) -> ReturnCode_t:
+        getattr(self.context, operation)(self._owner.component)
+        return PRECONDITION_NOT_MET
+
+    return answer
+
+
+def set_two(self: Configuration, given: Any) -> bool:
+    self._sets.set("label", f"beside {pairs(given)}", "default")
+    return self.add_configuration_set(given)
+
+
+FURTHER: list[tuple[str, str, tuple[type, str, Callable[..., Any]]]] = [
+    (
+        "ports.names",
+        "a port twice",
+        (
+            RtObject,
+            PROFILE,
+            otherwise(
+                lambda p: replace(p, port_profiles=[*p.port_profiles, *p.port_profiles])
+            ),
+        ),
+    ),
+    (
+        "ports.interfaces",
+        "an interface twice",
+        (
+            RtObject,
+            PROFILE,
+            otherwise(
+                changed_port(
+                    "valves", lambda p: replace(p, interfaces=2 * p.interfaces)
+                )
+            ),
+        ),
+    ),
+    (
+        "ports.unknown",
+        "a profile of an unknown connector",
+        (
+            PortService,
+            "get_connector_profile",
+            otherwise(lambda p: replace(p, connector_id=p.connector_id or "other")),
+        ),
+    ),
+    (
+        "contexts.profile",
+        "a participant twice",
+        (
+            ContextService,
+            "get_profile",
+            otherwise(lambda p: replace(p, participants=[p.owner, p.owner])),
+        ),
+    ),
+    (
+        "contexts.handles",
+        "a context twice",
+        (RtObject, "get_owned_contexts", otherwise(lambda found: 2 * found)),
+    ),
+    (
+        "contexts.handles",
+        "a context of an unknown handle",
+        (
+            RtObject,
+            "get_context",
+            instead(lambda self, _: self.get_owned_contexts()[0]),
+        ),
+    ),
+    (
+        "life-cycle.inactive",
+        "a refused deactivation that activates",
+        (
+            ContextService,
+            "deactivate_component",
+            instead(but("activate_component"), is_state("INACTIVE_STATE")),
+        ),
+    ),
+    (
+        "life-cycle.active",
+        "a refused reset that deactivates",
+        (
+            ContextService,
+            "reset_component",
+            instead(but("deactivate_component"), is_state("ACTIVE_STATE")),
+        ),
+    ),
+    (
+        "configuration.set",
+        "another parameter is set, too",
+        (
+            Configuration,
+            "set_configuration_set_values",
+            instead(set_two, is_value("mode", "FAST")),
+        ),
+    ),
+    *[
+        (
+            "connections",
+            f"{operation} with another {key}",
+            (
+                PortService,
+                operation,
+                otherwise(with_property(key, text)),
+            ),
+        )
+        for operation, key, text in (
+            ("connect", "dataport.interface_type", "data_service"),
+            ("connect", "dataport.dataflow_type", "pull"),
+            ("connect", "dataport.corba_cdr.inport_ior", "IOR:00"),
+            ("get_connector_profile", "dataport.interface_type", "data_service"),
+        )
+    ],
+    (
+        "connections",
+        "a port profile without connectors",
+        (
+            PortService,
+            "get_port_profile",
+            otherwise(lambda p: replace(p, connector_profiles=[])),
+        ),
+    ),
+]
+"""Further violations: the check that fails, what is wrong, and the mutant."""
 
 
 def test_each_check_has_a_mutant() -> None:
@@ -445,13 +617,39 @@ def test_a_check_fails_for_a_component_that_breaks_just_it(
     names: str,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    class_, operation, broken = MUTANTS[name]
+    assert failed_of(name, MUTANTS[name], expected, names, monkeypatch) == [name]
+    assert state_of(gauge) == "INACTIVE_STATE"
+
+
+@pytest.mark.parametrize(
+    ("name", "mutant"), [pytest.param(n, m, id=f"{n}: {w}") for n, w, m in FURTHER]
+)
+def test_further_violations(
+    name: str,
+    mutant: tuple[type, str, Callable[..., Any]],
+    gauge: Any,
+    expected: Expected,
+    names: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert failed_of(name, mutant, expected, names, monkeypatch) == [name]
+    assert state_of(gauge) == "INACTIVE_STATE"
+
+
+def failed_of(
+    name: str,
+    mutant: tuple[type, str, Callable[..., Any]],
+    expected: Expected,
+    names: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> list[str]:
+    """Return the failed checks of a mutant, tested with the permission of one check."""
+    class_, operation, broken = mutant
     needed = next(check.needs for check in CHECKS if check.name == name)
     with monkeypatch.context() as patch:
         patch.setattr(class_, operation, broken(getattr(class_, operation)))
         report = report_of(expected, names, [needed] if needed else [], SOON)
-    assert failed(report) == [name]
-    assert state_of(gauge) == "INACTIVE_STATE"
+    return failed(report)
 
 
 def of_another_type(profile: Any) -> Any:
@@ -713,7 +911,7 @@ def test_the_command(
     command = ["conformance", "gauge.idl", "--component", "Gauge", "--connect"]
     place, page = f"{names}/Gauge0.rtc", tmp_path / "report.html"
     assert rtgen([*command, place, "--html", str(page)]) == 0
-    assert "Gauge Gauge0: 17 passed, 0 failed, 19 skipped" in capfd.readouterr().out
+    assert "Gauge Gauge0: 18 passed, 0 failed, 23 skipped" in capfd.readouterr().out
     assert "configuration.names" in page.read_text()
     by_name = f"corbaname::{names}#Gauge0.rtc"
     every = ["--actuate", "--defaults", "--exit"]

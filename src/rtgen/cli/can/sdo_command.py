@@ -157,12 +157,11 @@ def sdo_(
         console.say(f"{len(got)} octets in {file}")
         return OK
     try:
-        value = decoded(thing, got)
+        field = Field(known.name(node_id), thing, decoded(thing, got))
     except ObjectValueError as error:
         raise _NoValueError(
             f"{called}: the answer is not valid: {error}; `--type octets` prints it"
         ) from error
-    field = Field(known.name(node_id), thing, value)
     if as_json:
         parsed = {"node": node_id, "node_name": field.node, **field.to_json()}
         write_out(f"{json.dumps(parsed)}\n")

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import combinations, islice
+from math import isclose
 from typing import Any, Final
 
 from omniORB import CORBA
+from omniORB import any as anys
 
 from rtgen.cli.conformance.check import Check, Permission, Problems, SkipError
 from rtgen.cli.conformance.rtc import connections
@@ -35,6 +38,13 @@ _RTC: Final = "OMG RTC 1.0, "
 _SDO: Final = "OMG SDO, "
 _UNKNOWN: Final = "rtgen-conformance-unknown"
 """A name that no set, parameter or connector has."""
+
+_MAX_HANDLES: Final = 999
+"""The highest handle of an own context in OpenRTM."""
+_RATE_TOLERANCE: Final = 1e-3
+"""OpenRTM computes rates from periods."""
+_TICKS: Final = 3
+"""Ticks of a context within which a request takes effect."""
 
 _Row = tuple[str, ReturnCode_t]
 """An operation of an execution context, with the expected return code."""
@@ -106,6 +116,9 @@ def port_names(rtc: RtcUnderTest) -> Problems:
     for name in found:
         if name not in wanted:
             yield f"the definition has no port {name}"
+    names = [known_name(port.name) for port in rtc.profile.port_profiles]
+    for name in found:
+        yield None if names.count(name) == 1 else f"port {name} is there twice"
 
 
 def directions(rtc: RtcUnderTest) -> Problems:
@@ -144,6 +157,8 @@ def interfaces(rtc: RtcUnderTest) -> Problems:
                 yield None if known else f"{what} has type {found[key]}, not {types[0]}"
         for instance, _ in found.keys() - expected.interfaces.keys():
             yield f"{name}: the definition has no such {instance}"
+        once = len(found) == len(port.interfaces)
+        yield None if once else f"{name}: an interface is there twice"
 
 
 def port_references(rtc: RtcUnderTest) -> Problems:
@@ -165,6 +180,8 @@ def unknown_connectors(rtc: RtcUnderTest) -> Problems:
         code = rtc.at_port(port, "disconnect", _UNKNOWN)
         wanted = f"{name}: disconnect of an unknown id returned {code.name}"
         yield None if code is BAD_PARAMETER else f"{wanted}, not BAD_PARAMETER"
+        unknown = rtc.at_port(port, "get_connector_profile", _UNKNOWN).connector_id
+        yield f"{name}: an unknown id leads to connector {unknown}" if unknown else None
 
 
 # Configuration
@@ -208,6 +225,26 @@ def active_set(rtc: RtcUnderTest) -> Problems:
     yield None if known else f"the active set {active!r} is none of the sets"
 
 
+def read_values(rtc: RtcUnderTest) -> Problems:
+    """Check that all operations that read values return the same ones."""
+    sets, active = rtc.sets(), rtc.active_set()
+    for set_id, values_ in sets.items():
+        read = texts(rtc.configure("get_configuration_set", set_id).configuration_data)
+        yield _unequal(f"get_configuration_set({set_id})", read, values_)
+    if active not in sets:
+        return
+    found = rtc.configure("get_active_configuration_set")
+    read = texts(found.configuration_data)
+    yield _unequal("get_active_configuration_set", read, sets[active])
+    if not rtc.is_of_rtgen:
+        return  # OpenRTM's operations for single parameters have no values.
+    read = texts(rtc.configure("get_configuration_parameter_values"))
+    yield _unequal("get_configuration_parameter_values", read, sets[active])
+    for name, text in sets[active].items():
+        one = rtc.configure("get_configuration_parameter_value", name).value()
+        yield _unequal(f"get_configuration_parameter_value({name})", one, text)
+
+
 def _refused(rtc: RtcUnderTest, what: str, operation: str, name: str) -> str | None:
     try:
         answer = rtc.configure(operation, name)
@@ -241,14 +278,55 @@ def set_values(rtc: RtcUnderTest) -> Problems:
         if other is None:
             continue
         for given in (other, text):
+            before = rtc.sets()
             if not rtc.set_value("default", name, given):
                 yield f"{name} = {given} was refused"
                 continue
-            now = rtc.sets()["default"].get(name, "")
+            after = rtc.sets()
+            now = after["default"].pop(name, "")
+            del before["default"][name]
             problem = parameter.problem(now)
             if problem is None and parameter.value(now) != parameter.value(given):
                 problem = f"it is {now}"
+            elif after != before:
+                problem = "other values have changed, too"
             yield None if problem is None else f"{name} = {given}: {problem}"
+
+
+def set_parameters(rtc: RtcUnderTest) -> Problems:
+    """Check that single parameters of the active set can be set, and set again."""
+    if not rtc.is_of_rtgen:
+        raise SkipError("OpenRTM sets parameters by their set only")
+    for name, parameter, _ in _parameters(rtc):
+        text = rtc.sets()[rtc.active_set()][name]
+        for given in (*islice(parameter.others(text), 1), text):
+            taken = rtc.configure(
+                "set_configuration_parameter", name, anys.to_any(given)
+            )
+            now = rtc.sets()[rtc.active_set()][name]
+            same = parameter.problem(now) is None
+            same = same and parameter.value(now) == parameter.value(given)
+            yield None if taken and same else f"{name} = {given}: it is {now}"
+
+
+def added_set(rtc: RtcUnderTest) -> Problems:
+    """Check that a set can be added, and removed again; other sets are as before."""
+    if not rtc.is_of_rtgen:
+        raise SkipError("OpenRTM might keep the set")
+    before = rtc.sets()
+    name, _, text = next(_parameters(rtc), ("", None, ""))
+    if not name:
+        return
+    try:
+        taken = rtc.set_value(_UNKNOWN, name, text, add=True)
+        found = rtc.sets()
+        there = found.pop(_UNKNOWN, {}).get(name) == text
+        yield None if taken and there else "an added set is not there"
+        yield None if found == before else "other sets have changed"
+    finally:
+        taken = rtc.configure("remove_configuration_set", _UNKNOWN)
+    yield None if taken else "it was not removed"
+    yield None if rtc.sets() == before else "after its removal the sets are others"
 
 
 def _requires_texts_checked(rtc: RtcUnderTest) -> None:
@@ -328,17 +406,38 @@ def context_profiles(rtc: RtcUnderTest) -> Problems:
         yield _unequal("its rate", found.rate, rtc.ask(context, "get_rate"))
         owned = found.owner is not None and found.owner._is_equivalent(rtc.reference)
         yield None if owned else "its owner is another component"
+        others = [each for each in found.participants if each is not None]
+        once = all(
+            not one._is_equivalent(other) for one, other in combinations(others, 2)
+        )
+        yield None if once else "it has a participant twice"
+
+
+def default_rate(rtc: RtcUnderTest) -> Problems:
+    """Check that the first context has the rate of the definition, if it is periodic."""
+    context = rtc.context
+    if rtc.ask(context, "get_kind") is not ExecutionKind.PERIODIC:
+        raise SkipError("its execution context is not of PERIODIC kind")
+    rate = rtc.ask(context, "get_rate")
+    same = isclose(rate, rtc.expected.rate, rel_tol=_RATE_TOLERANCE)
+    yield None if same else f"the rate is {rate} Hz, not {rtc.expected.rate} Hz"
 
 
 def context_handles(rtc: RtcUnderTest) -> Problems:
     """Check that a context has a handle, by which the component finds it."""
+    handles: set[int] = set()
     for context in (*rtc.contexts, *rtc.call("get_participating_contexts")):
         handle = rtc.call("get_context_handle", context)
+        yield f"it has context {handle} twice" if handle in handles else None
+        handles.add(handle)
         found = rtc.call("get_context", handle)
         same = found is not None and found._is_equivalent(context)
         yield None if same else f"get_context({handle}) returned another context"
         alive = rtc.call("is_alive", context)
         yield None if alive else f"it is not alive in context {handle}"
+    unknown = next(each for each in range(_MAX_HANDLES, 0, -1) if each not in handles)
+    found = rtc.call("get_context", unknown)
+    yield f"get_context({unknown}) returned a context" if found is not None else None
 
 
 def states(rtc: RtcUnderTest) -> Problems:
@@ -356,6 +455,8 @@ def _rows(rtc: RtcUnderTest, rows: tuple[_Row, ...]) -> Problems:
         same = code is wanted
         problem = f"{before.name}: {operation} returned {code.name}, not {wanted.name}"
         yield None if same else problem
+    # A request takes effect at the next tick.
+    rtc.remains(before, ticks=_TICKS)
     yield _unequal("the state after refused calls", rtc.state().name, before.name)
 
 
@@ -531,6 +632,12 @@ CHECKS: Final = (
     ),
     Check("configuration.active", "the active set is there", _SETS, active_set),
     Check(
+        "configuration.reads",
+        "operations that read values agree",
+        _SETS,
+        read_values,
+    ),
+    Check(
         "configuration.unknown",
         "unknown sets and parameters are refused",
         _SETS,
@@ -547,6 +654,13 @@ CHECKS: Final = (
         "contexts report kind, rate and owner",
         _CONTEXTS,
         context_profiles,
+    ),
+    Check(
+        "contexts.defaults",
+        "the rate is that of the definition",
+        _CONTEXTS,
+        default_rate,
+        Permission.DEFAULTS,
     ),
     Check("contexts.handles", "contexts have handles", _CONTEXTS, context_handles),
     Check("contexts.state", "it has a state in each context", _LIFE, states),
@@ -607,6 +721,20 @@ CHECKS: Final = (
         ACTUATE,
     ),
     Check(
+        "configuration.parameters",
+        "single parameters of the active set are set",
+        _SETS,
+        set_parameters,
+        ACTUATE,
+    ),
+    Check(
+        "configuration.added",
+        "a set is added and removed",
+        _SETS,
+        added_set,
+        ACTUATE,
+    ),
+    Check(
         "configuration.limits",
         "values beyond their limits are refused",
         _SETS,
@@ -632,6 +760,13 @@ CHECKS: Final = (
         "ports are connected and disconnected",
         _PORTS,
         connections.connected,
+        ACTUATE,
+    ),
+    Check(
+        "connections.all",
+        "all connections of a port are ended",
+        _PORTS,
+        connections.all_ended,
         ACTUATE,
     ),
     Check(

@@ -92,8 +92,18 @@ class RtcUnderTest(RemoteRtc):
         """Return whether the component reaches a state in time."""
         return self._until(lambda: self.state() is state)
 
-    def _until(self, condition: Callable[[], bool]) -> bool:
-        end = monotonic() + self._timeout
+    def remains(self, state: LifeCycleState, ticks: int) -> bool:
+        """Return whether the component keeps a state for some ticks, within the time-out."""
+        rate = self.ask(self.context, "get_rate")
+        seconds = ticks / rate if rate > 0 else self._timeout
+        return not self._until(
+            lambda: self.state() is not state, min(seconds, self._timeout)
+        )
+
+    def _until(
+        self, condition: Callable[[], bool], seconds: float | None = None
+    ) -> bool:
+        end = monotonic() + (self._timeout if seconds is None else seconds)
         while not condition():
             if monotonic() > end:
                 return False

@@ -132,19 +132,63 @@ def _connected(rtc: RtcUnderTest, port: Any, partner: _Partner) -> Problems:
     same = (made.name, made.connector_id, len(made.ports)) == (identity, identity, 2)
     yield None if same else "connect changed name, id or ports"
     if texts(port.properties).get("port.port_type") == "DataInPort":
-        offered = _IN_IOR in texts(made.properties)
-        yield None if offered else f"it has offered no {_IN_IOR}"
+        yield _offered(rtc, texts(made.properties))
+    yield _changed("connect", asked, made)
     listed = [each.connector_id for each in call("get_connector_profiles")]
     yield None if identity in listed else "its connector is not listed"
+    own = call("get_port_profile").connector_profiles
+    shown = identity in [each.connector_id for each in own]
+    yield None if shown else "its connector is not in its profile"
     found = call("get_connector_profile", identity)
     known = found.connector_id == identity and found.name == identity
     yield None if known else "get_connector_profile returned another profile"
+    yield _changed("get_connector_profile", asked, found)
     code = call("disconnect", identity)
     yield None if code is RTC_OK else f"disconnect returned {code.name}"
     listed = [each.connector_id for each in call("get_connector_profiles")]
     yield "its connector is still listed" if identity in listed else None
     notified = identity in partner.ended
     yield None if notified else "it did not notify the other port of the disconnection"
+
+
+def _offered(rtc: RtcUnderTest, made: Mapping[str, str]) -> str | None:
+    """Return the problem of the object that an InPort offers for its samples."""
+    if _IN_IOR not in made:
+        return f"it has offered no {_IN_IOR}"
+    found = rtc.exported.reference(made[_IN_IOR])
+    is_one = found is not None and found._is_a(IN_PORT_CDR.repository_id)
+    return None if is_one else f"its {_IN_IOR} is not that of an InPort"
+
+
+def _changed(
+    operation: str, asked: ConnectorProfile, found: ConnectorProfile
+) -> str | None:
+    """Return the problem of a profile that states another transfer of data."""
+    wanted, stated = texts(asked.properties), texts(found.properties)
+    for key in ("dataport.interface_type", "dataport.dataflow_type"):
+        if key in wanted and stated.get(key) != wanted[key]:
+            return f"{operation}: {key} is {stated.get(key)!r}, not {wanted[key]!r}"
+    return None
+
+
+def all_ended(rtc: RtcUnderTest) -> Problems:
+    """Check that `disconnect_all` ends a connection; skipped for ports with other connections."""
+    rtc.inactive()
+    with _partner(rtc) as partner:
+        for port in rtc.profile.port_profiles:
+            if rtc.at_port(port, "get_connector_profiles"):
+                continue
+            name = known_name(port.name)
+            asked = _profile(port, partner, {})
+            code, _ = rtc.at_port(port, "connect", asked)
+            if code is not RTC_OK:
+                continue  # `connections` reports it.
+            code = rtc.at_port(port, "disconnect_all")
+            yield None if code is RTC_OK else f"{name}: it returned {code.name}"
+            kept = _dropped(rtc, port, asked.connector_id)
+            yield f"{name}: the connector is still listed" if kept else None
+            notified = asked.connector_id in partner.ended
+            yield None if notified else f"{name}: the other port was not notified"
 
 
 def _refused(rtc: RtcUnderTest, properties: Mapping[str, str]) -> Problems:

@@ -150,6 +150,7 @@ class Expected:
             "activity_type": (component.activity, component.component_type),
             "max_instance": (str(component.max_instances),),
         }
+        self.rate = component.rate
         self.is_periodic = component.execution.startswith("Periodic")
         self.parameters = {
             each.name: ExpectedParameter(each, parameters)
