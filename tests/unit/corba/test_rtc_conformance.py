@@ -132,11 +132,11 @@ def expected(folder: Path) -> Expected:
     return definition(folder / "gauge.idl")
 
 
-def definition(file: Path) -> Expected:
+def definition(file: Path, component: str = "Gauge") -> Expected:
     """Return the expectations of a definition file."""
     model = compiled([file])
     [name] = (source.name for source in model.files if source.main)
-    return Expected(model, chosen(model, name, "Gauge"))
+    return Expected(model, chosen(model, name, component))
 
 
 def report_of(
@@ -711,6 +711,48 @@ def test_a_provided_interface_whose_object_is_of_another_type(
     assert failed(report) == ["connections.services"]
     [outcome] = [o for o in report.outcomes if o.check == "connections.services"]
     assert outcome.problems == (f"valves.Valve: {problem}",)
+
+
+def test_a_participant_in_the_context_of_another_component(
+    folder: Path, names: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Such a context has one reference and one owner; its profile lists the participant."""
+    module = importlib.import_module("gaugebot.components.idle")
+    with (
+        CorbaTransport(name_server=names) as transport,
+        System(RealClock(), transport) as system,
+        closing(Orb()) as orb,
+    ):
+        for instance in ("Idle0", "Idle1"):
+            system.add(module.IdleBase(instance), 100.0)
+        system.run(until_ns=1)
+        exported = Exported(orb)
+        expected = definition(folder / "gauge.idl", "Idle")
+
+        def idle(instance: str) -> RtcUnderTest:
+            place = f"{names}/{instance}.rtc"
+            found = located(place, exported, lambda to: Naming(orb.orb, to))
+            return RtcUnderTest(expected, found, exported, PATIENCE)
+
+        owner, other = idle("Idle0"), idle("Idle1")
+        context = owner.context
+        assert owner.ask(context, "add_component", other.reference) is RTC_OK
+        [found] = other.call("get_participating_contexts")
+        assert found._is_equivalent(context)
+        profile = other.ask(found, "get_profile")
+        assert profile.owner._is_equivalent(owner.reference)
+        [participant] = profile.participants
+        assert participant._is_equivalent(other.reference)
+        assert failed(checked(other, "Idle1", "gauge.idl", [])) == []
+        monkeypatch.setattr(
+            ContextService,
+            "get_profile",
+            otherwise(lambda p: replace(p, participants=[]))(
+                ContextService.get_profile
+            ),
+        )
+        report = checked(other, "Idle1", "gauge.idl", [])
+        assert failed(report) == ["contexts.profile"]
 
 
 def test_a_component_that_exits_is_gone(

@@ -411,6 +411,13 @@ def context_profiles(rtc: RtcUnderTest) -> Problems:
             not one._is_equivalent(other) for one, other in combinations(others, 2)
         )
         yield None if once else "it has a participant twice"
+    for context in rtc.call("get_participating_contexts"):
+        found = rtc.ask(context, "get_profile")
+        listed = any(
+            each is not None and each._is_equivalent(rtc.reference)
+            for each in found.participants
+        )
+        yield None if listed else "a context of another component does not list it"
 
 
 def default_rate(rtc: RtcUnderTest) -> Problems:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from omniORB import any as anys
@@ -44,7 +44,10 @@ _CALLBACKS = """
 
 
 class ContextService:
-    """`RTC::ExecutionContextService` of a context; its participants are of this process."""
+    """`RTC::ExecutionContextService` of a context; its participants are of this process.
+
+    There is one object of a context, of the component that owns it.
+    """
 
     def __init__(
         self, context: ExecutionContext, exported: Exported, owner: RtObject
@@ -126,7 +129,11 @@ class ContextService:
             self.context.get_kind(),
             self.context.get_rate(),
             self._owner.reference,
-            [],
+            self._owner.references_of(
+                participant.component
+                for participant in self.context.participants
+                if participant.component is not self.context.owner
+            ),
             [],
         )
 
@@ -143,11 +150,16 @@ class RtObject:
     """
 
     def __init__(
-        self, component: Component, ports: Sequence[PortService], exported: Exported
+        self,
+        component: Component,
+        ports: Sequence[PortService],
+        exported: Exported,
+        published: Mapping[str, RtObject],
     ) -> None:
         self.component = component
         self.ports = ports
         self._exported = exported
+        self._published = published
         self.reference = exported.serve(DATA_FLOW_COMPONENT, self)
         self._configuration = exported.serve(CONFIGURATION, Configuration(component))
         self._contexts: dict[int, ContextService] = {}
@@ -252,13 +264,23 @@ class RtObject:
     def _references(self, contexts: Sequence[Any]) -> list[Any]:
         found = []
         for context in contexts:
-            if not isinstance(context, ExecutionContext):
-                continue
-            if id(context) not in self._contexts:
-                made = ContextService(context, self._exported, self)
-                self._contexts[id(context)] = made
-            found.append(self._contexts[id(context)].reference)
+            if isinstance(context, ExecutionContext) and context.owner is not None:
+                owner = self._published.get(context.owner.instance_name)
+                if owner is not None:
+                    found.append(owner._service(context).reference)
         return found
+
+    def _service(self, context: ExecutionContext) -> ContextService:
+        """Return the object of an own context."""
+        if id(context) not in self._contexts:
+            made = ContextService(context, self._exported, self)
+            self._contexts[id(context)] = made
+        return self._contexts[id(context)]
+
+    def references_of(self, components: Iterable[Component]) -> list[Any]:
+        """Return the references of components of this process."""
+        found = [self._published.get(each.instance_name) for each in components]
+        return [each.reference for each in found if each is not None]
 
     # SDO
 

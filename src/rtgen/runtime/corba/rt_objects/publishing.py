@@ -50,7 +50,7 @@ class RtObjects:
             PortService(self, instance, name, end)
             for name, end in self._ends(component, references)
         ]
-        made = RtObject(component, ports, self.exported)
+        made = RtObject(component, ports, self.exported, self._published)
         self._published[instance] = made
         self._naming.bind_object((instance, KIND), made.reference)
 
