@@ -33,6 +33,7 @@ from rtgen.runtime.distribution.medium import (
     Qos,
     Topic,
 )
+from rtgen.runtime.distribution.peers import Presence
 from rtgen.runtime.zenoh import flow, session
 from rtgen.runtime.zenoh.medium import ZenohMedium
 from rtgen.runtime.zenoh.services import ZenohService
@@ -222,9 +223,14 @@ def test_a_router_that_is_started_again_is_found(
         a.connect("a.out", "b.in")
         for process in (a, b):
             process.ready()
+    reports: list[tuple[str, Presence]] = []
+    a.transport.peers.listeners.append(
+        lambda instance, presence: reports.append((instance, presence))
+    )
     wait_for(lambda: a.transport.peers.is_lost("b") and b.transport.peers.is_lost("a"))
     with media.router(locator):
         wait_for(lambda: a.transport.peers.is_elsewhere("b"))
+        wait_for(lambda: "a" in a.transport.peers.instances)
         node, other = a.node("a"), b.node("b")
         numbers = iter(range(1, 100_000))
         wait_for(
@@ -233,6 +239,8 @@ def test_a_router_that_is_started_again_is_found(
         )
         assert other.received == sorted(set(other.received))
         assert connector.arrivals.doubles == 0
+        wait_for(lambda: ("b", Presence.BACK) in reports)
+        assert {instance for instance, _ in reports} == {"b"}
         b.close()
         a.close()
 

@@ -134,7 +134,9 @@ class Peers:
                 del self._present[instance]
                 self._lost.add(instance)
             self._changed.notify_all()
-        if not after and before and process != self._process:
+        if process == self._process:
+            return  # Its own presence ends and returns with the engine's link to a router.
+        if not after and before:
             self._notify(instance, Presence.LOST)
         elif after and was_lost:
             self._notify(instance, Presence.BACK)
