@@ -38,7 +38,7 @@ from rtgen.runtime.corba.rt_objects.configuration import Configuration
 from rtgen.runtime.corba.rt_objects.foreign import located
 from rtgen.runtime.corba.rt_objects.objects import Exported
 from rtgen.runtime.corba.rt_objects.ports import PortService
-from rtgen.runtime.corba.rt_objects.wire import texts, values
+from rtgen.runtime.corba.rt_objects.wire import ConnectorProfile, texts, values
 from rtgen.runtime.corba.transport import CorbaTransport
 from rtgen.runtime.return_codes import (
     PRECONDITION_NOT_MET,
@@ -711,6 +711,24 @@ def test_a_provided_interface_whose_object_is_of_another_type(
     assert failed(report) == ["connections.services"]
     [outcome] = [o for o in report.outcomes if o.check == "connections.services"]
     assert outcome.problems == (f"valves.Valve: {problem}",)
+
+
+def test_other_connections_of_a_port_are_kept(
+    gauge: Any, expected: Expected, names: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    other = ConnectorProfile("other", "other", [], [])
+    found = PortService.get_connector_profiles
+    ended: list[PortService] = []
+    monkeypatch.setattr(
+        PortService, "get_connector_profiles", lambda self: [*found(self), other]
+    )
+    monkeypatch.setattr(PortService, "disconnect_all", ended.append)
+    report = report_of(expected, names, [Permission.ACTUATE])
+    [outcome] = [o for o in report.outcomes if o.check == "connections.all"]
+    assert outcome.verdict is Verdict.SKIPPED
+    assert outcome.problems == ("each port has other connections",)
+    assert failed(report) == []
+    assert ended == []
 
 
 def test_a_participant_in_the_context_of_another_component(
