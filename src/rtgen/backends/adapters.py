@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from msgspec.structs import replace
+
 from rtgen.backends import Artifact, Emission, Options
 from rtgen.backends.components.imports import Imports
 from rtgen.backends.components.locations import base_location, source_of
@@ -23,6 +25,7 @@ from rtgen.model import (
     ScopedName,
     SequenceType,
     Struct,
+    Type,
 )
 from rtgen.typemap.python.idl_names import PythonNames
 from rtgen.typemap.python.names import module_name
@@ -83,7 +86,7 @@ def _module(
         '        """Convert everything that has come."""',
         "        while self.input.is_new() and (sample := self.input.read()) is not None:",
         f"            made = {made}()",
-        *_copied(model, names, adapter),
+        *_copied(model, names, types, adapter),
         *_converted(adapter),
         *(
             f"            made.{_path(model, names, adapter.target, to)} ="
@@ -110,38 +113,62 @@ def _module(
     )
 
 
-def _copied(model: Model, names: PythonNames, adapter: Adapter) -> Iterator[str]:
-    scales = {to: (factor, offset) for to, factor, offset in adapter.scales}
+def _copied(
+    model: Model, names: PythonNames, types: Imports, adapter: Adapter
+) -> Iterator[str]:
+    scales = {to: scale for to, *scale in adapter.scales}
     for to, source in adapter.copies:
         value = f"sample.{_path(model, names, adapter.source, source)}"
         if to in scales:
-            value = _scaled(value, *scales[to], _is_list(model, adapter.source, source))
+            type_ = _type(model, adapter.target, to)
+            value = _scaled(value, scales[to], model, types, type_)
         yield f"            made.{_path(model, names, adapter.target, to)} = {value}"
 
 
-def _scaled(value: str, factor: float, offset: float, is_list: bool) -> str:
-    """Return the expression of a converted number, or of a list of converted numbers."""
-    each = "each" if is_list else value
-    made = each if factor == 1 else f"{number_literal(factor)} * {each}"
+def _scaled(
+    value: str,
+    scale: Sequence[float],
+    model: Model,
+    types: Imports,
+    type_: Type,
+    depth: int = 0,
+) -> str:
+    """Return the expression of a converted number, or of a type's converted numbers."""
+    if not isinstance(type_, SequenceType | ArrayType):
+        return _scaled_number(value, *scale)
+    if type_.numeric == "numpy":
+        array, item = f"{types.spell('numpy', 'numpy')}.asarray", types.mapping.item(
+            type_
+        )
+        return f"{array}({_scaled_number(f'{array}({value}, {item})', *scale)}, {item})"
+    element = model.unalias(type_.element)
+    if isinstance(type_, ArrayType) and len(type_.dimensions) > 1:
+        element = replace(type_, dimensions=type_.dimensions[1:])
+    each = f"each{depth or ''}"
+    return f"[{_scaled(each, scale, model, types, element, depth + 1)} for {each} in {value}]"
+
+
+def _scaled_number(value: str, factor: float, offset: float) -> str:
+    made = value if factor == 1 else f"{number_literal(factor)} * {value}"
     if offset:
         made += f" {'-' if offset < 0 else '+'} {number_literal(abs(offset))}"
-    return f"[{made} for each in {value}]" if is_list else made
+    return made
 
 
-def _is_list(model: Model, struct: ScopedName, path: tuple[str, ...]) -> bool:
-    """Return whether a member is a sequence or an array."""
+def _type(model: Model, struct: ScopedName, path: tuple[str, ...]) -> Type:
+    """Return the type of a member, without aliases."""
     declaration = model.find(struct)
     assert isinstance(declaration, Struct)
     own = {member.name: model.unalias(member.type) for member in declaration.members}
     name, *rest = path
     if name not in own:
         assert declaration.base is not None
-        return _is_list(model, declaration.base, path)
+        return _type(model, declaration.base, path)
     type_ = own[name]
     if rest:
         assert isinstance(type_, NamedType)
-        return _is_list(model, type_.name, tuple(rest))
-    return isinstance(type_, SequenceType | ArrayType)
+        return _type(model, type_.name, tuple(rest))
+    return type_
 
 
 def _converted(adapter: Adapter) -> Iterator[str]:

@@ -107,6 +107,8 @@ def _unwritable(error: OSError) -> int:
 def _internal(error: Exception) -> int:
     if os.environ.get("RTGEN_DEBUG") == "1":
         raise error
-    text = " ".join(f"{type(error).__name__}: {error}".split())
+    from rtgen.diagnostics.printable import printable
+
+    text = printable(" ".join(f"{type(error).__name__}: {error}".split()))
     click.echo(f"rtgen: internal error: {text}; please report it", err=True)
     return 3

@@ -141,7 +141,12 @@ class Console:
     def say(self, text: str) -> None:
         """Print a line for people, unless quiet or in a machine-readable form."""
         if text and not self.quiet and self.form == "text":
-            sys.stderr.write(f"{text}\n")
+            sys.stderr.write(printable(f"{text}\n", "\n\t"))
+
+
+def for_output(text: str) -> str:
+    """Return a text for standard output; on a terminal, control characters are shown as U+FFFD."""
+    return printable(text, "\n\t") if sys.stdout.isatty() else text
 
 
 def write_out(text: str | bytes) -> None:
@@ -153,9 +158,7 @@ def write_out(text: str | bytes) -> None:
     try:
         sys.stdout.flush()
         if isinstance(text, str):
-            if sys.stdout.isatty():
-                text = printable(text, "\n\t")
-            text = text.encode("utf-8", "backslashreplace")
+            text = for_output(text).encode("utf-8", "backslashreplace")
         sys.stdout.buffer.write(text)
         sys.stdout.buffer.flush()
     except BrokenPipeError:

@@ -21,6 +21,7 @@ from rtgen.cli.common import (
     Console,
     FiniteRange,
     Refusal,
+    for_output,
     with_console,
     write_out,
 )
@@ -296,7 +297,7 @@ def _print(file: Path, rate: float | None, until: float | None) -> int:
         for event in _until(Log(file).events(), until):
             if clock is not None:
                 clock.wait(event["t"])
-            click.echo(json.dumps(event, ensure_ascii=False))
+            click.echo(for_output(json.dumps(event, ensure_ascii=False)))
     return OK
 
 

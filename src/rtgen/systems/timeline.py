@@ -17,6 +17,7 @@ from rtgen.model import PortReference, System
 from rtgen.systems import measures
 from rtgen.systems.measures import Measure
 from rtgen.systems.rules import CONDITION, PARAMETER, TIMELINE, UNKNOWN_INSTANCE
+from rtgen.xml_text import NOT_IN_XML
 
 SECOND = 1_000_000_000
 
@@ -403,7 +404,8 @@ class _Reader:
 
     def _end(self, text: object, span: Span) -> PortReference:
         instance, dot, port = str(text).partition(".")
-        if not (isinstance(text, str) and dot and port):
+        is_name = isinstance(text, str) and dot and port and not NOT_IN_XML.search(port)
+        if not is_name:
             raise InputError([TIMELINE.at(span, f"{text!r} is not INSTANCE.PORT")])
         return PortReference(
             instance=require_instance(instance, self._system, span), port=port

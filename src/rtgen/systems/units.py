@@ -98,10 +98,12 @@ def _compared(
 
 
 def _adapter(source: Port, model: Model, scaled: list[tuple[str, str]]) -> str:
-    """Return a hint with an adapter that converts."""
+    """Return a hint with an adapter that converts, if there can be one."""
+    reals = [leaf for leaf in _reals(source, model) if not leaf.optional]
+    if not reals:
+        return "correct @unit, or convert in a component: an adapter converts no such member"
     type_ = model.unalias(source.type)
     name = "::".join(type_.name) if isinstance(type_, NamedType) else str(type_)
-    reals = _reals(source, model)
     units = ", ".join(
         f'"{path}" = ["{sent}", "{wanted}"]'
         for place, (sent, wanted) in enumerate(scaled)

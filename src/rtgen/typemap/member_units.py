@@ -23,11 +23,15 @@ _BRACKETS: Final = re.compile(r"\[([^,\]]+)\]")
 
 
 class Leaf(NamedTuple):
-    """A member that is not a struct; `unit` is None if its definition states none."""
+    """A member that is not a struct; `unit` is None if its definition states none.
+
+    `optional` says whether the member, or a struct around it, may be absent.
+    """
 
     path: tuple[str, ...]
     type: Type
     unit: str | None
+    optional: bool
 
 
 def annotated_unit(entry: Documented) -> str | None:
@@ -65,21 +69,24 @@ def operation_text(operation: Operation) -> str:
     return "\n\n".join(filter(None, parts)) if described else operation.doc
 
 
-def leaves(model: Model, struct: Struct, path: tuple[str, ...] = ()) -> Iterator[Leaf]:
+def leaves(
+    model: Model, struct: Struct, path: tuple[str, ...] = (), *, optional: bool = False
+) -> Iterator[Leaf]:
     """Yield the members of a struct and of the structs in it, inherited ones first."""
     if struct.base is not None and isinstance(base := model.find(struct.base), Struct):
-        yield from leaves(model, base, path)
+        yield from leaves(model, base, path, optional=optional)
     for member in struct.members:
         type_ = model.unalias(member.type)
         inner = model.find(type_.name) if isinstance(type_, NamedType) else None
+        absent = optional or member.optional
         if isinstance(inner, Struct):
-            yield from leaves(model, inner, (*path, member.name))
+            yield from leaves(model, inner, (*path, member.name), optional=absent)
         else:
-            yield Leaf((*path, member.name), type_, unit_of(member))
+            yield Leaf((*path, member.name), type_, unit_of(member), absent)
 
 
 def is_real(model: Model, type_: Type) -> bool:
-    """Return whether it is a real number, or a sequence or array of real numbers."""
+    """Return whether it is a real number, or sequences or arrays of real numbers."""
     if isinstance(type_, SequenceType | ArrayType):
-        type_ = model.unalias(type_.element)
+        return is_real(model, model.unalias(type_.element))
     return isinstance(type_, PrimitiveType) and type_.kind in FLOAT_LIMITS

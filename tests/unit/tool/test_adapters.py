@@ -7,6 +7,7 @@ from math import pi, tau
 from pathlib import Path
 
 import pytest
+from type_checkers import check_by_mypy
 
 from rtgen.cli import run
 from rtgen.project.output import component_types
@@ -219,6 +220,53 @@ def test_an_adapter_converts_units(
     assert sent.at.heading == 180.0
     profile = Path("generated/united/components/units/RTC.xml").read_text()
     assert 'rtc:unit="deg, rpm, deg C"' in profile
+
+
+@pytest.mark.parametrize("numeric", ["list", "array", "numpy"])
+def test_an_adapter_converts_numbers_of_several_dimensions(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, numeric: str
+) -> None:
+    package = f"grids_{numeric}"
+    monkeypatch.chdir(tmp_path)
+    Path("t.idl").write_text(
+        "module AdG { typedef double Three[3]; struct Grid { float cells[2][3];\n"
+        "sequence<Three> rows; sequence<double> line; double cube[2][1][2]; }; };\n"
+    )
+    Path("rtgen.toml").write_text(
+        f'[sources]\npaths = ["t.idl"]\n[output]\npackage = "{package}"\n'
+        f'[python]\nnumeric = "{numeric}"\n'
+        '[adapter.Mm]\nfrom = "AdG::Grid"\nto = "AdG::Grid"\n'
+        'units = { cells = ["m", "mm"], rows = ["deg C", "K"], line = ["rpm", "rad/s"], '
+        'cube = ["m", "mm"] }\n'
+    )
+    assert run(["generate", "-q", "--no-cache"]) == 0
+    check_by_mypy([tmp_path / "generated" / package], [tmp_path / "generated"])
+    monkeypatch.syspath_prepend(str(tmp_path / "generated"))
+    adapter = import_module(f"{package}.adapters.mm").Mm("Mm0")
+    sent = import_module(f"{package}.adg").Grid(
+        [[1, 2, 3], [4, 5, 6]], [[0, 10, 20]], [60, 30], [[[1, 2]], [[3, 4]]]
+    )
+    peer = Component("Peer0")
+    out = peer.add_out_port("out", adapter.in_ports["input"].type)
+    back = peer.add_in_port("in", adapter.out_ports["output"].type)
+    system = System(SimulatedClock())
+    system.add(peer, 100.0)
+    system.add(adapter)
+    system.connect(("Peer0", "out"), ("Mm0", "input"))
+    system.connect(("Mm0", "output"), ("Peer0", "in"))
+    out.write(sent)
+    system.activate("Mm0")
+    system.run(50_000_000)
+    taken = back.read()
+    assert [list(row) for row in taken.cells] == [
+        [1000, 2000, 3000],
+        [4000, 5000, 6000],
+    ]
+    assert [list(row) for row in taken.rows] == [
+        pytest.approx([273.15, 283.15, 293.15])
+    ]
+    assert list(taken.line) == pytest.approx([tau, pi])
+    assert [list(inner[0]) for inner in taken.cube] == [[1000, 2000], [3000, 4000]]
 
 
 @pytest.mark.parametrize(

@@ -6,25 +6,53 @@ import io
 import os
 import pty
 import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 
 import pytest
 
-from rtgen.cli.common import write_out
+from rtgen.cli.common import Console, for_output, write_out
+from rtgen.cli.running.failures import traceback_text
+from rtgen.cli.running.progress import progress
 from rtgen.diagnostics.printable import printable
 
 HOSTILE = "\x1b[2J\x07 a\u202eb \x9b31m\ud800\n\tnext\r"
 CLEAN = "\ufffd[2J\ufffd a\ufffdb \ufffd31m\ufffd\n\tnext\ufffd"
 
 
-def test_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+@contextmanager
+def terminal_as(stream: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
+    """Replace a stream of `sys` by a terminal; yield what reads from it."""
     control, terminal = pty.openpty()
-    with os.fdopen(terminal, "w", encoding="utf-8") as stream:
-        monkeypatch.setattr(sys, "stdout", stream)
+    with os.fdopen(terminal, "w", encoding="utf-8") as replaced:
+        monkeypatch.setattr(sys, stream, replaced)
+        yield control
+    os.close(control)
+
+
+def test_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    with terminal_as("stdout", monkeypatch) as control:
+        assert for_output(HOSTILE) == CLEAN
         write_out(HOSTILE)
         shown = os.read(control, 1000).decode()
-    os.close(control)
     # The terminal itself writes a line's end in two characters.
     assert shown.replace("\r\n", "\n") == CLEAN
+
+
+def test_the_bar_of_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", "150")
+    with terminal_as("stderr", monkeypatch) as control:
+        with ExitStack() as files:
+            progress(files, None, quiet=False).state(0, "A[/b]0", f"ERROR {HOSTILE}")
+        shown = os.read(control, 10_000).decode()
+    assert "A[/b]0 ERROR \ufffd[2J\ufffd a\ufffdb \ufffd31m" in shown
+
+
+def test_messages_and_tracebacks(capsys: pytest.CaptureFixture[str]) -> None:
+    Console("text", colour=False, quiet=False).say(HOSTILE)
+    assert capsys.readouterr().err == f"{CLEAN}\n"
+    assert CLEAN in traceback_text(ValueError(HOSTILE), "full")
 
 
 def test_into_a_file(monkeypatch: pytest.MonkeyPatch) -> None:

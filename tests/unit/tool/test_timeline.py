@@ -195,6 +195,12 @@ def test_forms(text: str, expected: list[object]) -> None:
             3,
             "INSTANCE.PORT",
         ),
+        (
+            '[[at]]\nt = 1\nconnect = {from = "A0.o\\u001b", to = "B0.in"}\n',
+            "SYS0007",
+            3,
+            "INSTANCE.PORT",
+        ),
         ("[[at]]\nt = 1\nconnect = {form = 3}\n", "SYS0007", 3, "table of"),
         ("x = " + "[" * 20000, "SYS0007", 1, "deeply"),
     ],

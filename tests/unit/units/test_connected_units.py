@@ -20,6 +20,11 @@ module Units {{
     }};
     struct Odd {{ double value; ///< [0..1]
     }};
+    typedef double Three[3];
+    struct Grid {{ float cells[2][3]; }};
+    struct Table {{ sequence<Three> rows; }};
+    struct Count {{ long number; }};
+    struct Maybe {{ @optional double value; }};
 }};
 @rtc(category="Units", vendor="me")
 component Source {{ @unit("{sent}") publishes {type} given; }};
@@ -126,6 +131,8 @@ def test_a_port_without_a_unit_has_those_of_its_type(
         (POSE, "mm, rad", "m, rad", ["data.position.x", "data.position.y"]),
         ("RTC::TimedVelocity2D", "m/s, deg/s", "m/s, rad/s", ["data.va"]),
         ("Units::Wheels", "m/s", "mm/s", ["left", "right"]),
+        ("Units::Grid", "m", "mm", ["cells"]),
+        ("Units::Table", "m", "mm", ["rows"]),
     ],
 )
 def test_the_adapter_of_the_hint_removes_the_finding(
@@ -155,3 +162,15 @@ def test_the_adapter_of_the_hint_removes_the_finding(
     assert run(["generate", "-q", "--no-cache"]) == 0
     made = (folder / "generated/robots/adapters/conv.py").read_text()
     assert len(re.findall(r"\d\.\d+|\d+e-?\d+", made)) >= len(members)
+
+
+@pytest.mark.parametrize("type_", ["Units::Count", "Units::Maybe"])
+def test_no_adapter_is_suggested_that_could_not_convert(
+    folder: Path, capfd: pytest.CaptureFixture[str], type_: str
+) -> None:
+    (folder / "a.idl").write_text(IDL.format(type=type_, sent="m", wanted="mm"))
+    assert run(["inspect", "s.xml", "a.idl"]) == 0
+    said = capfd.readouterr().err
+    assert "warning[RTC0595]" in said
+    assert "rtgen.toml" not in said
+    assert "convert in a component" in said

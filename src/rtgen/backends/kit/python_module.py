@@ -149,8 +149,14 @@ def _printed(module: PythonModule) -> PythonModule:
 
 
 def imports_of(names: Mapping[tuple[str, str], str]) -> list[Import]:
-    """Return the imports of a table from module and name to the local name."""
-    return [Import(module, name, local) for (module, name), local in names.items()]
+    """Return the imports of a table from module and name to the local name.
+
+    A module with its own name, such as numpy, is imported itself.
+    """
+    return [
+        Import(module, "" if name == module else name, local)
+        for (module, name), local in names.items()
+    ]
 
 
 def imports_from(module: str, names: Iterable[str]) -> list[Import]:

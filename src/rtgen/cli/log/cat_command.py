@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from rtgen.cli.common import OK, Console, with_console
+from rtgen.cli.common import OK, Console, for_output, with_console
 from rtgen.cli.log.common import choice, reported, with_choice
 from rtgen.recording.events import Log
 
@@ -25,5 +25,5 @@ def cat_(
     """
     with reported():
         for event in Log(file).events(choice(names, kinds)):
-            click.echo(json.dumps(event, ensure_ascii=False))
+            click.echo(for_output(json.dumps(event, ensure_ascii=False)))
     return OK

@@ -22,6 +22,7 @@ from rtgen.cli.common import Console
 from rtgen.cli.running import factories
 from rtgen.cli.running.factories import FactoryImportError
 from rtgen.diagnostics import Diagnostic, Related, Rule, Span
+from rtgen.diagnostics.printable import printable
 from rtgen.project import shown
 from rtgen.runtime import BlockedError, CallbackError, Failure, ObservableError
 from rtgen.runtime.failures import NOTE, described, ends_run
@@ -279,7 +280,7 @@ def traceback_text(error: BaseException, form: str) -> str:
                 frames = _own(frames)
             one.stack = StackSummary.from_list([_relative(f) for f in frames])
             todo += [one.__cause__, one.__context__, *(one.exceptions or ())]
-    return "".join(described.format())
+    return printable("".join(described.format()), "\n\t")
 
 
 def _frames(error: BaseException) -> list[FrameSummary]:

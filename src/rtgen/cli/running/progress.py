@@ -6,6 +6,7 @@ import sys
 from contextlib import ExitStack
 from typing import Protocol
 
+from rtgen.diagnostics.printable import printable
 from rtgen.systems.timeline import SECOND
 
 _LINE_EVERY = 10 * SECOND
@@ -45,7 +46,8 @@ class Lines:
 
     def state(self, time: int, instance: str, state: str) -> None:
         """Print the change of state."""
-        sys.stderr.write(f"{time / SECOND:.3f} s: {instance} {state}\n")
+        text = printable(f"{instance} {state}")
+        sys.stderr.write(f"{time / SECOND:.3f} s: {text}\n")
 
 
 class Bar:
@@ -59,7 +61,7 @@ class Bar:
             SpinnerColumn(),
             BarColumn(),
             TextColumn("{task.fields[time]:8.1f} s"),
-            TextColumn("{task.description}"),
+            TextColumn("{task.description}", markup=False),
         )
         bar = Progress(*columns, console=Console(stderr=True), transient=True)
         self._progress = files.enter_context(bar)
@@ -73,7 +75,7 @@ class Bar:
 
     def state(self, time: int, instance: str, state: str) -> None:
         """Show the change of state beside the bar."""
-        self._progress.update(self._task, description=f"{instance} {state}")
+        self._progress.update(self._task, description=printable(f"{instance} {state}"))
 
 
 def progress(files: ExitStack, limit: int | None, *, quiet: bool) -> Progress:

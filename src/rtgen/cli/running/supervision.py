@@ -22,6 +22,7 @@ from rtgen.cli.running import partition
 from rtgen.cli.running.transports import TAKES
 from rtgen.cli.signals import terminable
 from rtgen.diagnostics import ToolError
+from rtgen.diagnostics.printable import printable
 from rtgen.model import System
 from rtgen.runtime.errors import TransportError
 from rtgen.systems.rules import NOTICE
@@ -212,7 +213,7 @@ class Supervisor:
         assert worker.process.stdout is not None
         for line in worker.process.stdout:
             if not self._console.quiet:
-                sys.stderr.write(f"{worker.name} | {line}")
+                sys.stderr.write(printable(f"{worker.name} | {line}", "\n\t"))
 
     def _look(self) -> int | None:
         """Check all processes; return the exit code if the run has ended."""

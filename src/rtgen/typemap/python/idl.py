@@ -145,8 +145,7 @@ class PythonMapping:
                 inner = self.annotation(type_.element)
                 return f"{self._spell('collections.abc', 'MutableSequence')}[{inner}]"
             case SequenceType(numeric="numpy") | ArrayType(numeric="numpy"):
-                item = f"{self._spell('numpy', 'numpy')}.{self._item_type(type_)}"
-                return f"{self._spell('numpy.typing', 'NDArray')}[{item}]"
+                return f"{self._spell('numpy.typing', 'NDArray')}[{self.item(type_)}]"
             case SequenceType(element) | ArrayType(element):
                 depth = len(type_.dimensions) if isinstance(type_, ArrayType) else 1
                 text = self._text_type(type_)
@@ -298,18 +297,19 @@ class PythonMapping:
         if self._kind(type_) is None:
             element = self.annotation(self._model.unalias(type_.element))
         else:
-            element = f"{self._spell('numpy', 'numpy')}.{self._item_type(type_)}"
+            element = self.item(type_)
         sizes = ", ".join(map(str, shape))
         return f"{self._spell('rtgen.runtime', 'idl')}.zeros({element}, {sizes})"
 
-    def _item_type(self, type_: SequenceType | ArrayType) -> str:
+    def item(self, type_: SequenceType | ArrayType) -> str:
         """Return numpy's scalar type; for structs, that of structured arrays."""
         kind = self._kind(type_)
-        if kind is None:
-            return "void"
-        scalar = NUMBERS[kind]
-        name = "float" if kind in (Primitive.FLOAT, Primitive.DOUBLE) else "int"
-        return f"{'u' * scalar.code.isupper()}{name}{8 * scalar.size}"
+        name = "void"
+        if kind is not None:
+            scalar = NUMBERS[kind]
+            name = "float" if kind in (Primitive.FLOAT, Primitive.DOUBLE) else "int"
+            name = f"{'u' * scalar.code.isupper()}{name}{8 * scalar.size}"
+        return f"{self._spell('numpy', 'numpy')}.{name}"
 
     def _kind(self, type_: SequenceType | ArrayType) -> Primitive | None:
         element = self._model.unalias(type_.element)
