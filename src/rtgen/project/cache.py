@@ -17,7 +17,9 @@ from collections.abc import Callable, Iterator, Sequence
 from hashlib import sha256
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias, TypedDict
+
+import msgspec
 
 from rtgen import stages
 from rtgen.backends import Artifact, ComponentTypes, Owner
@@ -37,6 +39,23 @@ _MAX_BYTES = 64 * 1024 * 1024
 _ENTRY = re.compile(r"[0-9a-f]{64}\.(json|\d+\.tmp)")
 _PACKAGE = Path(__file__).parents[1]
 _NOT_COMPILER = frozenset({"__pycache__", "cli", "runtime"})
+
+
+_Place: TypeAlias = tuple[str, int, int, int, int]
+_Finding: TypeAlias = tuple[
+    str, Severity, str, _Place | None, list[tuple[_Place, str]], str | None
+]
+
+
+class _Entry(TypedDict):
+    """The content of an entry; one of another form is ignored."""
+
+    artifacts: list[tuple[str, str, tuple[str, ...], Owner]]
+    inputs: dict[str, str]
+    diagnostics: list[_Finding]
+    dependencies: dict[str, str | None]
+    sources: dict[str, str]
+    components: tuple[dict[str, str], dict[str, str]]
 
 
 class Cache:
@@ -114,27 +133,25 @@ class Cache:
         """Return the entry of a key, if it exists and its dependencies are unchanged."""
         file = self._file(key)
         try:
-            if not (_is_own(self._folder) and _is_own(file)):
+            if not (_is_own(self._folder) and _is_own(file) and file.is_file()):
                 return None
             with file.open("rb") as stream:
                 if not _is_owned(os.fstat(stream.fileno())):  # exchanged meanwhile
                     return None
-                digest, _, payload = stream.read().partition(b"\n")
+                content = stream.read(_MAX_BYTES + 1)
+            digest, _, payload = content.partition(b"\n")
             if digest != sha256(payload).hexdigest().encode():
                 return None
-            entry = json.loads(payload)
+            entry = msgspec.json.decode(payload, type=_Entry)
         except (OSError, ValueError):
             return None
-        dependencies: dict[str, str | None] = entry["dependencies"]
+        dependencies = entry["dependencies"]
         if any(_hash_of(Path(path)) != digest for path, digest in dependencies.items()):
             return None
         with contextlib.suppress(OSError):
             os.utime(file)  # for `_trim`
         return Compilation(
-            artifacts=tuple(
-                Artifact(path, text, tuple(origin), Owner(owner))
-                for path, text, origin, owner in entry["artifacts"]
-            ),
+            artifacts=tuple(Artifact(*artifact) for artifact in entry["artifacts"]),
             inputs=entry["inputs"],
             diagnostics=tuple(map(_diagnostic, entry["diagnostics"])),
             dependencies=dependencies,
@@ -285,17 +302,15 @@ def _diagnostic_entry(d: Diagnostic) -> list[object]:
     return [d.code, d.severity, d.message, _span_entry(d.span), related, d.hint]
 
 
-def _diagnostic(entry: list[object]) -> Diagnostic:
+def _diagnostic(entry: _Finding) -> Diagnostic:
     code, severity, message, span, related, hint = entry
-    assert isinstance(span, list | None)
-    assert isinstance(related, list)
     return Diagnostic(
-        str(code),
-        Severity(str(severity)),
-        str(message),
+        code,
+        severity,
+        message,
         None if span is None else Span(*span),
         tuple(Related(Span(*place), label) for place, label in related),
-        None if hint is None else str(hint),
+        hint,
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from hashlib import sha256
 from importlib import metadata
 from pathlib import Path
 
@@ -89,7 +90,21 @@ def test_runs_with_errors_are_not_kept(pipeline: Pipeline, tmp_path: Path) -> No
     assert entries(tmp_path) == []
 
 
-@pytest.mark.parametrize("damage", ["empty", "cut", "changed", "binary", "folder"])
+@pytest.mark.parametrize(
+    "damage",
+    [
+        "empty",
+        "cut",
+        "changed",
+        "binary",
+        "folder",
+        "pipe",
+        "large",
+        "[]",
+        "{}",
+        '{"artifacts": [[1]]}',
+    ],
+)
 def test_a_damaged_entry_is_ignored(
     pipeline: Pipeline, tmp_path: Path, damage: str
 ) -> None:
@@ -108,6 +123,14 @@ def test_a_damaged_entry_is_ignored(
             entry.write_bytes(bytes(range(256)))
         case "folder":
             entry.mkdir()
+        case "pipe":
+            os.mkfifo(entry)
+        case "large":
+            with entry.open("wb") as stream:
+                stream.truncate(2**32)
+        case other:
+            content = other.encode()
+            entry.write_bytes(sha256(content).hexdigest().encode() + b"\n" + content)
     second = build(project(), cache.default())
     assert pipeline.reads == 2
     assert second.artifacts == first.artifacts
