@@ -100,6 +100,16 @@ def test_our_own_nodes_conform(name: str) -> None:
     assert skipped <= {"sdo.write-only", "guarding", "guarding.life", "pdo.synchronous"}
 
 
+def test_configured_values_that_the_node_does_not_have(tmp_path: Path) -> None:
+    text = (SPECS / "motor_core_unit.eds").read_text()
+    head, begin, rest = text.partition("[1A00sub0]\n")
+    assert begin
+    path = tmp_path / "configured.dcf"
+    path.write_text(f"{head}{begin}ParameterValue=1\n{rest}")
+    report = report_of(path)
+    assert report.passed, as_text(report)
+
+
 def limited(folder: Path) -> Path:
     """Return f_palette with additions: limits, objects of other access, guarding, remote frames."""
     text = (SPECS / "f_palette.eds").read_text()

@@ -14,7 +14,7 @@ from rtgen.cli.can.decoding.node_index import DescribedObject
 from rtgen.cli.conformance.canopen.node import NodeUnderTest, refusal
 from rtgen.cli.conformance.check import Problems
 from rtgen.facts.canopen import INVALID, MAX_SYNC_CYCLIC
-from rtgen.model.canopen import Pdo, PdoDirection
+from rtgen.model.canopen import Pdo, PdoDirection, PdoEntry
 from rtgen.runtime.canopen.description import ObjectNumber
 from rtgen.runtime.canopen.values import size
 from rtgen.runtime.canopen.wire import sdo
@@ -35,6 +35,8 @@ from rtgen.runtime.canopen.wire.pdo_transmission import (
 from rtgen.runtime.canopen.wire.sdo import SdoAbort
 
 _COB_ID, _TYPE, _INHIBIT, _EVENT_TIMER = 1, 2, 3, 5
+_MAX_ENTRIES: Final = 64
+"""Entries of a mapping; higher counts are those of multiplexed PDOs."""
 _RESERVED: Final = (MAX_SYNC_CYCLIC + 1, RTR_SYNC - 1)
 _CYCLES: Final = (1, 3, MAX_SYNC_CYCLIC)
 """Tested transmission types of PDOs that follow SYNC."""
@@ -375,10 +377,20 @@ def synchronous_reception(node: NodeUnderTest) -> Problems:
                 held = values
 
 
+def present_entries(node: NodeUnderTest, pdo: Pdo) -> tuple[PdoEntry, ...]:
+    """Return the mapping that the node has; a DCF may describe one that is not yet written."""
+    count = node.values.get((pdo.mapping, 0))
+    if not count or count[0] > _MAX_ENTRIES:
+        return pdo.entries
+    read = (node.values.get((pdo.mapping, k), b"") for k in range(1, count[0] + 1))
+    codes = [int.from_bytes(octets, "little") for octets in read]
+    return tuple(PdoEntry(c >> 16, c >> 8 & 0xFF, c & 0xFF) for c in codes)
+
+
 def whole_objects(node: NodeUnderTest, pdo: Pdo) -> list[DescribedObject]:
     """Return the objects that a PDO maps, if it maps known ones with all their octets."""
     found = []
-    for entry in pdo.entries:
+    for entry in present_entries(node, pdo):
         thing = node.described.objects.get((entry.index, entry.subindex))
         octets = b"" if thing is None else node.values.get(thing.number, b"")
         if thing is None or 8 * len(octets) != entry.bits:

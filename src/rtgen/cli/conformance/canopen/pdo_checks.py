@@ -7,7 +7,7 @@ from typing import Final
 
 from rtgen.cli.can.decoding.node_index import DescribedObject
 from rtgen.cli.conformance.canopen.node import NodeUnderTest
-from rtgen.cli.conformance.canopen.pdo_changes import whole_objects
+from rtgen.cli.conformance.canopen.pdo_changes import present_entries, whole_objects
 from rtgen.cli.conformance.check import Problems
 from rtgen.model.canopen import Pdo, PdoDirection, resolved
 from rtgen.runtime.canopen.wire.emergency import PDO_TOO_SHORT
@@ -64,12 +64,13 @@ def synchronous(node: NodeUnderTest) -> Problems:
     try:
         for pdo, kind, can_id in found:
             counted = 0
+            bits = sum(entry.bits for entry in present_entries(node, pdo))
             for _ in range(2 * kind):
                 node.line.send(Frame(SYNC))
                 frame = node.await_frame(can_id, 20 * MILLISECOND)
                 counted += frame is not None
-                if frame is not None and 8 * len(frame.data) != (pdo.bits + 7) // 8 * 8:
-                    yield f"tpdo{pdo.number}: {len(frame.data)} octets for {pdo.bits} bits"
+                if frame is not None and 8 * len(frame.data) != (bits + 7) // 8 * 8:
+                    yield f"tpdo{pdo.number}: {len(frame.data)} octets for {bits} bits"
             yield (
                 None
                 if counted == 2
