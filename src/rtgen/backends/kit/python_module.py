@@ -151,10 +151,10 @@ def _printed(module: PythonModule) -> PythonModule:
 def imports_of(names: Mapping[tuple[str, str], str]) -> list[Import]:
     """Return the imports of a table from module and name to the local name.
 
-    A module with its own name, such as numpy, is imported itself.
+    Numpy is the only module that is imported itself.
     """
     return [
-        Import(module, "" if name == module else name, local)
+        Import(module, "" if name == module == _THIRD_PARTY else name, local)
         for (module, name), local in names.items()
     ]
 
