@@ -348,7 +348,8 @@ def test_calls_that_end_after_many(tmp_path: Path) -> None:
             proxy.close()
     assert failed(report) == ["call.repeated"]
     [outcome] = [o for o in report.outcomes if o.check == "call.repeated"]
-    assert outcome.tried == 50
+    # The last call of the check before counts, unless it arrives with a oneway call.
+    assert outcome.tried in {49, 50}
 
 
 @pytest.mark.parametrize(
