@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import signal
 from collections.abc import Callable, Iterable
 from dataclasses import replace
@@ -107,6 +108,31 @@ def test_configured_values_that_the_node_does_not_have(tmp_path: Path) -> None:
     path = tmp_path / "configured.dcf"
     path.write_text(f"{head}{begin}ParameterValue=1\n{rest}")
     report = report_of(path)
+    assert report.passed, as_text(report)
+
+
+def with_default(folder: Path, name: str, section: str, value: str) -> Path:
+    """Return one of our EDS files with another default of an object."""
+    head, begin, rest = (SPECS / name).read_text().partition(f"[{section}]\n")
+    old, end, rest = rest.partition("\n[")
+    new = re.sub("(?m)^DefaultValue=.*$", f"DefaultValue={value}", old)
+    assert new != old
+    path = folder / name
+    path.write_text(head + begin + new + end + rest)
+    return path
+
+
+def test_a_node_without_emergencies(tmp_path: Path) -> None:
+    eds = with_default(tmp_path, "f_palette.eds", "1014", "0x80000081")
+    report = report_of(eds)
+    assert report.passed, as_text(report)
+    skipped = {o.check for o in report.outcomes if o.verdict is Verdict.SKIPPED}
+    assert {"emcy.entry", "emcy.reset", "heartbeat.consumer"} <= skipped
+
+
+def test_tpdos_without_mapped_objects(tmp_path: Path) -> None:
+    eds = with_default(tmp_path, "motor_core_unit.eds", "1A00sub0", "0")
+    report = report_of(eds)
     assert report.passed, as_text(report)
 
 

@@ -14,7 +14,6 @@ from rtgen.runtime.canopen.wire.emergency import (
     PDO_TOO_SHORT,
 )
 from rtgen.runtime.canopen.wire.frames import (
-    EMERGENCY,
     ERROR_CONTROL,
     MAX_DATA,
     MAX_NODE_ID,
@@ -55,9 +54,15 @@ def parameters_reverted(node: NodeUnderTest) -> Problems:
         node.download(HEARTBEAT, before)
 
 
+def _emergencies(node: NodeUnderTest) -> int:
+    if node.emergencies is None:
+        raise SkipError("the node has no valid 1014h, so it sends no emergencies")
+    return node.emergencies
+
+
 def _emergency(node: NodeUnderTest, within: int) -> int | None:
-    """Return the code of the next emergency of the node, or None."""
-    frame = node.await_frame(EMERGENCY + node.id, within)
+    """Return the code of the next emergency of the node, or None. Raises SkipError."""
+    frame = node.await_frame(_emergencies(node), within)
     return None if frame is None else int.from_bytes(frame.data[:2], "little")
 
 
@@ -110,7 +115,7 @@ def life_guarding(node: NodeUnderTest) -> Problems:
 
 def _reported(node: NodeUnderTest) -> bytes:
     """Return the emergency for a short RPDO. Raises SkipError."""
-    frame = node.await_frame(EMERGENCY + node.id, node.bounds.answer)
+    frame = node.await_frame(_emergencies(node), node.bounds.answer)
     code = None if frame is None else int.from_bytes(frame.data[:2], "little")
     if frame is None or code != PDO_TOO_SHORT or len(frame.data) != MAX_DATA:
         raise SkipError("a short RPDO is not reported, see pdo.length")

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar, Protocol
 
 from rtgen.cli.can.decoding.node_index import DescribedNode
+from rtgen.facts.canopen import INVALID
 from rtgen.runtime.canopen.description import ObjectNumber
 from rtgen.runtime.canopen.wire import sdo
 from rtgen.runtime.canopen.wire.frames import (
@@ -14,12 +15,14 @@ from rtgen.runtime.canopen.wire.frames import (
     MILLISECOND,
     SDO_REQUEST,
     SDO_RESPONSE,
+    CobId,
     Frame,
 )
 from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState, command_frame
 from rtgen.runtime.canopen.wire.sdo import ABORT_TEXTS, SdoAbort, Target
 from rtgen.runtime.canopen.wire.sdo_client import SdoClient
 
+_EMERGENCY = (0x1014, 0)
 _TOGGLE = 0x80
 
 
@@ -75,6 +78,13 @@ class NodeUnderTest:
     def id(self) -> int:
         """The node-id."""
         return self.described.id
+
+    @property
+    def emergencies(self) -> int | None:
+        """The CAN identifier of its emergencies; None if it has no valid 1014h."""
+        octets = self.values.get(_EMERGENCY)
+        cob_id = CobId(INVALID if octets is None else int.from_bytes(octets, "little"))
+        return None if cob_id.bit31 else cob_id.can_id
 
     def upload(self, number: ObjectNumber, *, block: bool = False) -> bytes:
         """Return the octets of an object. Raises SdoAbort."""

@@ -71,6 +71,12 @@ class ChangedPdo:
         """The name of the PDO in messages."""
         return f"{self.pdo.direction.value}{self.pdo.number}"
 
+    @property
+    def is_sent(self) -> bool:
+        """Whether it is a TPDO that maps objects: without any, none is sent."""
+        is_tpdo = self.pdo.direction is PdoDirection.TPDO
+        return is_tpdo and bool(present_entries(self.node, self.pdo))
+
     def can_set(self, subindex: int) -> bool:
         """Return whether a communication parameter is described as writable."""
         return _is_writable(self.node, (self.pdo.communication, subindex))
@@ -265,7 +271,7 @@ def transmission(node: NodeUnderTest) -> Problems:
             accepted = node.write_code((each.pdo.communication, _TYPE), own) is None
             problem = f"{each.name}: its own type {own[0]} is refused"
             yield None if accepted else problem
-        if each.pdo.direction is not PdoDirection.TPDO:
+        if not each.is_sent:
             continue
         cyclic = False
         for kind in _CYCLES:
@@ -325,7 +331,7 @@ def _remote(each: ChangedPdo, kind: int) -> str | None:
 def times(node: NodeUnderTest) -> Problems:
     """Check that the event timer of a TPDO is its period, and the inhibit time the minimum."""
     for each in _changed(node, _COB_ID, _TYPE, _EVENT_TIMER):
-        if each.pdo.direction is not PdoDirection.TPDO:
+        if not each.is_sent:
             continue
         if not each.take_type(EVENT_PROFILE):
             continue

@@ -12,7 +12,6 @@ from rtgen.cli.conformance.check import Problems
 from rtgen.model.canopen import Pdo, PdoDirection, resolved
 from rtgen.runtime.canopen.wire.emergency import PDO_TOO_SHORT
 from rtgen.runtime.canopen.wire.frames import (
-    EMERGENCY,
     MAX_DATA,
     MILLISECOND,
     SYNC,
@@ -57,6 +56,7 @@ def synchronous(node: NodeUnderTest) -> Problems:
         if (
             pdo.direction == "tpdo"
             and 1 <= kind <= _MAX_SYNCHRONOUS
+            and present_entries(node, pdo)
             and not cob_id.bit31
         ):
             found.append((pdo, kind, cob_id.can_id))
@@ -129,11 +129,12 @@ def wrong_lengths(node: NodeUnderTest) -> Problems:
             if not sent:
                 continue
             node.line.send(Frame(can_id, bytes((sent[0] ^ 1,)) + sent[1:]))
-            frame = node.await_frame(EMERGENCY + node.id, node.bounds.answer)
-            code = None if frame is None else int.from_bytes(frame.data[:2], "little")
-            shown = "none" if code is None else f"{code:04X}h"
-            problem = f"rpdo{pdo.number}: the emergency is {shown}"
-            yield None if code == PDO_TOO_SHORT else problem
+            if node.emergencies is not None:
+                frame = node.await_frame(node.emergencies, node.bounds.answer)
+                code = int.from_bytes(frame.data[:2], "little") if frame else None
+                shown = "none" if code is None else f"{code:04X}h"
+                problem = f"rpdo{pdo.number}: the emergency is {shown}"
+                yield None if code == PDO_TOO_SHORT else problem
             kept = [node.upload(thing.number) for thing in mapped] == before
             yield None if kept else f"rpdo{pdo.number}: its objects have changed"
         for pdo, can_id, mapped in acting:
