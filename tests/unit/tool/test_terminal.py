@@ -5,7 +5,9 @@ from __future__ import annotations
 import io
 import os
 import pty
+import select
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 
@@ -16,6 +18,8 @@ from rtgen.cli.running.failures import traceback_text
 from rtgen.cli.running.progress import progress
 from rtgen.diagnostics.printable import printable
 
+PATIENCE = 10.0
+"""Time within which a terminal shows what was written to it [s]."""
 HOSTILE = "\x1b[2J\x07 a\u202eb \x9b31m\ud800\n\tnext\r"
 CLEAN = "\ufffd[2J\ufffd a\ufffdb \ufffd31m\ufffd\n\tnext\ufffd"
 
@@ -30,11 +34,21 @@ def terminal_as(stream: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
     os.close(control)
 
 
+def shown_on(control: int, end: str) -> str:
+    """Return what a terminal shows up to a text, which may come in several pieces."""
+    octets = b""
+    deadline = time.monotonic() + PATIENCE
+    while end.encode() not in octets and time.monotonic() < deadline:
+        if select.select([control], [], [], 0.1)[0]:
+            octets += os.read(control, 10_000)
+    return octets.decode()
+
+
 def test_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     with terminal_as("stdout", monkeypatch) as control:
         assert for_output(HOSTILE) == CLEAN
         write_out(HOSTILE)
-        shown = os.read(control, 1000).decode()
+        shown = shown_on(control, "next\ufffd")
     # The terminal itself writes a line's end in two characters.
     assert shown.replace("\r\n", "\n") == CLEAN
 
@@ -45,8 +59,9 @@ def test_the_bar_of_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
     with terminal_as("stderr", monkeypatch) as control:
         with ExitStack() as files:
             progress(files, None, quiet=False).state(0, "A[/b]0", f"ERROR {HOSTILE}")
-        shown = os.read(control, 10_000).decode()
-    assert "A[/b]0 ERROR \ufffd[2J\ufffd a\ufffdb \ufffd31m" in shown
+        text = "A[/b]0 ERROR \ufffd[2J\ufffd a\ufffdb \ufffd31m"
+        shown = shown_on(control, text)
+    assert text in shown
 
 
 def test_messages_and_tracebacks(capsys: pytest.CaptureFixture[str]) -> None:

@@ -84,6 +84,7 @@ class _Line:
                 E_OBJ, "serial lines need pyserial: pip install 'rtgen[serial]'"
             ) from error
         self._silence = silence(baudrate)
+        self._closing = threading.Lock()
         try:
             self._port: Serial = Serial(device, baudrate, exclusive=True)
         except (OSError, ValueError) as error:
@@ -118,12 +119,14 @@ class _Line:
             self._port.reset_input_buffer()
 
     def interrupt(self) -> None:
-        """Make another thread's `read` return."""
-        self._port.cancel_read()
+        """Make another thread's `read` return, unless the line is closed."""
+        with self._closing:
+            self._port.cancel_read()
 
     def close(self) -> None:
         """Close the line."""
-        self._port.close()
+        with self._closing:
+            self._port.close()
 
 
 class SerialChannel:
