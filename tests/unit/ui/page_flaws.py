@@ -22,7 +22,7 @@ def flaws(page: Any, part: str = "body") -> list[str]:
     return found
 
 
-_LOOKS = 30
+_LOOKS = 100
 _BETWEEN = 100
 """Milliseconds between two looks."""
 

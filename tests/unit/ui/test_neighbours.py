@@ -401,6 +401,7 @@ def test_they_are_saved_with_the_system_and_restored(
     page.until(
         lambda: len(page.components) == 6
         and not any(each.silent for each in page.components.values())
+        and len(page.connections) == 10
     )
     page.done("place", ui.Moved(follower, ui.Location(30.0, 40.0)))
     page.done("file", "others.xml")

@@ -220,6 +220,8 @@ def change_leader_by_mouse(page: Any, session: Session, follower: str) -> None:
     page.keyboard.press("Enter")
     page.keyboard.press("Delete")
     until(page, lambda: not following(session, follower))
+    edge.wait_for(state="detached")
+    page.locator(".wiring[aria-busy=false]").wait_for()
     target = page.get_by_label(f"in port {follower}.target_position")
     page.get_by_label(f"out port {LEADERS[follower]}.self_position").drag_to(target)
 
@@ -228,8 +230,10 @@ def change_leader_by_keyboard(page: Any, session: Session, follower: str) -> Non
     """Do the same in the view of connections."""
     here = f"{follower}.target_position"
     open_connections(page, follower, "target_position (in)")
-    press_key(page, page.get_by_role("button", name=f"Cut {here} from "))
+    cut = page.get_by_role("button", name=f"Cut {here} from ")
+    press_key(page, cut)
     until(page, lambda: not following(session, follower))
+    cut.wait_for(state="detached")
     there = f"{LEADERS[follower]}.self_position"
     press_key(page, page.get_by_role("button", name=f"Connect {here} with {there}"))
 
@@ -274,6 +278,11 @@ def connect_by_mouse(page: Any) -> None:
     for robot in ROBOTS:
         target = page.get_by_label(f"in port {robot}.moving_command")
         page.get_by_label("out port JoystickA0.moving_command").drag_to(target)
+        edge = page.locator(
+            f'.react-flow__edge[aria-label*="to {robot}.moving_command"]'
+        )
+        edge.wait_for(state="attached")
+        page.locator(".wiring[aria-busy=false]").wait_for()
     take(page, "JoystickA0").focus()
 
 
@@ -282,7 +291,9 @@ def connect_by_keyboard(page: Any) -> None:
     open_connections(page, "JoystickA0", "moving_command (out)")
     for robot in ROBOTS:
         end = f"JoystickA0.moving_command with {robot}.moving_command"
-        press_key(page, page.get_by_role("button", name=f"Connect {end}"))
+        button = page.get_by_role("button", name=f"Connect {end}")
+        press_key(page, button)
+        button.wait_for(state="detached")
     reach(page, page.get_by_role("tab", name="Connections"), "Shift+Tab")
     page.keyboard.press("ArrowRight")
     page.keyboard.press("ArrowRight")
