@@ -49,9 +49,7 @@ def test_factors_and_units_of_the_bus_file_are_in_the_mirror(tmp_path: Path) -> 
     made = mirrored(measured(DevicePorts(device, kind)), path.name)
     path.write_text(eds_text(made), encoding="utf-8")
     position, velocity = (read(path).find(index) for index in (0x6064, 0x606C))
-    assert position is not None
     assert (position.factor, position.unit) == (0.25, "rad")
-    assert velocity is not None
     assert (velocity.factor, velocity.unit) == (None, "")
 
 

@@ -214,13 +214,12 @@ def test_a_process_waits_for_data_ports_of_others(
 
 def test_a_naming_service_ends_with_its_process_though_that_is_killed() -> None:
     program = (
-        "import time; from rtgen.runtime.corba.name_server import NameServer\n"
-        "print(NameServer().address, flush=True); time.sleep(600)"
+        "import sys; from rtgen.runtime.corba.name_server import NameServer\n"
+        "print(NameServer().address, flush=True); sys.stdin.read()"
     )
-    with subprocess.Popen(
-        [sys.executable, "-c", program], stdout=subprocess.PIPE, text=True
-    ) as process:
-        assert process.stdout is not None
+    command = [sys.executable, "-c", program]
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen(command, text=True, **pipes) as process:
         host, _, port = process.stdout.readline().strip().partition(":")
         socket.create_connection((host, int(port))).close()
         process.kill()

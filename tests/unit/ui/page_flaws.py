@@ -15,6 +15,7 @@ def flaws(page: Any, part: str = "body") -> list[str]:
     """
     found: list[str] = []
     for _ in range(_LOOKS):
+        page.locator(".wiring[aria-busy=true]").wait_for(state="detached")
         found = page.evaluate(_FLAWS, [_CONTRAST, part])
         if not found:
             break
@@ -22,7 +23,7 @@ def flaws(page: Any, part: str = "body") -> list[str]:
     return found
 
 
-_LOOKS = 100
+_LOOKS = 30
 _BETWEEN = 100
 """Milliseconds between two looks."""
 

@@ -6,6 +6,7 @@ import shutil
 import socket
 import struct
 import subprocess
+import sys
 import tempfile
 import time
 from importlib.util import find_spec
@@ -27,13 +28,14 @@ _LOCATE_REQUEST = 3
 
 
 _UNTIL_END_OF_INPUT = """
-exec 3<&0
-"$@" </dev/null 3<&- &
-server=$!
-{ read -r line <&3; kill "$server"; } &
-wait "$server"
+import os, subprocess, sys, threading
+def end():
+    os.read(0, 1)
+    server.terminate()
+with subprocess.Popen(sys.argv[1:], stdin=subprocess.DEVNULL) as server:
+    threading.Thread(target=end, daemon=True).start()
 """
-"""Shell commands that run a program until it ends, or the standard input does.
+"""A program that runs another one until that ends, or the standard input does.
 
 The input ends with the process that holds its other end, even if that process is killed.
 """
@@ -75,9 +77,7 @@ class NameServer:
         self._folder.cleanup()
 
     def _end(self) -> None:
-        assert self._process.stdin is not None
-        self._process.stdin.close()
-        self._process.wait()
+        self._process.communicate()  # The input ends, so the process does.
 
 
 def _program() -> str:
@@ -104,7 +104,7 @@ def _started(program: str, port: int, folder: str) -> subprocess.Popen[bytes]:
     command += ["-ignoreport", "-ORBendPoint", f"giop:tcp:{LOOPBACK}:{port}"]
     # In a separate session: Ctrl-C is for the processes that must still unbind their names.
     return subprocess.Popen(
-        ["/bin/sh", "-c", _UNTIL_END_OF_INPUT, "sh", *command],
+        [sys.executable, "-I", "-S", "-c", _UNTIL_END_OF_INPUT, *command],
         stdin=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,

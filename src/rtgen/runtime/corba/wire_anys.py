@@ -133,14 +133,11 @@ class Anys:
 
 
 def _read_type(kind: int, parameters: Any) -> Descriptor:
-    if isinstance(parameters, bytes):
-        return type_of_code(kind, parameters)
     numbers = [parameters]
     if isinstance(parameters, FixedDescriptor):
         numbers = [parameters.scale, parameters.digits]
     simple = simple_type(kind, lambda _: numbers.pop())
-    assert simple is not None
-    return simple
+    return type_of_code(kind, parameters) if simple is None else simple
 
 
 def _type_of(kind: int, parameters: Any) -> Descriptor:

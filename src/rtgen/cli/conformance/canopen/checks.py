@@ -412,10 +412,15 @@ def range_of_writes(node: NodeUnderTest) -> Problems:
                 continue
             code = node.write_code(thing.number, octets)
             yield refusal(f"{thing} set to {limit + step}", code, *codes)
-            kept = node.upload(thing.number) == before
-            yield None if kept else f"{thing}: a refused value was stored"
-            if not kept:
-                node.download(thing.number, before)
+            yield _kept(node, thing, before)
+
+
+def _kept(node: NodeUnderTest, thing: DescribedObject, before: bytes) -> str | None:
+    """Return a problem unless an object has its value from before; it is restored."""
+    if node.upload(thing.number) == before:
+        return None
+    node.download(thing.number, before)
+    return f"{thing}: a refused value was stored"
 
 
 def wrong_lengths_of_writes(node: NodeUnderTest) -> Problems:
@@ -430,10 +435,7 @@ def wrong_lengths_of_writes(node: NodeUnderTest) -> Problems:
             if octets:
                 code = node.write_code(thing.number, octets)
                 yield refusal(f"{thing} with {len(octets)} octets", code, *_LENGTH)
-        kept = node.upload(thing.number) == before
-        yield None if kept else f"{thing}: a refused value was stored"
-        if not kept:
-            node.download(thing.number, before)
+        yield _kept(node, thing, before)
 
 
 def same_value(node: NodeUnderTest) -> Problems:
