@@ -15,6 +15,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias, TypeVar
 
 from rtgen.facts.numeric import Numeric as Numeric
+from rtgen.runtime.marshalling.last_arrays import LastArrays
 
 _N = TypeVar("_N", int, float)
 
@@ -79,6 +80,9 @@ class NumericArray(_Array[_N]):
         return self.__copy__()
 
 
+_LAST: LastArrays[NumericArray[Any]] = LastArrays()
+
+
 def is_swapped(order: Order) -> bool:
     """Return whether a byte order (`<`, `>`) differs from the machine's."""
     return _SWAPPED[order]
@@ -102,6 +106,13 @@ def _swap(numpy: Any, made: Any, numbers: Any, size: int) -> None:
     numpy.frombuffer(made, words)[...] = numpy.frombuffer(numbers, swapped)
 
 
+def _filled(made: NumericArray[Any], count: int) -> NumericArray[Any]:
+    """Fill an empty array, which is faster than copying octets into it."""
+    made.append(0)
+    made *= count
+    return made
+
+
 def swapped_array(octets: Any, code: str) -> NumericArray[Any]:
     """Return the array of numbers in the other byte order; `octets` are bytes or a view."""
     made = NumericArray(code)
@@ -111,9 +122,9 @@ def swapped_array(octets: Any, code: str) -> NumericArray[Any]:
         made.frombytes(octets)
         made.byteswap()
     else:
-        made.append(0)
-        made *= count  # faster than copying the octets: they are swapped into the array
+        made = _LAST.unused(code, count) or _filled(made, count)
         _swap(numpy, made, octets, made.itemsize)
+        _LAST.keep(made)
     return made
 
 

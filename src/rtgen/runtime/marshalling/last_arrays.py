@@ -1,0 +1,61 @@
+"""The last large arrays of numbers, to reuse the memory of those that are no longer in use.
+
+`array` allocates memory only by filling it, which takes more than half as long as a copy. In
+CPython, the number of references to an array shows whether anything else refers to it; `zip` reuses
+its tuple for the same reason. Views of an array refer to it, too.
+"""
+
+from __future__ import annotations
+
+import sys
+from array import array
+from collections import deque
+from typing import Any, Generic, TypeVar
+from weakref import getweakrefcount
+
+_KEPT = 4
+_MAX_OCTETS = 2 << 20
+"""Maximum size of each array, so that at most four times as much memory is kept."""
+
+_A = TypeVar("_A", bound="array[Any]")
+
+
+def _oldest(arrays: deque[_A]) -> tuple[_A, int]:
+    """Remove the oldest array, and return it and its number of references."""
+    oldest = arrays.popleft()
+    return oldest, sys.getrefcount(oldest)
+
+
+def _is_counted() -> bool:
+    """Return whether this interpreter has exact numbers of references."""
+    has_lock = getattr(sys, "_is_gil_enabled", lambda: True)
+    return sys.implementation.name == "cpython" and has_lock()
+
+
+_UNUSED = _oldest(deque([array("b")]))[1] if _is_counted() else 0
+"""The number of references to an array to which only `_oldest` refers; 0 if it is not exact."""
+
+
+class LastArrays(Generic[_A]):
+    """A few of the last arrays, from the oldest to the newest."""
+
+    def __init__(self) -> None:
+        self._arrays: deque[_A] = deque(maxlen=_KEPT)
+
+    def unused(self, code: str, count: int) -> _A | None:
+        """Return the oldest array if it has this type and length, and nothing refers to it."""
+        if len(self._arrays) < _KEPT:
+            return None
+        try:
+            oldest, references = _oldest(self._arrays)
+        except IndexError:  # other threads have taken all
+            return None
+        if references != _UNUSED or getweakrefcount(oldest):
+            return None
+        fits = len(oldest) == count and oldest.typecode == code
+        return oldest if fits else None
+
+    def keep(self, made: _A) -> None:
+        """Add the newest array."""
+        if len(made) * made.itemsize <= _MAX_OCTETS:
+            self._arrays.append(made)
