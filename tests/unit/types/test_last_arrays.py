@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import importlib.util
+import subprocess
 import sys
 import weakref
 from array import array
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from types import FrameType
 from typing import Any
 
 import emitted
@@ -15,7 +18,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rtgen.runtime.marshalling import last_arrays
 from rtgen.runtime.marshalling.last_arrays import LastArrays
+from rtgen.runtime.marshalling.numeric import NumericArray
 
 IDL = "module kept { struct Scan { sequence<double> ranges; }; };"
 COUNT = 2_500
@@ -121,3 +126,78 @@ def test_only_the_oldest_unused_array_that_fits_is_returned() -> None:
     assert id(last.unused("d", 3)) == fourth
     keep((1 << 18) + 1)
     assert last.unused("d", 2) is None, "an array of more than 2 MiB is not kept"
+
+
+def test_a_signal_handler_may_refer_to_the_array_at_any_step() -> None:
+    """It replaces the weak reference to the oldest array by a reference."""
+    kept: LastArrays[NumericArray[float]] = LastArrays()
+    weak: list[weakref.ref[NumericArray[float]]] = []
+    strong: list[NumericArray[float] | None] = []
+    steps = 0
+
+    def trace(frame: FrameType, event: str, argument: object) -> Any:
+        nonlocal steps
+        frame.f_trace_opcodes = True
+        steps -= 1
+        if not steps:
+            strong.append(weak.pop()())
+        return trace
+
+    before = sys.gettrace()
+    for stop in range(1, 100):
+        for number in range(4):
+            made = NumericArray("d", [number])
+            kept.keep(made)
+            if not number:
+                weak.append(weakref.ref(made))
+        del made
+        steps = stop
+        sys.settrace(trace)
+        unused = kept.unused("d", 1)
+        sys.settrace(before)
+        if weak:
+            break
+        assert strong
+        assert unused is None or unused is not strong.pop()
+        strong.clear()
+    else:
+        pytest.fail("`unused` takes more steps than the test")
+    assert stop > 20
+
+
+def test_a_tracer_does_not_change_the_number_of_references() -> None:
+    def trace(frame: FrameType, event: str, argument: object) -> Any:
+        return trace if frame.f_locals is not None else None
+
+    spec = importlib.util.spec_from_file_location("traced", last_arrays.__file__)
+    assert spec is not None
+    assert spec.loader is not None
+    traced = importlib.util.module_from_spec(spec)
+    before = sys.gettrace()
+    sys.settrace(trace)
+    spec.loader.exec_module(traced)
+    sys.settrace(before)
+    last = traced.LastArrays()
+    made = [array("d", [number]) for number in range(4)]
+    for each in made:
+        last.keep(each)
+    assert last.unused("d", 1) is None
+
+
+IMPORTING = """
+import sys, threading
+from array import array
+from refrobots.rtc import Time, TimedDoubleSeq
+assert "numpy" not in sys.modules
+value = TimedDoubleSeq(Time(1, 2), array("d", [1.5]) * 3000)
+octets = value.to_cdr(False)
+thread = threading.Thread(target=__import__, args=("numpy",))
+thread.start()
+while thread.is_alive():
+    assert TimedDoubleSeq.from_cdr(octets, False) == value
+    assert value.to_cdr(False) == octets
+"""
+
+
+def test_numbers_are_swapped_while_a_thread_imports_numpy() -> None:
+    subprocess.run([sys.executable, "-c", IMPORTING], check=True)

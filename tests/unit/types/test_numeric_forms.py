@@ -265,6 +265,10 @@ def test_any_and_dynamic_values(packages: dict[Numeric, Any]) -> None:
         ((1.0, 2), [1, 2]),
         (range(3), [0, 1, 2]),
         (numpy.zeros(0), []),
+        (numpy.arange(4998.0)[::2], [*range(0, 4998, 2)]),
+        (numpy.arange(5000.0)[::2], [*range(0, 5000, 2)]),
+        (numpy.arange(2500.0, dtype=">f8")[::-1], [*range(2499, -1, -1)]),
+        (numpy.arange(2500.0, dtype="<f8")[::-1], [*range(2499, -1, -1)]),
     ],
 )
 @pytest.mark.parametrize("form", ["array", "numpy"])

@@ -10,6 +10,7 @@ from __future__ import annotations
 import sys
 from array import array
 from collections import deque
+from operator import call
 from typing import Any, Generic, TypeVar
 from weakref import getweakrefcount
 
@@ -20,10 +21,18 @@ _MAX_OCTETS = 2 << 20
 _A = TypeVar("_A", bound="array[Any]")
 
 
-def _oldest(arrays: deque[_A]) -> tuple[_A, int]:
-    """Remove the oldest array, and return it and its number of references."""
-    oldest = arrays.popleft()
-    return oldest, sys.getrefcount(oldest)
+_COUNTS = sys.getrefcount, getweakrefcount
+
+
+def _oldest(arrays: deque[_A]) -> tuple[list[_A], int, int]:
+    """Remove the oldest array; return it in a list, and the numbers of references to it.
+
+    No local variable refers to the array, and both calls are one step of the interpreter, so that
+    neither a tracer nor a signal handler can change one of the numbers.
+    """
+    held = [arrays.popleft()]
+    references, weak_references = map(call, _COUNTS, held * 2)
+    return held, references, weak_references
 
 
 def _is_counted() -> bool:
@@ -40,18 +49,19 @@ class LastArrays(Generic[_A]):
     """A few of the last arrays, from the oldest to the newest."""
 
     def __init__(self) -> None:
-        self._arrays: deque[_A] = deque(maxlen=_KEPT)
+        self._arrays: deque[_A] = deque(maxlen=_KEPT if _UNUSED else 0)
 
     def unused(self, code: str, count: int) -> _A | None:
         """Return the oldest array if it has this type and length, and nothing refers to it."""
         if len(self._arrays) < _KEPT:
             return None
         try:
-            oldest, references = _oldest(self._arrays)
+            held, *references = _oldest(self._arrays)
         except IndexError:  # other threads have taken all
             return None
-        if references != _UNUSED or getweakrefcount(oldest):
+        if references != [_UNUSED, 0]:
             return None
+        oldest = held.pop()
         fits = len(oldest) == count and oldest.typecode == code
         return oldest if fits else None
 

@@ -90,7 +90,8 @@ def is_swapped(order: Order) -> bool:
 
 def _numpy_for(count: int) -> Any:
     """Return numpy for that many numbers, if it is already imported: it swaps faster."""
-    return sys.modules.get("numpy") if count >= _SWAPPED_BY_NUMPY else None
+    numpy = sys.modules.get("numpy") if count >= _SWAPPED_BY_NUMPY else None
+    return numpy if hasattr(numpy, "frombuffer") else None  # not while it is imported
 
 
 @cache
@@ -137,7 +138,8 @@ def swapped_octets(numbers: Any) -> bytes | bytearray:
         copy.byteswap()
         return copy.tobytes()
     made = bytearray(len(numbers) * size)
-    _swap(numpy, made, numbers, size)
+    is_contiguous = memoryview(numbers).c_contiguous
+    _swap(numpy, made, numbers if is_contiguous else numbers.tobytes(), size)
     return made
 
 
