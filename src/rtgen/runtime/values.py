@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from copy import deepcopy
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, ClassVar, Self, TypeVar
+
+import msgspec
+from msgspec.structs import force_setattr
 
 from rtgen.runtime.marshalling.descriptors import (
     ANY,
+    NULL,
     UNKNOWN,
     BoxDescriptor,
     Descriptor,
@@ -62,19 +66,18 @@ class Dynamic:
         return deepcopy(self)
 
 
-@dataclass(frozen=True, slots=True)
-class AnyValue(Dynamic):
+class AnyValue(Dynamic, msgspec.Struct, frozen=True):
     """Content of an `any`: a value with its type."""
 
     _descriptor_: ClassVar[Descriptor] = ANY
 
-    type: Descriptor = field(default=PrimitiveDescriptor("null"))
+    type: Descriptor = NULL
     value: Any = None
 
     def __post_init__(self) -> None:
         described = getattr(self.type, "_descriptor_", None)
         if described is not None:
-            object.__setattr__(self, "type", described)
+            force_setattr(self, "type", described)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> AnyValue:
         return AnyValue(self.type, deepcopy(self.value, memo))

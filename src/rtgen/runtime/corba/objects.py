@@ -15,6 +15,7 @@ from rtgen.runtime.cdr import UserException
 from rtgen.runtime.corba.faults import caught, raised
 from rtgen.runtime.corba.operations import Operations
 from rtgen.runtime.corba.orb import Orb
+from rtgen.runtime.corba.wire_conversions import Convert
 from rtgen.runtime.corba.wire_types import Interface, WireTypes
 from rtgen.runtime.failures import described, ends_run, log
 from rtgen.runtime.marshalling.octets import (
@@ -76,11 +77,7 @@ class Remote:
         except (TypeError, ValueError, AttributeError, ArithmeticError) as error:
             _tell_fault(operation, found, arguments)
             raise MarshalError(f"{operation}: {error}") from error
-        if found.values is None:
-            return result
-        if found.results > 1:
-            return found.values(result)
-        return found.values((result,))[0]
+        return result if found.values is None else found.values(result)
 
 
 _SIGNATURES = "_rtgen_operations"
@@ -257,9 +254,7 @@ def _method(name: str, operation: Any) -> Callable[..., Any]:
             result = self._call(name, given)
             if reply is None:
                 return result
-            results = result if operation.results > 1 else (result,)
-            converted = _checked(reply, results, "the result is wrong")
-            return converted if operation.results > 1 else converted[0]
+            return _checked(reply, result, "the result is wrong")
         except UserException as error:
             declared = operation.raised(error)
             if declared is not None:
@@ -283,13 +278,9 @@ def _method(name: str, operation: Any) -> Callable[..., Any]:
     return method
 
 
-def _checked(
-    convert: Callable[[tuple[Any, ...]], tuple[Any, ...]],
-    values: tuple[Any, ...],
-    what: str,
-) -> tuple[Any, ...]:
+def _checked(convert: Convert, value: Any, what: str) -> Any:
     try:
-        return convert(values)
+        return convert(value)
     except (ServiceError, CORBA.Exception):
         raise
     except Exception as error:  # any exception that a value of a wrong type causes

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
 from rtgen.runtime.cdr import UserException
-from rtgen.runtime.corba.wire_conversions import WireType
+from rtgen.runtime.corba.wire_conversions import Convert, WireType
 from rtgen.runtime.corba.wire_types import WireException, WireTypes
 from rtgen.runtime.marshalling.descriptors import DataType
 from rtgen.runtime.services.calls import Call, calls_of
@@ -19,8 +19,8 @@ _CONTEXT = "_context"
 class Operation:
     """An operation: its `descriptor` for omniORBpy, and conversions of its values.
 
-    It has `count` arguments and `results` results. Values are converted when they leave or enter
-    this process; None instead of a function if no value needs it.
+    It has `count` arguments. Values are converted when they leave or enter this process; None
+    instead of a function if no value needs it.
     """
 
     def __init__(self, call: Call, types: WireTypes) -> None:
@@ -32,7 +32,6 @@ class Operation:
         results = [wire for _, wire in got]
         self.call = call
         self.count = len(arguments)
-        self.results = len(results)
         self._exceptions: dict[str, WireException] = {}
         for _, class_ in call.raises:
             identity = class_._descriptor_.repository_id
@@ -45,8 +44,8 @@ class Operation:
         )
         self.request = _converting([w.outgoing for w in arguments], [[]] * len(context))
         self.arguments = _converting([w.incoming for w in arguments], [])
-        self.reply = _converting([w.outgoing for w in results], [])
-        self.values = _converting([w.incoming for w in results], [])
+        self.reply = _converting_result([w.outgoing for w in results])
+        self.values = _converting_result([w.incoming for w in results])
 
     def raised(self, error: UserException) -> Any:
         """Convert an exception to omniORBpy's; None if the operation does not declare it."""
@@ -106,7 +105,7 @@ def _types(
 
 
 def _converting(
-    converts: Sequence[Callable[[Any], Any] | None], rest: Sequence[Any]
+    converts: Sequence[Convert | None], rest: Sequence[Any]
 ) -> Callable[[Values], Values] | None:
     """Return a function that converts values one by one and appends the rest.
 
@@ -129,6 +128,13 @@ def _converting(
         )
 
     return convert
+
+
+def _converting_result(
+    converts: Sequence[Convert | None],
+) -> Convert | None:
+    """Return a function that converts a result: one value, or a tuple of several."""
+    return converts[0] if len(converts) == 1 else _converting(converts, [])
 
 
 def _converting_one(only: Any) -> Callable[[Values], Values]:

@@ -12,12 +12,11 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable
 from functools import lru_cache
-from types import SimpleNamespace
 from typing import Any
 
 from omniORB import CORBA, tcInternal
 
-from rtgen.runtime.corba.wire_conversions import WireType
+from rtgen.runtime.corba.wire_conversions import Convert, WireType, WireUnion
 from rtgen.runtime.failures import log
 from rtgen.runtime.marshalling.descriptors import (
     ANY,
@@ -69,7 +68,8 @@ class _Content(int):
     """
 
     type: Descriptor
-    wire: WireType
+    outgoing: Convert | None
+    incoming: Convert | None
     _d: int
     _v: Any
 
@@ -87,19 +87,21 @@ class Anys:
         content = _union(self._content, tcInternal.tv_ulong, _PARAMETERS)
         self.type = WireType(_union(_value, content, _BRANCHES), self._outgoing)
 
-    def _outgoing(self, value: Any) -> SimpleNamespace:
+    def _outgoing(self, value: Any) -> WireUnion:
         if getattr(value, "_descriptor_", None) is not ANY:
             raise TypeError(f"an AnyValue is needed, not {type(value).__name__}")
-        content = self._content_of(value.type)
-        outgoing = content.wire.outgoing
+        type_ = value.type
+        content = self._contents.get(id(type_)) or self._content_of(type_)
+        outgoing = content.outgoing
         inner = value.value if outgoing is None else outgoing(value.value)
-        return SimpleNamespace(_d=content, _v=inner)
+        return WireUnion(content, inner)
 
     def _content(self, kind: int, parameters: Any) -> _Content:
         """Return the discriminator of a type code. Raises omniORB's MARSHAL."""
         try:
             if isinstance(parameters, bytes):
-                return self._content_of(type_of_code(kind, parameters))
+                type_ = type_of_code(kind, parameters)
+                return self._contents.get(id(type_)) or self._content_of(type_)
             return self._simple(kind, parameters)
         except (MarshalError, *FAILURES) as error:
             raise _refused("type code", error) from error
@@ -108,9 +110,6 @@ class Anys:
         return self._content_of(_read_type(kind, parameters))
 
     def _content_of(self, type_: Descriptor) -> _Content:
-        return self._contents.get(id(type_)) or self._found(type_)
-
-    def _found(self, type_: Descriptor) -> _Content:
         key = _key(type_)
         found = self._contents.get(key)
         if found is None:
@@ -127,7 +126,8 @@ class Anys:
         wire = self._make(type_)
         content = _Content(next(_numbers))
         _BRANCHES[int(content)] = (int(content), "", wire.descriptor)
-        content.type, content.wire = type_, wire
+        content.type = type_
+        content.outgoing, content.incoming = wire.outgoing, wire.incoming
         content._d, content._v = code._d, code._v
         return content
 
@@ -154,7 +154,7 @@ def _refused(what: str, error: Exception) -> Any:
     return CORBA.MARSHAL(0, CORBA.COMPLETED_MAYBE)
 
 
-def _code(type_: Any) -> SimpleNamespace:
+def _code(type_: Any) -> WireUnion:
     """Return the type code of a type for omniORBpy to read."""
     kind, octets = type_code_octets(type_, True)
     parameters: Any = octets[4:]
@@ -162,12 +162,12 @@ def _code(type_: Any) -> SimpleNamespace:
         parameters = type_.bound or 0
     elif kind == FIXED:
         parameters = type_
-    return SimpleNamespace(_d=kind, _v=parameters)
+    return WireUnion(kind, parameters)
 
 
 def _value(content: _Content, value: Any) -> AnyValue:
     """Return the value of an `any`. Raises omniORB's MARSHAL."""
-    incoming = content.wire.incoming
+    incoming = content.incoming
     if incoming is None:
         return AnyValue(content.type, value)
     try:

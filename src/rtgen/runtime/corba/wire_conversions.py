@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
+import msgspec
+
 Convert: TypeAlias = Callable[[Any], Any]
 
 
@@ -16,6 +18,13 @@ class WireType:
     descriptor: Any
     outgoing: Convert | None = None
     incoming: Convert | None = None
+
+
+class WireUnion(msgspec.Struct):
+    """A union for omniORBpy to read: discriminator and value."""
+
+    _d: Any
+    _v: Any
 
 
 def each(convert: Convert | None) -> Convert | None:

@@ -24,6 +24,7 @@ from rtgen.runtime.corba.wire_anys import TYPE_CODE, Anys
 from rtgen.runtime.corba.wire_conversions import (
     Convert,
     WireType,
+    WireUnion,
     each,
     int8_of,
     latin_octet,
@@ -384,15 +385,13 @@ def _union_maker(
 def _union_outgoing(
     descriptor: UnionDescriptor, switch: WireType, wires: Sequence[WireType]
 ) -> Convert:
-    def outgoing(union: Any) -> SimpleNamespace:
+    def outgoing(union: Any) -> WireUnion:
         value = union.value
         branch = descriptor.branch(union.discriminator)
         if branch is not None:
             wire = wires[descriptor.branches.index(branch)]
             value = through(wire.outgoing, value)
-        return SimpleNamespace(
-            _d=through(switch.outgoing, union.discriminator), _v=value
-        )
+        return WireUnion(through(switch.outgoing, union.discriminator), value)
 
     return outgoing
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache, wraps
 from inspect import signature
-from typing import Any, ClassVar, TypeAlias, TypeVar, cast
+from typing import Any, ClassVar, TypeAlias, TypeVar
 
 from rtgen.runtime.failures import described, ends_run, log
 from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
@@ -186,6 +186,7 @@ class Skeleton:
 
     def __init__(self, servant: Any) -> None:
         self._servant = servant
+        self._operations = operations_of(self._interface_)
         self._report: Callable[[str, BaseException], None] = _log_failure
         """Function called with undeclared exceptions of the servant."""
 
@@ -196,17 +197,19 @@ class Skeleton:
         BadOperation for an unknown operation or a wrong number of arguments. KeyboardInterrupt and
         the debugger's quit are not caught, since they end the run.
         """
-        found = operations_of(self._interface_).get(operation)
+        found = self._operations.get(operation)
         if found is None:
             raise BadOperation(f"there is no operation {operation}")
-        _check_count(operation, arguments, found.count)
+        count = found.count
+        if len(arguments) != count:
+            raise BadOperation(f"{operation} takes {count} arguments, not {len(arguments)}")
         try:
             if found.kind == "get":
-                return cast(object, getattr(self._servant, found.python_name))
+                return getattr(self._servant, found.python_name)
             if found.kind == "set":
                 setattr(self._servant, found.python_name, *arguments)
                 return None
-            return cast(object, getattr(self._servant, found.python_name)(*arguments))
+            return getattr(self._servant, found.python_name)(*arguments)
         except BaseException as error:
             is_declared = isinstance(error, (*found.raises, ServiceError))
             if ends_run(error) or (is_declared and not found.oneway):
@@ -219,8 +222,3 @@ class Skeleton:
 
 def _log_failure(operation: str, error: BaseException) -> None:
     log.error("%s failed: %s", operation, described(error), exc_info=error)
-
-
-def _check_count(operation: str, arguments: tuple[object, ...], count: int) -> None:
-    if len(arguments) != count:
-        raise BadOperation(f"{operation} takes {count} arguments, not {len(arguments)}")
