@@ -405,8 +405,10 @@ def _enum(descriptor: EnumDescriptor) -> WireType:
         kind = tcInternal.tv_long if descriptor.code == "i" else tcInternal.tv_ulong
         return WireType(kind, int, class_)
     items = tuple(map(class_, numbers))
-    for item, (name, number) in zip(items, descriptor.members, strict=True):
-        item._n, item._v, item._parent_id = name, number, descriptor.repository_id
+    # omniORBpy finds attributes of the class sooner than those of its items.
+    class_._v, class_._parent_id = int.real, descriptor.repository_id
+    for item, (name, _) in zip(items, descriptor.members, strict=True):
+        item._n = name
     name = _last(descriptor.name)
     return WireType((tcInternal.tv_enum, descriptor.repository_id, name, items))
 
