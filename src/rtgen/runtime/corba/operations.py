@@ -130,10 +130,11 @@ def _converting(
     return convert
 
 
-def _converting_result(
-    converts: Sequence[Convert | None],
-) -> Convert | None:
-    """Return a function that converts a result: one value, or a tuple of several."""
+def _converting_result(converts: Sequence[Convert | None]) -> Convert | None:
+    """Return a function that converts a result, which is a tuple of several values or one value.
+
+    None if nothing is converted.
+    """
     return converts[0] if len(converts) == 1 else _converting(converts, [])
 
 
