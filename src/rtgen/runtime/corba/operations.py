@@ -131,10 +131,7 @@ def _converting(
 
 
 def _converting_result(converts: Sequence[Convert | None]) -> Convert | None:
-    """Return a function that converts a result, which is a tuple of several values or one value.
-
-    None if nothing is converted.
-    """
+    """Return `_converting` of a result: a tuple of several values, or one value itself."""
     return converts[0] if len(converts) == 1 else _converting(converts, [])
 
 

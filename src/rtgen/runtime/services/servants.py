@@ -173,7 +173,7 @@ def _accessor(key: str) -> Callable[..., object]:
 class Skeleton:
     """The base class of generated skeletons: calls a servant by operation name."""
 
-    _interface_: ClassVar[type[Servant]]
+    _operations: ClassVar[Mapping[str, Operation]]
 
     def __init_subclass__(
         cls, interface: type[Servant] | None = None, **options: Any
@@ -181,12 +181,11 @@ class Skeleton:
         """Make this the skeleton of `interface`."""
         super().__init_subclass__(**options)
         if interface is not None:
-            cls._interface_ = interface
+            cls._operations = operations_of(interface)
             interface._skeleton_ = cls
 
     def __init__(self, servant: Any) -> None:
         self._servant = servant
-        self._operations = operations_of(self._interface_)
         self._report: Callable[[str, BaseException], None] = _log_failure
         """Function called with undeclared exceptions of the servant."""
 
@@ -200,9 +199,9 @@ class Skeleton:
         found = self._operations.get(operation)
         if found is None:
             raise BadOperation(f"there is no operation {operation}")
-        count = found.count
-        if len(arguments) != count:
-            raise BadOperation(f"{operation} takes {count} arguments, not {len(arguments)}")
+        if len(arguments) != found.count:
+            counts = f"{found.count} arguments, not {len(arguments)}"
+            raise BadOperation(f"{operation} takes {counts}")
         try:
             if found.kind == "get":
                 return getattr(self._servant, found.python_name)
