@@ -5,8 +5,8 @@
 Least processor time of a call in microseconds, rounds interleaved, and its ratio to a copy of the
 octets in the same run. Scans of 100 to 1,000,000 doubles are members in each form of numbers in
 Python, an image is 1 MB of octets, clouds are structs of four doubles as structured arrays.
-cyclonedds-python and omniORBpy have lists of numbers and of objects; cyclonedds-python encodes in the
-byte order of the machine only.
+cyclonedds-python and omniORBpy have lists of numbers and of objects; cyclonedds-python encodes in
+the byte order of the machine only.
 """
 
 from __future__ import annotations
