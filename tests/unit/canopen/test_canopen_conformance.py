@@ -11,10 +11,10 @@ from xml.etree import ElementTree
 
 import pytest
 from can_nodes import SPECS, description, nodes
-from conformance_nodes import ID, SimulatedLine, limited, report_of
+from conformance_nodes import ID, SimulatedLine, failed, limited, report_of, unaltered
 from hub_process import HubProcess
 from json_schemas import valid
-from wrong_answers import refusing
+from wrong_answers import answering, refusing
 
 from refnav.epos_drive_device import EposDriveDevice
 from rtgen.cli import run
@@ -47,13 +47,54 @@ def test_our_own_nodes_conform(name: str) -> None:
     assert skipped <= {"sdo.write-only", "guarding", "guarding.life", "pdo.synchronous"}
 
 
-def test_configured_values_that_the_node_does_not_have(tmp_path: Path) -> None:
-    text = (SPECS / "motor_core_unit.eds").read_text()
-    head, begin, rest = text.partition("[1A00sub0]\n")
+def with_entry(folder: Path, eds: Path, section: str, entry: str) -> Path:
+    """Return a DCF: an EDS with an entry in a section."""
+    head, begin, rest = eds.read_text().partition(f"[{section}]\n")
     assert begin
-    path = tmp_path / "configured.dcf"
-    path.write_text(f"{head}{begin}ParameterValue=1\n{rest}")
-    report = report_of(path)
+    path = folder / "configured.dcf"
+    path.write_text(f"{head}{begin}{entry}\n{rest}")
+    return path
+
+
+def test_configured_values_that_the_node_does_not_have(tmp_path: Path) -> None:
+    eds = SPECS / "motor_core_unit.eds"
+    report = report_of(with_entry(tmp_path, eds, "1A00sub0", "ParameterValue=1"))
+    assert report.passed, as_text(report)
+
+
+@pytest.mark.parametrize(("value", "passes"), [(0, True), (5, True), (7, False)])
+def test_an_object_has_its_default_or_the_value_of_a_dcf(
+    value: int, passes: bool, tmp_path: Path
+) -> None:
+    dcf = with_entry(tmp_path, limited(tmp_path), "2F02", "ParameterValue=5")
+    report = report_of(dcf, answering(0x2F02, 0, 0x4B, bytes((value, 0))))
+    assert failed(report) == (set() if passes else {"object.defaults"})
+    assert passes or "is 0700, its default is 0 or 5" in as_text(report)
+
+
+@pytest.mark.parametrize(("count", "passes"), [(2, True), (1, True), (0, False)])
+def test_a_pdo_has_the_default_mapping_or_that_of_a_dcf(
+    count: int, passes: bool, tmp_path: Path
+) -> None:
+    eds = SPECS / "motor_core_unit.eds"
+    dcf = with_entry(tmp_path, eds, "1A00sub0", "ParameterValue=1")
+    stored = answering(0x1A00, 0, 0x4F, bytes((count,)))
+    report = report_of(dcf, stored, actuate=False)
+    assert failed(report) == (set() if passes else {"pdo.parameters"})
+    assert passes or "is 0h, described is 2h or 1h" in as_text(report)
+
+
+def test_a_node_that_a_manager_has_configured() -> None:
+    """Its PDOs have other parameters until a reset of communication."""
+    eds = SPECS / "motor_core_unit.eds"
+    (described,) = read_node_index(None, [(ID, eds)]).nodes.values()
+    node = DeviceNode(description(eds), ID, serial_number=1)
+    subject = NodeUnderTest(described, SimulatedLine(node, unaltered))
+    subject.download((0x1800, 1), (0xC0000180 + ID).to_bytes(4, "little"))
+    for count in (0, 1):
+        subject.download((0x1A00, 0), bytes((count,)))
+    subject.download((0x1800, 1), (0x40000180 + ID).to_bytes(4, "little"))
+    report = checked(subject, eds.name, [Permission.ACTUATE])
     assert report.passed, as_text(report)
 
 
