@@ -25,7 +25,7 @@ _HIGHEST_POWER: Final = 9
 _SUPERSCRIPTS: Final = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻·⋅\u00d7", "0123456789-***")
 _TOKEN: Final = re.compile(
     r"\s*(?:10[*^](?P<order>[+-]?\d+)|(?P<number>\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)"
-    r"|(?P<symbol>[^\W\d]+|\[[a-zA-Z_]+\]|''|[%‰°'\u2032\u2033])"
+    r"|(?P<symbol>[cm]?m\[H(?:g|2O)\]|[^\W\d]+|\[[a-zA-Z_]+\]|''|[%‰°'\u2032\u2033])"
     r"(?:(?:\^|\*\*)?(?P<power>[+-]?\d+))?(?:\{[^\W\d][\w ]*\})?"
     r"|\{(?P<note>[^\W\d][\w ]*)\}|(?P<sign>[*/.()]))\s*"
 )

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
 
 from msgspec.structs import replace
 
@@ -16,10 +18,12 @@ from rtgen.backends.kit.python_module import (
 )
 from rtgen.backends.kit.quoting.python import docstring, number_literal, string_literal
 from rtgen.facts.adapter_constants import AdapterConstant
+from rtgen.facts.numeric import Numeric
 from rtgen.model import (
     Adapter,
     ArrayType,
     Component,
+    Member,
     Model,
     NamedType,
     ScopedName,
@@ -30,7 +34,10 @@ from rtgen.model import (
 from rtgen.typemap.python.idl_names import PythonNames
 from rtgen.typemap.python.names import module_name
 
-_METHODS = frozenset({"annotations", "ec_id", "int", "made", "sample", "self"})
+_Scale: TypeAlias = Sequence[float]
+"""Factor and offset of a conversion."""
+
+_METHODS = frozenset({"annotations", "ec_id", "int", "list", "made", "sample", "self"})
 _CONVERSIONS = "rtgen.runtime.ros2.conversions"
 _RUNTIME = ("RTC_OK", "ReturnCode_t")
 
@@ -86,7 +93,7 @@ def _module(
         '        """Convert everything that has come."""',
         "        while self.input.is_new() and (sample := self.input.read()) is not None:",
         f"            made = {made}()",
-        *_copied(model, names, types, adapter),
+        *_Copies(model, names, types, adapter).statements(),
         *_converted(adapter),
         *(
             f"            made.{_path(model, names, adapter.target, to)} ="
@@ -113,39 +120,73 @@ def _module(
     )
 
 
-def _copied(
-    model: Model, names: PythonNames, types: Imports, adapter: Adapter
-) -> Iterator[str]:
-    scales = {to: scale for to, *scale in adapter.scales}
-    for to, source in adapter.copies:
-        value = f"sample.{_path(model, names, adapter.source, source)}"
-        if to in scales:
-            type_ = _type(model, adapter.target, to)
-            value = _scaled(value, scales[to], model, types, type_)
-        yield f"            made.{_path(model, names, adapter.target, to)} = {value}"
+@dataclass(frozen=True, slots=True)
+class _Copies:
+    """The copied members of an adapter, in the units and the forms of the target."""
+
+    model: Model
+    names: PythonNames
+    types: Imports
+    adapter: Adapter
+
+    def statements(self) -> Iterator[str]:
+        adapter = self.adapter
+        scales = {to: scale for to, *scale in adapter.scales}
+        for to, source in adapter.copies:
+            value = f"sample.{_path(self.model, self.names, adapter.source, source)}"
+            *_, (_, theirs) = _members(self.model, adapter.source, source)
+            *_, (_, own) = _members(self.model, adapter.target, to)
+            types = self.model.unalias(theirs.type), self.model.unalias(own.type)
+            path = string_literal(".".join((adapter.target[-1], *to)))
+            made = self._converted(value, *types, path, scales.get(to))
+            if own.optional and made != value:
+                made = f"None if {value} is None else {made}"
+            target = _path(self.model, self.names, adapter.target, to)
+            yield f"            made.{target} = {made}"
+
+    def _converted(
+        self, value: str, from_: Type, to: Type, path: str, scale: _Scale | None
+    ) -> str:
+        """Return the expression of a value of another unit or form."""
+        theirs, own = _form(from_), _form(to)
+        if theirs == own and scale is None:
+            return value
+        element = self.model.unalias(to.element) if isinstance(to, SequenceType) else to
+        if isinstance(element, NamedType):
+            class_ = self.types.type_name(element.name)
+            if own == "numpy":
+                return f"{self._function('to_records')}({value}, {class_}, {path})"
+            return f"{self._function('to_structs')}({value}, {class_})"
+        if theirs == "numpy" and own != "numpy":
+            value = f"{self._function('to_list')}({value})"
+        if scale is not None or own == "numpy":
+            return self._numbers(value, to, path, scale or ())
+        return f"list({value})" if (theirs, own) == ("array", "list") else value
+
+    def _numbers(
+        self, value: str, type_: Type, path: str, scale: _Scale, depth: int = 0
+    ) -> str:
+        """Return the expression of a converted number, or of a type's converted numbers."""
+        if not isinstance(type_, SequenceType | ArrayType):
+            return _scaled_number(value, *scale)
+        if type_.numeric == "numpy":
+            item = self.types.mapping.item(type_)
+            numbers = scale if any(scale[1:]) else scale[:1]
+            arguments = (value, item, path, *map(number_literal, numbers))
+            return f"{self._function('to_numpy')}({', '.join(arguments)})"
+        element = self.model.unalias(type_.element)
+        if isinstance(type_, ArrayType) and len(type_.dimensions) > 1:
+            element = replace(type_, dimensions=type_.dimensions[1:])
+        each = f"each{depth or ''}"
+        made = self._numbers(each, element, path, scale, depth + 1)
+        return f"[{made} for {each} in {value}]"
+
+    def _function(self, name: str) -> str:
+        return self.types.spell("rtgen.runtime.forms", name)
 
 
-def _scaled(
-    value: str,
-    scale: Sequence[float],
-    model: Model,
-    types: Imports,
-    type_: Type,
-    depth: int = 0,
-) -> str:
-    """Return the expression of a converted number, or of a type's converted numbers."""
-    if not isinstance(type_, SequenceType | ArrayType):
-        return _scaled_number(value, *scale)
-    if type_.numeric == "numpy":
-        array, item = f"{types.spell('numpy', 'numpy')}.asarray", types.mapping.item(
-            type_
-        )
-        return f"{array}({_scaled_number(f'{array}({value}, {item})', *scale)}, {item})"
-    element = model.unalias(type_.element)
-    if isinstance(type_, ArrayType) and len(type_.dimensions) > 1:
-        element = replace(type_, dimensions=type_.dimensions[1:])
-    each = f"each{depth or ''}"
-    return f"[{_scaled(each, scale, model, types, element, depth + 1)} for {each} in {value}]"
+def _form(type_: Type) -> Numeric:
+    return type_.numeric if isinstance(type_, SequenceType | ArrayType) else "list"
 
 
 def _scaled_number(value: str, factor: float, offset: float) -> str:
@@ -153,22 +194,6 @@ def _scaled_number(value: str, factor: float, offset: float) -> str:
     if offset:
         made += f" {'-' if offset < 0 else '+'} {number_literal(abs(offset))}"
     return made
-
-
-def _type(model: Model, struct: ScopedName, path: tuple[str, ...]) -> Type:
-    """Return the type of a member, without aliases."""
-    declaration = model.find(struct)
-    assert isinstance(declaration, Struct)
-    own = {member.name: model.unalias(member.type) for member in declaration.members}
-    name, *rest = path
-    if name not in own:
-        assert declaration.base is not None
-        return _type(model, declaration.base, path)
-    type_ = own[name]
-    if rest:
-        assert isinstance(type_, NamedType)
-        return _type(model, type_.name, tuple(rest))
-    return type_
 
 
 def _converted(adapter: Adapter) -> Iterator[str]:
@@ -194,16 +219,26 @@ def _path(
     model: Model, names: PythonNames, struct: ScopedName, path: tuple[str, ...]
 ) -> str:
     """Return a path of members by their Python names."""
-    name, *rest = path
+    return ".".join(
+        names.members(declaration)[member.name]
+        for declaration, member in _members(model, struct, path)
+    )
+
+
+def _members(
+    model: Model, struct: ScopedName, path: tuple[str, ...]
+) -> Iterator[tuple[Struct, Member]]:
+    """Yield the members of a path, each with the struct that declares it."""
     declaration = model.find(struct)
     assert isinstance(declaration, Struct)
-    own = {member.name: model.unalias(member.type) for member in declaration.members}
-    if name not in own:
+    name, *rest = path
+    member = next((m for m in declaration.members if m.name == name), None)
+    if member is None:
         assert declaration.base is not None
-        return _path(model, names, declaration.base, path)
-    spelled = names.members(declaration)[name]
-    type_ = own[name]
-    if not rest:
-        return spelled
-    assert isinstance(type_, NamedType)
-    return f"{spelled}.{_path(model, names, type_.name, tuple(rest))}"
+        yield from _members(model, declaration.base, path)
+        return
+    yield declaration, member
+    if rest:
+        type_ = model.unalias(member.type)
+        assert isinstance(type_, NamedType)
+        yield from _members(model, type_.name, tuple(rest))

@@ -22,6 +22,7 @@ SYMBOLS: Final[Mapping[str, str]] = {
     "revs": "revolution",
     "U": "revolution",
     "turns": "revolution",
+    "circ": "revolution",
     "RPM": "rpm",
     "rps": "revolution/second",
     "Ohm": "ohm",
@@ -63,6 +64,15 @@ SYMBOLS: Final[Mapping[str, str]] = {
     "[Btu_IT]": "Btu",
     "[psi]": "psi",
     "[ppm]": "ppm",
+    "[ppb]": "ppb",
+    "[pptr]": "parts_per_trillion",
+    "[ppth]": "permille",
+    "m[Hg]": "mercury_meter",
+    "cm[Hg]": "centimercury_meter",
+    "mm[Hg]": "millimercury_meter",
+    "m[H2O]": "water_meter",
+    "cm[H2O]": "centiwater_meter",
+    "mm[H2O]": "milliwater_meter",
     "[pi]": "pi",
     "[c]": "speed_of_light",
     "[g]": "standard_gravity",
@@ -96,5 +106,11 @@ PHRASES: Final[Mapping[str, str]] = {
 }
 """Units written with several words or signs, and a single symbol for each."""
 
-DEFINITIONS: Final = ("magnetic_gauss = 1e-4 * tesla",)
+DEFINITIONS: Final = (
+    "magnetic_gauss = 1e-4 * tesla",
+    "ppb = 1e-9",
+    "parts_per_trillion = 1e-12",
+    "mercury_meter = 1000 * mmHg",
+    "water_meter = 9806.65 * pascal",
+)
 """Further units in pint's notation, whose own gauss is no scale of the tesla."""

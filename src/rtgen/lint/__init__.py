@@ -29,6 +29,7 @@ _CHECKS: tuple[Callable[[Context], Iterator[Diagnostic]], ...] = (
     data.unbounded_on_boards,
     data.missing_enumerators,
     python.names,
+    python.files,
     devices.heartbeats,
     devices.identities,
     devices.names,

@@ -1,8 +1,9 @@
-"""Lint checks of names that are changed in Python, or shadow other names there."""
+"""Lint checks of names that are changed in Python, or shadow others there, and of file names."""
 
 from __future__ import annotations
 
 import builtins
+import re
 from collections.abc import Iterator
 from keyword import iskeyword
 
@@ -11,8 +12,11 @@ from rtgen.lint import rules
 from rtgen.lint.context import Context
 from rtgen.model import Component, Enum, ExceptionDecl, Interface, Struct, Union
 from rtgen.typemap.python.idl_names import PythonNames, is_emitted
+from rtgen.typemap.python.names import module_name, scope_modules
 
 _BUILTINS = frozenset(dir(builtins))
+_DEVICES = re.compile(r"aux|con|nul|prn|(?:com|lpt)[0-9]")
+"""Devices of Windows, which has no files with these names, whatever their suffix."""
 
 
 def names(context: Context) -> Iterator[Diagnostic]:
@@ -47,6 +51,24 @@ def names(context: Context) -> Iterator[Diagnostic]:
                 spans |= {a.name: a.span for a in attributes}
         for key, python in entries.items():
             yield from _renamed(spans[key], key, python)
+
+
+def files(context: Context) -> Iterator[Diagnostic]:
+    """Report modules and components whose Python files Windows cannot store, once for each name."""
+    reported = set()
+    for declaration in context.declarations:
+        *scope, name = declaration.name
+        modules = dict(zip(scope, scope_modules(tuple(scope)), strict=True))
+        if isinstance(declaration, Component):
+            modules[name] = module_name(name)
+        for idl, module in modules.items():
+            if _DEVICES.fullmatch(module) and idl not in reported:
+                reported.add(idl)
+                yield rules.DEVICE_NAME.at(
+                    declaration.span,
+                    f"{idl} is {module} in the paths of generated files, which Windows reserves",
+                    hint="choose a name that every file system can store",
+                )
 
 
 def _renamed(span: Span, name: str, python: str) -> Iterator[Diagnostic]:

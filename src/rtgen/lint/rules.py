@@ -28,6 +28,7 @@ UNUSED_TYPE = Rule("LINT0019", "unused type", Severity.NOTE)
 NOT_PORTABLE = Rule("LINT0020", "IDL that other compilers refuse", Severity.NOTE)
 UNKNOWN_UNIT = Rule("LINT0021", "text that is not a unit", Severity.NOTE)
 OTHER_FACTOR = Rule("LINT0022", "factor other than that of the drive", Severity.WARNING)
+DEVICE_NAME = Rule("LINT0023", "file name reserved by Windows", Severity.WARNING)
 
 RULES: tuple[Rule, ...] = (
     UNUSED_INCLUDE,
@@ -52,6 +53,7 @@ RULES: tuple[Rule, ...] = (
     NOT_PORTABLE,
     UNKNOWN_UNIT,
     OTHER_FACTOR,
+    DEVICE_NAME,
 )
 
 ON_DEMAND: tuple[Rule, ...] = (UNDOCUMENTED, UNBOUNDED, NOT_PORTABLE)

@@ -19,7 +19,7 @@ from rtgen.model import (
     Type,
 )
 
-_BRACKETS: Final = re.compile(r"\[([^,\]]+)\]")
+_BRACKETS: Final = re.compile(r"\[((?:[^,\[\]]|\[[^,\[\]]*\])+)\]")
 
 
 class Leaf(NamedTuple):

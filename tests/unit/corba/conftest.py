@@ -19,6 +19,7 @@ from rtgen.cli import run as rtgen
 
 if TYPE_CHECKING:
     from corba_runs import Here, Run
+    from gauge_component import Bench
 
 
 @pytest.fixture(scope="session")
@@ -91,3 +92,28 @@ def here(project: Path, names: str, stack: ExitStack) -> Here:
     from corba_runs import Here
 
     return Here(stack, names)
+
+
+@pytest.fixture(scope="module")
+def gauge_project(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """Make a project with the component Gauge the working folder of a module's tests."""
+    from gauge_component import IDL, SETTINGS
+
+    folder = tmp_path_factory.mktemp("gauge")
+    (folder / "gauge.idl").write_text(IDL)
+    (folder / "rtgen.toml").write_text(SETTINGS)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        assert rtgen(["generate", "-q"]) == 0
+        patch.setattr(sys, "path", [str(folder / "generated"), *sys.path])
+        importlib.invalidate_caches()
+        yield folder
+
+
+@pytest.fixture(scope="module")
+def bench(gauge_project: Path, names: str) -> Iterator[Bench]:
+    """Yield the running component Gauge."""
+    from gauge_component import running
+
+    with running(gauge_project, names) as bench:
+        yield bench

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
 from importlib import import_module
 from math import pi, tau
 from pathlib import Path
+from typing import Any
 
+import numpy
 import pytest
 from type_checkers import check_by_mypy
 
 from rtgen.cli import run
 from rtgen.project.output import component_types
 from rtgen.runtime import Component, SimulatedClock, System
+from rtgen.runtime.cdr import CdrError
+from rtgen.runtime.marshalling.numeric import NumericArray
 
 INTEGERS = {
     "int8": (-(2**7), 2**7 - 1),
@@ -38,6 +44,28 @@ def fits(to: str, from_: str) -> bool:
     if to in FLOATS:
         return -(2 ** FLOATS[to]) <= low and high <= 2 ** FLOATS[to]
     return to in INTEGERS and INTEGERS[to][0] <= low and high <= INTEGERS[to][1]
+
+
+def run_adapter(adapter: Component, *samples: object) -> tuple[list[Any], list[str]]:
+    """Return what an adapter makes of samples, and the errors of its cycles."""
+    system = System(SimulatedClock())
+    failures: list[str] = []
+    system.on_failure = lambda failure: failures.append(str(failure.error))
+    peer = Component("Peer0")
+    out = peer.add_out_port("out", adapter.in_ports["input"].type)
+    back = peer.add_in_port("in", adapter.out_ports["output"].type)
+    system.add(peer, 100.0)
+    system.add(adapter)
+    system.connect(("Peer0", "out"), ("X0", "input"))
+    system.connect(("X0", "output"), ("Peer0", "in"))
+    for sample in samples:
+        out.write(sample)
+    system.activate("X0")
+    system.run(50_000_000)
+    found = []
+    while back.is_new():
+        found.append(back.read())
+    return found, failures
 
 
 def test_numbers_go_where_every_one_of_them_fits(
@@ -96,23 +124,8 @@ def test_an_adapter_converts_all_that_comes(
     assert factories["AToB"] == "adapted.adapters.a_to_b:AToB"
 
     def converted(name: str, module: str, *samples: object) -> list[object]:
-        system = System(SimulatedClock())
         adapter = getattr(import_module(f"adapted.adapters.{module}"), name)("X0")
-        peer = Component("Peer0")
-        out = peer.add_out_port("out", adapter.in_ports["input"].type)
-        back = peer.add_in_port("in", adapter.out_ports["output"].type)
-        system.add(peer, 100.0)
-        system.add(adapter)
-        system.connect(("Peer0", "out"), ("X0", "input"))
-        system.connect(("X0", "output"), ("Peer0", "in"))
-        for sample in samples:
-            out.write(sample)
-        system.activate("X0")
-        system.run(50_000_000)
-        found = []
-        while back.is_new():
-            found.append(back.read())
-        return found
+        return run_adapter(adapter, *samples)[0]
 
     first = adm.A(adm.Time(3), 0.5, [1, 2], 7, 9)
     second = adm.A(adm.Time(4), -0.5, [], -7, 9)
@@ -192,25 +205,9 @@ def test_an_adapter_converts_units(
     monkeypatch.syspath_prepend(str(tmp_path / "generated"))
     adu = import_module("united.adu")
     sent = adu.Sent(3, adu.Pose(1.0, 2.0, 180.0), [60.0, -30.0], 20.0)
-    system = System(SimulatedClock())
-    made = []
-    for name, module, sample in (
-        ("Units", "units", sent),
-        ("Way", "way", adu.Mm(1500)),
-    ):
-        adapter = getattr(import_module(f"united.adapters.{module}"), name)(f"{name}0")
-        peer = Component(f"{name}Peer0")
-        out = peer.add_out_port("out", adapter.in_ports["input"].type)
-        back = peer.add_in_port("in", adapter.out_ports["output"].type)
-        system.add(peer, 100.0)
-        system.add(adapter)
-        system.connect((peer.instance_name, "out"), (f"{name}0", "input"))
-        system.connect((f"{name}0", "output"), (peer.instance_name, "in"))
-        out.write(sample)
-        system.activate(f"{name}0")
-        made.append(back)
-    system.run(50_000_000)
-    taken, way = (port.read() for port in made)
+    units = import_module("united.adapters.units").Units("X0")
+    [taken], _ = run_adapter(units, sent)
+    [way], _ = run_adapter(import_module("united.adapters.way").Way("X0"), adu.Mm(1500))
     assert taken.count == 3
     assert (taken.at.x, taken.at.y) == (1.0, 2.0)
     assert taken.at.heading == pytest.approx(pi)
@@ -242,22 +239,11 @@ def test_an_adapter_converts_numbers_of_several_dimensions(
     assert run(["generate", "-q", "--no-cache"]) == 0
     check_by_mypy([tmp_path / "generated" / package], [tmp_path / "generated"])
     monkeypatch.syspath_prepend(str(tmp_path / "generated"))
-    adapter = import_module(f"{package}.adapters.mm").Mm("Mm0")
+    adapter = import_module(f"{package}.adapters.mm").Mm("X0")
     sent = import_module(f"{package}.adg").Grid(
         [[1, 2, 3], [4, 5, 6]], [[0, 10, 20]], [60, 30], [[[1, 2]], [[3, 4]]]
     )
-    peer = Component("Peer0")
-    out = peer.add_out_port("out", adapter.in_ports["input"].type)
-    back = peer.add_in_port("in", adapter.out_ports["output"].type)
-    system = System(SimulatedClock())
-    system.add(peer, 100.0)
-    system.add(adapter)
-    system.connect(("Peer0", "out"), ("Mm0", "input"))
-    system.connect(("Mm0", "output"), ("Peer0", "in"))
-    out.write(sent)
-    system.activate("Mm0")
-    system.run(50_000_000)
-    taken = back.read()
+    [taken], _ = run_adapter(adapter, sent)
     assert [list(row) for row in taken.cells] == [
         [1000, 2000, 3000],
         [4000, 5000, 6000],
@@ -267,6 +253,128 @@ def test_an_adapter_converts_numbers_of_several_dimensions(
     ]
     assert list(taken.line) == pytest.approx([tau, pi])
     assert [list(inner[0]) for inner in taken.cube] == [[1000, 2000], [3000, 4000]]
+
+
+FORMS = ("list", "array", "numpy")
+
+
+@pytest.fixture(scope="module")
+def forms(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """Generate adapters between all forms of numbers, with and without conversion of units."""
+    folder = tmp_path_factory.mktemp("forms")
+    members = (
+        "sequence<double> line; sequence<float> few; @optional sequence<long> ids;"
+    )
+    formed = members.replace("sequence", '@numeric("{0}") sequence')
+    structs = "".join(
+        f"struct {form.title()} {{ {formed.replace('{0}', form)}"
+        f' @numeric("{form.replace("array", "list")}") float grid[1][2]; }};'
+        for form in FORMS
+    )
+    records = "".join(
+        f'struct {form.title()}P {{ @numeric("{form}") sequence<P> points; }};'
+        for form in ("list", "numpy")
+    )
+    (folder / "t.idl").write_text(
+        f"module AdC {{ {structs} struct P {{ float x; long y[2]; }}; {records} }};"
+    )
+    table = '[adapter.{0}To{1}{2}]\nfrom = "AdC::{0}"\nto = "AdC::{1}"\n'
+    scaled = '"few" = ["m", "mm"], "line" = ["m", "mm"], "grid" = ["m", "mm"]'
+    (folder / "rtgen.toml").write_text(
+        '[sources]\npaths = ["t.idl"]\n[output]\npackage = "formed"\n'
+        + "".join(
+            table.format(one.title(), other.title(), "")
+            + table.format(one.title(), other.title(), "Mm")
+            + f"units = {{ {scaled} }}\n"
+            for one in FORMS
+            for other in FORMS
+        )
+        + table.format("ListP", "NumpyP", "")
+        + table.format("NumpyP", "ListP", "")
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        assert run(["generate", "-q", "--no-cache"]) == 0
+        patch.syspath_prepend(str(folder / "generated"))
+        yield folder / "generated"
+
+
+def test_adapters_between_forms_pass_a_type_checker(forms: Path) -> None:
+    check_by_mypy([forms / "formed"], [forms])
+
+
+def in_form(form: str, numbers: list[Any], code: str) -> Any:
+    if form == "numpy":
+        return numpy.array(numbers, code)
+    return NumericArray(code, numbers) if form == "array" else numbers
+
+
+def adapter_between(one: str, other: str, suffix: str = "") -> Component:
+    name = f"{one}_to_{other}{suffix and '_'}{suffix}"
+    class_ = name.title().replace("_", "")
+    made = getattr(import_module(f"formed.adapters.{name}"), class_)("X0")
+    assert isinstance(made, Component)
+    return made
+
+
+@pytest.mark.parametrize("other", FORMS)
+@pytest.mark.parametrize("one", FORMS)
+def test_an_adapter_converts_forms(one: str, other: str, forms: Path) -> None:
+    types = import_module("formed.adc")
+    line, few = [float(n) for n in range(70)], [0.5, float("inf")]
+    grid = in_form(one.replace("array", "list"), [[1.0, 2.0]], "f")
+    numbers = in_form(one, line, "d"), in_form(one, few, "f"), in_form(one, [7], "i")
+    sent = getattr(types, one.title())(*numbers, grid)
+    [made], failures = run_adapter(adapter_between(one, other), sent)
+    [mm], more = run_adapter(adapter_between(one, other, "mm"), sent)
+    assert failures == more == []
+    kept = list if other == "list" else numpy.ndarray if other == "numpy" else object
+    assert all(isinstance(v, kept) for v in (made.line, made.ids, made.grid, mm.few))
+    assert (*made.line, *made.few, *made.ids) == (*line, *few, 7)
+    assert (*mm.line, *mm.few, *mm.ids) == (*(1000 * n for n in line), 500.0, few[1], 7)
+    assert [[*row] for row in (*made.grid, *mm.grid)] == [[1.0, 2.0], [1000.0, 2000.0]]
+    assert type(made).from_cdr(made.to_cdr()) == made
+    sent.ids = None
+    [made], _ = run_adapter(adapter_between(one, other), sent)
+    assert made.ids is None
+
+
+@pytest.mark.parametrize("other", FORMS)
+@pytest.mark.parametrize("one", FORMS)
+def test_numbers_beyond_float_are_reported_with_their_place(
+    one: str, other: str, forms: Path
+) -> None:
+    """An array of numpy has no place for them; other forms have, until they are marshalled."""
+    types = import_module("formed.adc")
+    grid = in_form(one.replace("array", "list"), [[1.0, 2.0]], "f")
+    few = in_form(one, [1.0, 2.0**120], "f")
+    sent = getattr(types, one.title())(in_form(one, [1.0], "d"), few, None, grid)
+    found, failures = run_adapter(adapter_between(one, other, "mm"), sent)
+    text = f"{other.title()}.few[1]: {1000 * 2.0**120} is out of the range of float"
+    if other == "numpy":
+        assert failures == [text]
+    else:
+        with pytest.raises(CdrError, match=re.escape(text)):
+            found[0].to_cdr()
+
+
+def test_structs_of_numbers_change_their_form(forms: Path) -> None:
+    types = import_module("formed.adc")
+    listed = types.ListP([types.P(1.0, [2, 3]), types.P(4.0, [5, 6])])
+    to_numpy, to_list = (
+        getattr(import_module(f"formed.adapters.{name}"), class_)("X0")
+        for name, class_ in (
+            ("list_p_to_numpy_p", "ListPToNumpyP"),
+            ("numpy_p_to_list_p", "NumpyPToListP"),
+        )
+    )
+    [records], _ = run_adapter(to_numpy, listed)
+    assert records.points["y"].tolist() == [[2, 3], [5, 6]]
+    [back], _ = run_adapter(to_list, records)
+    assert back == listed
+    again = import_module("formed.adapters.list_p_to_numpy_p").ListPToNumpyP("X0")
+    _, [failure] = run_adapter(again, types.ListP([types.P(1e300, [2, 3])]))
+    assert failure.startswith("NumpyP.points: ")
 
 
 @pytest.mark.parametrize(

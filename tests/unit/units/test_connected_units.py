@@ -18,6 +18,8 @@ module Units {{
     }};
     struct Partly {{ double value; double at; ///< [ms]
     }};
+    struct Gas {{ double pressure; ///< Above that of the air [mm[Hg]].
+    }};
     struct Odd {{ double value; ///< [0..1]
     }};
     typedef double Three[3];
@@ -106,6 +108,7 @@ SILENT = "does not say its unit"
         (DOUBLE, "", "mm", SILENT),
         ("Units::Partly", "", "s", SILENT),
         ("Units::Odd", "", "s", SILENT),
+        ("Units::Gas", "", "mmHg", ""),
     ],
 )
 def test_a_port_without_a_unit_has_those_of_its_type(

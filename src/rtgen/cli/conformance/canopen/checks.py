@@ -32,7 +32,7 @@ from rtgen.cli.conformance.canopen.sdo_checks import (
     writable_heartbeat,
 )
 from rtgen.cli.conformance.check import Check, Permission, Problems, SkipError
-from rtgen.model.canopen import Access, NodeRelative, resolved
+from rtgen.model.canopen import Access
 from rtgen.runtime.canopen.values import ObjectValueError, decode, encode, size
 from rtgen.runtime.canopen.wire import sdo
 from rtgen.runtime.canopen.wire.frames import (
@@ -128,20 +128,8 @@ def constants(node: NodeUnderTest) -> Problems:
     described = {(0x1000, 0), *((0x1018, sub) for sub in (1, 2, 3))}
     for number, octets in node.values.items():
         thing = node.described.objects[number]
-        variable = node.described.device.find(*number)
-        wanted = None if variable is None else resolved(variable.default, node.id)
-        is_constant = thing.access is Access.CONST or number in described
-        if (
-            not is_constant
-            or isinstance(wanted, bytes | NodeRelative | None)
-            or not size(thing.kind)
-        ):
-            continue
-        try:
-            fits = octets == encode(thing.kind, wanted)
-        except ObjectValueError:
-            continue
-        yield None if fits else f"{thing} is {octets.hex()}, described is {wanted}"
+        if thing.access is Access.CONST or number in described:
+            yield from _compared(node, thing, octets, "described is")
 
 
 def defaults(node: NodeUnderTest) -> Problems:
@@ -149,22 +137,24 @@ def defaults(node: NodeUnderTest) -> Problems:
     pdos = node.described.device.pdos
     compared = {index for pdo in pdos for index in (pdo.communication, pdo.mapping)}
     for number, octets in node.values.items():
-        if number[0] in compared:
-            continue
         thing = node.described.objects[number]
-        variable = node.described.device.find(*number)
-        wanted = None if variable is None else resolved(variable.default, node.id)
-        if (
-            not thing.access.writable
-            or isinstance(wanted, bytes | NodeRelative | None)
-            or not size(thing.kind)
-        ):
-            continue
-        try:
-            fits = octets == encode(thing.kind, wanted)
-        except ObjectValueError:
-            continue
-        yield None if fits else f"{thing} is {octets.hex()}, its default is {wanted}"
+        if number[0] not in compared and thing.access.writable:
+            yield from _compared(node, thing, octets, "its default is")
+
+
+def _compared(
+    node: NodeUnderTest, thing: DescribedObject, octets: bytes, words: str
+) -> Problems:
+    """Compare a value with those of the description; yields nothing if there are none."""
+    wanted = node.described_values(thing.number)
+    if not wanted or not size(thing.kind):
+        return
+    try:
+        fits = octets in [encode(thing.kind, value) for value in wanted]
+    except ObjectValueError:
+        return
+    shown = " or ".join(map(str, wanted))
+    yield None if fits else f"{thing} is {octets.hex()}, {words} {shown}"
 
 
 def read_only(node: NodeUnderTest) -> Problems:

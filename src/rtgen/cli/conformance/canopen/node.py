@@ -8,6 +8,7 @@ from typing import ClassVar, Protocol
 
 from rtgen.cli.can.decoding.node_index import DescribedNode
 from rtgen.facts.canopen import INVALID
+from rtgen.model.canopen import NodeRelative, resolved
 from rtgen.runtime.canopen.description import ObjectNumber
 from rtgen.runtime.canopen.wire import sdo
 from rtgen.runtime.canopen.wire.frames import (
@@ -85,6 +86,22 @@ class NodeUnderTest:
         octets = self.values.get(_EMERGENCY)
         cob_id = CobId(INVALID if octets is None else int.from_bytes(octets, "little"))
         return None if cob_id.bit31 else cob_id.can_id
+
+    def described_values(self, number: ObjectNumber) -> list[int | float | str]:
+        """Return the values that the description gives an object after a reset.
+
+        That is the default, or the configured value of a DCF, if the node has stored it (CiA 301,
+        7.3.2.2.1; CiA 306, ParameterValue). An object without a default may have any value.
+        """
+        variable = self.described.device.find(*number)
+        if variable is None or variable.default is None:
+            return []
+        found = [resolved(v, self.id) for v in (variable.default, variable.value)]
+        return [
+            v
+            for v in dict.fromkeys(found)
+            if not isinstance(v, bytes | NodeRelative | None)
+        ]
 
     def upload(self, number: ObjectNumber, *, block: bool = False) -> bytes:
         """Return the octets of an object. Raises SdoAbort."""

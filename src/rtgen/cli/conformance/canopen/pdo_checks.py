@@ -9,7 +9,7 @@ from rtgen.cli.can.decoding.node_index import DescribedObject
 from rtgen.cli.conformance.canopen.node import NodeUnderTest
 from rtgen.cli.conformance.canopen.pdo_changes import present_entries, whole_objects
 from rtgen.cli.conformance.check import Problems
-from rtgen.model.canopen import Pdo, PdoDirection, resolved
+from rtgen.model.canopen import Pdo, PdoDirection
 from rtgen.runtime.canopen.wire.emergency import PDO_TOO_SHORT
 from rtgen.runtime.canopen.wire.frames import (
     MAX_DATA,
@@ -30,18 +30,19 @@ def parameters(node: NodeUnderTest) -> Problems:
     """Check that identifiers, transmission types and mappings match the description."""
     for pdo in node.described.device.pdos:
         for index in (pdo.communication, pdo.mapping):
-            for (at, sub), octets in node.values.items():
-                variable = node.described.device.find(at, sub)
-                if at != index or variable is None:
+            for number, octets in node.values.items():
+                if number[0] != index:
                     continue
-                wanted = resolved(variable.default, node.id)
-                if isinstance(wanted, int):
+                values = node.described_values(number)
+                wanted = [value for value in values if isinstance(value, int)]
+                if wanted:
                     got = int.from_bytes(octets, "little")
-                    thing = node.described.objects[at, sub]
+                    shown = " or ".join(f"{value:X}h" for value in wanted)
+                    thing = node.described.objects[number]
                     yield (
                         None
-                        if got == wanted
-                        else f"{thing} is {got:X}h, described is {wanted:X}h"
+                        if got in wanted
+                        else f"{thing} is {got:X}h, described is {shown}"
                     )
 
 

@@ -82,7 +82,8 @@ def checked(
 ) -> Report:
     """Return the report of all checks of a node. Raises ToolError if the node is not there.
 
-    After Ctrl-C and SIGTERM, too, the node is left in PRE-OPERATIONAL.
+    They begin with a reset of communication, which reverts what a manager has written. After Ctrl-C
+    and SIGTERM, too, the node is left in PRE-OPERATIONAL.
     """
     try:
         node.read_code(_DEVICE_TYPE)
@@ -93,6 +94,7 @@ def checked(
         ) from None
     try:
         with terminable():
+            node.restart()
             outcomes = tuple(check.outcome(node, permissions) for check in CHECKS)
     except KeyboardInterrupt:
         node.restart()
