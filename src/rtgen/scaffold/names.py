@@ -6,6 +6,7 @@ import builtins
 import keyword
 import re
 import sys
+from collections.abc import Collection
 from dataclasses import dataclass
 
 from rtgen.diagnostics import InputError
@@ -16,6 +17,8 @@ from rtgen.typemap.python.names import module_name
 MAX_LENGTH = 64
 _FORM = re.compile(r"[A-Za-z][A-Za-z0-9]*([_-][A-Za-z0-9]+)*")
 _RESERVED = frozenset({"canopen", "components", "generated", "rtc", "rtgen", "tecs"})
+_FORM_HINT = "use ASCII letters, digits, '_' and '-', beginning with a letter"
+_OTHER_HINT = "choose another name"
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,11 +32,23 @@ class Names:
 
 def names(given: str) -> Names:
     """Return the forms of a name. Raises InputError for one that is invalid in a language."""
+    if not _FORM.fullmatch(given):
+        form = "is not a name that files, IDL and Python can have"
+        raise _unusable(given, form, _FORM_HINT)
     fault = _fault(given)
     if fault is not None:
-        hint = "use ASCII letters, digits, '_' and '-', beginning with a letter"
-        raise InputError([UNUSABLE_NAME.at(None, f"{given!r} {fault}", hint=hint)])
+        raise _unusable(given, fault)
     return _forms(given)
+
+
+def require_free(name: Names, used: Collection[str]) -> None:
+    """Raise InputError for a class that is one of those `used` by the files with its name."""
+    if name.type in used:
+        raise _unusable(name.given, "is a class that the new test imports")
+
+
+def _unusable(given: str, fault: str, hint: str = _OTHER_HINT) -> InputError:
+    return InputError([UNUSABLE_NAME.at(None, f"{given!r} {fault}", hint=hint)])
 
 
 def _forms(given: str) -> Names:
@@ -45,15 +60,13 @@ def _forms(given: str) -> Names:
 def _fault(given: str) -> str | None:
     if len(given) > MAX_LENGTH:
         return f"is longer than {MAX_LENGTH} characters"
-    if not _FORM.fullmatch(given):
-        return "is not a name that files, IDL and Python can have"
     made = _forms(given)
     if keyword.iskeyword(made.module.rstrip("_")) or hasattr(builtins, made.type):
-        return "is a word of Python"
+        return "is a keyword or a built-in name of Python"
     if escaped(made.type) != made.type or escaped(given) != given:
-        return "is a word of IDL"
+        return "is a keyword of IDL"
     if made.module in sys.stdlib_module_names:
         return "is a module of Python, which it would hide"
     if made.module in _RESERVED:
-        return "is a package that rtgen has or makes"
+        return "is a package that rtgen has or generates"
     return None

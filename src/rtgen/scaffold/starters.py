@@ -13,7 +13,7 @@ from rtgen.diagnostics import InputError
 from rtgen.model import Model
 from rtgen.project import FILE_NAME, Project
 from rtgen.resources import RH3_FILES, rh3_source
-from rtgen.scaffold.names import Names, names
+from rtgen.scaffold.names import Names, names, require_free
 from rtgen.scaffold.rules import NO_PROJECT
 from rtgen.scaffold.systems import system_of
 
@@ -22,6 +22,9 @@ VENDOR = "example"
 
 FIRST = "Scaler"
 """The component of a new project."""
+
+_USED_BY_TESTS = ("LifeCycleState", "SimulatedClock", "System", "TimedDouble")
+"""Classes that the test of a new component imports beside the component."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +87,11 @@ def place_of(project: Project) -> Place:
 
 
 def component(name: Names, place: Place) -> list[File]:
-    """Return a component with a data port each way and a parameter, its behaviour and a test."""
+    """Return a component with a data port each way and a parameter, its behaviour and a test.
+
+    Raises InputError for a name that its test imports.
+    """
+    require_free(name, _USED_BY_TESTS)
     return _files(
         "component",
         {

@@ -501,9 +501,7 @@ def test_plot_live_and_refusals(
     assert "the suffix is one of" in shown(capfd.readouterr().err)
     missing = ["plot", "palette.Angle", "--bus", LINKED, "-o", target]
     assert command("plot", *missing) == 2
-    monkeypatch.setattr(
-        "rtgen.cli.can.decoding.time_series.find_spec", lambda name: None
-    )
+    monkeypatch.setattr("rtgen.cli.running.trajectory.find_spec", lambda name: None)
     assert command("plot", *base, "-o", str(tmp_path / "p.svg")) == 3
     assert "rtgen[plot]" in shown(capfd.readouterr().err)
 

@@ -213,6 +213,40 @@ def test_what_cannot_be(
     assert "Traceback" not in err
 
 
+@pytest.mark.parametrize(
+    ("environment", "file", "message"),
+    [
+        ({"CAN_INTERFACE": "sockets"}, "", 'Unknown interface type "sockets"'),
+        ({"CAN_CONFIG": "port=1"}, "", "Expecting value"),
+        ({"CAN_CONFIG": "[1]"}, "", "is not valid"),
+        (
+            {"CAN_BITRATE": "fast", "CAN_INTERFACE": "virtual"},
+            "",
+            "'fast' is not a bit",
+        ),
+        ({}, "interface = virtual", "no section headers"),
+        ({}, "[default]\ninterface = virtual\nport = x", "Port config"),
+    ],
+)
+def test_a_configuration_of_python_can_that_is_not_valid(
+    environment: dict[str, str],
+    file: str,
+    message: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    (tmp_path / ".canrc").write_text(file)
+    monkeypatch.setenv("HOME", str(tmp_path))
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    assert run(["can", "monitor", "--for", "0.1"]) == 3
+    err = capfd.readouterr().err
+    assert message in err
+    assert "python-can's configuration is not valid" in err
+    assert "internal error" not in err
+
+
 @pytest.mark.parametrize("name", ["a.log", "a.blf", "a.asc"])
 def test_files_that_are_no_records(
     name: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import csv
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -101,6 +104,16 @@ def test_trajectories_are_drawn_as_before() -> None:
         (["--plot", "PathFollowr0.velocity"], 2, "did you mean 'PathFollower0'?"),
         (["--csv", "PathFollowr0.velocity"], 2, "did you mean 'PathFollower0'?"),
         (["--plot", "PathFollower0.velocity.foo"], 2, "has no numbers; a sample is"),
+        (
+            ["--plot", "PathFollower0.velocity.foo"],
+            2,
+            "...\n  hint: members: tm, id, data",
+        ),
+        (
+            ["--plot", "RefHardRh30.OutWheelAngle[2]"],
+            2,
+            "hint: the sequence has 2 elements",
+        ),
         (["--plot", "PathFollower0.velocity["], 2, "names no value of a port"),
         (["--csv", "a.csv", "--csv", "b.csv"], 2, "two files, a.csv and b.csv"),
         (["--plot", "a.jpeg"], 3, "unknown kind of picture"),
@@ -117,3 +130,23 @@ def test_what_is_not_there(
     assert run([*SHORT, *arguments]) == code
     assert message in capfd.readouterr().err
     assert not Path("a.svg").exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("MPLBACKEND", "typewriter", "the environment variable MPLBACKEND"),
+        ("SOURCE_DATE_EPOCH", "today", "matplotlib cannot write a.svg: invalid"),
+    ],
+)
+def test_an_environment_that_matplotlib_rejects(
+    name: str, value: str, message: str
+) -> None:
+    command = [sys.executable, "-m", "rtgen", *SHORT, "-q", "--plot", "a.svg"]
+    command += ["--plot", "PathFollower0.velocity"]
+    done = subprocess.run(
+        command, env={**os.environ, name: value}, capture_output=True, text=True
+    )
+    assert done.returncode == 3
+    assert message in done.stderr
+    assert "internal error" not in done.stderr

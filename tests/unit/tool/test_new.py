@@ -217,6 +217,19 @@ def test_names_that_something_cannot_have_are_refused(
     assert files_of(work) == {}
 
 
+@pytest.mark.parametrize("name", ["system", "LifeCycleState", "timed_double"])
+def test_a_component_that_its_test_would_hide_is_refused(
+    name: str, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    project = started(monkeypatch)
+    before = files_of(project)
+    assert run(["new", "component", name]) == 2
+    printed = capfd.readouterr().err
+    assert f"NEW0001]: {name!r} is a class that the new test imports" in printed
+    assert "hint: choose another name" in printed
+    assert files_of(project) == before
+
+
 @pytest.mark.parametrize(
     ("given", "type_", "module"),
     [

@@ -11,7 +11,7 @@ from typing import Any, ParamSpec, TypeVar
 import click
 
 from rtgen.cli.can.decoding.node_index import NodeIndex, read_node_index
-from rtgen.cli.common import FiniteRange, Refusal, WholeRange
+from rtgen.cli.common import FiniteRange, Refusal, ToolError, WholeRange
 from rtgen.runtime.canopen.bus.python_can import BusAddress, Option, option
 
 P = ParamSpec("P")
@@ -31,20 +31,14 @@ class BusAccess:
     further: dict[str, Option] = field(default_factory=dict)
 
     def address(self) -> BusAddress:
-        """Return the bus's address, falling back to python-can's configuration. Raises Refusal."""
+        """Return the bus's address, falling back to python-can's configuration.
+
+        Raises Refusal if no bus is named, ToolError if the configuration is not valid.
+        """
         arguments = dict(self.further)
         interface, channel, bitrate = self.interface, self.channel, self.bitrate
         if interface is None:
-            from can import CanInterfaceNotImplementedError
-            from can.util import load_config
-
-            try:
-                config = dict(load_config())
-            except CanInterfaceNotImplementedError:
-                raise Refusal(
-                    "which bus? Give --interface, for instance --interface socketcan "
-                    "--channel can0, or --interface socketcand for rtgen can hub"
-                ) from None
+            config = _configuration()
             interface = config.pop("interface")
             channel = channel or config.pop("channel", None)
             bitrate = bitrate or config.pop("bitrate", None)
@@ -59,6 +53,36 @@ class BusAccess:
         if self.bitrate is not None or known.bus is None:
             return self
         return replace(self, bitrate=1000 * known.bus.bit_rate)
+
+
+def _configuration() -> dict[str, Any]:
+    """Return python-can's configuration: of the environment, or of a file."""
+    from configparser import Error as MalformedFile
+
+    from can import CanInterfaceNotImplementedError
+    from can.util import load_config
+
+    try:
+        found: dict[str, Any] = dict(load_config())
+    except CanInterfaceNotImplementedError as error:
+        if "None" in str(error):
+            raise Refusal(
+                "which bus? Give --interface, for instance --interface socketcan "
+                "--channel can0, or --interface socketcand for rtgen can hub"
+            ) from None
+        raise _misconfigured(error) from error
+    except (ValueError, TypeError, AttributeError, MalformedFile) as error:
+        raise _misconfigured(error) from error
+    if not isinstance(found.get("bitrate") or 0, int):
+        raise _misconfigured(f"{found['bitrate']!r} is not a bit rate")
+    return found
+
+
+def _misconfigured(reason: object) -> ToolError:
+    return ToolError(
+        f"python-can's configuration is not valid: {' '.join(str(reason).split())}",
+        hint="it is in CAN_INTERFACE, CAN_CHANNEL, CAN_BITRATE and CAN_CONFIG, or in ~/.canrc",
+    )
 
 
 def with_bus(function: Callable[P, R]) -> Callable[..., R]:

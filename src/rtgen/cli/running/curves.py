@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
+from textwrap import shorten
 from typing import Any, TextIO, TypeAlias
 
 from rtgen import runtime
@@ -31,6 +32,7 @@ _SELECTOR = re.compile(
 )
 _STEP = re.compile(r"\.(\w+)|\[(\d+)\]")
 _MAX_NUMBERS = 32
+_MAX_TEXT = 80
 _PERIOD = SECOND // 50
 
 Number: TypeAlias = float | int
@@ -87,7 +89,9 @@ class Selection:
         if len(units) != len(numbers):
             units = [unit] * len(numbers)
         if not numbers and inner != []:
-            self._text = f"a sample is {value!r}"[:80]
+            self._text = shorten(
+                f"a sample is {value!r}", _MAX_TEXT, placeholder=" ..."
+            )
             self._hint = _members(value, self._path)
         for (name, number), one in zip(numbers, units, strict=True):
             curve = self._curves.setdefault(name, Curve(name, one))
@@ -189,11 +193,7 @@ def _inside(value: Any, label: str, path: list[str | int]) -> tuple[Any, str]:
     """
     for step in path:
         label += f"[{step}]" if isinstance(step, int) else f".{step}"
-        while isinstance(value, dict) and step not in value:
-            members = _timeless(value)
-            if len(members) != 1:
-                break
-            [value] = members.values()
+        value = _unwrapped(value, step)
         if isinstance(step, int):
             is_there = isinstance(value, list) and step < len(value)
         else:
@@ -202,9 +202,22 @@ def _inside(value: Any, label: str, path: list[str | int]) -> tuple[Any, str]:
     return value, label
 
 
+def _unwrapped(value: Any, step: str | int) -> Any:
+    """Return what a step selects from: the only member beside the time stamp if not the sample."""
+    while isinstance(value, dict) and step not in value:
+        members = _timeless(value)
+        if len(members) != 1:
+            break
+        [value] = members.values()
+    return value
+
+
 def _members(value: Any, path: list[str | int]) -> str | None:
-    """Return a hint for a path with a missing member; None for other paths."""
+    """Return a hint for a path with a missing member or index; None for other paths."""
     for step in path:
+        inner = _unwrapped(value, step)
+        if isinstance(inner, list) and isinstance(step, int) and step >= len(inner):
+            return f"the sequence has {len(inner)} elements"
         if isinstance(value, dict) and isinstance(step, str) and step not in value:
             close = get_close_matches(step, value, n=1)
             return (

@@ -9,6 +9,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO, TypeAlias
@@ -89,11 +90,7 @@ def check_picture(path: str | None, command: str = "--plot") -> None:
             f"cannot draw {path}: unknown kind of picture",
             hint=f"one of {', '.join(PICTURES)}",
         )
-    if find_spec("matplotlib") is None:
-        raise ToolError(
-            f"{command} needs matplotlib, which is not installed",
-            hint="pip install 'rtgen[plot]'",
-        )
+    require_matplotlib(command)
     existed = file.exists()
     try:
         with file.open("ab"):
@@ -102,6 +99,22 @@ def check_picture(path: str | None, command: str = "--plot") -> None:
             file.unlink()  # a failed run leaves no empty picture
     except OSError as error:
         raise ToolError(f"cannot write {path}: {error.strerror}") from error
+
+
+def require_matplotlib(user: str, hint: str = "pip install 'rtgen[plot]'") -> None:
+    """Raise ToolError if matplotlib is missing, or rejects its environment (MPLBACKEND).
+
+    `user` is the option or format that draws, `hint` is for a missing matplotlib.
+    """
+    if find_spec("matplotlib") is None:
+        raise ToolError(f"{user} needs matplotlib, which is not installed", hint=hint)
+    try:
+        import_module("matplotlib")
+    except ValueError as error:
+        raise ToolError(
+            f"matplotlib cannot be imported: {error}",
+            hint="correct the environment variable MPLBACKEND, or unset it",
+        ) from error
 
 
 def write_csv(stream: TextIO, robots: Sequence[str], samples: Sequence[Sample]) -> None:
@@ -232,6 +245,9 @@ def save_picture(figure: Figure, path: Path) -> None:
         figure.savefig(path, format=kind, metadata=undated.get(kind))
     except OSError as error:
         raise ToolError(f"cannot write {path}: {error.strerror}") from error
+    except ValueError as error:
+        # SOURCE_DATE_EPOCH, for instance, is read by matplotlib.
+        raise ToolError(f"matplotlib cannot write {path}: {error}") from error
 
 
 def _extent(poses: Sequence[Pose]) -> float:

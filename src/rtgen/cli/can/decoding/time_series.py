@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Sequence
-from importlib.util import find_spec
 from pathlib import Path
 
 from rtgen.cli.common import Refusal
-from rtgen.cli.running.trajectory import PICTURES, reproducible, save_picture
+from rtgen.cli.running.trajectory import (
+    PICTURES,
+    reproducible,
+    require_matplotlib,
+    save_picture,
+)
 from rtgen.diagnostics import ToolError
 
 _WIDTH, _HEIGHT = 9.0, 2.6
@@ -42,11 +46,7 @@ def check_output(path: Path) -> None:
         return
     if suffix not in PICTURES:
         raise Refusal(f"{path}: the suffix is one of {', '.join(PICTURES)}, .csv")
-    if find_spec("matplotlib") is None:
-        raise ToolError(
-            "pictures need matplotlib, which is not installed",
-            hint="pip install 'rtgen[plot]', or write .csv",
-        )
+    require_matplotlib(suffix, "pip install 'rtgen[plot]', or write .csv")
 
 
 def write_csv(path: Path, found: Sequence[Series]) -> None:
