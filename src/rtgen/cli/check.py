@@ -12,7 +12,6 @@ from rtgen.cli.common import (
     Console,
     Definitions,
     project_of,
-    require_target,
     with_console,
     with_definitions,
     with_node_id,
@@ -50,7 +49,6 @@ def check(
     project = project_of(
         definitions, output, add=output is None, node_id=node_id, target=target
     )
-    require_target(project)
     run = build(project, None if no_cache else cache.default())
     console.findings(run.diagnostics, run.sources)
     if run.failed:

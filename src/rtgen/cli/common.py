@@ -17,7 +17,6 @@ from rtgen import stages
 from rtgen.diagnostics import Diagnostic, InputError, ToolError
 from rtgen.diagnostics.printable import printable
 from rtgen.project import (
-    AVAILABLE_TARGETS,
     KCODES,
     PRELUDES,
     TARGETS,
@@ -320,7 +319,6 @@ def with_target(function: Callable[P, int]) -> Callable[P, int]:
     return click.option(
         "--target",
         type=click.Choice(TARGETS),
-        metavar=f"[{'|'.join(AVAILABLE_TARGETS)}]",
         help="Runtime of the components; default: from rtgen.toml, else embedded.",
     )(function)
 
@@ -362,15 +360,6 @@ def project_of(
         )
         require_sources(project)
     return project
-
-
-def require_target(project: Project) -> None:
-    """Raise ToolError for a target that this version does not implement."""
-    if project.target not in AVAILABLE_TARGETS:
-        raise ToolError(
-            f"the target {project.target!r} is not available in this version",
-            hint=f"it has {', '.join(map(repr, AVAILABLE_TARGETS))}",
-        )
 
 
 def _macros(

@@ -33,7 +33,7 @@ from rtgen.language_server.indexing.project_file import add_project_file
 from rtgen.language_server.text import Text
 from rtgen.linting import unknown_codes
 from rtgen.model import Model
-from rtgen.project import AVAILABLE_TARGETS, Project, behaviours, shown
+from rtgen.project import Project, behaviours, shown
 from rtgen.systems import reading
 
 _MAX_SETTINGS_BYTES = 1024 * 1024
@@ -161,8 +161,6 @@ def emitted(
     project, complete = analysis.project, analysis.complete
     if complete is None:
         return analysis
-    if project.target not in AVAILABLE_TARGETS:
-        return replace(analysis, complete=None, emitting=())
     with overlaid(snapshot.contents), stages.observed(_Stages(is_superseded)):
         compilation = compiler.emitted(project, complete)
         found = list(compilation.diagnostics)

@@ -2,7 +2,6 @@
 
 from rtgen.project.kinds import FILE_NAME, is_bus_file, is_component_profile, is_system
 from rtgen.project.loading import (
-    AVAILABLE_TARGETS,
     KCODES,
     PRELUDES,
     SYSTEMS_TARGET,
@@ -18,7 +17,6 @@ from rtgen.project.loading import (
 )
 
 __all__ = [
-    "AVAILABLE_TARGETS",
     "FILE_NAME",
     "KCODES",
     "PRELUDES",

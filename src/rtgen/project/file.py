@@ -244,7 +244,7 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
         "dir": _text,
         "skeletons": _text,
         "package": _text,
-        "target": _one_of("embedded", "openrtm", "small", "typescript", "dds"),
+        "target": _one_of("embedded", "openrtm", "small", "typescript"),
         "representation": _one_of("cdr", "xcdr2"),
         "extensibility": _one_of("final", "appendable", "mutable"),
     },

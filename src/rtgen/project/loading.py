@@ -32,11 +32,8 @@ if TYPE_CHECKING:
     from rtgen.frontends.stage import Settings as FrontendSettings
     from rtgen.project import file as project_file
 
-TARGETS = ("embedded", "openrtm", "small", "typescript", "dds")
-"""The targets that `rtgen.toml` can name."""
-
-AVAILABLE_TARGETS = ("embedded", "openrtm", "small", "typescript")
-"""The targets that this version implements."""
+TARGETS = ("embedded", "openrtm", "small", "typescript")
+"""Where components can run."""
 
 SYSTEMS_TARGET = "openrtm"
 """The target that generates files for systems."""
@@ -337,8 +334,8 @@ def require_sources(project: Project) -> None:
         message = f"no {FILE_NAME} here or in a folder above, and no PATH given"
         hint = f"name definition files, or write a {FILE_NAME} with [sources] paths"
     else:
-        message = f"{shown(project.file)}: no definition files below the given paths"
-        hint = "rtgen reads " + ", ".join(f"*{s}" for s in SUFFIXES)
+        message = f"{shown(project.file)}: [sources] paths names no definition files"
+        hint = 'paths = ["FOLDER"]; rtgen reads ' + ", ".join(f"*{s}" for s in SUFFIXES)
     raise InputError([SOURCE_NONE.at(None, message, hint=hint)])
 
 
@@ -446,7 +443,7 @@ def _check_names(
     package = project.package
     where = settings.span("output", "package")
     if not (package.isidentifier() and package.isascii()) or keyword.iskeyword(package):
-        yield PROJECT_NAME.at(where, f"package {package!r} is not Python identifier")
+        yield PROJECT_NAME.at(where, f"package {package!r} is not a Python identifier")
     elif package in _RESERVED_PACKAGES or package in sys.stdlib_module_names:
         yield PROJECT_NAME.at(
             where,
@@ -458,7 +455,7 @@ def _check_names(
     is_name = skeletons.isascii() and skeletons.isidentifier()
     if skeletons and (not is_name or keyword.iskeyword(skeletons)):
         yield PROJECT_NAME.at(
-            where, f"skeleton folder {skeletons!r} is not Python identifier"
+            where, f"skeleton folder {skeletons!r} is not a Python identifier"
         )
     elif skeletons == package:
         yield PROJECT_NAME.at(

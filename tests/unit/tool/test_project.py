@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
 import pytest
 
 from rtgen.diagnostics import Diagnostic, InputError
 from rtgen.project import Project, load, require_sources, with_arguments
+from rtgen.project.file import SCHEMA
+
+ROOT = Path(__file__).parents[3]
 
 
 @pytest.fixture(autouse=True)
@@ -232,3 +236,18 @@ def test_ignore_case_clashes_is_a_boolean() -> None:
     assert written("[sources]\nignore_case_clashes = true\n").ignore_case_clashes
     (wrong,) = findings('[sources]\nignore_case_clashes = "yes"\n')
     assert "true or false" in wrong.message
+
+
+def test_the_documentation_lists_each_section_and_key() -> None:
+    page = (ROOT / "docs" / "project.md").read_text()
+    table = page.partition("## rtgen.toml")[2].partition("\n## ")[0]
+    rows = [line.split("|")[1:3] for line in table.splitlines() if line[:1] == "|"]
+    listed: dict[str, set[str]] = {}
+    section = ""
+    for first, keys in rows[2:]:
+        section = first.strip(" `[]").partition(".")[0] or section
+        listed.setdefault(section, set()).update(re.findall(r"`([^`]+)`", keys))
+    assert listed.keys() == SCHEMA.keys()
+    for name, known in SCHEMA.items():
+        if isinstance(known, dict):
+            assert listed[name] == known.keys()

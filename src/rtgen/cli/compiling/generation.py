@@ -14,7 +14,6 @@ from rtgen.cli.common import (
     Console,
     Definitions,
     project_of,
-    require_target,
     write_out,
 )
 from rtgen.cli.compiling.cached import build
@@ -47,7 +46,6 @@ class Request:
         )
         if self.representation is not None:
             project = replace(project, representation=self.representation)
-        require_target(project)
         return project
 
 
