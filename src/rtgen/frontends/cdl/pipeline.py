@@ -17,7 +17,7 @@ from rtgen.frontends.cdl.names.table import Table
 from rtgen.frontends.cdl.passes import prelude as kernel
 from rtgen.frontends.cdl.passes.analysis import Analysis
 from rtgen.frontends.cdl.reader import Reader
-from rtgen.frontends.cdl.rules import files
+from rtgen.frontends.cdl.rules import cells, celltypes, files
 from rtgen.frontends.cdl.syntax import parser
 from rtgen.frontends.cdl.syntax.unit import Unit
 from rtgen.frontends.cdl.text.source import Source
@@ -30,6 +30,20 @@ from rtgen.model.tecs import TecsUnit
 
 _FRAMES = 12 * parser.MAX_NESTING
 """Recursion limit for the deepest permitted nesting."""
+
+_ABSENCES = frozenset(
+    rule.code
+    for rule in (
+        celltypes.NO_ENTRY,
+        cells.UNDEFINED_CELL,
+        cells.UNUSED_PROTOTYPE,
+        cells.UNUSED_CELL,
+        cells.NOT_JOINED,
+        cells.ARRAY_HOLE,
+        cells.NO_VALUE,
+    )
+)
+"""Rules that report a missing statement."""
 
 
 def load(
@@ -201,7 +215,9 @@ class _Run:
         reader = Reader(self._library, self._headers, self._define, names, found.report)
         with stages.stage("parse"):
             unit = reader.read(source)
-        table = Table(found.report, with_prelude=self._with_prelude)
+        broken = any(each.skipped for each in reader.units)
+        report = _without_absences(found.report) if broken else found.report
+        table = Table(report, with_prelude=self._with_prelude)
         table.lacking = reader.incomplete
         with stages.stage("analyse"):
             Analysis(table).run(unit)
@@ -236,6 +252,18 @@ class _Run:
                 dict.fromkeys((*(known.includes if known else ()), *imported))
             ),
         )
+
+
+def _without_absences(
+    report: Callable[[Diagnostic], None],
+) -> Callable[[Diagnostic], None]:
+    """Leave out what a statement that was skipped after a syntax error may contain."""
+
+    def filtered(found: Diagnostic) -> None:
+        if found.code not in _ABSENCES:
+            report(found)
+
+    return filtered
 
 
 def _note_prelude(table: Table, report: Callable[[Diagnostic], None]) -> None:

@@ -292,6 +292,7 @@ class _Run:
             position = start + 1 if end is None else end
         statement = max(self._text.rfind(mark, 0, start) for mark in ";{}") + 1
         names = _DECLARED.findall(self._text, statement, position)
+        self._unit.skipped = True
         self._unit.maybe_declared.update(names)
         self._parser.position = position
         if position >= len(self._text):

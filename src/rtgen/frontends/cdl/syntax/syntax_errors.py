@@ -415,6 +415,17 @@ def _missing_closer(s: ErrorContext) -> Recovery | None:
     return None
 
 
+def _plugin_argument(s: ErrorContext) -> Recovery | None:
+    """Recognise `through( PLUGIN )`, which lacks the string."""
+    if s.text != ")" or s.before[-3:-1] != ["through", "("]:
+        return None
+    return s.recovery(
+        syntax.MISSING_MARK,
+        f"the argument of {s.previous} is missing",
+        f'write through({s.previous}, ""); the string holds its options',
+    )
+
+
 _RECOGNISERS: tuple[Callable[[ErrorContext], Recovery | None], ...] = (
     _end,
     _angle,
@@ -430,6 +441,7 @@ _RECOGNISERS: tuple[Callable[[ErrorContext], Recovery | None], ...] = (
     _type_as_name,
     _keyword_as_name,
     _misspelt,
+    _plugin_argument,
     _missing_closer,
 )
 

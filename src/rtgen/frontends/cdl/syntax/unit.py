@@ -23,9 +23,9 @@ class Unit:
     """A parsed file.
 
     `reused`: imported by `<...>`. `imports` and `headers` map import statements to the files
-    read for them, except missing files and those read before. `maybe_declared` are names that
-    statements with syntax errors may have declared, `guessed` those that a missing C header may
-    declare as types.
+    read for them, except missing files and those read before. `skipped`: a statement with a syntax
+    error is not in `items`. `maybe_declared` are names that such statements may have declared,
+    `guessed` those that a missing C header may declare as types.
     """
 
     source: Source
@@ -33,6 +33,7 @@ class Unit:
     items: tuple[statements.Item, ...] = ()
     imports: dict[statements.Import, Unit] = field(default_factory=dict)
     headers: dict[statements.ImportC, Header] = field(default_factory=dict)
+    skipped: bool = False
     maybe_declared: set[str] = field(default_factory=set)
     guessed: set[str] = field(default_factory=set)
 
