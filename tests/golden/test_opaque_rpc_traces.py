@@ -68,7 +68,13 @@ def test_a_file_of_something_else_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "traces.json"
-    for text in ("{", "[]", '{"format": "other"}'):
-        path.write_text(text, "utf-8")
+    for text, message in (
+        ("", "traces.json: No such file or directory"),
+        ("{", "traces.json is not JSON: "),
+        ("[]", "traces.json is not a file of the format opaque-rpc-trace/1"),
+        ('{"format": "other"}', "is not a file of the format opaque-rpc-trace/1"),
+    ):
+        if text:
+            path.write_text(text, "utf-8")
         assert run(["rpc", "replay", str(path)]) == 2
-    assert "no file of the format opaque-rpc-trace/1" in capsys.readouterr().err
+        assert message in capsys.readouterr().err

@@ -699,7 +699,8 @@ def test_what_cannot_be_served(capfd: pytest.CaptureFixture[str]) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = str(taken.getsockname()[1])
         assert run(["can", "hub", "--port", port]) == 3
-    assert f"cannot listen at 127.0.0.1:{port}" in capfd.readouterr().err
+    taken_text = f"cannot listen at 127.0.0.1:{port}: Address already in use\n"
+    assert taken_text in capfd.readouterr().err
     assert run(["can", "hub", "--port", "0", "--fault", "fire=1"]) == 2
     assert "'fire=1' is not a fault" in capfd.readouterr().err
     words = ["can", "hub", "--port", "0", "--slcan-pty", "--slcan-channel", "no name"]

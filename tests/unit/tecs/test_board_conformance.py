@@ -21,7 +21,7 @@ from rtgen.cli.conformance.check import Permission
 from rtgen.cli.conformance.report import Report, Verdict
 from rtgen.cli.rpc.board import MockBoard
 from rtgen.cli.rpc.codecs import Service
-from rtgen.cli.rpc.common import Peer, read_unit, service_of
+from rtgen.cli.rpc.common import Peer, Wire, read_unit, service_of
 from rtgen.runtime.opaque_rpc import (
     E_PAR,
     More,
@@ -44,7 +44,7 @@ CDL = """signature sBench {
 ANSWER, QUIET = 3.0, 0.05
 """Time-out of a board, and the time after which it has nothing to add [s]."""
 START, TWO_WAY, ONEWAY = b"\x67\x2a", b"\x5a\x3c", b"\x6d\x5e"
-PEER = Peer(make_tdr("network"), "tecsgen", ANSWER)
+PEER = Peer(Wire(make_tdr("network"), "tecsgen"), ANSWER)
 FILLED = 12
 """Octets of the reply of fill."""
 MOVE, FILL, LABEL, MAYBE, HALT = range(1, 6)
@@ -53,7 +53,7 @@ MOVE, FILL, LABEL, MAYBE, HALT = range(1, 6)
 def service(folder: Path, text: str = CDL) -> Service:
     file = folder / "bench.cdl"
     file.write_text(text)
-    return service_of(read_unit(file), "sBench", PEER)
+    return service_of(read_unit(file), "sBench", PEER.wire)
 
 
 @contextmanager

@@ -15,7 +15,7 @@ import pytest
 
 from rtgen.cli import run
 from rtgen.cli.rpc.board import MockBoard, ScriptError
-from rtgen.cli.rpc.common import Peer, read_unit, service_of
+from rtgen.cli.rpc.common import Wire, read_unit, service_of
 from rtgen.runtime.opaque_rpc import E_BOVR, E_OBJ, E_RPC, ERCD, NETWORK
 
 Call: TypeAlias = Callable[..., tuple[int, Any]]
@@ -145,7 +145,7 @@ def test_script(cdl: Path, call: Call, tmp_path: Path) -> None:
     ],
 )
 def test_lines_that_cannot_be_used(cdl: Path, line: str, message: str) -> None:
-    service = service_of(read_unit(cdl), "sMove", Peer(NETWORK, "tecsgen", 1.0))
+    service = service_of(read_unit(cdl), "sMove", Wire(NETWORK, "tecsgen"))
     with pytest.raises(ScriptError, match=message) as caught:
         MockBoard(service, f"\n{line}\n")
     assert caught.value.line == 2

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import selectors
 import signal
 import sys
@@ -134,7 +135,10 @@ async def _serve(
     try:
         name, number = await hub.listen(host, port)
     except OSError as error:
-        raise ToolError(f"cannot listen at {host}:{port}: {error}") from error
+        # asyncio replaces strerror of an address by a sentence of its own.
+        errno = error.errno or 0
+        cause = os.strerror(errno) if errno > 0 else error.strerror or str(error)
+        raise ToolError(f"cannot listen at {host}:{port}: {cause}") from error
     lines: list[SlcanPty] = []
     try:
         place = f"[{name}]:{number}" if ":" in name else f"{name}:{number}"

@@ -11,7 +11,8 @@ from typing import Any, ParamSpec, TypeVar
 import click
 
 from rtgen.cli.can.decoding.node_index import NodeIndex, read_node_index
-from rtgen.cli.common import FiniteRange, Refusal, ToolError, WholeRange
+from rtgen.cli.common import FiniteRange, Refusal, WholeRange
+from rtgen.diagnostics import ToolError
 from rtgen.runtime.canopen.bus.python_can import BusAddress, Option, option
 
 P = ParamSpec("P")

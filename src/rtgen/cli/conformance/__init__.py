@@ -174,7 +174,7 @@ def conformance(
     elif suffix == ".cdl":
         from rtgen.cli.conformance.board import testing
 
-        peer = Peer(*wire, timeout)
+        peer = Peer(wire, timeout)
         if connect is None:
             raise click.MissingParameter(param_hint="--connect", param_type="option")
         report = testing.tested(

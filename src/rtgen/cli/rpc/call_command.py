@@ -57,7 +57,7 @@ def call_(
     if not 1 <= len(rest) <= 2:
         raise click.UsageError("give HOST:PORT or --serial DEV, SIG.FUNC, and JSON")
     name, text = rest[0], rest[1] if len(rest) > 1 else "{}"
-    function = function_of(read_unit(cdl, include), name, peer)
+    function = function_of(read_unit(cdl, include), name, peer.wire)
     channel = channel_of(*address, serial=serial, baud=baud, peer=peer)
     try:
         arguments = function.arguments_from_json(parsed(text))

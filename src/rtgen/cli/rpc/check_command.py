@@ -45,7 +45,7 @@ def check_(
     address, rest = ((), words) if serial else (words[:1], words[1:])
     if len(rest) != 1:
         raise click.UsageError("give HOST:PORT or --serial DEV, and SIG")
-    codec = service_of(read_unit(cdl, include), rest[0], peer).codec
+    codec = service_of(read_unit(cdl, include), rest[0], peer.wire).codec
     channel = channel_of(*address, serial=serial, baud=baud, peer=peer)
     try:
         found = peer_digest(channel, codec)

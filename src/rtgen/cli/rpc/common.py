@@ -7,7 +7,7 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple, ParamSpec, TypeVar
+from typing import ParamSpec, TypeVar
 
 import click
 
@@ -25,7 +25,8 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 
-class Wire(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Wire:
     """Data representation and order of replies of the other end."""
 
     tdr: Tdr
@@ -36,8 +37,7 @@ class Wire(NamedTuple):
 class Peer:
     """The options for the other end; `timeout` in seconds."""
 
-    tdr: Tdr
-    reply: ReplyOrder
+    wire: Wire
     timeout: float
 
 
@@ -101,7 +101,7 @@ def with_peer(function: Callable[P, R]) -> Callable[..., R]:
     )
     @functools.wraps(function)
     def wrapped(wire: Wire, timeout: float, *args: P.args, **kwargs: P.kwargs) -> R:
-        return function(*args, peer=Peer(*wire, timeout), **kwargs)  # type: ignore[arg-type]
+        return function(*args, peer=Peer(wire, timeout), **kwargs)  # type: ignore[arg-type]
 
     return wrapped
 
@@ -144,7 +144,7 @@ def signatures_of(unit: TecsUnit) -> list[Signature]:
 
 
 def service_of(
-    unit: TecsUnit, name: str, peer: Peer, limit: int = REPLY_LIMIT
+    unit: TecsUnit, name: str, wire: Wire, limit: int = REPLY_LIMIT
 ) -> Service:
     """Find the service of a signature by name. Raises ClickException.
 
@@ -155,17 +155,17 @@ def service_of(
     if signature is None:
         raise _unknown("signature", name, list(signatures))
     try:
-        return Service(unit, signature, peer.tdr, peer.reply, limit)
+        return Service(unit, signature, wire.tdr, wire.reply, limit)
     except TransferError as error:
         raise refused(f"{error.span.file}:{error.span.line}: {error}") from error
 
 
-def function_of(unit: TecsUnit, name: str, peer: Peer) -> Function:
+def function_of(unit: TecsUnit, name: str, wire: Wire) -> Function:
     """Find the function `SIG.FUNC`. Raises ClickException."""
     signature, dot, function = name.rpartition(".")
     if not dot:
         raise refused(f"{name!r}: name the function as SIGNATURE.FUNCTION")
-    service = service_of(unit, signature, peer)
+    service = service_of(unit, signature, wire)
     if function not in service.functions:
         raise _unknown("function", function, list(service.functions))
     return service.functions[function]
@@ -176,7 +176,7 @@ def parsed(text: str) -> Json:
     try:
         value: Json = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise refused(f"this is not JSON: {error}") from error
+        raise refused(f"{text[:40]!r} is not JSON: {error}") from error
     return value
 
 
@@ -185,12 +185,23 @@ def printed(value: Json) -> str:
     return f"{json.dumps(value)}\n"
 
 
+def content(path: Path) -> str:
+    """Read a text in UTF-8. Raises ClickException."""
+    try:
+        return path.read_text("utf-8")
+    except OSError as error:
+        raise refused(f"cannot read {path}: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise refused(f"{path} is not UTF-8") from error
+
+
 def octets(text: str) -> bytes:
     """Parse hex digits. Raises ClickException."""
     try:
         return bytes.fromhex(text)
     except ValueError as error:
-        raise refused(f"{text[:40]!r} is not hex: {error}") from error
+        digits = "hex digits, two for each octet"
+        raise refused(f"{text[:40]!r} is not hex: write {digits}") from error
 
 
 def _unknown(what: str, name: str, known: list[str]) -> click.ClickException:

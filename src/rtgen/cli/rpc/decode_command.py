@@ -10,14 +10,14 @@ import click
 from rtgen.cli.common import OK, Console, with_console, write_out
 from rtgen.cli.rpc.codecs import Function
 from rtgen.cli.rpc.common import (
-    Peer,
+    Wire,
     function_of,
     octets,
     printed,
     read_unit,
     refused,
     with_cdl,
-    with_peer,
+    with_representation,
 )
 from rtgen.cli.rpc.values import Json
 from rtgen.runtime.opaque_rpc import RpcError
@@ -28,7 +28,7 @@ from rtgen.runtime.opaque_rpc import RpcError
 @click.option("--request", metavar="HEX", help="The bytes of a request.")
 @click.option("--reply", metavar="HEX", help="The bytes of a reply.")
 @with_cdl
-@with_peer
+@with_representation
 @with_console
 def decode_(
     console: Console,
@@ -37,14 +37,14 @@ def decode_(
     function: str,
     request: str | None,
     reply: str | None,
-    peer: Peer,
+    wire: Wire,
 ) -> int:
     """Print the values in the bytes of a request or a reply as JSON.
 
     With both options, it is the reply to that request. Some replies depend on sizes and NULL
     arguments of their request; by default, sizes fit the values, and no argument is NULL.
     """
-    called = function_of(read_unit(cdl, include), function, peer)
+    called = function_of(read_unit(cdl, include), function, wire)
     try:
         value = _decoded(called, request, reply)
     except RpcError as error:

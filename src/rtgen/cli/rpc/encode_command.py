@@ -10,13 +10,13 @@ import click
 from rtgen.cli.common import OK, Console, with_console, write_out
 from rtgen.cli.rpc.codecs import Function
 from rtgen.cli.rpc.common import (
-    Peer,
+    Wire,
     function_of,
     parsed,
     read_unit,
     refused,
     with_cdl,
-    with_peer,
+    with_representation,
 )
 from rtgen.cli.rpc.values import JsonError
 from rtgen.runtime.opaque_rpc import ArgumentError
@@ -27,7 +27,7 @@ from rtgen.runtime.opaque_rpc import ArgumentError
 @click.option("--request", metavar="JSON", help="The arguments.")
 @click.option("--reply", metavar="JSON", help="Return value and outs.")
 @with_cdl
-@with_peer
+@with_representation
 @with_console
 def encode_(
     console: Console,
@@ -36,14 +36,14 @@ def encode_(
     function: str,
     request: str | None,
     reply: str | None,
-    peer: Peer,
+    wire: Wire,
 ) -> int:
     """Print the bytes of a request or a reply in hex.
 
     With both options, it is the reply to that request. Some replies depend on sizes and NULL
     arguments of their request; by default, sizes fit the values, and no argument is NULL.
     """
-    called = function_of(read_unit(cdl, include), function, peer)
+    called = function_of(read_unit(cdl, include), function, wire)
     try:
         data = _encoded(called, request, reply)
     except (ArgumentError, JsonError) as error:

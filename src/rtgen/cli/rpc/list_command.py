@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from rtgen.cli.common import OK, Console, with_console, write_out
-from rtgen.cli.rpc.common import Peer, read_unit, signatures_of, with_cdl, with_peer
+from rtgen.cli.rpc.common import read_unit, signatures_of, with_cdl
 from rtgen.layouts.tdr_messages import problems
 from rtgen.model.tecs import TecsFunction, TecsParameter
 from rtgen.typemap.tecs.texts import sizes_text
@@ -15,9 +15,8 @@ from rtgen.typemap.tecs.texts import sizes_text
 
 @click.command("list")
 @with_cdl
-@with_peer
 @with_console
-def list_(console: Console, cdl: Path, include: tuple[str, ...], peer: Peer) -> int:
+def list_(console: Console, cdl: Path, include: tuple[str, ...]) -> int:
     """List the functions of all signatures with their ids.
 
     A signature that OpaqueRPC does not support is listed with the reason.

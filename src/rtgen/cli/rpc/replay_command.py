@@ -13,10 +13,11 @@ import click
 from rtgen.cli.common import NO, OK, Console, with_console, write_out
 from rtgen.cli.rpc.codecs import Function, Service
 from rtgen.cli.rpc.common import (
-    Peer,
+    Wire,
+    content,
     refused,
     service_of,
-    with_peer,
+    with_representation,
 )
 from rtgen.cli.rpc.values import Json, JsonError
 from rtgen.diagnostics import has_errors
@@ -34,21 +35,21 @@ _ORDERS = {"tNBOTDR": "network", "tTDR": "little"}
 @click.command("replay")
 @click.argument("traces", type=click.Path(dir_okay=False, path_type=Path))
 @click.option("--verbose", is_flag=True, help="Print each case.")
-@with_peer
+@with_representation
 @with_console
-def replay_(console: Console, traces: Path, verbose: bool, peer: Peer) -> int:
+def replay_(console: Console, traces: Path, verbose: bool, wire: Wire) -> int:
     """Compare recorded calls with newly generated codecs.
 
     The request and the reply of each case are encoded from values, and decoded to values, in the
     data representation of the case. Exit code 1: a case differs.
     """
     try:
-        recorded = json.loads(traces.read_text("utf-8"))
-    except (OSError, ValueError) as error:
-        raise refused(f"{traces}: {error}") from error
+        recorded = json.loads(content(traces))
+    except (ValueError, RecursionError) as error:
+        raise refused(f"{traces} is not JSON: {error}") from error
     if not isinstance(recorded, dict) or recorded.get("format") != _FORMAT:
-        raise refused(f"{traces}: no file of the format {_FORMAT}")
-    replay = _Replay(recorded, peer)
+        raise refused(f"{traces} is not a file of the format {_FORMAT}")
+    replay = _Replay(recorded, wire)
     try:
         cases = [*recorded["cases"], *recorded.get("shared_channel_cases", [])]
         found = [(case["id"], list(replay.differences(case))) for case in cases]
@@ -67,9 +68,9 @@ def replay_(console: Console, traces: Path, verbose: bool, peer: Peer) -> int:
 class _Replay:
     """The services of a file of recorded calls, cached."""
 
-    def __init__(self, recorded: Mapping[str, Any], peer: Peer) -> None:
+    def __init__(self, recorded: Mapping[str, Any], wire: Wire) -> None:
         self._recorded = recorded
-        self._peer = peer
+        self._wire = wire
         self._units: dict[str, TecsUnit] = {}
         self._services: dict[tuple[str, str], Service] = {}
 
@@ -103,14 +104,14 @@ class _Replay:
     def _service(self, name: str, tdr: str) -> Service:
         key = (name, tdr)
         if key not in self._services:
-            bits = self._peer.tdr.long_bits
+            bits = self._wire.tdr.long_bits
             order = cast(Any, _ORDERS.get(tdr))
             if order is None:
                 raise refused(f"the data representation {tdr!r} is unknown")
-            usual = make_tdr(self._peer.tdr.order).long_bits
+            usual = make_tdr(self._wire.tdr.order).long_bits
             made = make_tdr(order, long_bits=bits if bits != usual else None)
-            peer = Peer(made, self._peer.reply, self._peer.timeout)
-            self._services[key] = service_of(self._unit(name), name, peer)
+            wire = Wire(made, self._wire.reply)
+            self._services[key] = service_of(self._unit(name), name, wire)
         return self._services[key]
 
     def _unit(self, name: str) -> TecsUnit:

@@ -11,6 +11,7 @@ from rtgen.cli.common import OK, Console, WholeRange, with_console, write_out
 from rtgen.cli.rpc.board import MockBoard, ScriptError
 from rtgen.cli.rpc.common import (
     Peer,
+    content,
     read_unit,
     refused,
     service_of,
@@ -79,13 +80,10 @@ def serve_(
     """
     if script is not None and echo:
         raise click.UsageError("--script and --echo exclude each other")
-    service = service_of(read_unit(cdl, include), signature, peer, REQUEST_LIMIT)
+    service = service_of(read_unit(cdl, include), signature, peer.wire, REQUEST_LIMIT)
     text = None
     if script is not None:
-        try:
-            text = script.read_text("utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise refused(f"{script}: {error}") from error
+        text = content(script)
     try:
         board = MockBoard(service, text, print_call=write_out if verbose else None)
     except ScriptError as error:
@@ -100,8 +98,9 @@ def serve_(
             name, number = server.address
             place = f"[{name}]:{number}" if ":" in name else f"{name}:{number}"
     except (OSError, ChannelError) as error:
+        reason = getattr(error, "strerror", None) or error
         raise ToolError(
-            f"cannot serve at {serial or f'{host}:{port}'}: {error}"
+            f"cannot serve at {serial or f'{host}:{port}'}: {reason}"
         ) from error
     report = _Report(console)
     log.addHandler(report)

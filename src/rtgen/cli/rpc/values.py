@@ -204,7 +204,8 @@ def _object(value: Json, place: str, items: Mapping[str, Item]) -> dict[str, Jso
         raise JsonError(f"{place}: an object is needed")
     unknown = [name for name in value if name not in items]
     if unknown:
-        raise JsonError(f"{place}: {unknown[0]!r} is unknown")
+        known = ", ".join(items) or "none"
+        raise JsonError(f"{place}: {unknown[0]!r} is unknown; known: {known}")
     missing = [
         name
         for name, item in items.items()

@@ -222,4 +222,4 @@ def _unknown(option: PluginOption) -> Diagnostic:
 
 
 def _default(value: object) -> str | None:
-    return f"without it, it is {value}" if value not in (None, "") else None
+    return f"the default is {value}" if value not in (None, "") else None

@@ -41,7 +41,7 @@ def tested(
                 f"{file} has several signatures; --signature names one: {', '.join(names)}"
             )
         [signature] = names
-    service = service_of(unit, signature, peer)
+    service = service_of(unit, signature, peer.wire)
     unknown = [name for name in functions if name not in service.functions]
     if unknown:
         known = ", ".join(service.functions)
