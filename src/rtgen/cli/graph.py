@@ -8,7 +8,14 @@ from pathlib import Path
 import click
 
 from rtgen import compiler
-from rtgen.cli.common import BAD_INPUT, OK, Console, with_console, write_out
+from rtgen.cli.common import (
+    BAD_INPUT,
+    OK,
+    Console,
+    Refusal,
+    with_console,
+    write_out,
+)
 from rtgen.diagnostics import Diagnostic, ToolError, has_errors, in_order
 from rtgen.model import Component
 from rtgen.model.can_bus import Bus
@@ -46,6 +53,8 @@ def graph(
     from rtgen.systems import reading as systems
 
     path = Path(system)
+    if output is not None and Path(output).suffix.lower() not in ("", ".svg"):
+        raise Refusal(f"-o {output}: the picture is SVG, so its file ends in .svg")
     profile, found, sources = systems.read_file(
         path / "system.xml" if path.is_dir() else path
     )

@@ -342,14 +342,20 @@ def ui(
     ]
     if missing:
         raise ToolError(
-            f"the page needs {', '.join(missing)}, which is not installed",
+            f"not installed: {', '.join(missing)}; rtgen ui needs them",
             hint="pip install 'rtgen[ui]'",
         )
     from rtgen.cli.ui_bus import BusDescriber
     from rtgen.cli.ui_tokens import tokens_of
+    from rtgen.project.rules import NO_PAGE
     from rtgen.ui.recorded import Recorded
+    from rtgen.ui.server import PAGE
     from rtgen.ui.serving import Server
 
+    if not (PAGE / "index.html").is_file():
+        message = "this installation of rtgen has no page to show in a browser"
+        hint = "run `make page` in the checkout of rtgen, then install rtgen again"
+        console.findings([NO_PAGE.at(None, message, hint=hint)])
     clocks = {"sim": runtime.SimulatedClock, "real": runtime.RealClock}
     described = {}
     for each in buses:

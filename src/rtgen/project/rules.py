@@ -27,6 +27,7 @@ NAME_TOO_LONG = Rule("PRJ0105", "file name too long", Severity.ERROR)
 FOREIGN_FILE = Rule("PRJ0106", "file not owned by rtgen", Severity.ERROR)
 ENVIRONMENT = Rule("ENV0001", "the environment failed", Severity.ERROR)
 SUPERVISED = Rule("ENV0002", "node has an SDO client already", Severity.WARNING)
+NO_PAGE = Rule("ENV0003", "installation without the page", Severity.WARNING)
 
 RULES: tuple[Rule, ...] = (
     FILE_UNREADABLE,
@@ -50,4 +51,5 @@ RULES: tuple[Rule, ...] = (
     FOREIGN_FILE,
     ENVIRONMENT,
     SUPERVISED,
+    NO_PAGE,
 )

@@ -55,6 +55,15 @@ def test_graph_into_a_folder_that_is_not_there(tmp_path: Path) -> None:
     assert run(["graph", str(SYSTEM), "-o", str(tmp_path / "gone" / "x.svg")]) == 3
 
 
+def test_graph_refuses_other_formats(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "wiring.png"
+    assert run(["graph", str(SYSTEM), "-o", str(file)]) == 2
+    assert "the picture is SVG" in capfd.readouterr().err
+    assert not file.exists()
+
+
 @pytest.mark.parametrize("command", ["graph", "run", "inspect"])
 def test_a_system_that_cannot_be_read(
     command: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]

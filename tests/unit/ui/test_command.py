@@ -55,6 +55,23 @@ def test_what_is_not_installed_is_named(
     assert "pip install 'rtgen[ui]'" in capfd.readouterr().err
 
 
+@pytest.mark.parametrize("built", [False, True])
+def test_an_installation_without_the_page_is_reported(
+    built: bool,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    if built:
+        (tmp_path / "index.html").write_text("<title>rtgen</title>")
+    monkeypatch.setattr("rtgen.ui.server.PAGE", tmp_path)
+    # A port that is taken ends the command.
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        port = str(other.getsockname()[1])
+        assert run(["ui", str(GOAL), "--no-open", "--port", port]) == 3
+    assert ("warning[ENV0003]" in capfd.readouterr().err) is not built
+
+
 def test_naming_services_need_omniorb(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -11,11 +11,10 @@ from msgspec.structs import replace
 from rtgen.backends.canopen.reports import timing_text
 from rtgen.cli.can.writing_rates import writings
 from rtgen.cli.common import BAD_INPUT, NO, OK, Console, with_console, write_out
+from rtgen.frontends.eds.information import BIT_RATES
 from rtgen.layouts.can_messages import messages
 from rtgen.layouts.can_timing import Timing, load, response_times
 from rtgen.systems import reading as systems
-
-_BIT_RATES = (10, 20, 50, 100, 125, 250, 500, 800, 1000)
 
 
 @click.command("timing")
@@ -24,7 +23,7 @@ _BIT_RATES = (10, 20, 50, 100, 125, 250, 500, 800, 1000)
 )
 @click.option(
     "--bit-rate",
-    type=click.Choice([str(rate) for rate in _BIT_RATES]),
+    type=click.Choice([str(rate) for rate in BIT_RATES]),
     help="Calculate for another bit rate, in kbit/s.",
 )
 @click.option(

@@ -11,6 +11,7 @@ from typing import Any
 
 from rtgen.frontends.eds.information import BIT_RATES
 from rtgen.frontends.kit.located_toml import Path
+from rtgen.frontends.kit.suggestions import nearest
 
 _OBJECT = "^[0-9A-Fa-f]{4}(:[0-9A-Fa-f]{1,2})?$"
 _NAME = "^[A-Za-z_][A-Za-z0-9_]*$"
@@ -238,7 +239,9 @@ def problems(
             if inner is None:
                 names = ", ".join(known)
                 known_are = f"known are {names}" if names else "not of its form"
-                yield (*path, key), f"unknown key {key!r}; {known_are}"
+                meant = nearest(str(key), known)
+                guess = "" if meant is None else f"did you mean {meant!r}? "
+                yield (*path, key), f"unknown key {key!r}; {guess}{known_are}"
             else:
                 yield from problems(item, inner, (*path, key))
         for key in schema.get("required", ()):

@@ -11,6 +11,7 @@ import msgspec
 from rtgen.frontends.eds.findings import Findings
 from rtgen.frontends.eds.ini import Document, Section
 from rtgen.frontends.eds.rules import lexical, objects
+from rtgen.frontends.kit.suggestions import nearest
 
 COMMISSIONING = "devicecomissioning"
 LISTS = ("mandatoryobjects", "optionalobjects", "manufacturerobjects")
@@ -34,6 +35,9 @@ PLAIN = {
     "tools": "Tools",
 }
 """Sections with fixed names, by lower-case name."""
+
+_MAX_SUGGESTIONS = 20
+"""Maximum number of unknown sections with a suggestion."""
 
 _OBJECT = re.compile(
     r"(0x)?([0-9a-f]{2,4})(?:sub([0-9a-f]{1,8})|(name|value|denotation|objectlinks))?"
@@ -98,7 +102,11 @@ def _place(name: str, section: Section, result: Outline, findings: Findings) -> 
         _place_module(found, section, result, findings)
     elif not _place_object(name, "", section, result.objects, findings):
         message = f"[{section.name}] is not a section of CiA 306"
-        findings.add(lexical.UNKNOWN_SECTION, section.span, message)
+        meant = None
+        if len(result.further) < _MAX_SUGGESTIONS:
+            meant = nearest(section.name, PLAIN.values())
+        hint = None if meant is None else f"did you mean [{meant}]?"
+        findings.add(lexical.UNKNOWN_SECTION, section.span, message, hint=hint)
         result.further.append(section)
 
 
