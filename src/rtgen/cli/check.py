@@ -27,7 +27,7 @@ from rtgen.project import output as writer
 
 @click.command()
 @with_definitions
-@with_output
+@with_output("Compare with")
 @with_node_id
 @with_target
 @with_console

@@ -297,14 +297,20 @@ def _without_garbage_collection(function: Callable[P, int]) -> Callable[P, int]:
     return wrapped
 
 
-def with_output(function: Callable[P, int]) -> Callable[P, int]:
+def with_output(
+    verb: str,
+) -> Callable[[Callable[P, int]], Callable[P, int]]:
     """Add -o and --no-cache; the function gets `output` and `no_cache`."""
-    return click.option(
-        "-o",
-        "output",
-        metavar="DIR",
-        help="Write below DIR/generated and DIR/src instead.",
-    )(with_cache(function))
+
+    def added(function: Callable[P, int]) -> Callable[P, int]:
+        return click.option(
+            "-o",
+            "output",
+            metavar="DIR",
+            help=f"{verb} DIR/generated and DIR/src instead.",
+        )(with_cache(function))
+
+    return added
 
 
 def with_cache(function: Callable[P, int]) -> Callable[P, int]:

@@ -19,7 +19,7 @@ from rtgen.cli.compiling.stages import with_stages
 
 @click.command()
 @with_definitions
-@with_output
+@with_output("Write below")
 @with_node_id
 @with_target
 @click.option(
