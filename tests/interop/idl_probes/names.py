@@ -4,7 +4,7 @@ from idl_probes.probe import better, refused, same
 
 PROBES = [
     refused(
-        "an operation where a type is wanted, in another case",
+        "an operation where a type is expected, in another case",
         "interface I { void point(); void g(in Point p); };",
         "IDL0201",
     ),

@@ -47,47 +47,47 @@ CONSTANTS: dict[str, Mistake] = {
     ),
     "string for char": (
         'const char A = §"a";',
-        "IDL0500: a character is wanted here, not a string",
+        "IDL0500: a character is expected here, not a string",
         "write one character in single quotes, such as 'x'",
     ),
     "char for string": (
         "const string A = §'a';",
-        "IDL0500: a string is wanted here, not a character",
+        "IDL0500: a string is expected here, not a character",
         'write text in double quotes, such as "text"',
     ),
     "string for wstring": (
         'const wstring A = §"a";',
-        "IDL0500: a wide string is wanted here, not a string",
+        "IDL0500: a wide string is expected here, not a string",
         "wide literals begin with L, others do not",
     ),
     "wstring for string": (
         'const string A = §L"a";',
-        "IDL0500: a string is wanted here, not a wide string",
+        "IDL0500: a string is expected here, not a wide string",
         "wide literals begin with L, others do not",
     ),
     "char for wchar": (
         "const wchar A = §'a';",
-        "IDL0500: a wide character is wanted here, not a character",
+        "IDL0500: a wide character is expected here, not a character",
         "wide literals begin with L, others do not",
     ),
     "int for float": (
         "const double A = §1;",
-        "IDL0507: a floating-point number is wanted here",
+        "IDL0507: a floating-point number is expected here",
         "write 1.0",
     ),
     "float for int": (
         "const long A = §1.5;",
-        "IDL0500: an integer is wanted here, not a floating-point number",
+        "IDL0500: an integer is expected here, not a floating-point number",
         "write a number without point, or make the type double",
     ),
     "int for boolean": (
         "const boolean A = §1;",
-        "IDL0500: a boolean is wanted here, not an integer",
+        "IDL0500: a boolean is expected here, not an integer",
         "write TRUE or FALSE",
     ),
     "string for long": (
         'const long A = §"1";',
-        "IDL0500: an integer is wanted here, not a string",
+        "IDL0500: an integer is expected here, not a string",
         "write a number without point and quotes, such as 10",
     ),
     "null": unknown(
@@ -126,7 +126,7 @@ CONSTANTS: dict[str, Mistake] = {
     "==": ("const long A §== 1;", "IDL0100: '==' is not allowed here", "write one '='"),
     ":=": (
         "const long A §:= 1;",
-        "IDL0124: a '=' is wanted here, not ':='",
+        "IDL0124: a '=' is expected here, not ':='",
         "write '='",
     ),
     "ternary": (

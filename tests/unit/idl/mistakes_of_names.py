@@ -131,7 +131,7 @@ NAMES: dict[str, Mistake] = {
     ),
     "accents": (
         "struct S { long §größe; };",
-        "IDL0207: the identifier größe has other than ASCII letters",
+        "IDL0207: the identifier größe has letters other than ASCII",
         "names hold the letters a to z, digits and underscores",
     ),
     "leading underscores": (

@@ -85,17 +85,17 @@ PUNCTUATION: dict[str, Mistake] = {
     "semicolon: array": ("struct S {\n  long a[3]§\n  long b;\n};", *SEMICOLON),
     "comma for semicolon": (
         "struct S { long a§, };",
-        "IDL0101: a ';' is wanted here, not a ','",
+        "IDL0101: a ';' is expected here, not a ','",
         "a ',' separates names of one type; each declaration ends with ';'",
     ),
     "comma for semicolon 2": (
         "struct S {\n long a§,\n long b;\n};",
-        "IDL0101: a ';' is wanted here, not a ','",
+        "IDL0101: a ';' is expected here, not a ','",
         "a ',' separates names of one type; each declaration ends with ';'",
     ),
     "colon for semicolon": (
         "struct S { long a§: long b; };",
-        "IDL0101: a ';' is wanted here, not a ':'",
+        "IDL0101: a ';' is expected here, not a ':'",
         "each member ends with ';'",
     ),
     "extra semicolon": (

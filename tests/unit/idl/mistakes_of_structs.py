@@ -45,7 +45,7 @@ STRUCTS: dict[str, Mistake] = {
     ),
     "enum semicolons": (
         "enum E { A§; B; };",
-        "IDL0124: a ',' is wanted here, not a ';'",
+        "IDL0124: a ',' is expected here, not a ';'",
         "enumerators are separated by ','; the last has none",
     ),
     "enum missing comma": (
@@ -204,7 +204,7 @@ STRUCTS: dict[str, Mistake] = {
     ),
     "union switch enum literal": (
         "enum E { A }; union U switch (E) { case §1: long a; };",
-        "IDL0500: an enumerator is wanted here, not an integer",
+        "IDL0500: an enumerator is expected here, not an integer",
         "write the name of an enumerator",
     ),
     "union bool label": unknown(

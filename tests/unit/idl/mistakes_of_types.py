@@ -160,7 +160,7 @@ TYPES: dict[str, Mistake] = {
     ),
     "bound text": (
         'typedef string<§"10"> L;',
-        "IDL0500: an integer is wanted here, not a string",
+        "IDL0500: an integer is expected here, not a string",
         "write a number without point and quotes, such as 10",
     ),
     "bound unknown": unknown(
@@ -169,7 +169,7 @@ TYPES: dict[str, Mistake] = {
     ),
     "bound float": (
         "typedef string<§1.5> L;",
-        "IDL0500: an integer is wanted here, not a floating-point number",
+        "IDL0500: an integer is expected here, not a floating-point number",
         "write a number without point, or make the type double",
     ),
     "array zero": (

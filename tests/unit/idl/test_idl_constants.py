@@ -49,13 +49,13 @@ def test_values(text: str, value: ConstantValue) -> None:
         ("const long T = 1 / 0;", "division by zero"),
         (
             "const long T = 1.5;",
-            "an integer is wanted here, not a floating-point number",
+            "an integer is expected here, not a floating-point number",
         ),
-        ('const long T = "a";', "an integer is wanted here, not a string"),
+        ('const long T = "a";', "an integer is expected here, not a string"),
         ("const long T = 1 << 64;", "a shift by 64 is not from 0 to 31"),
         ('const string<2> T = "abc";', "3 characters do not fit into string<2>"),
         ("enum E { A }; enum F { B }; const E T = B;", "B is not an enumerator of E"),
-        ("const boolean T = 1;", "a boolean is wanted here, not an integer"),
+        ("const boolean T = 1;", "a boolean is expected here, not an integer"),
     ],
 )
 def test_what_has_no_value_is_reported_and_left_out(text: str, message: str) -> None:

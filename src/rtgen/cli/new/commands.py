@@ -45,7 +45,7 @@ def project(console: Console, name: str, source: str | None) -> int:
             twice = [starters.FIRST] * 2
             writing.write(starters.system(forms, place, model, twice))
         _generate(console, load(folder))
-    console.say(f"{shown(target)}: made; see {shown(target / 'README.md')}")
+    console.say(f"{shown(target)}: created; see {shown(target / 'README.md')}")
     return OK
 
 
@@ -111,7 +111,7 @@ def backend(console: Console, name: str) -> int:
     target = Path(name)
     with writing.new_folder(target) as folder:
         writing.write(starters.backend(forms, folder))
-    console.say(f"{shown(target)}: made; see {shown(target / 'README.md')}")
+    console.say(f"{shown(target)}: created; see {shown(target / 'README.md')}")
     return OK
 
 
@@ -125,7 +125,7 @@ def _add(
     files = files_of(forms, starters.place_of(load()))
     with writing.added(files):
         _generate(console, load())
-    console.say(f"made: {', '.join(shown(file.path) for file in files)}")
+    console.say(f"created: {', '.join(shown(file.path) for file in files)}")
     return OK
 
 

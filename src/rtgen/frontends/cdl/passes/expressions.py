@@ -102,7 +102,7 @@ class Expressions:
             return None
         if type(found.value) is not int:
             rule = rules.NOT_CONSTANT if found.value is None else rules.OPERATOR_KIND
-            message = f"a constant integer is wanted here, not {found.operand_class.with_article}"
+            message = f"a constant integer is expected here, not {found.operand_class.with_article}"
             if found.value is None:
                 message = "this is not constant"
             self.table.report(rule.at(unit.place(written), message))
@@ -383,7 +383,7 @@ class ExpressionAnalysis:
             raise self.error(
                 rules.OPERATOR_KIND,
                 node,
-                f"a truth value is wanted here, not a {operand.operand_class}",
+                f"a truth value is expected here, not a {operand.operand_class}",
                 "compare it, or cast it",
             )
         return None if operand.value is None else bool(operand.value)

@@ -203,7 +203,7 @@ class Constants:
         self._fail(
             rules.WRONG_KIND,
             node,
-            f"{wanted} is wanted here, not {found}",
+            f"{wanted} is expected here, not {found}",
             CONVERSIONS.get((wanted, found)) or EXAMPLES[wanted],
         )
 
@@ -232,7 +232,7 @@ class Constants:
     ) -> ConstantValue:
         if wanted in (OperandClass.FLOAT, OperandClass.FIXED):
             example = f"{value}.0" if wanted is OperandClass.FLOAT else f"{value}d"
-            message, hint = f"{wanted} is wanted here", f"write {example}"
+            message, hint = f"{wanted} is expected here", f"write {example}"
             self._report_at(rules.INTEGER_AS_FLOAT, node, message, hint)
             return float(value) if wanted is OperandClass.FLOAT else Decimal(value)
         if wanted is not OperandClass.INTEGER:

@@ -382,7 +382,7 @@ class Lookup:
         key = name.lower()
         if not name[0].isalpha() or not name.isascii():
             if not name.isascii():
-                what = "has other than ASCII letters"
+                what = "has letters other than ASCII"
             elif not name.strip("_"):
                 what = "has nothing but underscores"
             elif name[0] == "_":

@@ -222,7 +222,7 @@ class Naming(ABC):
                     self._report(
                         type_rules.ANONYMOUS.at(
                             self._unit.span(node.name.start, node.name.end),
-                            f"{node.name.text} is declared where an element is wanted",
+                            f"{node.name.text} is declared where an element is expected",
                             hint=f"declare it before, and write {node.name.text} here",
                         )
                     )

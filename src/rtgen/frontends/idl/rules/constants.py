@@ -12,7 +12,7 @@ PRECISION = Rule("IDL0504", "fraction cut off", Severity.WARNING)
 TEXT_TOO_LONG = Rule("IDL0505", "string longer than its bound", Severity.ERROR)
 WRONG_ENUM = Rule("IDL0506", "enumerator of another enum", Severity.ERROR)
 INTEGER_AS_FLOAT = Rule(
-    "IDL0507", "integer where a floating-point number is wanted", Severity.WARNING
+    "IDL0507", "integer where a floating-point number is expected", Severity.WARNING
 )
 NEGATIVE_REMAINDER = Rule("IDL0508", "remainder of a negative number", Severity.WARNING)
 INFINITE = Rule("IDL0509", "number so large that it is infinite", Severity.WARNING)

@@ -354,7 +354,7 @@ def marks(s: ErrorContext) -> Recovery | None:
             return _foreign(s, "members of a struct have no width in bits", hint)
         return s.recover(
             syntax.MISSING_SEMICOLON,
-            "a ';' is wanted here, not a ':'",
+            "a ';' is expected here, not a ':'",
             "each member ends with ';'",
             feed=("SEMI",),
             instead=True,

@@ -110,7 +110,7 @@ def _missing_semicolon(s: ErrorContext) -> Recovery | None:
 def _comma_for_semicolon(s: ErrorContext, comma: Word, resume: int) -> Recovery:
     return s.recover(
         syntax.MISSING_SEMICOLON,
-        "a ';' is wanted here, not a ','",
+        "a ';' is expected here, not a ','",
         "a ',' separates names of one type; each declaration ends with ';'",
         at=comma,
         back=True,
@@ -136,7 +136,7 @@ def _wrong_separator(s: ErrorContext) -> Recovery | None:
         if s.following in ("in", "out", "inout"):
             return s.recover(
                 syntax.MISSING_MARK,
-                "a ',' is wanted here, not a ';'",
+                "a ',' is expected here, not a ';'",
                 "parameters are separated by ','",
                 feed=("COMMA",),
                 instead=True,
@@ -147,7 +147,7 @@ def _wrong_separator(s: ErrorContext) -> Recovery | None:
         if s.text == ";":
             return s.recover(
                 syntax.MISSING_MARK,
-                "a ',' is wanted here, not a ';'",
+                "a ',' is expected here, not a ';'",
                 "enumerators are separated by ','; the last has none",
             )
         if s.kind in ("IDENT", "ANNOTATION"):
@@ -164,7 +164,7 @@ def _split_name(s: ErrorContext) -> Recovery | None:
         end = s.after[0].end if s.following == ";" else s.end
         return s.recover(
             syntax.MISSING_SEMICOLON,
-            f"a ';' is wanted here, not {s.text}",
+            f"a ';' is expected here, not {s.text}",
             "a body ends with '};': IDL declares types, not variables",
             feed=("SEMI",),
             resume=end,
@@ -353,7 +353,7 @@ def _missing_mark(s: ErrorContext) -> Recovery | None:
         )
     if mark == "=" and s.text == ":":
         return s.recover(
-            syntax.MISSING_MARK, "a '=' is wanted here, not ':='", "write '='"
+            syntax.MISSING_MARK, "a '=' is expected here, not ':='", "write '='"
         )
     if mark == "{" and s.text == ";":
         return None
