@@ -184,6 +184,11 @@ def test_the_table_has_a_row_for_each_identifier() -> None:
             "is `rtgen can hub` running?",
         ),
         (["monitor", "--option", "x"], 2, "not KEY=VALUE"),
+        (
+            ["monitor", "--interface", "socketcand", "--option", "prt=1"],
+            3,
+            "socketcand has no option 'prt'; known: host, port",
+        ),
         (["monitor", "--eds", "300=a.eds"], 2, "not a node-id"),
         (["monitor", "--bus", "missing.toml"], 2, "EDS0700"),
         (["monitor", "--eds", "1=missing.eds"], 2, "missing.eds"),

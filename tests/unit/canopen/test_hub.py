@@ -620,7 +620,7 @@ def _frames_before_bus_off(seconds: int) -> bool:
         HubProcess(*(word for fault in faults for word in ("--fault", fault))) as hub,
         ExitStack() as ends,
     ):
-        link, other = hub.link(), hub.link(more=",x=1")
+        link, other = hub.link(), hub.link(more=",tcp_tune=False")
         for end, recorder in ((link, a), (other, b)):
             end.attach(recorder)
             ends.callback(end.detach, recorder)

@@ -17,7 +17,7 @@ def until(system: System, state: str) -> bool:
 def test_the_hub_dies_and_comes_back() -> None:
     with HubProcess() as hub, System(RealClock()) as system:
         # Two links, so that every frame goes through the hub.
-        node = SimpleNode(hub.link(more=",timeout=2"))
+        node = SimpleNode(hub.link())
         proxy = DriveProxy("Drive0")
         proxy.configuration_sets.set("interface", "socketcand")
         proxy.configuration_sets.set("options", hub.options())

@@ -107,6 +107,19 @@ def test_traceback(
         assert text not in err
 
 
+def test_samples_that_cannot_be_recorded_are_reported(
+    project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    file = project / CONTROLLER
+    file.write_text(file.read_text().replace("Power(100.0 if", "Power('hot' if"))
+    heater = project / "src/heating/heater.py"
+    heater.write_text(heater.read_text().replace("= power.watt", "= 0.0"))
+    assert run([*WARM, "-q", "--record", "warm.mcap"]) == 0
+    [line] = capfd.readouterr().err.splitlines()
+    assert line.startswith("warning[SYS0024]: warm.mcap: ")
+    assert "samples of Controller0.power are missing: Power.watt: " in line
+
+
 def test_a_callback_with_other_parameters_is_shown_where_it_is_defined(
     project: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

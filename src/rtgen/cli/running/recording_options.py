@@ -13,6 +13,7 @@ import click
 from rtgen import runtime
 from rtgen.cli.common import Console, Refusal
 from rtgen.diagnostics import ToolError
+from rtgen.systems.rules import NOTICE
 
 if TYPE_CHECKING:
     from rtgen.recording.recorder import Recorder
@@ -63,11 +64,14 @@ class RecordingOptions:
             raise ToolError(str(error), hint=error.hint) from error
 
     def tell(self, console: Console, recorder: Recorder | None) -> None:
-        """Report the samples that are missing in the recording."""
-        if recorder is None:
+        """Report the samples that are missing in the recording, also if quiet."""
+        if recorder is None or not recorder.skipped:
             return
-        for port, (count, why) in recorder.skipped.items():
-            console.say(f"{self.file}: {count} samples of {port} are missing: {why}")
+        messages = [
+            f"{self.file}: {count} samples of {port} are missing: {why}"
+            for port, (count, why) in recorder.skipped.items()
+        ]
+        console.findings([NOTICE.at(None, message) for message in messages])
 
 
 def with_recording(command: Callable[..., int]) -> Callable[..., int]:

@@ -27,6 +27,8 @@ Event: TypeAlias = Frame | bool | None
 
 SOCKETCAND_PORT: Final = 29536
 """Default port of socketcand."""
+_HUB_OPTIONS: Final = ("host", "port", "tcp_tune")
+"""Options of socketcand; `tcp_tune` is python-can's, and has no effect here."""
 _SEND_TIMEOUT: Final = 2.0
 """Time-out in seconds of sending a frame to an interface."""
 _BUS_OFF: Final = 0x40
@@ -55,6 +57,10 @@ class BusAddress:
         if self.interface != "socketcand":
             return None
         options = dict(self.options)
+        unknown = next((name for name in options if name not in _HUB_OPTIONS), None)
+        if unknown is not None:
+            known = ", ".join(_HUB_OPTIONS)
+            raise LinkError(f"socketcand has no option {unknown!r}; known: {known}")
         host = options.get("host", "127.0.0.1")
         port = options.get("port", SOCKETCAND_PORT)
         if not isinstance(port, int) or not 0 < port < 65536:
