@@ -432,7 +432,7 @@ def test_a_gated_request_that_has_become_illegal_says_so(
     # The deactivation waited for its gate; then the component was in ERROR.
     assert [r.getMessage() for r in caplog.records] == [
         "one: lost",
-        "one: deactivate came too late",
+        "one: deactivate is ignored: the state is already ERROR",
     ]
     assert context.get_component_state(one) is ERROR_STATE
 

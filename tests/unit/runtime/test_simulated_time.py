@@ -441,4 +441,4 @@ def test_a_request_that_has_become_illegal_is_dropped(
     assert system.activate("a") is RTC_OK
     system.run(until_ns=1)
     assert system.state("a") is ERROR_STATE
-    assert "a: activate came too late" in caplog.messages
+    assert "a: activate is ignored: the state is already ERROR" in caplog.messages

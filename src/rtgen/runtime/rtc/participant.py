@@ -162,7 +162,9 @@ class Participant:
         if row is None:
             if self.state is _GOALS.get(request):
                 return
-            log.warning("%s: %s came too late", self.component.instance_name, request)
+            name, state = self.component.instance_name, self.state.name
+            ignored = "%s: %s is ignored: the state is already %s"
+            log.warning(ignored, name, request, state.removesuffix("_STATE"))
             return
         if request is Request.FAIL:
             self.component.reason = self._failure
