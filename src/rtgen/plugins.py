@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Iterator
 from contextlib import suppress
@@ -81,12 +82,12 @@ def _may_be_announced(search_path: tuple[tuple[str, int], ...]) -> bool:
         folder = Path(place)
         if not folder.is_dir():  # an archive
             return True
-        for entry in folder.iterdir():
-            if entry.name == "EGG-INFO" or entry.suffix == ".egg":
+        for name in os.listdir(folder):  # noqa: PTH208 (time)
+            if name == "EGG-INFO" or name.endswith(".egg"):
                 return True
-            if entry.suffix in _METADATA_SUFFIXES:
+            if name.endswith(_METADATA_SUFFIXES):
                 with suppress(OSError):
-                    text = (entry / "entry_points.txt").read_bytes()
+                    text = (folder / name / "entry_points.txt").read_bytes()
                     if any(head in text for head in heads):
                         return True
     return False

@@ -8,10 +8,10 @@ import math
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
 from typing import Any, Concatenate, ParamSpec
 
 import click
+import msgspec
 
 from rtgen import stages
 from rtgen.diagnostics import Diagnostic, InputError, ToolError
@@ -99,15 +99,14 @@ class ReportedError(Exception):
         super().__init__(code)
 
 
-@dataclass(frozen=True, slots=True)
-class Console:
+class Console(msgspec.Struct, frozen=True):
     """Standard error with the options for it: form of diagnostics, colour, quiet, verbose."""
 
     form: str
     colour: bool
     quiet: bool
     verbose: bool = False
-    _held: list[Sequence[Diagnostic]] = field(default_factory=list)
+    _held: list[Sequence[Diagnostic]] = []
 
     def findings(
         self,
@@ -221,8 +220,7 @@ def with_console(
     return wrapped
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Definitions:
+class Definitions(msgspec.Struct, frozen=True, kw_only=True):
     """The definitions named on the command line, with the options for reading them."""
 
     paths: tuple[str, ...]
@@ -241,7 +239,7 @@ def with_definitions(command: Callable[..., int]) -> Callable[..., int]:
 
     @functools.wraps(command)
     def wrapped(*args: Any, **kwargs: Any) -> int:
-        given = {field.name: kwargs.pop(field.name) for field in fields(Definitions)}
+        given = {name: kwargs.pop(name) for name in Definitions.__struct_fields__}
         given["define"] = tuple(given["define"])
         return command(*args, definitions=Definitions(**given), **kwargs)
 

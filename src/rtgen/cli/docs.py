@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import os
 from pathlib import Path
 
@@ -65,7 +64,7 @@ def docs(
 
     profiles = tuple(p for p in definitions.paths if is_system(Path(p)))
     others = tuple(p for p in definitions.paths if p not in profiles)
-    project = project_of(dataclasses.replace(definitions, paths=others))
+    project = project_of(replace(definitions, paths=others))
     all_systems = [*map(Path, profiles)] if definitions.paths else project.systems
     result = compiler.read(project, lowered=True)
     if not has_errors(result.diagnostics):

@@ -12,5 +12,6 @@ _LONE_SURROGATES = "surrogatepass"
 
 def dumps(value: Any) -> str:
     """Return `json.dumps(value, indent=2, ensure_ascii=False)`; numbers are finite."""
-    flat = json.dumps(value, ensure_ascii=False).encode("utf-8", _LONE_SURROGATES)
+    text = json.dumps(value, ensure_ascii=False, check_circular=False)
+    flat = text.encode("utf-8", _LONE_SURROGATES)
     return msgspec.json.format(flat, indent=2).decode("utf-8", _LONE_SURROGATES)

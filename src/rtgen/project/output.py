@@ -10,7 +10,6 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import shutil
 import stat
 import sys
 import unicodedata
@@ -446,6 +445,8 @@ def _remove_barren(folder: Path) -> None:
     """Remove a folder that contains nothing but bytecode."""
     bytecode = folder / _BYTECODE
     if bytecode.is_dir() and not bytecode.is_symlink():
+        import shutil
+
         shutil.rmtree(bytecode)
     folder.rmdir()
 

@@ -126,7 +126,8 @@ def fit_bracketed(statement: Bracketed, indent: int) -> str:
     If a head or an item must be split, too, the result is one line, for `fit_text`.
     """
     lines = statement.lines(indent)
-    if any(len(line) > WIDTH and not _LONE_LITERAL.fullmatch(line) for line in lines):
+    long = [line for line in lines if len(line) > WIDTH]
+    if not all(map(_LONE_LITERAL.fullmatch, long)):
         return " " * indent + statement.flat
     return "\n".join(lines)
 
@@ -137,24 +138,20 @@ def fit_text(text: str) -> str:
     Also unchanged are marked lines, and text between `# fmt: off` and `# fmt: on`. A docstring must
     start and end on lines of its own, as `docstring` writes it.
     """
-    lines: list[str] = []
+    lines = text.split("\n")
     inside = off = False
-    for text_line in text.split("\n"):
-        short = inside or len(text_line) <= WIDTH
-        if short and text_line.count('"""') != 1 and _SWITCH not in text_line:
-            lines.append(text_line)
+    for place, line in enumerate(lines):
+        if len(line) <= WIDTH and '"""' not in line and _SWITCH not in line:
             continue
-        bare = text_line.lstrip()
+        bare = line.lstrip()
         begins = bare.startswith('"""') and not off
-        quotes = text_line.count('"""') if inside or begins else 0
+        quotes = line.count('"""') if inside or begins else 0
         if not inside and bare in (_OFF, _ON):
             off = bare == _OFF
-        kept = off or bare.startswith("#") or bare.endswith(SKIPPED)
-        kept = kept or bool(_LONE_LITERAL.fullmatch(bare))
-        if len(text_line) <= WIDTH or inside or quotes or kept:
-            lines.append(text_line)
-        else:
-            lines.append(fit(bare, len(text_line) - len(bare)))
+        kept = len(line) <= WIDTH or inside or quotes or off
+        kept = kept or bare.startswith("#") or bare.endswith(SKIPPED)
+        if not kept and not _LONE_LITERAL.fullmatch(bare):
+            lines[place] = fit(bare, len(line) - len(bare))
         inside ^= quotes == 1
     return "\n".join(lines)
 

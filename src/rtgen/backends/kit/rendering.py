@@ -8,11 +8,11 @@ or a name is allowed. So a text of a definition cannot become code because of a 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
+import msgspec
 from markupsafe import Markup
 
 from rtgen.backends.kit.quoting import names, properties, python, scripts, xml
@@ -23,13 +23,12 @@ if TYPE_CHECKING:
 _FOLDER = Path(__file__).resolve().parents[2] / "templates"
 
 
-@dataclass(frozen=True)
-class Language:
+class Language(msgspec.Struct, frozen=True):
     """An output language: default filter of inserted values, its result type, further filters."""
 
     quote: Callable[[object], str]
     code: type[str]
-    filters: Mapping[str, Callable[..., str]] = field(default_factory=dict)
+    filters: Mapping[str, Callable[..., str]] = {}
 
     def join(self, values: Iterable[object], separator: str = "") -> str:
         """Implement the filter `join`: values are quoted, the separator belongs to the template."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+
+import msgspec
 
 from rtgen.backends import Artifact, Emission, Options, Part, parts
 from rtgen.backends.kit.python_module import (
@@ -42,8 +43,7 @@ _MAX_NAME_LENGTH = 120
 _TYPED = "py.typed"
 
 
-@dataclass(frozen=True, slots=True)
-class TypesBackend:
+class TypesBackend(msgspec.Struct, frozen=True):
     """Emits the Python package of the data types and interfaces."""
 
     name: str = "types"

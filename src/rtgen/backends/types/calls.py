@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import PurePosixPath
 
+import msgspec
 from msgspec.structs import replace
 
 from rtgen.backends.kit.python_text import Bracketed, fit_bracketed, tuple_of
@@ -51,8 +51,7 @@ _CONTEXT = "_context"
 _ID = "_id"
 
 
-@dataclass(frozen=True, slots=True)
-class Call:
+class Call(msgspec.Struct, frozen=True):
     """The marshalling of an operation, or the reason why it has none (`refused`)."""
 
     operation: str

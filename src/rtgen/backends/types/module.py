@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from decimal import Decimal
 from math import isfinite
+
+import msgspec
 
 from rtgen.backends.kit.quoting.python import docstring, number_literal, string_literal
 from rtgen.backends.kit.rendering import render
@@ -44,16 +45,14 @@ from rtgen.typemap.python.idl import PythonMapping, is_boolean
 from rtgen.typemap.python.idl_names import PythonNames, is_emitted
 
 
-@dataclass(frozen=True, slots=True)
-class Statement:
+class Statement(msgspec.Struct, frozen=True):
     """A statement in a class body, with its docstring."""
 
     text: str
     docstring: str
 
 
-@dataclass(frozen=True, slots=True)
-class Block:
+class Block(msgspec.Struct, frozen=True):
     """A top-level part of a module; adjacent small ones have fewer blank lines between."""
 
     text: str
@@ -166,7 +165,7 @@ class TypesModule:
             for m in declaration.members
         ]
         is_struct = isinstance(declaration, Struct)
-        version = self._version(declaration, _Holdings(self._types, declaration))
+        version = self._version(declaration)
         # Not a template: a render takes as long as all else that is done for a struct.
         lines = [] if is_struct else [f"@{py.dataclass}(eq=False)\n"]
         lines += [
@@ -177,15 +176,14 @@ class TypesModule:
         lines += [f"    {attribute}\n" for attribute in self._nested(declaration)]
         return "".join([*lines, "\n", *fields] if fields else lines)
 
-    def _version(
-        self, declaration: Struct | ExceptionDecl | Union, holds: _Holdings
-    ) -> int:
+    def _version(self, declaration: Struct | ExceptionDecl | Union) -> int:
         """The version of XCDR that `to_cdr` returns; 0 for classic CDR."""
-        if isinstance(declaration, Struct | Union) and self._representations.is_xcdr2(
-            declaration
-        ):
+        if isinstance(declaration, ExceptionDecl):
+            headed = self._types.has_headers
+            return int(any(m.optional or headed(m.type) for m in declaration.members))
+        if self._representations.is_xcdr2(declaration):
             return 2
-        return int(holds.headers)
+        return int(self._types.has_headers(NamedType(declaration.name)))
 
     def _bases(self, declaration: Struct | ExceptionDecl) -> str:
         if isinstance(declaration, ExceptionDecl):
@@ -273,7 +271,7 @@ class TypesModule:
         mapping = self._mapping
         first = declaration.cases[0]
         unset = self._types.is_unset(declaration, first)
-        version = self._version(declaration, _Holdings(self._types, declaration))
+        version = self._version(declaration)
         variables = self._unions.values(declaration, mapping, version)
         value = self._valuetypes.field(first.type, False).partition(" = ")[2]
         if "|" in str(variables["value_type"]) and not mapping.is_inferred(first.type):
@@ -437,18 +435,3 @@ class TypesModule:
             holder = self._names.implementation(declaration.name[:-1])[1]
             text += f"\n\n{holder}.{self._late[declaration.name]} = {name}\n"
         return text
-
-
-class _Holdings:
-    """Types in a struct, exception or union that its codec handles specially."""
-
-    def __init__(
-        self, types: CdrTypes, declaration: Struct | ExceptionDecl | Union
-    ) -> None:
-        parts: list[Type] = [NamedType(declaration.name)]
-        if isinstance(declaration, ExceptionDecl):
-            parts = [member.type for member in declaration.members]
-        self.headers = any(map(types.has_headers, parts)) or (
-            isinstance(declaration, ExceptionDecl)
-            and any(member.optional for member in declaration.members)
-        )

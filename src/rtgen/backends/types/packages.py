@@ -5,8 +5,9 @@ A package re-exports the names of implementation modules, besides those that it 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from itertools import chain
+
+import msgspec
 
 from rtgen.backends import Options
 from rtgen.backends.kit.python_module import Import, import_blocks, relative_name
@@ -25,8 +26,7 @@ _LAZY = Import("rtgen.runtime.lazy", "lazy_names", "lazy_names")
 _CHECKING = Import("typing", "TYPE_CHECKING", "TYPE_CHECKING")
 
 
-@dataclass(slots=True)
-class Package:
+class Package(msgspec.Struct):
     """The names that an IDL module exports, and the files that declare them.
 
     `name` is the absolute name of its package. `imports` are names of other modules, `own` those
@@ -35,10 +35,10 @@ class Package:
 
     scope: ScopedName
     name: str
-    files: list[str] = field(default_factory=list)
-    imports: list[Import] = field(default_factory=list)
-    own: list[tuple[str, str]] = field(default_factory=list)
-    enumerators: list[tuple[str, str, str]] = field(default_factory=list)
+    files: list[str] = []
+    imports: list[Import] = []
+    own: list[tuple[str, str]] = []
+    enumerators: list[tuple[str, str, str]] = []
     defines: bool = False
 
     @property

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import msgspec
 
 from rtgen.backends.kit.quoting.python import comment_text, string_literal
 from rtgen.backends.types.descriptions import Descriptions
@@ -14,8 +14,7 @@ from rtgen.typemap.python.idl import PythonMapping
 from rtgen.typemap.python.idl_names import OWN_NAMES, PythonNames, distinct
 
 
-@dataclass(frozen=True, slots=True)
-class _Branch:
+class _Branch(msgspec.Struct, frozen=True):
     name: str
     idl_name: str
     key: str

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from pathlib import Path
 
+import msgspec
 from msgspec.structs import replace
 
 from rtgen.cli.common import (
@@ -21,8 +21,7 @@ from rtgen.project import Project, behaviours, cache, shown
 from rtgen.project import output as writer
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Request:
+class Request(msgspec.Struct, frozen=True, kw_only=True):
     """The options of the command line."""
 
     definitions: Definitions

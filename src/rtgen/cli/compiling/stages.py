@@ -7,10 +7,11 @@ import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, replace
 from typing import Concatenate, ParamSpec
 
 import click
+import msgspec
+from msgspec.structs import replace
 
 from rtgen import stages
 from rtgen.cli.common import Console
@@ -66,8 +67,7 @@ def shown(console: Console) -> Iterator[None]:
         yield
 
 
-@dataclass(frozen=True, slots=True)
-class _All:
+class _All(msgspec.Struct, frozen=True):
     """Several observers."""
 
     observers: Sequence[stages.Observer]

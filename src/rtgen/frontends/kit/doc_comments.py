@@ -15,6 +15,8 @@ import msgspec
 
 _DOCUMENTING = ("/**", "/*!", "///", "//!")
 _TRAILING = ("/**<", "/*!<", "///<", "//!<")
+_AFTER = ("//", *_TRAILING)
+"""Starts of comments that belong to the declaration before them on their line."""
 _KEY = re.compile(r"//[ \t]*@[Kk]ey[ \t]*(?://.*)?")
 _OF_A_FILE = re.compile(r"[\\@]file\b")
 _SUPPRESSION = re.compile(r"(?://+|/\*+)[ \t]*rtgen:[ \t]*ignore\[")
@@ -65,30 +67,25 @@ class Docs:
         position = start
         while index >= 0:
             comment = self._comments[index]
+            text = comment.text
             between = self._text[comment.end : position]
-            if not between.strip() and _SUPPRESSION.match(comment.text):
-                line = self._text.rfind("\n", 0, comment.start) + 1
-                if self._text[line : comment.start].strip():
-                    break
-                position = line
-                index -= 1
-                continue
-            if between.strip() or comment.text.startswith(_TRAILING):
-                break
-            documenting = (
-                comment.text.startswith(_DOCUMENTING) and comment.text != "/**/"
-            )
-            adjacent = between.count("\n") == 1
-            if not documenting and not (comment.text.startswith("//") and adjacent):
+            if between.strip() or text.startswith(_TRAILING):
                 break
             line = self._text.rfind("\n", 0, comment.start) + 1
             if self._text[line : comment.start].strip():
                 break
-            if found and (not adjacent or comment.text[:2] != "//"):
+            if _SUPPRESSION.match(text):
+                position = line
+                index -= 1
+                continue
+            documenting = text.startswith(_DOCUMENTING) and text != "/**/"
+            adjacent = between.count("\n") == 1
+            if not documenting and not (text.startswith("//") and adjacent):
+                break
+            if found and (not adjacent or text[:2] != "//"):
                 break
             found.append(comment)
-            position = comment.start
-            if comment.text.startswith("/*"):
+            if text.startswith("/*"):
                 break
             position = line
             index -= 1
@@ -104,26 +101,16 @@ class Docs:
 
     def _after(self, end: int) -> str:
         index = bisect_left(self._starts, end)
-        found: list[str] = []
-        position = end
-        while index < len(self._comments):
-            comment = self._comments[index]
-            between = self._text[position : comment.start]
-            mark = 0 if found else max(map(between.rfind, ";,")) + 1
-            if between[:mark].strip(" \t\r\n;,") or between[mark:].strip(" \t\r;,"):
-                break
-            if not found and not comment.text.startswith(("//", *_TRAILING)):
-                break
-            if _SUPPRESSION.match(comment.text):
-                break
-            if found and not (
-                between.count("\n") == 1 and comment.text.startswith(("///<", "//!<"))
-            ):
-                break
-            found.append(_stripped(comment.text))
-            position = comment.end
-            index += 1
-        return _tidy("\n".join(found)) if found else ""
+        if index == len(self._comments):
+            return ""
+        comment = self._comments[index]
+        between = self._text[end : comment.start]
+        mark = max(between.rfind(";"), between.rfind(",")) + 1
+        if between[:mark].strip(" \t\r\n;,") or between[mark:].strip(" \t\r"):
+            return ""
+        if not comment.text.startswith(_AFTER) or _SUPPRESSION.match(comment.text):
+            return ""
+        return _tidy(_stripped(comment.text))
 
 
 def _stripped(text: str) -> str:
@@ -138,8 +125,7 @@ def _tidy(text: str) -> str:
     if "\n" not in text:
         return text.strip()
     lines = [line.rstrip() for line in text.split("\n")]
-    if lines:
-        lines[0] = lines[0].lstrip()
+    lines[0] = lines[0].lstrip()
     indents = [len(line) - len(line.lstrip()) for line in lines[1:] if line]
     cut = min(indents, default=0)
     return (

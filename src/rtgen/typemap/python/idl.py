@@ -8,8 +8,9 @@ of its dynamic types.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TypeAlias
+
+import msgspec
 
 from rtgen.facts.primitives import NUMBERS
 from rtgen.model import (
@@ -42,8 +43,7 @@ from rtgen.typemap.python.idl_names import OWN_NAMES
 from rtgen.typemap.python.names import identifier
 
 
-@dataclass(frozen=True, slots=True)
-class PythonType:
+class PythonType(msgspec.Struct, frozen=True):
     """The annotation of a type, and the expression of its initial value.
 
     `imports` are the names that both use, as (module, name); builtins have an empty module.

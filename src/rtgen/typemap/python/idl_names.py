@@ -198,8 +198,7 @@ class PythonNames:
 
     def companion(self, name: ScopedName, suffix: str) -> str:
         """Return the companion of a declaration's class: `RefHardStub`, `RangeListCodec`."""
-        module = self._modules[self._model.find(name).file]
-        taken = self._classes_of[module] | self.taken_in(module)
+        taken = self._taken_of[self._modules[self._model.find(name).file]]
         return _free(self._implementations[name][1] + suffix, taken)
 
     def public_companion(self, name: ScopedName, suffix: str) -> str:
@@ -207,10 +206,12 @@ class PythonNames:
         return _free(self._attribute(name) + suffix, self._members_of[name[:-1]])
 
     @cached_property
-    def _classes_of(self) -> dict[str, set[str]]:
-        """The names of the classes in each implementation module."""
+    def _taken_of(self) -> dict[str, frozenset[str]]:
+        """The names of the classes in each implementation module, and others bound there."""
         return {
-            module: {self._implementations[d.name][1] for d in declarations}
+            module: self.taken_in(module).union(
+                self._implementations[d.name][1] for d in declarations
+            )
             for module, declarations in self._by_module.items()
         }
 

@@ -301,13 +301,12 @@ class Builder(ExpressionBuilder):
         return tuple(children[1:-1]), end_of(children[-1])
 
     def parameter(self, children: Children) -> tree.Parameter:
-        annotations = tuple(c for c in children if isinstance(c, tree.Annotation))
-        rest = [c for c in children if not isinstance(c, tree.Annotation)]
-        direction = _take(rest, "IN", "OUT", "INOUT")
-        type_, declarator = rest
+        *before, type_, declarator = children
+        annotations = tuple(c for c in before if type(c) is tree.Annotation)
+        directions = [_DIRECTIONS[c] for c in before if c not in annotations]
         return tree.Parameter(
             annotations,
-            _DIRECTIONS[direction] if direction else None,
+            directions[0] if directions else None,
             type_,
             declarator,
             start_of(children[0]),

@@ -10,6 +10,8 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
+import msgspec
+
 from rtgen.diagnostics import Span
 
 TOKEN = re.compile(
@@ -37,8 +39,7 @@ class ExpansionError(Exception):
         self.hint = hint
 
 
-@dataclass(frozen=True, slots=True)
-class Token:
+class Token(msgspec.Struct, frozen=True):
     """A preprocessing token; `hidden` are the macros that must not expand it."""
 
     kind: str

@@ -118,11 +118,13 @@ class Preprocessor:
         weight += bool(unit.events or not (unit.text.isspace() or unit.text == ""))
         self._included = included
         replaced = macros.changed_since(start)
-        before = {word: replaced.get(word, macros.get(word)) for word in file.words}
+        before = {**macros, **replaced}
+        named = file.words & before.keys()
+        defined = {name: macro for name in named if (macro := before[name])}
         prepared = _Prepared(
             words=file.words,
-            defined={name: macro for name, macro in before.items() if macro},
-            undefined={name for name, macro in before.items() if macro is None},
+            defined=defined,
+            undefined=file.words - defined.keys(),
             changes={name: macros.get(name) for name in replaced},
             unit=unit,
             weight=weight,
@@ -285,7 +287,8 @@ class _File:
 
     def _words(self, start: int, end: int) -> set[str]:
         """Record the identifiers of an active piece: its result depends on macros among them."""
-        words = set(_WORD.findall(self.source.code, start, end))
+        distinct = set(self.source.code[start:end].split())
+        words = set(_WORD.findall(" ".join(distinct)))
         self.words |= words
         return words
 

@@ -197,12 +197,11 @@ class TextBuilder:
             if piece.expanded:
                 continue
             comments = piece.source.comments
-            index = bisect_left(comments, piece.start, key=lambda c: c.start)
-            while index < len(comments) and comments[index].start < piece.end:
-                comment = comments[index]
-                start = comment.start - piece.start + offset
-                unit.comments.append(
-                    Comment(start, start + comment.end - comment.start, comment.text)
-                )
-                index += 1
+            first = bisect_left(comments, piece.start, key=lambda c: c.start)
+            last = bisect_left(comments, piece.end, first, key=lambda c: c.start)
+            shift = offset - piece.start
+            unit.comments += (
+                Comment(c.start + shift, c.end + shift, c.text) if shift else c
+                for c in comments[first:last]
+            )
         return unit

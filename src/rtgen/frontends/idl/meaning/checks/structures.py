@@ -61,6 +61,8 @@ def annotated(entity: Entity, context: Context) -> None:
 
 def _member_annotations(declaration: Struct, context: Context) -> None:
     for member in declaration.members:
+        if not member.annotations:
+            continue
         for message in contradictions(member.annotations):
             hint = "correct @default, @min or @max"
             context.report(
