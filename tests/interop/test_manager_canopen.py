@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from itertools import count
 
 import canopen
@@ -17,6 +16,7 @@ from canopen.objectdictionary import (
     ODRecord,
     ODVariable,
 )
+from msgspec.structs import replace
 from patience import PATIENCE
 
 from rtgen.runtime import RealClock

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
+import msgspec
 
 from rtgen import runtime
 from rtgen.cli.common import (
@@ -230,7 +231,7 @@ class CommandProject:
             except (FactoryImportError, ToolError):
                 continue  # `rtgen run` reports it if a system needs the type.
             if isinstance(profile, ComponentProfile):
-                found.append(replace(profile, type_name=name))
+                found.append(msgspec.structs.replace(profile, type_name=name))
         return found
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from decimal import Decimal
 from enum import IntEnum, StrEnum
 from math import isfinite
 from typing import TypeAlias
+
+import msgspec
 
 Value: TypeAlias = bool | int | float | Decimal | str
 """A parameter, or an item of one; an enumerator is an `IntEnum`."""
@@ -24,31 +25,27 @@ class Operator(StrEnum):
     GREATER_OR_EQUAL = ">="
 
 
-@dataclass(frozen=True, slots=True)
-class Comparison:
+class Comparison(msgspec.Struct, frozen=True, gc=False):
     """`x < 5`; equality also compares texts, other operators only numbers."""
 
     operator: Operator
     literal: str
 
 
-@dataclass(frozen=True, slots=True)
-class Between:
+class Between(msgspec.Struct, frozen=True, gc=False):
     """`lower <= x <= upper`."""
 
     lower: str
     upper: str
 
 
-@dataclass(frozen=True, slots=True)
-class AllOf:
+class AllOf(msgspec.Struct, frozen=True, gc=False):
     """Both bounds of an interval that is open at one or both ends."""
 
     items: tuple[Comparison, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class AnyOf:
+class AnyOf(msgspec.Struct, frozen=True, gc=False):
     """An enumeration: two or more values."""
 
     items: tuple[Comparison, ...]
@@ -58,15 +55,13 @@ Unit: TypeAlias = Comparison | Between | AllOf | AnyOf
 """A constraint on one value."""
 
 
-@dataclass(frozen=True, slots=True)
-class ItemConstraints:
+class ItemConstraints(msgspec.Struct, frozen=True, gc=False):
     """One constraint for each item of a list value."""
 
     items: tuple[Unit, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class KeyConstraints:
+class KeyConstraints(msgspec.Struct, frozen=True, gc=False):
     """One constraint for each key of a hash value."""
 
     items: tuple[tuple[str, Unit], ...]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
+
+import msgspec
 
 FIRST_PORT: Final = 8931
 """The TCP port of the first join, as in tecsgen."""
@@ -32,8 +33,7 @@ INSTANCE: Final = "communication"
 PORT_DESCRIPTION: Final = "The channel, for one marshaller."
 
 
-@dataclass(frozen=True, slots=True)
-class CommunicationParameter:
+class CommunicationParameter(msgspec.Struct, frozen=True, gc=False):
     """A configuration parameter; `constraint` has the text form of RTC.xml."""
 
     name: str

@@ -16,6 +16,8 @@ _USE = re.compile(r"\bself\.(\w+)\.(?:read|read_newest|is_new|write)\(")
 _SET = re.compile(r"\bself\.(\w+)\s*[,:=]")
 _NAMED = re.compile(r"^ +(?:def )?(\w+) *[:(=]", re.M)
 _CLASS = re.compile(r"^class \w+\(([^)]*)\):", re.M)
+_PARAMETERS = "Struct, gc=False"
+"""The bases of a generated class of configuration parameters."""
 
 
 def check(project: Project, artifacts: Sequence[Artifact]) -> list[Diagnostic]:
@@ -75,7 +77,8 @@ def _ports(file: str, text: str, base: str) -> Iterator[Diagnostic]:
 
     Nothing if one of the classes has another base, which might define the port.
     """
-    if _CLASS.findall(base) != ["Component"] or any(
+    generated = [each for each in _CLASS.findall(base) if each != _PARAMETERS]
+    if generated != ["Component"] or any(
         "," in parents for parents in _CLASS.findall(text)
     ):
         return

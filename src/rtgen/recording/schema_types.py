@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import msgspec
+from msgspec.structs import force_setattr
 
 from rtgen.diagnostics import has_errors, in_order
 from rtgen.facts.primitives import Primitive
@@ -134,7 +135,7 @@ class Types:
             return made
         scoped = "::".join(name)
         if name in self._under_way:
-            return LinkDescriptor("", scoped, lambda: self._made[name])
+            return LinkDescriptor("", scoped, target=lambda: self._made[name])
         try:
             declaration = self._model.find(name)
         except KeyError:
@@ -286,7 +287,7 @@ def _numbered(
     values = {f"m{place}": number(n) for place, (_, n) in enumerate(descriptor.members)}
     class_ = base("Recorded", values)
     class_._descriptor_ = descriptor
-    object.__setattr__(descriptor, "class_", class_)
+    force_setattr(descriptor, "class_", class_)
     return descriptor
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import logging
 import select
 import sys
-from dataclasses import dataclass
 from typing import TextIO
+
+import msgspec
 
 from rtgen.runtime.errors import CallbackError
 from rtgen.runtime.timing.clocks import SECOND
@@ -20,8 +21,7 @@ logging.addLevelName(NOTE, "NOTE")
 ON_ERROR = "on_error"
 
 
-@dataclass(frozen=True, slots=True)
-class Failure:
+class Failure(msgspec.Struct, frozen=True):
     """A call of a component's own code that failed, at `time` [ns since the start].
 
     `error` is the exception, a CallbackError for a callback of another signature, and

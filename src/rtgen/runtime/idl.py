@@ -102,14 +102,14 @@ def sequence(
     element: Described, bound: int | None = None, *, numeric: Numeric = "list"
 ) -> SequenceDescriptor:
     """Return the descriptor of `sequence<element>` or `sequence<element,bound>`."""
-    return SequenceDescriptor(_descriptor(element), bound, numeric)
+    return SequenceDescriptor(_descriptor(element), bound, numeric=numeric)
 
 
 def array(
     element: Described, *dimensions: int, numeric: Numeric = "list"
 ) -> ArrayDescriptor:
     """Return the descriptor of an array; dimensions outermost first."""
-    return ArrayDescriptor(_descriptor(element), dimensions, numeric)
+    return ArrayDescriptor(_descriptor(element), dimensions, numeric=numeric)
 
 
 def dtype(class_: Any) -> Any:
@@ -136,7 +136,9 @@ def link(
     name: str, target: Callable[[], Described], repository_id: str | None = None
 ) -> LinkDescriptor:
     """Return a reference to a type inside its own definition, or before it."""
-    return LinkDescriptor(_id(name, repository_id), name, lambda: _descriptor(target()))
+    return LinkDescriptor(
+        _id(name, repository_id), name, target=lambda: _descriptor(target())
+    )
 
 
 def member(

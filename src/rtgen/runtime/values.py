@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from copy import deepcopy
-from dataclasses import dataclass
 from typing import Any, ClassVar, Self, TypeVar
 
 import msgspec
@@ -86,8 +85,7 @@ class AnyValue(Dynamic, msgspec.Struct, frozen=True):
         return (AnyValue.from_cdr, (self.to_cdr(),))
 
 
-@dataclass(slots=True)
-class DynamicValue(Dynamic):
+class DynamicValue(Dynamic, msgspec.Struct):
     """A struct or exception without a generated type: `members` by name."""
 
     type: StructDescriptor | ExceptionDescriptor
@@ -107,8 +105,7 @@ class DynamicValue(Dynamic):
         return DynamicValue(self.type, deepcopy(self.members, memo))
 
 
-@dataclass(slots=True)
-class DynamicUnion(Dynamic):
+class DynamicUnion(Dynamic, msgspec.Struct):
     """A union without a generated type."""
 
     type: UnionDescriptor

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import fields, is_dataclass
 from typing import Any, Final
+
+import msgspec
 
 from rtgen.runtime.opaque_rpc.codecs import Codec, Messages
 from rtgen.runtime.opaque_rpc.errors import RpcError
@@ -88,8 +89,9 @@ def _values(names: Sequence[str], values: Sequence[object]) -> list[ui.Value]:
 
 
 def _text(value: Any) -> str:
-    if is_dataclass(value):
-        members = (f"{f.name}: {_text(getattr(value, f.name))}" for f in fields(value))
+    if isinstance(value, msgspec.Struct):
+        names = value.__struct_fields__
+        members = (f"{name}: {_text(getattr(value, name))}" for name in names)
         return f"{{{', '.join(members)}}}"
     if isinstance(value, list | tuple):
         more = ", ..." if len(value) > _MAX_ITEMS else ""

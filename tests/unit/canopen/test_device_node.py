@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 from device_bench import DEVICE, NODE_ID, Bench, var
+from msgspec.structs import replace
 
 from rtgen.runtime.canopen.node.node import DeviceNode
 from rtgen.runtime.canopen.node.node_events import NodeEvents

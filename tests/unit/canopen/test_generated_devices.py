@@ -11,11 +11,11 @@ import math
 import shutil
 import sys
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
+from msgspec.structs import replace
 
 from rtgen.cli import run
 from rtgen.runtime import (

@@ -5,12 +5,12 @@ from __future__ import annotations
 import logging
 import struct
 from collections.abc import Iterable
-from dataclasses import replace
 from itertools import pairwise
 
 import pytest
 from device_bench import DEVICE, NODE_ID, var
 from device_bench import Bench as DeviceBench
+from msgspec.structs import replace
 from proxy_bench import DESCRIPTION, MS, NODE, Bench, DriveProxy, SimpleNode
 from slaves import IDENTITY, Slave
 from stations import Recorder

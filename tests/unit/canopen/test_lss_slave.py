@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import random
 from collections.abc import Sequence
-from dataclasses import replace
 
 import pytest
 from device_bench import DEVICE, Bench
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from rtgen.runtime.canopen.node.node import DeviceNode
 from rtgen.runtime.canopen.node.node_events import NodeEvents

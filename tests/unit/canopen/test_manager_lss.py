@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import pytest
 from device_bench import DEVICE
+from msgspec.structs import replace
 
 from rtgen.runtime import System
 from rtgen.runtime.canopen.bus.links import simulated_bus

@@ -29,7 +29,7 @@ NAMES = (
     *("config", "profile", "networks", "description", "objects", "node", "state"),
     *("interface", "channel", "network", "node_id", "now", "network", "value", "data"),
     *("get", "set", "read", "write", "struct", "error", "_pdo", "codecs", "Any"),
-    *("ClassVar", "annotations", "dataclass", "field", "to_cdr", "IntEnum", "Final"),
+    *("ClassVar", "annotations", "Struct", "field", "to_cdr", "IntEnum", "Final"),
     *(
         "1st",
         "ümlaut",

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 from device_bench import DEVICE, NODE_ID, Bench
+from msgspec.structs import replace
 from test_canopen_device import Slave
 
 from rtgen.runtime import InitializationError, System

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterable
-from dataclasses import replace
 
 import pytest
+from msgspec.structs import replace
 from proxy_bench import NODE, SECOND, Bench, DriveProxy
 
 from refrobots.rtc import Time, TimedLong

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import struct
 import sys
-from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
 import pytest
+from msgspec.structs import replace
 from proxy_bench import DESCRIPTION, MS, NODE, Bench
 
 from refrobots.rtc import Time, TimedLong

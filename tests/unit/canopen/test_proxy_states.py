@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 
 import pytest
+from msgspec.structs import replace
 from proxy_bench import DESCRIPTION, MS, NODE, SECOND, Bench, DriveProxy, Objects
 
 from rtgen.runtime import PRECONDITION_NOT_MET, SimulatedClock

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable
-from dataclasses import replace
 from itertools import pairwise
 
 import pytest
+from msgspec.structs import replace
 from proxy_bench import DESCRIPTION, MS, NODE, Bench, DriveProxy
 
 from refrobots.rtc import Time, TimedLong

@@ -163,7 +163,7 @@ def test_ports() -> None:
 def test_a_component_without_anything() -> None:
     text = base_of(component())
     assert "__init__" not in text
-    assert "dataclass" not in text
+    assert "Struct" not in text
     assert "import Component, ComponentProfile\n" in text
 
 
@@ -189,7 +189,7 @@ WORDS = sorted(
     | COMPONENT_NAMES
     | {
         "field",
-        "dataclass",
+        "Struct",
         "list",
         "int",
         "Component",

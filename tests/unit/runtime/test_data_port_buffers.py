@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import runpy
+import sys
+from types import SimpleNamespace
+
 import pytest
 from runtime_samples import (
     Actor,
@@ -15,6 +19,8 @@ from runtime_samples import (
 )
 
 from rtgen.runtime import PORT_OK, DataConnector, PortStatus, SampleTypeError, System
+from rtgen.runtime.marshalling import reference_counts
+from rtgen.runtime.ports import data_ports
 
 FULL = "dataport.buffer.write.full_policy"
 EMPTY = "dataport.buffer.read.empty_policy"
@@ -55,6 +61,26 @@ def test_a_sample_that_another_variable_has_is_copied_all_the_same() -> None:
     out.write(sample, move=True)
     kept.data = 2
     assert port.read() == TimedLong(data=1)
+
+
+def test_a_sample_is_copied_if_references_are_not_counted_exactly(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(sys, "version_info", (3, 14, 0))
+    counts = runpy.run_path(str(reference_counts.__file__))
+    assert not counts["COUNTS_VARIABLES"]
+    monkeypatch.setattr(sys, "implementation", SimpleNamespace(name="pypy"))
+    assert not runpy.run_path(str(reference_counts.__file__))["EXACT"]
+    monkeypatch.setattr(reference_counts, "COUNTS_VARIABLES", False)
+    name = data_ports.__name__
+    write = runpy.run_path(str(data_ports.__file__), run_name=name)["OutPort"].write
+    monkeypatch.delattr(sys, "getrefcount")  # PyPy does not have it
+    _, out, port = joined()
+    sample = long(1)
+    assert write(out, sample, move=True) is PORT_OK
+    found = port.read()
+    assert found == sample
+    assert found is not sample
 
 
 def test_a_sample_that_is_given_away_twice_is_copied_the_second_time() -> None:

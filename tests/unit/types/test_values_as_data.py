@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import dataclasses
+import gc
 import pickle
 from decimal import Decimal
 from pathlib import Path
@@ -13,6 +14,20 @@ import emitted
 import msgspec
 import pytest
 from msgspec import structs
+
+from refrobots.components.aist_joystick import AistJoystickConfiguration
+from refrobots.tecs.board._types import tagWheelState
+from rtgen.runtime import ACTIVE_STATE, ComponentProfile
+from rtgen.runtime.canopen.wire.emergency import Emergency, ErrorRegister
+from rtgen.runtime.canopen.wire.pdo_transmission import PdoParameters
+from rtgen.runtime.marshalling.descriptors import (
+    ArrayDescriptor,
+    BoxDescriptor,
+    PrimitiveDescriptor,
+    SequenceDescriptor,
+)
+from rtgen.runtime.openrtm.systems import Connection
+from rtgen.runtime.system.records import Statistics
 
 PAGE = Path(__file__).parents[3] / "docs" / "idl.md"
 
@@ -41,6 +56,7 @@ def test_the_page_names_each_way() -> None:
     text = PAGE.read_text(encoding="utf-8")
     section = text.partition("## Values as data\n")[2].partition("\n## ")[0]
     for way in (
+        *("self.config", "TECS"),
         *("structs.replace", "structs.asdict", "structs.fields", "msgspec.to_builtins"),
         *("msgspec.convert", "__match_args__", "dataclasses.replace"),
         *("dataclasses.asdict", "dataclasses.fields", "dataclasses.is_dataclass"),
@@ -111,6 +127,82 @@ def test_valuetypes(p: Any) -> None:
     assert (changed.name, changed.next) == ("c", node.next)
     assert [f.name for f in dataclasses.fields(p.Node)] == ["name", "next"]
     assert node != dataclasses.replace(node)
+
+
+@pytest.mark.parametrize(
+    ("made", "name", "other"),
+    [
+        (AistJoystickConfiguration("a.txt", 0.5), "max_v", 0.7),
+        (tagWheelState(5, [1, 2], [0.5, 0.25], True), "count", [3, 4]),
+    ],
+)
+def test_parameters_and_structs_of_tecs(made: Any, name: str, other: object) -> None:
+    class_ = type(made)
+    members = structs.asdict(made)
+    assert list(members) == [f.name for f in structs.fields(class_)]
+    assert members == {n: getattr(made, n) for n in class_.__match_args__}
+    for same in (
+        class_(**members),
+        class_(*members.values()),
+        copy.copy(made),
+        copy.deepcopy(made),
+        pickle.loads(pickle.dumps(made)),
+        msgspec.convert(msgspec.to_builtins(made), class_),
+    ):
+        assert same == made
+        assert type(same) is class_
+        assert repr(same) == repr(made)
+    changed = structs.replace(made, **{name: other})
+    assert getattr(changed, name) == other
+    assert changed != made
+    assert class_() == class_()
+    assert not gc.is_tracked(made), "its members cannot refer to it"
+    with pytest.raises(TypeError):
+        structs.replace(made, colour=1)
+    with pytest.raises(TypeError):
+        hash(made)
+
+
+def test_defaults_of_structs_of_tecs_are_not_shared() -> None:
+    first, second = tagWheelState(), tagWheelState()
+    first.count[0] = 7
+    assert second.count == [0, 0]
+
+
+@pytest.mark.parametrize(
+    ("made", "name", "other"),
+    [
+        (Statistics(ACTIVE_STATE, 1, 2, 3, "lost"), "ticks", 4),
+        (ComponentProfile("Motor", rate=50.0), "type_name", "Drive"),
+        (Emergency(0x8130, ErrorRegister(0x11), b"\1\2\3\4\5"), "code", 0),
+        (PdoParameters(cob_id=0x181, transmission_type=1), "cob_id", 0x182),
+        (Connection("c", "a.out", "b.in", {"k": "v"}), "name", "d"),
+        (SequenceDescriptor(PrimitiveDescriptor("long"), 3), "bound", 4),
+    ],
+)
+def test_records_of_the_runtime(made: Any, name: str, other: object) -> None:
+    changed = structs.replace(made, **{name: other})
+    assert getattr(changed, name) == other
+    assert changed != made
+    assert structs.replace(changed, **{name: getattr(made, name)}) == made
+    assert pickle.loads(pickle.dumps(made)) == made
+    with pytest.raises(AttributeError):
+        setattr(made, name, other)
+
+
+def test_descriptors_are_equal_by_what_they_describe() -> None:
+    long = PrimitiveDescriptor("long")
+    plain = SequenceDescriptor(long, 3)
+    arrays = SequenceDescriptor(long, 3, numeric="numpy")
+    assert plain == arrays
+    assert hash(plain) == hash(arrays)
+    assert plain != SequenceDescriptor(long)
+    assert plain != ArrayDescriptor(long, (3,))
+    first, second = (BoxDescriptor("IDL:Box:1.0", "Box", long) for _ in range(2))
+    first.codecs["made"] = first
+    assert first == second
+    assert repr(first) == repr(second)
+    assert copy.deepcopy(first) is first
 
 
 def test_an_exception_cannot_be_a_struct() -> None:

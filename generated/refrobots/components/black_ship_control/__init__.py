@@ -4,16 +4,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
+
+from msgspec import Struct
 
 from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis, rtc
 
 
-@dataclass(slots=True)
-class BlackShipControlConfiguration:
+class BlackShipControlConfiguration(Struct, gc=False):
     """Configuration of BlackShipControl."""
 
     robot_id: int = 0

@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
+
+from msgspec import Struct
 
 from rtgen.runtime import ComponentProfile, ParameterProfile, data_port, service_port
 from rtgen.runtime.canopen.master.manager import CanopenManager
@@ -13,8 +14,7 @@ from rtgen.runtime.canopen.master.manager import CanopenManager
 from ... import canopen
 
 
-@dataclass(slots=True)
-class CanopenManagerConfiguration:
+class CanopenManagerConfiguration(Struct, gc=False):
     """Configuration of CanopenManager."""
 
     network: str = ""

@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
+
+from msgspec import Struct
 
 from rtgen.runtime import (
     Component,
@@ -18,8 +19,7 @@ from rtgen.runtime import (
 from ... import RefHard, iis
 
 
-@dataclass(slots=True)
-class CollisionDetectionConfiguration:
+class CollisionDetectionConfiguration(Struct, gc=False):
     """Configuration of CollisionDetection."""
 
     radiusOfBodyArea: float = 0.45

@@ -4,16 +4,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
+
+from msgspec import Struct
 
 from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import ucode
 
 
-@dataclass(slots=True)
-class ContentsInterpretationConfiguration:
+class ContentsInterpretationConfiguration(Struct, gc=False):
     """Configuration of ContentsInterpretation."""
 
     cache: int = 4

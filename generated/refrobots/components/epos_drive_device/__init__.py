@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, ClassVar
+
+from msgspec import Struct
 
 from rtgen.runtime import ComponentProfile, ParameterProfile, data_port
 from rtgen.runtime.canopen import pdo as _pdo
@@ -122,8 +123,7 @@ def _outgoing_tpdo4(sample: Any, set_: Setter) -> None:
     set_((0x603F, 0), sample.Error_code)
 
 
-@dataclass(slots=True)
-class EposDriveDeviceConfiguration:
+class EposDriveDeviceConfiguration(Struct, gc=False):
     """Configuration of EposDriveDevice."""
 
     interface: str = "virtual"

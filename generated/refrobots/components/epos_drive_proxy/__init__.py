@@ -5,9 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from struct import Struct as _Struct, error as _error
 from typing import ClassVar
+
+from msgspec import Struct
 
 from rtgen.runtime import ComponentProfile, ParameterProfile, data_port, service_port
 from rtgen.runtime.canopen import pdo as _pdo
@@ -22,8 +23,7 @@ from ... import canopen, eposdrive, rtc
 from ...eposdrive import DESCRIPTION, EposDriveObjects
 
 
-@dataclass(slots=True)
-class EposDriveProxyConfiguration:
+class EposDriveProxyConfiguration(Struct, gc=False):
     """Configuration of EposDriveProxy."""
 
     interface: str = "virtual"

@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, ClassVar
+
+from msgspec import Struct
 
 from rtgen.runtime import ComponentProfile, ParameterProfile, data_port
 from rtgen.runtime.canopen.hooks import Getter, Incoming, Outgoing, Setter
@@ -90,8 +91,7 @@ def _outgoing_tpdo4(sample: Any, set_: Setter) -> None:
     set_((0x2100, 0), sample.Angle_reference)
 
 
-@dataclass(slots=True)
-class FPaletteDeviceConfiguration:
+class FPaletteDeviceConfiguration(Struct, gc=False):
     """Configuration of FPaletteDevice."""
 
     interface: str = "virtual"

@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, ClassVar
+
+from msgspec import Struct
 
 from rtgen.runtime import ComponentProfile, ParameterProfile, data_port
 from rtgen.runtime.canopen import pdo as _pdo
@@ -105,8 +106,7 @@ def _outgoing_tpdo4(sample: Any, set_: Setter) -> None:
     set_((0x2001, 0), sample.Driver_temperature)
 
 
-@dataclass(slots=True)
-class FtmdDeviceConfiguration:
+class FtmdDeviceConfiguration(Struct, gc=False):
     """Configuration of FtmdDevice."""
 
     interface: str = "virtual"

@@ -4,16 +4,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
+
+from msgspec import Struct
 
 from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis, rtc
 
 
-@dataclass(slots=True)
-class LRFCapture_URGConfiguration:
+class LRFCapture_URGConfiguration(Struct, gc=False):
     """Configuration of LRFCapture_URG."""
 
     room: str = "room"

@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, ClassVar
+
+from msgspec import Struct
 
 from rtgen.runtime import ComponentProfile, ParameterProfile, data_port
 from rtgen.runtime.canopen.hooks import Getter, Incoming, Outgoing, Setter
@@ -113,8 +114,7 @@ def _outgoing_tpdo4(sample: Any, set_: Setter) -> None:
     set_((0x2001, 0), sample.Motor_temperature)
 
 
-@dataclass(slots=True)
-class MotorCoreUnitDeviceConfiguration:
+class MotorCoreUnitDeviceConfiguration(Struct, gc=False):
     """Configuration of MotorCoreUnitDevice."""
 
     interface: str = "virtual"

@@ -4,16 +4,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
+
+from msgspec import Struct
 
 from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis
 
 
-@dataclass(slots=True)
-class ObstaclesAvoidanceConfiguration:
+class ObstaclesAvoidanceConfiguration(Struct, gc=False):
     """Configuration of ObstaclesAvoidance."""
 
     radiusOfBodyArea: float = 0.45

@@ -4,16 +4,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
+
+from msgspec import Struct
 
 from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis, rtc
 
 
-@dataclass(slots=True)
-class OdometryRh2Configuration:
+class OdometryRh2Configuration(Struct, gc=False):
     """Configuration of OdometryRh2."""
 
     leftWheelID: int = 0

@@ -4,16 +4,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
+
+from msgspec import Struct
 
 from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis
 
 
-@dataclass(slots=True)
-class PlanningManagerConfiguration:
+class PlanningManagerConfiguration(Struct, gc=False):
     """Configuration of PlanningManager."""
 
     speed: float = 0.3

@@ -4,16 +4,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
+
+from msgspec import Struct
 
 from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import rtc
 
 
-@dataclass(slots=True)
-class PotentiometerConfiguration:
+class PotentiometerConfiguration(Struct, gc=False):
     """Configuration of Potentiometer."""
 
     offset: float = 0.0

@@ -4,16 +4,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
+
+from msgspec import Struct
 
 from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis, rtc
 
 
-@dataclass(slots=True)
-class RefHardControlConfiguration:
+class RefHardControlConfiguration(Struct, gc=False):
     """Configuration of RefHardControl."""
 
     robot_id: int = 0

@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
+
+from msgspec import Struct
 
 from rtgen.runtime import (
     Component,
@@ -18,8 +19,7 @@ from rtgen.runtime import (
 from ... import RefHard, ftmd, iis, rtc
 
 
-@dataclass(slots=True)
-class RefHardFourXConfiguration:
+class RefHardFourXConfiguration(Struct, gc=False):
     """Configuration of RefHardFourX."""
 
     Velocity_limit: float = 10.0

@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
+
+from msgspec import Struct
 
 from rtgen.runtime import (
     Component,
@@ -18,8 +19,7 @@ from rtgen.runtime import (
 from ... import RefHard, iis, rtc
 
 
-@dataclass(slots=True)
-class RefHardRh2Configuration:
+class RefHardRh2Configuration(Struct, gc=False):
     """Configuration of RefHardRh2."""
 
     DeviceFileName: str = "/dev/ttyUSB0"

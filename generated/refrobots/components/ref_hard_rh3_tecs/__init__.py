@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
+
+from msgspec import Struct
 
 from rtgen.runtime import (
     Component,
@@ -18,8 +19,7 @@ from rtgen.runtime import (
 from ... import RefHard, iis, rtc
 
 
-@dataclass(slots=True)
-class RefHardRh3TecsConfiguration:
+class RefHardRh3TecsConfiguration(Struct, gc=False):
     """Configuration of RefHardRh3Tecs."""
 
     Velocity_limit: float = 10.0

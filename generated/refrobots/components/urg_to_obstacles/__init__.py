@@ -4,16 +4,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
+
+from msgspec import Struct
 
 from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import iis, rtc
 
 
-@dataclass(slots=True)
-class Urg_to_ObstaclesConfiguration:
+class Urg_to_ObstaclesConfiguration(Struct, gc=False):
     """Configuration of Urg_to_Obstacles."""
 
     spacing: float = 0.02

@@ -4,12 +4,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import Final
 
+from msgspec import Struct, field
 
-@dataclass(slots=True)
-class tagWheelState:
+
+class tagWheelState(Struct, gc=False):
     """Both wheels, the left one first."""
 
     time: int = 0

@@ -121,7 +121,7 @@ class _ProxyModule(ComponentModule):
         """The description of the device for the codecs, also without a network."""
         if not self._changes:
             return "DESCRIPTION"
-        replace = self.use("dataclasses", "replace")
+        replace = self.use("msgspec.structs", "replace")
         return call(replace, "DESCRIPTION", **self._changes)
 
     def _constructor(self) -> Iterator[str]:

@@ -144,7 +144,7 @@ class _BaseModule:
         )
         runtime = ["ComponentProfile", *["ParameterProfile"] * bool(fields)]
         runtime += {_PROFILES[port.kind] for port, _ in attributes.ports}
-        of_fields = ["dataclass"] * bool(fields)
+        of_fields = ["Struct"] * bool(fields)
         of_fields += ["field"] * any("= field(" in field.text for field in fields)
         return python_module(
             module_path(self._names.package, component),
@@ -154,7 +154,7 @@ class _BaseModule:
             title,
             imports=[
                 *imports_from("typing", ["ClassVar"]),
-                *imports_from("dataclasses", of_fields),
+                *imports_from("msgspec", of_fields),
                 *imports_from("rtgen.runtime", runtime),
                 runtime_base,
                 *self._imports.imports(),

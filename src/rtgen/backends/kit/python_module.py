@@ -19,7 +19,7 @@ _STANDARD: Final = frozenset(
     {"abc", "builtins", "collections", "dataclasses", "decimal", "struct", "typing"}
 )
 """The packages of the standard library that generated code uses."""
-_THIRD_PARTY: Final = "numpy"
+_THIRD_PARTY: Final = ("msgspec", "numpy")
 
 
 class Import(msgspec.Struct, frozen=True, order=True):
@@ -154,7 +154,7 @@ def imports_of(names: Mapping[tuple[str, str], str]) -> list[Import]:
     Numpy is the only module that is imported itself.
     """
     return [
-        Import(module, "" if name == module == _THIRD_PARTY else name, local)
+        Import(module, "" if name == module in _THIRD_PARTY else name, local)
         for (module, name), local in names.items()
     ]
 
@@ -167,7 +167,8 @@ def imports_from(module: str, names: Iterable[str]) -> list[Import]:
 def import_blocks(
     imports: Iterable[Import], package: str = "", path: str = ""
 ) -> list[list[str]]:
-    """Import statements in blocks: standard library, numpy, the runtime, the own package.
+    """Import statements in blocks: standard library, msgspec and numpy, the runtime, the own
+    package.
 
     Modules of `package` are imported relatively by the file at `path`; without a path, all are
     imported absolutely.
@@ -221,7 +222,7 @@ def _rank(module: str) -> int:
     outermost = module.partition(".")[0]
     if outermost in _STANDARD:
         return 0
-    return 1 if outermost == _THIRD_PARTY else 2
+    return 1 if outermost in _THIRD_PARTY else 2
 
 
 def _order(module: str) -> tuple[int, str]:

@@ -27,7 +27,7 @@ from rtgen.typemap.tecs.python import (
 
 @dataclass(frozen=True, slots=True)
 class _Class:
-    """The dataclass of a struct, its members as statements."""
+    """The class of a struct, its members as statements."""
 
     name: str
     docstring: str

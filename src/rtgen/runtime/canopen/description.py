@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal, TypeAlias
+
+import msgspec
+from msgspec.structs import replace
 
 from rtgen.facts.canopen import Kind as Kind
 
@@ -15,8 +17,7 @@ ObjectNumber: TypeAlias = tuple[int, int]
 """Index and sub-index."""
 
 
-@dataclass(frozen=True, slots=True)
-class ObjectDescription:
+class ObjectDescription(msgspec.Struct, frozen=True, gc=False):
     """An object of the object dictionary (CiA 301, 7.4).
 
     `name` is its identifier. `default`, `low` and `high` are None if the description has none;
@@ -61,8 +62,7 @@ class ObjectDescription:
         return self.default
 
 
-@dataclass(frozen=True, slots=True)
-class PdoDescription:
+class PdoDescription(msgspec.Struct, frozen=True, gc=False):
     """A PDO as the device sees it: the device transmits a `tpdo` and receives an `rpdo`.
 
     `cob_id` includes the flag bits; with `relative` it is an offset to the node-id; None: not
@@ -89,8 +89,7 @@ class PdoDescription:
         return self.cob_id + node_id if self.relative else self.cob_id
 
 
-@dataclass(frozen=True)
-class DeviceDescription:
+class DeviceDescription(msgspec.Struct, frozen=True, dict=True):
     """A device: `DESCRIPTION` of a generated module `objects`.
 
     `lss`: the device supports layer setting services. `granularity` is the smallest unit of a
@@ -129,8 +128,7 @@ class DeviceDescription:
         raise KeyError(f"{self.name} has no {direction}{number}")
 
 
-@dataclass(frozen=True, slots=True)
-class Write:
+class Write(msgspec.Struct, frozen=True, gc=False):
     """A value to be written by SDO, in octets."""
 
     index: int
@@ -156,8 +154,7 @@ class Write:
         return self.verify
 
 
-@dataclass(frozen=True, slots=True)
-class NodeDescription:
+class NodeDescription(msgspec.Struct, frozen=True, gc=False):
     """A node of a network, and how the manager starts it.
 
     `identity` holds the expected values of 1000h and 1018h:1 to 4; None skips the check.
@@ -190,8 +187,7 @@ class NodeDescription:
     recoveries: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class Network:
+class Network(msgspec.Struct, frozen=True, gc=False):
     """A network: `NETWORK` of a generated module `networks.<name>`.
 
     `bit_rate` is in kbit/s; `sync` is the SYNC period in us and `heartbeat` the manager's

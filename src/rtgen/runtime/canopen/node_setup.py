@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
-from dataclasses import dataclass
 from typing import Final, TypeAlias
+
+import msgspec
 
 from rtgen.runtime.canopen.description import NodeDescription, ObjectNumber, Write
 
 
-@dataclass(frozen=True, slots=True)
-class Transfer:
+class Transfer(msgspec.Struct, frozen=True, gc=False):
     """An SDO read, or a write if there is a `value`.
 
     A write is `repeatable` if it sets a value and does not execute a command.

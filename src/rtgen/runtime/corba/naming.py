@@ -7,11 +7,11 @@ port name) that contains the provider under its instance name.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import islice
 from typing import Any, TypeVar
 
 import CosNaming
+import msgspec
 import omniORB
 from omniORB import CORBA
 
@@ -35,8 +35,7 @@ _HOST = "host_cxt"
 _Context = CosNaming.NamingContext
 
 
-@dataclass(frozen=True)
-class Bound:
+class Bound(msgspec.Struct, frozen=True):
     """A name of a naming service: its path of ids and kinds, and the object; None for a context."""
 
     path: tuple[tuple[str, str], ...]

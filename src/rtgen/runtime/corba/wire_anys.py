@@ -181,9 +181,9 @@ def _value(content: _Content, value: Any) -> AnyValue:
 def _key(type_: Descriptor) -> Any:
     """Return a key that differs for types with different values: named types by identity."""
     match type_:
-        case SequenceDescriptor(element, bound, numeric):
+        case SequenceDescriptor(element, bound, numeric=numeric):
             return "sequence", _key(element), bound, numeric
-        case ArrayDescriptor(element, dimensions, numeric):
+        case ArrayDescriptor(element, dimensions, numeric=numeric):
             return "array", _key(element), dimensions, numeric
         case Named():
             return id(type_)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import msgspec
@@ -11,8 +10,7 @@ import msgspec
 Convert: TypeAlias = Callable[[Any], Any]
 
 
-@dataclass(frozen=True, slots=True)
-class WireType:
+class WireType(msgspec.Struct, frozen=True):
     """A descriptor of omniORBpy; `outgoing` and `incoming` convert values, None if unnecessary."""
 
     descriptor: Any

@@ -9,13 +9,13 @@ types that contain them, are converted.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from decimal import Context, Decimal
 from functools import partial
 from operator import attrgetter
 from types import SimpleNamespace
 from typing import Any, Protocol, TypeAlias
 
+import msgspec
 import omniORB
 from omniORB import CORBA, tcInternal
 
@@ -94,8 +94,7 @@ _WIDE_CHARACTER = (tcInternal.tv_array, tcInternal.tv_octet, 3)
 _DIGITS = Context(prec=31)
 
 
-@dataclass(frozen=True, slots=True)
-class WireException:
+class WireException(msgspec.Struct, frozen=True):
     """A user exception: `raised` converts to omniORBpy's class, `caught` from it."""
 
     descriptor: Any

@@ -21,7 +21,6 @@ headers of DDS-RPC (`rpc_header`): the identity of a request, which its reply re
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
-from dataclasses import dataclass
 from typing import Any, Protocol, TypeAlias
 
 import msgspec
@@ -64,24 +63,21 @@ class ReplyTimeoutError(MediumError):
     """No reply in time: the call may have been carried out, or be in progress."""
 
 
-@dataclass(frozen=True, slots=True)
-class Topic:
+class Topic(msgspec.Struct, frozen=True):
     """A topic of samples: its name, and the generated type, whose `_descriptor_` describes it."""
 
     name: str
     type: type[DataType]
 
 
-@dataclass(frozen=True, slots=True)
-class ServiceTypes:
+class ServiceTypes(msgspec.Struct, frozen=True):
     """The types of the requests and replies of a service."""
 
     request: Any
     reply: Any
 
 
-@dataclass(frozen=True, slots=True)
-class Qos:
+class Qos(msgspec.Struct, frozen=True, gc=False):
     """Quality of service of a publisher (offered) or a subscription (requested).
 
     `reliable`: samples are sent again until they arrive; `depth`: samples that the engine keeps for

@@ -9,7 +9,6 @@ An operation with types that DDS does not support has a body of CDR instead, as 
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
@@ -37,8 +36,7 @@ OK = 0
 _UNUSED = "dummy"
 
 
-@dataclass(frozen=True, slots=True)
-class OperationTypes:
+class OperationTypes(msgspec.Struct, frozen=True):
     """The types of an operation; `octets`: arguments and results are bodies of CDR."""
 
     name: str
@@ -48,11 +46,12 @@ class OperationTypes:
     request: Any
     reply: Any
     result: Any
-    exceptions: dict[int, tuple[Any, type[UserException]]] = field(default_factory=dict)
+    exceptions: dict[int, tuple[Any, type[UserException]]] = msgspec.field(
+        default_factory=dict
+    )
 
 
-@dataclass(frozen=True, slots=True)
-class InterfaceTypes(ServiceTypes):
+class InterfaceTypes(ServiceTypes, frozen=True):
     """The types of an interface, with its unions and operations by name and by label."""
 
     call: Any

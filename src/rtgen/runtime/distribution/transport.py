@@ -7,9 +7,10 @@ import threading
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
+
+import msgspec
 
 from rtgen.runtime.distribution.control import Served
 from rtgen.runtime.distribution.data import (
@@ -51,13 +52,12 @@ if TYPE_CHECKING:
 _POLL_INTERVAL = 0.05
 
 
-@dataclass(slots=True)
-class _Published:
+class _Published(msgspec.Struct):
     """The publications of a component of this process; `tokens` are closed in reverse order."""
 
     component: Component
-    topics: dict[str, OutTopic] = field(default_factory=dict)
-    tokens: list[Any] = field(default_factory=list)
+    topics: dict[str, OutTopic] = msgspec.field(default_factory=dict)
+    tokens: list[Any] = msgspec.field(default_factory=list)
 
     def close(self) -> None:
         while self.tokens:

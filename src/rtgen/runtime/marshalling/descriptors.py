@@ -7,7 +7,8 @@ marshalled, and to compile codecs.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from functools import cache
+from operator import attrgetter
 from typing import Any, ClassVar, Final, Protocol, Self, TypeAlias, TypeVar
 
 import msgspec
@@ -20,17 +21,38 @@ NEXT: Final = -1
 """Stands for the member id after that of the previous member."""
 
 
-class Description:
-    """Base class of descriptors; a copy of a value refers to the same descriptors."""
+@cache
+def _identity(class_: type[Description]) -> Callable[[Description], object]:
+    """Return the function that reads the positional fields of a descriptor."""
+    return attrgetter(*class_.__match_args__)
 
-    __slots__ = ()
+
+class Description(msgspec.Struct, frozen=True):
+    """Base class of descriptors; a copy of a value refers to the same descriptors.
+
+    Keyword-only fields do not count: two descriptors are equal if the positional ones are, and
+    `repr` shows only these.
+    """
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        read = _identity(type(self))
+        return read(self) == read(other)
+
+    def __hash__(self) -> int:
+        return hash(_identity(type(self))(self))
+
+    def __repr__(self) -> str:
+        names: tuple[str, ...] = type(self).__match_args__
+        shown = (f"{name}={getattr(self, name)!r}" for name in names)
+        return f"{type(self).__name__}({', '.join(shown)})"
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Self:
         return self
 
 
-@dataclass(frozen=True, slots=True)
-class PrimitiveDescriptor(Description):
+class PrimitiveDescriptor(Description, frozen=True):
     """A basic type, by its IDL name; `null` and `void` are types without values."""
 
     name: str
@@ -39,8 +61,7 @@ class PrimitiveDescriptor(Description):
         return self.name
 
 
-@dataclass(frozen=True, slots=True)
-class StringDescriptor(Description):
+class StringDescriptor(Description, frozen=True):
     """`string` (`bound` in octets of UTF-8) or `wstring` (in UTF-16 units)."""
 
     wide: bool = False
@@ -51,8 +72,7 @@ class StringDescriptor(Description):
         return name if self.bound is None else f"{name}<{self.bound}>"
 
 
-@dataclass(frozen=True, slots=True)
-class FixedDescriptor(Description):
+class FixedDescriptor(Description, frozen=True):
     """`fixed<digits,scale>`."""
 
     digits: int
@@ -62,33 +82,34 @@ class FixedDescriptor(Description):
         return f"fixed<{self.digits},{self.scale}>"
 
 
-@dataclass(frozen=True, slots=True)
-class SequenceDescriptor(Description):
-    """`sequence<element>` or `sequence<element,bound>`; `numeric` is its form in Python."""
+class _InPython(Description, frozen=True, kw_only=True):
+    """A type of many items; `numeric` is their form in Python."""
+
+    numeric: Numeric = "list"
+
+
+class SequenceDescriptor(_InPython, frozen=True):
+    """`sequence<element>` or `sequence<element,bound>`."""
 
     element: Descriptor
     bound: int | None = None
-    numeric: Numeric = field(default="list", compare=False)
 
     def __str__(self) -> str:
         bound = "" if self.bound is None else f",{self.bound}"
         return f"sequence<{self.element}{bound}>"
 
 
-@dataclass(frozen=True, slots=True)
-class ArrayDescriptor(Description):
-    """An array; dimensions outermost first; `numeric` is its form in Python."""
+class ArrayDescriptor(_InPython, frozen=True):
+    """An array; dimensions outermost first."""
 
     element: Descriptor
     dimensions: tuple[int, ...]
-    numeric: Numeric = field(default="list", compare=False)
 
     def __str__(self) -> str:
         return str(self.element) + "".join(f"[{n}]" for n in self.dimensions)
 
 
-@dataclass(frozen=True, slots=True)
-class MapDescriptor(Description):
+class MapDescriptor(Description, frozen=True):
     """`map<key,value>` or `map<key,value,bound>`."""
 
     key: Descriptor
@@ -100,27 +121,28 @@ class MapDescriptor(Description):
         return f"map<{self.key},{self.value}{bound}>"
 
 
-@dataclass(frozen=True, slots=True)
-class Named(Description):
-    """A named type: `class_` is its Python class or None; `codecs` are its compiled functions.
+class _Marshalled(Description, frozen=True, kw_only=True):
+    """A type with codecs: `class_` is its Python class or None; `codecs` are compiled functions.
 
     `representation` is the version of XCDR that `to_cdr` writes, 0 for classic CDR.
     """
 
+    representation: int = 0
+    class_: Any = None
+    codecs: dict[Any, Any] = msgspec.field(default_factory=dict)
+
+
+class Named(_Marshalled, frozen=True):
+    """A named type."""
+
     repository_id: str
     name: str
-    representation: int = field(default=0, compare=False, repr=False, kw_only=True)
-    class_: Any = field(default=None, init=False, compare=False, repr=False)
-    codecs: dict[Any, Any] = field(
-        default_factory=dict, init=False, compare=False, repr=False
-    )
 
     def __str__(self) -> str:
         return self.name
 
 
-@dataclass(frozen=True, slots=True)
-class AliasDescriptor(Named):
+class AliasDescriptor(Named, frozen=True):
     """A typedef; types that use it are compared by its target."""
 
     target: Descriptor
@@ -129,8 +151,7 @@ class AliasDescriptor(Named):
         return str(self.target)
 
 
-@dataclass(frozen=True, slots=True)
-class EnumDescriptor(Named):
+class EnumDescriptor(Named, frozen=True):
     """An enum: its members in order with their numbers, and its size in bits."""
 
     members: tuple[tuple[str, int], ...]
@@ -142,8 +163,7 @@ class EnumDescriptor(Named):
         return "i" if any(number < 0 for _, number in self.members) else "I"
 
 
-@dataclass(frozen=True, slots=True)
-class FlagsDescriptor(Named):
+class FlagsDescriptor(Named, frozen=True):
     """A bitmask: its flags with their positions, and its size in bits."""
 
     members: tuple[tuple[str, int], ...]
@@ -185,8 +205,7 @@ class BitfieldDescriptor(msgspec.Struct, frozen=True):
         return value
 
 
-@dataclass(frozen=True, slots=True)
-class BitsetDescriptor(Named):
+class BitsetDescriptor(Named, frozen=True):
     """A bitset: its named fields, those of its base first, and its size in bits."""
 
     fields: tuple[BitfieldDescriptor, ...]
@@ -216,8 +235,7 @@ class MemberDescriptor(msgspec.Struct, frozen=True):
         _name_attribute(self)
 
 
-@dataclass(frozen=True, slots=True)
-class StructDescriptor(Named):
+class StructDescriptor(Named, frozen=True):
     """A struct: its members in wire order, those of its bases first.
 
     `extensibility` is `final`, `appendable` or `mutable`; `nested`: it is not a topic type.
@@ -230,17 +248,16 @@ class StructDescriptor(Named):
     opaque: bool = False
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "members", _numbered(self.members, 0))
+        force_setattr(self, "members", _numbered(self.members, 0))
 
 
-@dataclass(frozen=True, slots=True)
-class ExceptionDescriptor(Named):
+class ExceptionDescriptor(Named, frozen=True):
     """A user exception, with the attributes of a struct."""
 
     members: tuple[MemberDescriptor, ...]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "members", _numbered(self.members, 0))
+        force_setattr(self, "members", _numbered(self.members, 0))
 
 
 class BranchDescriptor(msgspec.Struct, frozen=True):
@@ -258,8 +275,7 @@ class BranchDescriptor(msgspec.Struct, frozen=True):
         _name_attribute(self)
 
 
-@dataclass(frozen=True, slots=True)
-class UnionDescriptor(Named):
+class UnionDescriptor(Named, frozen=True):
     """A union: its discriminator (member id 0) and its branches in order."""
 
     switch: Descriptor
@@ -268,7 +284,7 @@ class UnionDescriptor(Named):
     nested: bool = False
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "branches", _numbered(self.branches, 1))
+        force_setattr(self, "branches", _numbered(self.branches, 1))
 
     def branch(self, discriminator: int | str | bool) -> BranchDescriptor | None:
         """Return the branch selected by a discriminator, or None."""
@@ -278,8 +294,7 @@ class UnionDescriptor(Named):
         return next((b for b in self.branches if b.default), None)
 
 
-@dataclass(frozen=True, slots=True)
-class InterfaceDescriptor(Named):
+class InterfaceDescriptor(Named, frozen=True):
     """An interface: signatures of its operations and attributes, those of its bases first.
 
     `opaque`: only its name was known when it was generated.
@@ -296,8 +311,7 @@ class InterfaceDescriptor(Named):
         return repository_id in lineage(self)
 
 
-@dataclass(frozen=True, slots=True)
-class ValueDescriptor(Named):
+class ValueDescriptor(Named, frozen=True):
     """A valuetype: its own state, its bases, and its modifier: custom, abstract, truncatable."""
 
     members: tuple[MemberDescriptor, ...]
@@ -340,8 +354,7 @@ def lineage(descriptor: _Derived) -> dict[str, _Derived]:
     return found
 
 
-@dataclass(frozen=True, slots=True)
-class BoxDescriptor(Named):
+class BoxDescriptor(Named, frozen=True):
     """A boxed value."""
 
     target: Descriptor
@@ -355,11 +368,10 @@ class BoxDescriptor(Named):
         return self.repository_id == repository_id
 
 
-@dataclass(frozen=True, slots=True)
-class LinkDescriptor(Named):
+class LinkDescriptor(Named, frozen=True, kw_only=True):
     """A reference to a type inside its own definition; equal if name and repository id are."""
 
-    target: Callable[[], Descriptor] = field(compare=False, repr=False)
+    target: Callable[[], Descriptor]
 
 
 def _name_attribute(
@@ -445,7 +457,7 @@ def register(class_: type[Any], descriptor: Named) -> None:
 
     Of two types with one repository id, the last one is registered.
     """
-    object.__setattr__(descriptor, "class_", class_)
+    force_setattr(descriptor, "class_", class_)
     if descriptor.repository_id:
         _REGISTERED[descriptor.repository_id] = descriptor
         for table in _OUTDATED:

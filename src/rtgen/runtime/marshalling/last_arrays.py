@@ -14,6 +14,8 @@ from operator import call
 from typing import Any, Generic, TypeVar
 from weakref import getweakrefcount
 
+from rtgen.runtime.marshalling.reference_counts import EXACT
+
 _KEPT = 4
 _MAX_OCTETS = 2 << 20
 """Maximum size of each array, so that at most four times as much memory is kept."""
@@ -35,13 +37,7 @@ def _oldest(arrays: deque[_A]) -> tuple[list[_A], int, int]:
     return held, references, weak_references
 
 
-def _is_counted() -> bool:
-    """Return whether this interpreter has exact numbers of references."""
-    has_lock = getattr(sys, "_is_gil_enabled", lambda: True)
-    return sys.implementation.name == "cpython" and has_lock()
-
-
-_UNUSED = _oldest(deque([array("b")]))[1] if _is_counted() else 0
+_UNUSED = _oldest(deque([array("b")]))[1] if EXACT else 0
 """The number of references to an array to which only `_oldest` refers; 0 if it is not exact."""
 
 

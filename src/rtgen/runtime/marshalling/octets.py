@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Sequence
-from dataclasses import dataclass
 from decimal import Decimal
 from struct import Struct
 from typing import Any, TypeVar
+
+import msgspec
 
 _T = TypeVar("_T")
 
@@ -203,8 +204,7 @@ def nested(items: Sequence[Any], dimensions: Sequence[int]) -> list[Any]:
     ]
 
 
-@dataclass(frozen=True, slots=True)
-class ObjectReference:
+class ObjectReference(msgspec.Struct, frozen=True, gc=False):
     """An object reference (IOR): repository id and tagged profiles (CORBA 3.3 part 2, 7.6.2)."""
 
     type_id: str = ""

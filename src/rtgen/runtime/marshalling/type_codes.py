@@ -385,7 +385,7 @@ class _Reader:
         def target() -> Descriptor:
             return self._done[place]
 
-        return LinkDescriptor(*self._begun[place], target)
+        return LinkDescriptor(*self._begun[place], target=target)
 
     def _octet(self) -> int:
         return self._number("B")

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from time import perf_counter_ns
 from typing import ClassVar
+
+from msgspec.structs import replace
 
 from rtgen.facts import opaque_rpc as facts
 from rtgen.facts.opaque_rpc import CommunicationParameter

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import logging
 import threading
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
+
+import msgspec
 
 from rtgen.facts.opaque_rpc import FIRST_PORT, TIMEOUT
 from rtgen.runtime.opaque_rpc.channel import Channel
@@ -31,8 +32,7 @@ class ClosableChannel(Channel, Protocol):
         """Close the connection."""
 
 
-@dataclass(slots=True)
-class LinkSettings:
+class LinkSettings(msgspec.Struct, gc=False):
     """The configuration of a communication RTC, as texts; `timeout` in seconds.
 
     `type` is `TCP`, or `SERIA` (`SERIAL`) for a serial line, whose device is `port`. `tap` is the

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final, Literal, TypeAlias
+
+import msgspec
 
 from rtgen.facts.tdr import STRUCT_CODES, WIDTH_NAMES
 
@@ -28,8 +29,7 @@ SHARED_END: Final = 0x2718
 """Marker of a shared channel after an exchange."""
 
 
-@dataclass(frozen=True, slots=True)
-class Tdr:
+class Tdr(msgspec.Struct, frozen=True, gc=False):
     """A data representation. Widths are in bits: 16, 32 or 64.
 
     `low_word_first` applies to 128-bit integers in network order: a little-endian peer sends the

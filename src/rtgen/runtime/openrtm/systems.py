@@ -12,11 +12,12 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from importlib import import_module
 from math import isfinite
 from pathlib import Path
 from typing import Any
+
+import msgspec
 
 from rtgen.runtime.openrtm.steps import StartError, Step, error_text
 
@@ -30,8 +31,7 @@ _CALL_TIMEOUT = 10_000
 """Time-out of calls in milliseconds, the unit of OpenRTM's managers."""
 
 
-@dataclass(frozen=True, slots=True)
-class Instance:
+class Instance(msgspec.Struct, frozen=True, gc=False):
     """A component: `rate` in Hz, configuration sets, active set, wait before activation [s].
 
     `per_cycle` are parameters in units of one execution, with their values at `rate`: they grow
@@ -40,16 +40,15 @@ class Instance:
 
     name: str
     rate: float | None = None
-    configuration: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    configuration: Mapping[str, Mapping[str, str]] = msgspec.field(default_factory=dict)
     active_set: str = "default"
-    per_cycle: Mapping[str, float] = field(default_factory=dict)
+    per_cycle: Mapping[str, float] = msgspec.field(default_factory=dict)
     wait: float = 0.0
     foreign: str = ""
     """The `pathUri` of a component that other programs start and end; else empty."""
 
 
-@dataclass(frozen=True, slots=True)
-class Connection:
+class Connection(msgspec.Struct, frozen=True, gc=False):
     """A connection of two ports `INSTANCE.PORT`, both data ports or both service ports.
 
     `id` is that of the system's connector, by which OpenRTM's tools remove it; it defaults to the
@@ -63,8 +62,7 @@ class Connection:
     id: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class System:
+class System(msgspec.Struct, frozen=True, gc=False):
     """A system: `instances` in order of activation."""
 
     name: str

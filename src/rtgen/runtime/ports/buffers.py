@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
 from typing import Generic, TypeVar
+
+import msgspec
 
 from rtgen.facts.connector_properties import EmptyPolicy, FullPolicy
 from rtgen.runtime.return_codes import PORT_OK, PortStatus
@@ -13,8 +14,7 @@ from rtgen.runtime.timing.guards import SINGLE_THREAD, Guard
 T = TypeVar("T")
 
 
-@dataclass(frozen=True, slots=True)
-class BufferSettings:
+class BufferSettings(msgspec.Struct, frozen=True, gc=False):
     """The settings of one end of a connection; timeouts in seconds, used by `block`."""
 
     length: int = 8

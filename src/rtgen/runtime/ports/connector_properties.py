@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Mapping
-from dataclasses import dataclass
+
+import msgspec
 
 from rtgen.facts.connector_properties import (
     EMBEDDED_DATA,
@@ -25,8 +26,7 @@ from rtgen.runtime.errors import ConnectorPropertyError
 from rtgen.runtime.ports.buffers import BufferSettings
 
 
-@dataclass(frozen=True, slots=True)
-class ConnectorSettings:
+class ConnectorSettings(msgspec.Struct, frozen=True, gc=False):
     """Settings of a data connection; `push_rate` in Hz, 0.0 if not periodic."""
 
     inport_buffer: BufferSettings

@@ -26,6 +26,7 @@ from rtgen.runtime.errors import (
 )
 from rtgen.runtime.marshalling.comparison import difference
 from rtgen.runtime.marshalling.descriptors import DataType
+from rtgen.runtime.marshalling.reference_counts import COUNTS_VARIABLES
 from rtgen.runtime.ports import connector_properties
 from rtgen.runtime.ports.buffers import RingBuffer
 from rtgen.runtime.ports.publisher import Publisher
@@ -36,8 +37,12 @@ T = TypeVar("T", bound=DataType)
 
 _NOTHING: deque[Any] = deque(maxlen=0)
 
-_SOLE_REFERENCES = 3
-"""Number of references to a sample that only one variable of the writer refers to, in `write`."""
+_SOLE_REFERENCES = 3 if COUNTS_VARIABLES else 0
+"""Number of references to a sample that only one variable of the writer refers to, in `write`.
+
+0 if it is not known: then each reader gets a snapshot. It is not measured, since a debugger can add
+references meanwhile.
+"""
 
 
 class InPort(Generic[T]):
@@ -230,8 +235,8 @@ class OutPort(Generic[T]):
 
         `move`: the writer passes on the sample with all that it contains, and does not use it any
         more, so one reader gets the object itself. A snapshot is sent nevertheless if more than one
-        variable of the writer refers to the sample, or if it was written before and has not been
-        read.
+        variable of the writer refers to the sample, if it was written before and has not been read,
+        or if the interpreter does not count references exactly (CPython from 3.14 on).
 
         PORT_OK if all accepted it, else the status of the first that did not: BUFFER_FULL
         (`do_nothing`), BUFFER_TIMEOUT (`block`; at once in simulated time), CONNECTION_LOST;
@@ -239,6 +244,7 @@ class OutPort(Generic[T]):
         """
         if (
             move
+            and _SOLE_REFERENCES
             and sys.getrefcount(value) <= _SOLE_REFERENCES
             and value.__class__ is self.type
             and self._connectors

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, TypeAlias
+
+import msgspec
 
 from rtgen.facts.ros_marshaling import CONVERSIONS
 from rtgen.runtime.ros2 import conversions
@@ -14,8 +15,7 @@ from rtgen.runtime.ros2.types import blank
 Convert: TypeAlias = Callable[[Any, Any], None]
 
 
-@dataclass(frozen=True, slots=True)
-class Marshaling:
+class Marshaling(msgspec.Struct, frozen=True):
     """Conversion between a port's data and a message.
 
     `stamp` sets the time of data whose message has none.

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol, TypeAlias
+
+import msgspec
 
 from rtgen.facts import ros_names
 from rtgen.facts.ros_qos import Profile
@@ -16,8 +17,7 @@ class Ros2Error(Exception):
     """A port cannot be a topic, or the network cannot work as configured."""
 
 
-@dataclass(frozen=True)
-class RosTopic:
+class RosTopic(msgspec.Struct, frozen=True, dict=True):
     """A topic: its fully qualified name, and the generated class of its messages.
 
     `node` is the node that shows it, in the network's namespace; by default the network's own.
@@ -42,8 +42,7 @@ class RosTopic:
         return type_hash(self.type)
 
 
-@dataclass(frozen=True)
-class RosService:
+class RosService(msgspec.Struct, frozen=True, dict=True):
     """A service: its fully qualified name, and the generated classes of its two messages.
 
     `event_info` is the class of service_msgs/msg/ServiceEventInfo, for its hash. `node` is the node
@@ -72,8 +71,7 @@ class RosService:
         return type_hash(self.request), type_hash(self.response)
 
 
-@dataclass(frozen=True, slots=True)
-class RosNode:
+class RosNode(msgspec.Struct, frozen=True, gc=False):
     """A node of a process, with its domain."""
 
     name: str

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any
+
+import msgspec
 
 from rtgen.facts.ros_qos import Profile
 from rtgen.runtime.cdr import CdrError
@@ -19,8 +20,7 @@ _HEAD = b"\x00\x01\x00\x00"
 """Encapsulation header of classic CDR, little endian, as written by ROS 2."""
 
 
-@dataclass(frozen=True, slots=True)
-class Joint:
+class Joint(msgspec.Struct, frozen=True):
     """A port of the system with its topic, by its fully qualified name.
 
     `marshaling` is for data sent as another message, `node` as in `RosTopic`.

@@ -9,9 +9,10 @@ from __future__ import annotations
 import threading
 from _thread import interrupt_main
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
+
+import msgspec
 
 from rtgen.facts.ros_qos import Profile
 from rtgen.runtime.cdr import CdrError
@@ -43,8 +44,7 @@ _NO_LIMIT = 86_400.0
 """Time-out of calls without a limit, in seconds; the loss of the server ends them."""
 
 
-@dataclass(frozen=True, slots=True)
-class ServiceJoint:
+class ServiceJoint(msgspec.Struct, frozen=True):
     """An operation of a provider or consumer with its service.
 
     `waits`: the response has no time limit.
@@ -56,8 +56,7 @@ class ServiceJoint:
     waits: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class EventJoint:
+class EventJoint(msgspec.Struct, frozen=True):
     """A oneway operation with its topic: a consumer publishes, a provider receives."""
 
     port: Provider[Any] | Consumer[Any]

@@ -4,26 +4,26 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass, field
 from pathlib import Path
+
+import msgspec
 
 from rtgen.runtime.errors import ConfFileError
 
 _LINE = re.compile(r"(?P<key>[^:=\s]+)\s*[:=](?P<value>.*)", re.DOTALL)
 
 
-@dataclass(frozen=True, slots=True)
-class ConfFile:
+class ConfFile(msgspec.Struct, frozen=True, gc=False):
     """Content of a `.conf` file; `sets` maps set id to parameter to text.
 
     `others` has keys without meaning here, such as `logger.enable`, and sets whose names start with
     two underscores (`__widget__`, `__constraints__`, `__type__`), which are only for tools.
     """
 
-    sets: dict[str, dict[str, str]] = field(default_factory=dict)
+    sets: dict[str, dict[str, str]] = msgspec.field(default_factory=dict)
     active_set: str | None = None
     rate: float | None = None
-    others: dict[str, str] = field(default_factory=dict)
+    others: dict[str, str] = msgspec.field(default_factory=dict)
 
 
 def read(path: Path) -> ConfFile:

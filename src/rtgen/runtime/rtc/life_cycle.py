@@ -5,8 +5,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import StrEnum
+
+import msgspec
 
 from rtgen.runtime.return_codes import (
     ACTIVE_STATE,
@@ -37,8 +38,7 @@ GATED = frozenset({Request.ACTIVATE, Request.DEACTIVATE, Request.RESET})
 """Requests that wait until the component's gate allows them (`Component._gate`)."""
 
 
-@dataclass(frozen=True, slots=True)
-class Transition:
+class Transition(msgspec.Struct, frozen=True, gc=False):
     """The callback of a legal request, and the states after success and failure.
 
     Without a callback the request succeeds.

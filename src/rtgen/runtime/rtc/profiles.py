@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+
+import msgspec
 
 if TYPE_CHECKING:
     from rtgen.runtime.services.servants import Servant
 
 
-@dataclass(frozen=True, slots=True)
-class ParameterProfile:
+class ParameterProfile(msgspec.Struct, frozen=True, gc=False):
     """A configuration parameter.
 
-    `name` is the outside name, `python_name` the field of the configuration dataclass, `type` the
+    `name` is the outside name, `python_name` the field of the configuration class, `type` the
     canonical IDL spelling (`double`, `sequence<long>`, a scoped name), `default` a text as in a
     `.conf` file, `constraint` a text as in RTC.xml (`0.0<x<=2.0`).
     """
@@ -30,8 +30,7 @@ class ParameterProfile:
     description: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class PortProfile:
+class PortProfile(msgspec.Struct, frozen=True, gc=False):
     """A data port, or one interface of a service port.
 
     `kind` is `inport`, `outport`, `provider` or `consumer`; `port` and `instance` name the service
@@ -113,8 +112,7 @@ def service_port(
     )
 
 
-@dataclass(frozen=True, slots=True)
-class ComponentProfile:
+class ComponentProfile(msgspec.Struct, frozen=True, gc=False):
     """A component type; `rate` in Hz is the default of systems and `.conf` files."""
 
     type_name: str

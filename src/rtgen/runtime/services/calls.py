@@ -12,10 +12,11 @@ from __future__ import annotations
 import logging
 import struct
 from collections.abc import Callable
-from dataclasses import dataclass
 from enum import IntEnum
 from importlib import import_module
 from typing import Protocol, TypeAlias, TypeVar
+
+import msgspec
 
 from rtgen.runtime.cdr import CdrError, UserException
 from rtgen.runtime.marshalling.descriptors import DataType
@@ -40,8 +41,7 @@ Interfaces: TypeAlias = tuple[type[Servant] | None, ...]
 log = logging.getLogger("rtgen.runtime")
 
 
-@dataclass(frozen=True, slots=True)
-class Call:
+class Call(msgspec.Struct, frozen=True):
     """Marshalling of an operation; `refused` is the reason if it is impossible.
 
     `request` and `reply` are the types of the bodies, None for empty ones; `*_objects` has the
@@ -66,8 +66,7 @@ class ReplyStatus(IntEnum):
     SYSTEM_EXCEPTION = 2
 
 
-@dataclass(frozen=True, slots=True)
-class Reply:
+class Reply(msgspec.Struct, frozen=True, gc=False):
     """The reply to a call; the transport transmits the byte order of the body."""
 
     status: ReplyStatus

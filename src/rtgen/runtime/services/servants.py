@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from abc import ABC
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import cache, wraps
 from inspect import signature
 from typing import Any, ClassVar, TypeAlias, TypeVar
+
+import msgspec
 
 from rtgen.runtime.failures import described, ends_run, log
 from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
@@ -59,8 +60,7 @@ class Servant(ABC):
     _calls_: ClassVar[str]
 
 
-@dataclass(frozen=True, slots=True)
-class Operation:
+class Operation(msgspec.Struct, frozen=True):
     """How to call an operation, or to read or write an attribute.
 
     `python_name` is the method or property, `count` the number of arguments, `raises` are the

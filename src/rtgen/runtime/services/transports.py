@@ -20,16 +20,16 @@ a write is a call of the other one, and a loss is detected by the next call.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, field
 from typing import Any, Protocol, runtime_checkable
+
+import msgspec
 
 from rtgen.runtime.ports.data_ports import DataConnector, InPort, OutPort
 from rtgen.runtime.services.ports import Carrier, PortOwner, Provider, ServicePort
 from rtgen.runtime.timing.guards import Guard
 
 
-@dataclass(frozen=True, slots=True)
-class RemotePort:
+class RemotePort(msgspec.Struct, frozen=True, gc=False):
     """A port of a component in another process."""
 
     instance: str
@@ -39,8 +39,7 @@ class RemotePort:
         return f"{self.instance}.{self.port}"
 
 
-@dataclass(frozen=True, slots=True)
-class ForeignComponent:
+class ForeignComponent(msgspec.Struct, frozen=True, gc=False):
     """A component of a system that rtgen does not run.
 
     `path` is the `pathUri` of an RtsProfile (`HOST[:PORT]/HOST.host_cxt/NAME.rtc`), or an address
@@ -49,7 +48,7 @@ class ForeignComponent:
 
     instance: str
     path: str = ""
-    configuration: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    configuration: Mapping[str, Mapping[str, str]] = msgspec.field(default_factory=dict)
     active_set: str = "default"
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
+
+import msgspec
 
 from rtgen.runtime.marshalling.descriptors import DataType
 from rtgen.runtime.return_codes import LifeCycleState
@@ -52,8 +53,7 @@ class SampleWriter(Protocol):
         """Return a function that receives the samples of a port in place of the listener."""
 
 
-@dataclass(frozen=True, slots=True)
-class Statistics:
+class Statistics(msgspec.Struct, frozen=True, gc=False):
     """Statistics of a component.
 
     `ticks` counts `on_execute`, `overruns` the times of its own context at which no tick could

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from heapq import heapify, heappop, heappush, heapreplace
 from typing import Any
+
+import msgspec
 
 from rtgen.facts.connector_properties import Subscription
 from rtgen.runtime.ports.publisher import Publisher
@@ -22,8 +23,7 @@ _MIN_WAIT, _MAX_WAIT = 64, 65536
 """Number of steps without a timetable after one was interrupted: the first and the maximum."""
 
 
-@dataclass(slots=True)
-class _Driven:
+class _Driven(msgspec.Struct):
     """A running context: its task, and the time of its first tick."""
 
     task: Task

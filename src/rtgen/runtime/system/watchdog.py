@@ -9,9 +9,10 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
 from types import CodeType, FrameType
 from typing import ParamSpec, TypeVar
+
+import msgspec
 
 from rtgen.runtime.failures import log
 from rtgen.runtime.rtc.callbacks import succeeds
@@ -26,16 +27,15 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 
-@dataclass(frozen=True, slots=True)
-class Call:
+class Call(msgspec.Struct, frozen=True):
     """A call of a component's code in progress; `file` and `line` are its current place."""
 
     instance: str
     callback: str
     file: str
     line: int
-    thread: int = field(repr=False)
-    frame: FrameType = field(repr=False)
+    thread: int
+    frame: FrameType
 
     def __str__(self) -> str:
         return f"{self.instance}.{self.callback} ({shown(self.file)}, line {self.line})"
@@ -148,8 +148,7 @@ class Watchdog:
                     self._report(since.call, since.seconds)
 
 
-@dataclass(slots=True)
-class Since:
+class Since(msgspec.Struct):
     """A call in progress, the time when it was first seen, and whether it was reported."""
 
     call: Call

@@ -8,13 +8,12 @@ what they have sent.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import msgspec
 
 from rtgen.runtime.distribution.medium import Topic, check_name, type_name
 
 
-@dataclass(frozen=True, slots=True)
-class Keys:
+class Keys(msgspec.Struct, frozen=True, gc=False):
     """The key expressions of one system. Methods raise MediumError for a wrong name."""
 
     system: str

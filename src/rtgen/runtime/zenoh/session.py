@@ -7,10 +7,10 @@ import re
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import zenoh
 
 from rtgen.runtime.distribution.medium import MediumError
@@ -32,8 +32,7 @@ _CONNECT_MS = 5000
 _PLACE_IN_SOURCE = re.compile(r"\s+at \S+\.rs:\d+\.?")
 
 
-@dataclass(frozen=True, slots=True)
-class Endpoints:
+class Endpoints(msgspec.Struct, frozen=True, gc=False):
     """Where a session listens and connects, as locators of Zenoh (`tcp/192.0.2.1:7447`).
 
     `config` is a configuration file of Zenoh (JSON5, YAML), whose settings all apply; locators that

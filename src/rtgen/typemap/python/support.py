@@ -63,7 +63,7 @@ HOMES = {
 BASE_NAMES = frozenset(
     {
         *("ClassVar", "Component", "ComponentProfile", "ParameterProfile"),
-        *("annotations", "data_port", "dataclass", "service_port"),
+        *("Struct", "annotations", "data_port", "service_port"),
     }
 )
 """Names imported by modules with bases of components."""

@@ -5,8 +5,9 @@ from __future__ import annotations
 import uuid
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import replace
 from typing import Any, Final
+
+from msgspec.structs import replace
 
 from rtgen.cli.conformance.check import Problems, SkipError
 from rtgen.cli.conformance.rtc.component import CONNECTOR, RtcUnderTest

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import IntEnum
 from itertools import groupby
 from typing import Any
+
+from msgspec.structs import replace
 
 from rtgen.backends.components.locations import summary
 from rtgen.facts.constraints import parse, text_of

@@ -11,8 +11,9 @@ import time
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Final, cast
+
+import msgspec
 
 from rtgen.runtime.canopen.bus.arbitration import Arbiter, transmission_time
 from rtgen.runtime.canopen.bus.hub_faults import Fault, Faults, times_off
@@ -44,8 +45,7 @@ _MIN_BUFFER: Final = 16384
 Report = Callable[[str], None]
 
 
-@dataclass(frozen=True, slots=True)
-class HubSettings:
+class HubSettings(msgspec.Struct, frozen=True, gc=False):
     """`bit_rate` in bit/s (0: frames take no time); `queue`: maximum frames per client."""
 
     bit_rate: int = 0

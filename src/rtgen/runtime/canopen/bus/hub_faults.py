@@ -5,8 +5,9 @@ from __future__ import annotations
 import random
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import Final, Literal
+
+import msgspec
 
 from rtgen.runtime.canopen.wire.frames import Frame
 
@@ -18,8 +19,7 @@ _MAX_SECONDS: Final = 86400.0
 """Maximum time of a fault, in seconds."""
 
 
-@dataclass(frozen=True, slots=True)
-class Fault:
+class Fault(msgspec.Struct, frozen=True, gc=False):
     """`value`: probability of a loss, a delay in s, or the start of bus-off in s.
 
     `identifier` limits losses and delays to its frames; `duration` is that of bus-off in s.

@@ -8,8 +8,9 @@ from __future__ import annotations
 import logging
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, TypeAlias
+
+import msgspec
 
 from rtgen.runtime.canopen.bus.messages import frame_of, message_of
 from rtgen.runtime.canopen.errors import LinkError
@@ -37,8 +38,7 @@ _RESTARTED: Final = 0x100
 _SOCKETCAN_ERRORS: Final = frozenset(("socketcan", "socketcand"))
 
 
-@dataclass(frozen=True)
-class BusAddress:
+class BusAddress(msgspec.Struct, frozen=True, gc=False):
     """Identifies a python-can bus. `bitrate` is in bit/s, 0 for the interface's default."""
 
     interface: str

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, replace
 from typing import Final, Protocol, TypeAlias
+
+import msgspec
+from msgspec.structs import replace
 
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.wire import sdo
@@ -23,8 +25,7 @@ _MAX_TIMEOUTS: Final = 100
 """Number of time-outs of a single message after which a blocking transfer is abandoned."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Transfer:
+class _Transfer(msgspec.Struct, frozen=True):
     index: int
     subindex: int
     value: bytes | None

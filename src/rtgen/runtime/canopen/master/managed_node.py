@@ -7,9 +7,10 @@ node. The procedure is repeated after every boot-up message.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final, Protocol
+
+import msgspec
 
 from rtgen.runtime.canopen.bus.sdo_channel import ATTEMPTS, Done, Outcome
 from rtgen.runtime.canopen.description import NodeDescription
@@ -121,8 +122,7 @@ class Host(Protocol):
         """Called when the node has frames or a deadline from outside a call by the manager."""
 
 
-@dataclass(frozen=True, slots=True)
-class NodeReport:
+class NodeReport(msgspec.Struct, frozen=True, gc=False):
     """The state of a node since a time (ns of the link); `reason` is the latest error."""
 
     since: int

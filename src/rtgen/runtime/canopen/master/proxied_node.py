@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field
 from typing import Final, Protocol
+
+import msgspec
 
 from rtgen.runtime.canopen.description import (
     DeviceDescription,
@@ -41,8 +42,7 @@ _FLIPS: Final = 4
 """Number of alternating states within two heartbeat periods that indicates a second node."""
 
 
-@dataclass(frozen=True, slots=True)
-class Wiring:
+class Wiring(msgspec.Struct, frozen=True):
     """The PDOs of a node by number: those that its proxy receives and those it sends.
 
     `unsent` gives the reason why the proxy does not send the others.
@@ -145,17 +145,16 @@ class Watcher(Protocol):
         """Called when the bus is lost."""
 
 
-@dataclass(slots=True)
-class _Received:
+class _Received(msgspec.Struct):
     """A TPDO of the device. `malformed`: the last one had a wrong length."""
 
     number: int
     receiver: Receiver
     extended: bool
     size: int
-    too_short: int = field(default=0)
-    too_long: int = field(default=0)
-    malformed: bool = field(default=False)
+    too_short: int = 0
+    too_long: int = 0
+    malformed: bool = False
 
 
 class ProxiedNode:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
+
+import msgspec
 
 from rtgen.runtime.canopen.bus.link import Link
 from rtgen.runtime.canopen.description import (
@@ -29,8 +30,7 @@ from rtgen.runtime.canopen.wire.emergency import DEFAULT_STOPS, EmergencyPolicy
 from rtgen.runtime.canopen.wire.pdo_transmission import TpdoTransmitter
 
 
-@dataclass(frozen=True, slots=True)
-class ProxySettings:
+class ProxySettings(msgspec.Struct, frozen=True, gc=False):
     """Configuration parameters of every proxy."""
 
     interface: str
@@ -50,12 +50,11 @@ class ProxySettings:
 def settings_of(config: Any) -> ProxySettings:
     """Return the settings in the configuration of a proxy."""
     return ProxySettings(
-        *(getattr(config, name) for name in ProxySettings.__dataclass_fields__)
+        *(getattr(config, name) for name in ProxySettings.__struct_fields__)
     )
 
 
-@dataclass(frozen=True, slots=True)
-class ProxyPlan:
+class ProxyPlan(msgspec.Struct, frozen=True):
     """The parameters of a connection, merged from settings, network and description.
 
     `bit_rate` is in bit/s, `boot_timeout` in ms.
@@ -116,8 +115,7 @@ def planned(
     )
 
 
-@dataclass(frozen=True, slots=True)
-class ProxyConnection:
+class ProxyConnection(msgspec.Struct, frozen=True):
     """A proxy's connection to its bus; `offset` is the component's time minus the link's."""
 
     settings: ProxySettings

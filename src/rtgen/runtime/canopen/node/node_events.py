@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+
+import msgspec
 
 from rtgen.runtime.canopen.wire.heartbeat import HeartbeatEvent
 from rtgen.runtime.canopen.wire.nmt import Transition
 
 
-@dataclass
-class NodeEvents:
+class NodeEvents(msgspec.Struct):
     """Callbacks of a node to its application, called from the link.
 
     `moved`: a transition of its NMT state. `loaded`: these indices were reset to their defaults.

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Final, Literal, TypeAlias
+
+import msgspec
 
 from rtgen.facts.canopen import KIND_BITS, SIGNED_KINDS, Kind
 from rtgen.runtime.canopen import values
@@ -35,8 +36,7 @@ def entry_of(index: int, subindex: int, bits: int) -> int:
     return index << 16 | subindex << 8 | bits
 
 
-@dataclass(frozen=True, slots=True)
-class MappedField:
+class MappedField(msgspec.Struct, frozen=True, gc=False):
     """A field of a PDO with its variable, None for a gap."""
 
     number: ObjectNumber | None

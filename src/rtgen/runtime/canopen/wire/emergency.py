@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from enum import IntFlag
 from typing import Final
+
+import msgspec
 
 from rtgen.runtime.canopen.wire.frames import (
     EMERGENCY,
@@ -82,8 +83,7 @@ def code_text(code: int) -> str:
     return _CLASSES.get(high) or _CLASSES.get(high & 0xF0) or "unknown error"
 
 
-@dataclass(frozen=True, slots=True)
-class Emergency:
+class Emergency(msgspec.Struct, frozen=True, gc=False):
     """An emergency message; code 0000h: errors have been cleared. `additional` has 5 octets."""
 
     code: int

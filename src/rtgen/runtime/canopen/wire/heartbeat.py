@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
 from typing import Final
+
+import msgspec
 
 from rtgen.runtime.canopen.wire.frames import ERROR_CONTROL, Frame, checked_node_id
 from rtgen.runtime.canopen.wire.guarding import TOGGLE
@@ -56,8 +57,7 @@ class HeartbeatNews(Enum):
     LOST = "lost"
 
 
-@dataclass(frozen=True, slots=True)
-class HeartbeatEvent:
+class HeartbeatEvent(msgspec.Struct, frozen=True, gc=False):
     """An event of a node; `asked`: its new state was requested."""
 
     news: HeartbeatNews

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Generator
-from dataclasses import dataclass
 from typing import Any, Final, NamedTuple, TypeAlias, TypeVar
+
+import msgspec
 
 from rtgen.runtime.canopen.wire import lss
 from rtgen.runtime.canopen.wire.frames import (
@@ -35,8 +36,7 @@ class LssError(RuntimeError):
     """A slave is missing, does not answer, or rejects a request."""
 
 
-@dataclass(frozen=True, slots=True)
-class Request:
+class Request(msgspec.Struct, frozen=True, gc=False):
     """A request; `answer` is the command of its response, None if there is none.
 
     With `many`, several slaves may answer, and the next request waits for them.

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Collection
-from dataclasses import dataclass, replace
 from typing import Final
+
+import msgspec
+from msgspec.structs import replace
 
 from rtgen.runtime.canopen.wire.frames import (
     LSS_REQUEST,
@@ -50,8 +52,7 @@ _RANGE: Final = {
 """The address part in a command, and its comparison."""
 
 
-@dataclass
-class LssSettings:
+class LssSettings(msgspec.Struct, gc=False):
     """Settings: node-id (255: unconfigured) and bit rate in kbit/s (None: never set)."""
 
     node_id: int = UNCONFIGURED

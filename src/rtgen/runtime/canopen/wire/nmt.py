@@ -7,9 +7,10 @@ merges the two state machines, figure 111 makes the meaning of "stop" depend on 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from enum import IntEnum, auto
 from typing import Final
+
+import msgspec
 
 from rtgen.runtime.canopen.wire.frames import ERROR_CONTROL, NMT, Frame, checked_node_id
 
@@ -74,8 +75,7 @@ def decode_command(frame: Frame) -> tuple[NmtCommand, int] | None:
         return None
 
 
-@dataclass(frozen=True, slots=True)
-class Transition:
+class Transition(msgspec.Struct, frozen=True, gc=False):
     """A change of a slave's state; `command` is None if the node changed by itself."""
 
     before: NmtState

@@ -5,7 +5,6 @@ The content of a PDO is opaque here: data are octets.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import msgspec
@@ -38,8 +37,7 @@ def is_synchronous(transmission_type: int) -> bool:
     return transmission_type <= MAX_SYNC_CYCLIC
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PdoParameters:
+class PdoParameters(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     """Communication parameters of a PDO, in the units of the object dictionary.
 
     `cob_id` includes the flag bits. `inhibit_time` is in 100 us, `event_timer` in ms;

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import binascii
-from dataclasses import dataclass
 from typing import Final
+
+import msgspec
 
 MAX_SIZE: Final = 1 << 20
 """Default maximum length of a value in octets."""
@@ -120,8 +121,7 @@ class SdoAbort(Exception):
         super().__init__(f"{code:08X}h {ABORT_TEXTS.get(code, 'unknown abort code')}")
 
 
-@dataclass(frozen=True, slots=True)
-class Target:
+class Target(msgspec.Struct, frozen=True, gc=False):
     """The object of a transfer: its multiplexer in octets 1 to 3."""
 
     index: int

@@ -6,9 +6,10 @@ import threading
 import uuid
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
+import msgspec
+from msgspec.structs import replace
 from omniORB import CORBA
 
 from rtgen.runtime.corba.rt_objects.objects import Exported
@@ -38,8 +39,7 @@ if TYPE_CHECKING:
 _ENDS = 2
 
 
-@dataclass
-class Offer:
+class Offer(msgspec.Struct):
     """A port's part of a connector: properties, its half of the connection, how to end it."""
 
     properties: Mapping[str, str]
@@ -69,8 +69,7 @@ class End(Protocol):
         """Return whether a connection of the system ends here."""
 
 
-@dataclass
-class _Link:
+class _Link(msgspec.Struct):
     """A connection to a port of another process."""
 
     profile: ConnectorProfile

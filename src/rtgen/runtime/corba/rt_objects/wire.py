@@ -6,10 +6,10 @@ References have no interface of their own on the wire, so all of them are `Objec
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, fields
 from enum import IntEnum
 from typing import Any
 
+import msgspec
 from omniORB import CORBA, tcInternal
 from omniORB import any as anys
 
@@ -44,7 +44,7 @@ def _enum(class_: Any, repository_id: str, count: int) -> Any:
 
 
 def _struct(class_: type[Any], scope: str, *types: Any) -> Any:
-    members = [each.name for each in fields(class_)]
+    members = class_.__struct_fields__
     flat = [part for pair in zip(members, types, strict=True) for part in pair]
     name = class_.__name__
     return tcInternal.tv_struct, class_, f"{scope}{name}:1.0", name, *flat
@@ -57,27 +57,24 @@ class PortInterfacePolarity(IntEnum):
     REQUIRED = 1
 
 
-@dataclass
-class NameValue:
+class NameValue(msgspec.Struct):
     """A property; the value is an `any`."""
 
     name: str
     value: Any
 
 
-@dataclass
-class DeviceProfile:
+class DeviceProfile(msgspec.Struct):
     """`SDOPackage::DeviceProfile`."""
 
     device_type: str = ""
     manufacturer: str = ""
     model: str = ""
     version: str = ""
-    properties: list[NameValue] = field(default_factory=list)
+    properties: list[NameValue] = msgspec.field(default_factory=list)
 
 
-@dataclass
-class ServiceProfile:
+class ServiceProfile(msgspec.Struct):
     """`SDOPackage::ServiceProfile`."""
 
     id: str
@@ -86,8 +83,7 @@ class ServiceProfile:
     service: Any
 
 
-@dataclass
-class ConfigurationSet:
+class ConfigurationSet(msgspec.Struct):
     """`SDOPackage::ConfigurationSet`."""
 
     id: str
@@ -95,8 +91,7 @@ class ConfigurationSet:
     configuration_data: list[NameValue]
 
 
-@dataclass
-class PortInterfaceProfile:
+class PortInterfaceProfile(msgspec.Struct):
     """`RTC::PortInterfaceProfile`."""
 
     instance_name: str
@@ -104,8 +99,7 @@ class PortInterfaceProfile:
     polarity: PortInterfacePolarity
 
 
-@dataclass
-class ConnectorProfile:
+class ConnectorProfile(msgspec.Struct):
     """`RTC::ConnectorProfile`; `ports` are references to port services."""
 
     name: str
@@ -114,8 +108,7 @@ class ConnectorProfile:
     properties: list[NameValue]
 
 
-@dataclass
-class PortProfile:
+class PortProfile(msgspec.Struct):
     """`RTC::PortProfile`."""
 
     name: str
@@ -126,8 +119,7 @@ class PortProfile:
     properties: list[NameValue]
 
 
-@dataclass
-class ExecutionContextProfile:
+class ExecutionContextProfile(msgspec.Struct):
     """`RTC::ExecutionContextProfile`; the rate is in Hz."""
 
     kind: ExecutionKind
@@ -137,8 +129,7 @@ class ExecutionContextProfile:
     properties: list[NameValue]
 
 
-@dataclass
-class ComponentProfile:
+class ComponentProfile(msgspec.Struct):
     """`RTC::ComponentProfile`."""
 
     instance_name: str
@@ -227,12 +218,11 @@ _PARAMETER = _exceptions(InvalidParameter, NotAvailable, InternalError)
 _OPTIONAL = _exceptions(InterfaceNotImplemented, NotAvailable, InternalError)
 
 
-@dataclass(frozen=True, eq=False)
-class Interface:
+class Interface(msgspec.Struct, frozen=True, eq=False):
     """An interface: its operations as `(arguments, results, exceptions)`, and its bases."""
 
     repository_id: str
-    own: Mapping[str, Any] = field(default_factory=dict)
+    own: Mapping[str, Any] = msgspec.field(default_factory=dict)
     bases: tuple[Interface, ...] = ()
 
     @property

@@ -8,9 +8,10 @@ varying size, and calls of the codecs of unions and recursive structs.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import gcd, prod
 from typing import Final, TypeAlias
+
+import msgspec
 
 from rtgen.runtime.marshalling.layouts.nodes import (
     Atom,
@@ -38,8 +39,7 @@ from rtgen.runtime.marshalling.layouts.nodes import (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Entry:
+class Entry(msgspec.Struct, frozen=True):
     """Meaning of an item of `struct`: a field, or its count.
 
     `star`: as many values as the field has items.
@@ -50,8 +50,7 @@ class Entry:
     star: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Section:
+class Section(msgspec.Struct, frozen=True):
     """Values read by one `struct` call, once the count before them is known.
 
     `text` is in the runtime's notation: `=` and a format with fixed padding; or tokens such as `I`,
@@ -69,8 +68,7 @@ class Section:
     bulk: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Run:
+class Run(msgspec.Struct, frozen=True):
     """Fields that one `struct` call writes, and the sections in which they are read.
 
     `known`: the start offset is known modulo the run's alignment.
@@ -81,8 +79,7 @@ class Run:
     known: bool
 
 
-@dataclass(frozen=True, slots=True)
-class Loop:
+class Loop(msgspec.Struct, frozen=True):
     """Repetition of the inner steps for each element of `path`; the previous run has the count."""
 
     path: Path
@@ -91,16 +88,14 @@ class Loop:
     key_steps: tuple[Step, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class Jump:
+class Jump(msgspec.Struct, frozen=True):
     """A value written and read by its own codec."""
 
     path: Path
     node: Call | Reference | Dynamic
 
 
-@dataclass(frozen=True, slots=True)
-class Frame:
+class Frame(msgspec.Struct, frozen=True):
     """The steps of a value that is delimited, optional, or after a header of its own.
 
     Those of a `MemberList` are in wire order.
@@ -117,8 +112,7 @@ Framed: TypeAlias = Delimited | Optional | Member | Parameter | MemberList
 Step: TypeAlias = Run | Loop | Jump | Frame
 
 
-@dataclass(frozen=True, slots=True)
-class Position:
+class Position(msgspec.Struct, frozen=True, gc=False):
     """A partly known offset: its remainder modulo 1, 2, 4 or 8."""
 
     modulus: int

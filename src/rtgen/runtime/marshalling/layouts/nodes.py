@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum, auto
 from math import prod
 from typing import Any, TypeAlias
+
+import msgspec
 
 from rtgen.runtime.marshalling.numeric import Numeric
 
@@ -35,8 +36,7 @@ class Text(Enum):
     UNITS = auto()
 
 
-@dataclass(frozen=True, slots=True)
-class Atom:
+class Atom(msgspec.Struct, frozen=True):
     """A value of fixed size: its `struct` code, its size and alignment in octets.
 
     `type` describes the enum, bitmask or bitset; `digits` and `scale` are those of a fixed-point
@@ -56,8 +56,7 @@ COUNT = Atom("I", 4, 4)
 """The count before a sequence or string."""
 
 
-@dataclass(frozen=True, slots=True)
-class AtomArray:
+class AtomArray(msgspec.Struct, frozen=True):
     """An array of atoms that `struct` can repeat; dimensions outermost first.
 
     In another `form` than a list, it is one value of octets for `struct`.
@@ -68,16 +67,14 @@ class AtomArray:
     form: Numeric = "list"
 
 
-@dataclass(frozen=True, slots=True)
-class TextArray:
+class TextArray(msgspec.Struct, frozen=True):
     """An array of octets or characters of that length."""
 
     text: Text
     length: int
 
 
-@dataclass(frozen=True, slots=True)
-class AtomSequence:
+class AtomSequence(msgspec.Struct, frozen=True):
     """A sequence of atoms that `struct` can repeat."""
 
     atom: Atom
@@ -85,8 +82,7 @@ class AtomSequence:
     form: Numeric = "list"
 
 
-@dataclass(frozen=True, slots=True)
-class TextSequence:
+class TextSequence(msgspec.Struct, frozen=True):
     """A count of octets, then the octets.
 
     `bound` is in octets (of UTF-8), for a wide string in UTF-16 units, as omniORB counts.
@@ -108,8 +104,7 @@ class TextSequence:
         return extra.get(self.text, self.bound)
 
 
-@dataclass(frozen=True, slots=True)
-class Records:
+class Records(msgspec.Struct, frozen=True):
     """A sequence, or array with a length, of elements of one size.
 
     `format` is the `struct` format of an element with the padding before the next one, `stride` the
@@ -136,8 +131,7 @@ class Records:
         return count * self.stride - self.padding if count else 0
 
 
-@dataclass(frozen=True, slots=True)
-class Repeat:
+class Repeat(msgspec.Struct, frozen=True):
     """A sequence, or array with a length, of elements of varying size.
 
     `minimum` is the minimum size of an element in octets; `key` is a map's key.
@@ -150,58 +144,50 @@ class Repeat:
     key: Node | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Group:
+class Group(msgspec.Struct, frozen=True):
     """A struct whose members are arranged in place: (attribute, node) in order."""
 
     type: Any
     members: tuple[tuple[str, Node], ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Call:
+class Call(msgspec.Struct, frozen=True):
     """A value with a codec of its own: a union, a recursive struct, a large one."""
 
     type: Any
     minimum: int
 
 
-@dataclass(frozen=True, slots=True)
-class Reference:
+class Reference(msgspec.Struct, frozen=True, gc=False):
     """An object reference (IOR: type id, profiles)."""
 
 
-@dataclass(frozen=True, slots=True)
-class Dynamic:
+class Dynamic(msgspec.Struct, frozen=True):
     """A value marshalled by interpreting its descriptor: `any`, a type code, a value."""
 
     type: Any
     minimum: int = 4
 
 
-@dataclass(frozen=True, slots=True)
-class Delimited:
+class Delimited(msgspec.Struct, frozen=True):
     """A value after its length in octets (DHEADER; DDS-XTypes 1.3, 7.4.3.4.2)."""
 
     node: Node
 
 
-@dataclass(frozen=True, slots=True)
-class Optional:
+class Optional(msgspec.Struct, frozen=True):
     """A value or None, after a presence flag of one octet (DDS-XTypes 1.3, 7.4.3.4.1)."""
 
     node: Node
 
 
-@dataclass(frozen=True, slots=True)
-class Header:
+class Header(msgspec.Struct, frozen=True, gc=False):
     """A constant 32-bit number: part of an EMHEADER."""
 
     number: int
 
 
-@dataclass(frozen=True, slots=True)
-class Member:
+class Member(msgspec.Struct, frozen=True):
     """A member of a mutable type in XCDR2, after an EMHEADER (DDS-XTypes 1.3, 7.4.3.4.2).
 
     An `optional` one is omitted if it is None; a `key` must be present.
@@ -233,8 +219,7 @@ class Member:
         return self.must_understand << 31 | self.length_code << 28 | self.id
 
 
-@dataclass(frozen=True, slots=True)
-class Parameter:
+class Parameter(msgspec.Struct, frozen=True):
     """A member of a mutable type in XCDR1, or an optional one of another type (7.4.1.2).
 
     Alignment is relative to the value. `in_list`: in a mutable type, where values are padded to 4
@@ -249,8 +234,7 @@ class Parameter:
     in_list: bool = True
 
 
-@dataclass(frozen=True, slots=True)
-class MemberList:
+class MemberList(msgspec.Struct, frozen=True):
     """A mutable struct: (attribute, member) in the order of the definition, read in any order."""
 
     type: Any
@@ -286,8 +270,7 @@ Placed: TypeAlias = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Field:
+class Field(msgspec.Struct, frozen=True):
     """A value in a run; of a `Repeat`, only the count is in the run."""
 
     path: Path

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
+
+from msgspec.structs import replace
 
 from rtgen.facts.primitives import SCALARS, Primitive
 from rtgen.runtime.marshalling.descriptors import (
@@ -168,7 +169,7 @@ class _Trees:
             case StringDescriptor(wide, bound):
                 kind = Text.UNITS if self._version else Text.WIDE_STRING
                 return TextSequence(kind if wide else Text.STRING, bound)
-            case SequenceDescriptor(element, bound, numeric):
+            case SequenceDescriptor(element, bound, numeric=numeric):
                 node = self._sequence(element, bound, numeric)
                 return self._delimited(node, element)
             case ArrayDescriptor():

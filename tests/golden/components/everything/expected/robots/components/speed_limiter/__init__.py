@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import ClassVar
+
+from msgspec import Struct, field
 
 from rtgen.runtime import (
     Component,
@@ -18,8 +19,7 @@ from rtgen.runtime import (
 from ... import Alive, lab
 
 
-@dataclass(slots=True)
-class SpeedLimiterConfiguration:
+class SpeedLimiterConfiguration(Struct, gc=False):
     """Configuration of SpeedLimiter."""
 
     max_speed: float = 0.5

@@ -4,16 +4,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
+
+from msgspec import Struct
 
 from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
 
 from ... import lab
 
 
-@dataclass(slots=True)
-class SonarConfiguration:
+class SonarConfiguration(Struct, gc=False):
     """Configuration of Sonar."""
 
     period: float = 0.1

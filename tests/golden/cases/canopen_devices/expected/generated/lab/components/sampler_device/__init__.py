@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, ClassVar
+
+from msgspec import Struct
 
 from rtgen.runtime import ComponentProfile, ParameterProfile, data_port
 from rtgen.runtime.canopen import pdo as _pdo
@@ -93,8 +94,7 @@ def _outgoing_tpdo4(sample: Any, set_: Setter) -> None:
     set_((0x1001, 0), sample.Error_register)
 
 
-@dataclass(slots=True)
-class SamplerDeviceConfiguration:
+class SamplerDeviceConfiguration(Struct, gc=False):
     """Configuration of SamplerDevice."""
 
     interface: str = "virtual"

@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, ClassVar
+
+from msgspec import Struct
 
 from rtgen.runtime import ComponentProfile, ParameterProfile, data_port
 from rtgen.runtime.canopen import pdo as _pdo
@@ -137,8 +138,7 @@ def _outgoing_Error_register(sample: Any, set_: Setter) -> None:
     set_((0x1001, 0), sample.data)
 
 
-@dataclass(slots=True)
-class SamplerPiecesDeviceConfiguration:
+class SamplerPiecesDeviceConfiguration(Struct, gc=False):
     """Configuration of SamplerPiecesDevice."""
 
     interface: str = "virtual"

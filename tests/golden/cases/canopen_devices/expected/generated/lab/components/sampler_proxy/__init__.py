@@ -5,9 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from struct import Struct as _Struct, error as _error
 from typing import ClassVar
+
+from msgspec import Struct
 
 from rtgen.runtime import ComponentProfile, ParameterProfile, data_port, service_port
 from rtgen.runtime.canopen import pdo as _pdo
@@ -23,8 +24,7 @@ from ... import sampler
 from ...sampler import DESCRIPTION, SamplerObjects
 
 
-@dataclass(slots=True)
-class SamplerProxyConfiguration:
+class SamplerProxyConfiguration(Struct, gc=False):
     """Configuration of SamplerProxy."""
 
     interface: str = "virtual"

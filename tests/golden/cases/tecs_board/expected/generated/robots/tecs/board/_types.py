@@ -4,20 +4,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import Final, TypeAlias
 
+from msgspec import Struct, field
 
-@dataclass(slots=True)
-class nBoard_tagPoint:
+
+class nBoard_tagPoint(Struct, gc=False):
     """`struct nBoard::tagPoint`."""
 
     x: int = 0
     y: int = 0
 
 
-@dataclass(slots=True)
-class nBoard_tagState:
+class nBoard_tagState(Struct, gc=False):
     """`struct nBoard::tagState`."""
 
     level: int = 0

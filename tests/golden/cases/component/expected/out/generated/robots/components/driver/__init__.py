@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
+
+from msgspec import Struct
 
 from rtgen.runtime import (
     Component,
@@ -18,8 +19,7 @@ from rtgen.runtime import (
 from ... import drive
 
 
-@dataclass(slots=True)
-class DriverConfiguration:
+class DriverConfiguration(Struct, gc=False):
     """Configuration of Driver."""
 
     max_v: float = 0.5
