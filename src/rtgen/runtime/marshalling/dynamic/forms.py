@@ -13,8 +13,15 @@ from rtgen.runtime.marshalling.descriptors import (
     StructDescriptor,
     plain,
 )
-from rtgen.runtime.marshalling.numeric import NumericArray, buffer_of
+from rtgen.runtime.marshalling.dynamic.checks import TEXTS
+from rtgen.runtime.marshalling.numeric import NumericArray, buffer_of, numbers_in
 from rtgen.runtime.marshalling.octets import nested
+
+_IN_BUFFERS = {
+    **{name: (s.code, s.size) for name, s in NUMBERS.items() if name not in TEXTS},
+    "boolean": ("?", 1),
+}
+"""Code of `struct` and size of each type whose collections are encoded from buffers."""
 
 
 def listed(descriptor: SequenceDescriptor | ArrayDescriptor, value: Any) -> Any:
@@ -22,28 +29,26 @@ def listed(descriptor: SequenceDescriptor | ArrayDescriptor, value: Any) -> Any:
 
     Raises ValueError for a buffer of another format, or with other dimensions.
     """
-    if descriptor.numeric == "list" or isinstance(value, list):
+    if isinstance(value, list):
         return value
     element = plain(descriptor.element)
-    if isinstance(element, StructDescriptor):
+    if isinstance(element, StructDescriptor) and descriptor.numeric != "list":
         from rtgen.runtime.marshalling import structured
 
         structured.check(value, structured.dtype_of(element))
         return structured.values_of(value, element)
-    shape = getattr(value, "shape", None)
-    if isinstance(descriptor, ArrayDescriptor) and shape is not None:
-        if shape != descriptor.dimensions:
-            raise ValueError(f"the shape {shape} instead of {descriptor.dimensions}")
-        value = value.reshape(-1)
-    assert isinstance(element, PrimitiveDescriptor)
-    scalar = NUMBERS[element.name]
-    view = buffer_of(value, scalar.code, scalar.size)
+    name = element.name if isinstance(element, PrimitiveDescriptor) else ""
+    scalar = _IN_BUFFERS.get(name)
+    if scalar is None:
+        return value
+    shape = None
+    if isinstance(descriptor, ArrayDescriptor) and len(descriptor.dimensions) > 1:
+        shape = descriptor.dimensions
+    view = buffer_of(value, *scalar, shape)
     if view is None:
         return value
-    items = value.tolist() if hasattr(value, "tolist") else view.tolist()
-    if isinstance(descriptor, ArrayDescriptor):
-        return nested(items, descriptor.dimensions)
-    return items
+    items = numbers_in(view)
+    return items if shape is None else nested(items, shape)
 
 
 def formed(descriptor: SequenceDescriptor | ArrayDescriptor, items: list[Any]) -> Any:
