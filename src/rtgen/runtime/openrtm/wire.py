@@ -16,6 +16,7 @@ from omniORB import CORBA, tcInternal
 
 from rtgen.facts.numeric import MAX_LIST_LENGTH
 from rtgen.runtime.corba.faults import caught
+from rtgen.runtime.corba.wire_conversions import octets as octets
 from rtgen.runtime.marshalling.descriptors import (
     ANY,
     Descriptor,
@@ -26,7 +27,6 @@ from rtgen.runtime.marshalling.dynamic.reader import Reader
 from rtgen.runtime.marshalling.dynamic.writer import Output, Writer
 from rtgen.runtime.marshalling.numeric import NumericArray
 from rtgen.runtime.marshalling.numeric import listed as listed
-from rtgen.runtime.marshalling.octets import copied_octets
 from rtgen.runtime.openrtm.stubs import StubsMissingError
 from rtgen.runtime.services.servants import ObjectNotExist
 from rtgen.runtime.values import decoded, encoded
@@ -79,16 +79,6 @@ def refill(
         wires += [to(value) for value in values[count:]]
     for wire, value in zip(wires, values):  # noqa: B905  (its cost is what counts here)
         fill(wire, value)
-
-
-def octets(value: Any) -> Any:
-    """Return the octets of a buffer as `bytes`; other objects unchanged, which omniORB refuses."""
-    if value.__class__ is bytes:
-        return value
-    try:
-        return copied_octets(value)
-    except ValueError:
-        return value
 
 
 def as_list(numbers: Any, depth: int = 1) -> list[Any]:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from rtgen.facts.numeric import MAX_LIST_LENGTH
-from rtgen.facts.primitives import NUMBERS
+from rtgen.facts.primitives import NUMBERS, OCTET_TYPES
 from rtgen.runtime.marshalling.descriptors import (
     ArrayDescriptor,
+    Descriptor,
     PrimitiveDescriptor,
     SequenceDescriptor,
     StructDescriptor,
@@ -24,6 +25,21 @@ _IN_BUFFERS = {
 """Code of `struct` and size of each type whose collections are encoded from buffers."""
 
 
+def is_octet(element: Descriptor) -> bool:
+    """Return whether collections of an element are `bytes`, or buffers of octets."""
+    return _primitive(element) in OCTET_TYPES
+
+
+def is_in_buffers(element: Descriptor) -> bool:
+    """Return whether collections of an element are encoded from buffers of numbers."""
+    return _primitive(element) in _IN_BUFFERS
+
+
+def _primitive(element: Descriptor) -> str:
+    element = plain(element)
+    return element.name if isinstance(element, PrimitiveDescriptor) else ""
+
+
 def listed(descriptor: SequenceDescriptor | ArrayDescriptor, value: Any) -> Any:
     """Return the items of a buffer as a list; other objects unchanged.
 
@@ -37,8 +53,7 @@ def listed(descriptor: SequenceDescriptor | ArrayDescriptor, value: Any) -> Any:
 
         structured.check(value, structured.dtype_of(element))
         return structured.values_of(value, element)
-    name = element.name if isinstance(element, PrimitiveDescriptor) else ""
-    scalar = _IN_BUFFERS.get(name)
+    scalar = _IN_BUFFERS.get(_primitive(element))
     if scalar is None:
         return value
     shape = None
