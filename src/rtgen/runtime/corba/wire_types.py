@@ -52,7 +52,12 @@ from rtgen.runtime.marshalling.descriptors import (
     class_of,
     plain,
 )
-from rtgen.runtime.marshalling.dynamic.forms import formed, is_in_buffers, is_octet, listed
+from rtgen.runtime.marshalling.dynamic.forms import (
+    formed,
+    is_in_buffers,
+    is_octet,
+    listed,
+)
 from rtgen.runtime.marshalling.layouts.trees import parts
 from rtgen.runtime.marshalling.octets import (
     fixed_octets,
