@@ -4,14 +4,26 @@ from __future__ import annotations
 
 import copy
 import importlib
+from array import array
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
 import black
+import numpy
 import pytest
 from type_checkers import check_by_mypy
-from wires import Wires, agree, emit, marshalled, values_agree, wired, wired_text
+from wires import (
+    Wires,
+    agree,
+    emit,
+    marshalled,
+    masked,
+    padding,
+    values_agree,
+    wired,
+    wired_text,
+)
 
 from rtgen.facts.numeric import Numeric
 from rtgen.runtime.marshalling.descriptors import StructDescriptor
@@ -126,6 +138,47 @@ def test_numbers_in_each_form(orb: Any, tmp_path: Path, numeric: Numeric) -> Non
                 assert made == decoded
                 assert type(made.ranges) is type(decoded.ranges)
                 assert type(made.row) is type(decoded.row)
+
+
+BUFFERS = """
+module WiredBuffers_{0} {{
+    union Choice switch (long) {{ case 1: sequence<octet> raw; case 2: double few[3]; }};
+    struct Image {{
+        sequence<octet> pixels; octet mac[4]; octet table[2][4]; sequence<octet, 4> bounded;
+        sequence<double> numbers; long few[3]; double matrix[2][2]; sequence<boolean> flags;
+        Choice chosen;
+    }};
+}};
+"""
+
+
+@pytest.mark.parametrize("numeric", ["list", "array", "numpy"])
+def test_buffers(orb: Any, tmp_path: Path, numeric: Numeric) -> None:
+    text, stem = BUFFERS.format(numeric), f"wired_buffers_{numeric}"
+    wires = wired_text(tmp_path, text, stem, numeric)
+    types, kind = wires.declared(stem), wires.kind(f"WiredBuffers_{numeric}::Image")
+    octets = numpy.arange(4, dtype="u1")
+    matrix = numpy.arange(4.0).reshape(2, 2)
+    value = types.Image(
+        memoryview(octets),
+        bytearray(octets),
+        [octets, octets.tobytes()],
+        octets,
+        array("d", [0.5]),
+        numpy.arange(3, dtype="i4"),
+        memoryview(matrix),
+        numpy.array([True, False]),
+        types.Choice.of_raw(octets),
+    )
+    kept = kind.new()
+    for _ in range(2):
+        wanted = value.to_cdr()
+        places = padding(kind.descriptor, wanted, True)
+        kind.fill(kept, value)
+        for wire in (kept, kind.to(value)):
+            assert masked(marshalled(kind, wire), places) == wanted
+            assert kind.of(wire).to_cdr() == wanted
+        value.chosen = types.Choice.of_few(numpy.arange(3.0))
 
 
 def test_initial_values(constructs: Wires, further: Wires) -> None:

@@ -20,7 +20,8 @@ import random_types as random_types
 import samples as samples
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from padding import masked, padding
+from padding import masked as masked
+from padding import padding as padding
 
 from rtgen.backends import Options
 from rtgen.backends.openrtm.conversions import conversions

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from array import array
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from decimal import Decimal
@@ -10,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import forwarder
+import numpy
 import pytest
 from patience import PATIENCE
 
@@ -147,6 +149,56 @@ def test_numbers_in_each_form(
             made = stub.of_doubles(given.ranges)
             assert type(made) is type(decoded.ranges)
             assert list(made) == numbers
+
+
+@pytest.mark.parametrize("numeric", ["list", "array", "numpy"])
+def test_buffers_travel(tmp_path: Path, connect: Connect, numeric: Numeric) -> None:
+    text = """module m {
+        typedef sequence<octet> Octets; typedef sequence<double> Doubles;
+        typedef long Table[2][2]; typedef sequence<boolean, 9> Truths; typedef int8 Small[2];
+        struct Image {
+            Octets pixels; octet mac[4]; Doubles numbers; Table cells; Truths flags; Small few;
+        };
+        struct Raw { octet mac[4]; sequence<double, 3> few; };
+        union Choice switch (long) { case 1: Octets content; case 2: Raw inner; };
+        interface Echo {
+            Octets of_octets(in Octets a); Doubles of_doubles(in Doubles a);
+            Table of_table(in Table a); Truths of_truths(in Truths a); Small of_small(in Small a);
+            Image of_image(in Image a); Raw of_raw(in Raw a); Choice of_choice(in Choice a);
+            any of_any(in any a);
+        };
+    };"""
+    n = emitted.emit_text(tmp_path, text, numeric).m
+    stub = connect(n.Echo)
+    octets = numpy.frombuffer(b"abcd", "u1")
+    table = numpy.array([[1, 2], [3, 4]], "i4")
+    flags, small = numpy.array([True, False]), array("b", [-1, 1])
+    raw = n.Raw(bytearray(b"abcd"), numpy.arange(2.0))
+    image = n.Image(octets, octets, array("d", [0.5]), table, flags, small)
+    assert stub.of_octets(octets) == stub.of_octets(memoryview(octets)) == b"abcd"
+    assert [*stub.of_doubles(memoryview(array("d", [0.5])))] == [0.5]
+    for cells in (table, memoryview(table), [*table]):
+        assert numpy.array_equal(stub.of_table(cells), table)
+    assert stub.of_truths(flags) == [True, False]
+    assert [*stub.of_small(small)] == [-1, 1]
+    for name, value in (
+        ("image", image),
+        ("raw", raw),
+        ("choice", n.Choice.of_content(octets)),
+        ("choice", n.Choice.of_inner(raw)),
+    ):
+        answer = getattr(stub, f"of_{name}")(value)
+        assert answer.to_cdr() == value.to_cdr()
+    for value in (AnyValue(n.Raw, raw), AnyValue(n.OctetsCodec, octets)):
+        assert stub.of_any(value).to_cdr() == value.to_cdr()
+    for name, wrong in (
+        ("octets", [1, 2]),
+        ("doubles", numpy.zeros(2, "f4")),
+        ("table", numpy.zeros((2, 2))),
+        ("image", n.Image(numpy.zeros(2))),
+    ):
+        with pytest.raises(CdrError, match=rf"^Echo\.of_{name} request\.a"):
+            getattr(stub, f"of_{name}")(wrong)
 
 
 def test_what_is_converted(m: Any, connect: Connect) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import ctypes
 import json
 import pickle
 from array import array
@@ -55,6 +56,7 @@ module n {
         sequence<Doubles> rows;
         string end;
     };
+    struct Flags { sequence<boolean> several; boolean three[3]; float matrix[2][3]; };
     union Choice switch (long) { case 1: sequence<float> numbers; case 2: sequence<Point> points; };
     exception Failed { sequence<long long> codes; };
     struct Held { Everything inner; any thing; };
@@ -65,6 +67,7 @@ module n {
     };
 };
 """
+MATRIX = [[0.5, 1.5, 2.5], [3.5, 4.5, 5.5]]
 WAYS = ("cdr", "xcdr1", "xcdr2")
 
 
@@ -97,7 +100,7 @@ def filled(n: ModuleType, count: int) -> Any:
         counters=[(1 << 64) - 1 - i for i in range(min(count, 100))],
         few=[-1, 0, 1][:count],
         named=[-0.0] * count,
-        matrix=[[0.5, 1.5, 2.5], [3.5, 4.5, 5.5]],
+        matrix=MATRIX,
         row=[i / 2 for i in range(20)],
         long_row=[i / 2 for i in range(80)],
         triple=[-1, 2, 3],
@@ -262,6 +265,9 @@ def test_any_and_dynamic_values(packages: dict[Numeric, Any]) -> None:
         (numpy.arange(6.0)[::2], [0, 2, 4]),
         (numpy.arange(3, dtype=">f8"), [0, 1, 2]),
         (memoryview(array("d", [3])), [3]),
+        (memoryview(numpy.arange(3, dtype=">f8")), [0, 1, 2]),
+        ((ctypes.c_double * 2)(1, 2), [1, 2]),
+        ((ctypes.c_double.__ctype_be__ * 2)(1, 2), [1, 2]),
         ((1.0, 2), [1, 2]),
         (range(3), [0, 1, 2]),
         (numpy.zeros(0), []),
@@ -271,7 +277,7 @@ def test_any_and_dynamic_values(packages: dict[Numeric, Any]) -> None:
         (numpy.arange(2500.0, dtype="<f8")[::-1], [*range(2499, -1, -1)]),
     ],
 )
-@pytest.mark.parametrize("form", ["array", "numpy"])
+@pytest.mark.parametrize("form", FORMS)
 def test_encoding_takes_any_fitting_buffer(
     packages: dict[Numeric, Any], form: Numeric, scan: Any, numbers: list[float]
 ) -> None:
@@ -281,6 +287,67 @@ def test_encoding_takes_any_fitting_buffer(
             octets = getattr(value, f"to_{way}")(little)
             made = getattr(packages[form].Everything, f"from_{way}")(octets, little)
             assert list(made.scan) == numbers
+        n = packages[form]
+        held = n.Held(thing=AnyValue(n.DoublesCodec, scan)).to_cdr(little)
+        assert [*n.Held.from_cdr(held, little).thing.value] == numbers
+        assert [*value._snapshot_().scan] == numbers
+        assert json.loads(json_printer(n.Everything)(value))["scan"] == numbers
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        numpy.array(MATRIX, "f"),
+        numpy.array(MATRIX, ">f4"),
+        numpy.asfortranarray(MATRIX, "f"),
+        memoryview(numpy.array(MATRIX, "f")),
+        memoryview(numpy.array(MATRIX, ">f4")),
+        (ctypes.c_float * 3 * 2)(*(tuple(row) for row in MATRIX)),
+        [array("f", row) for row in MATRIX],
+        [numpy.array(row, "f") for row in MATRIX],
+        tuple(map(tuple, MATRIX)),
+    ],
+)
+@pytest.mark.parametrize("form", FORMS)
+def test_arrays_of_several_dimensions_take_buffers(
+    packages: dict[Numeric, Any], form: Numeric, rows: Any
+) -> None:
+    n = packages[form]
+    for little in (True, False):
+        wanted = n.Flags(matrix=MATRIX).to_cdr(little)
+        value = n.Flags(matrix=rows)
+        assert value.to_cdr(little) == wanted
+        assert value._snapshot_().to_cdr(little) == wanted
+        assert json.loads(json_printer(n.Flags)(value))["matrix"] == MATRIX
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_booleans_take_buffers_of_booleans(
+    packages: dict[Numeric, Any], form: Numeric
+) -> None:
+    n = packages[form]
+    flags = numpy.array([True, False, True])
+    for given in (flags, memoryview(flags), (ctypes.c_bool * 3)(*flags), (1, 0, 1)):
+        value = n.Flags(several=given, three=given)
+        made = n.Flags.from_cdr(value.to_cdr())
+        assert made.several == made.three == [True, False, True]
+        assert value._snapshot_().to_cdr() == value.to_cdr()
+
+
+def test_copies_of_lists_hold_plain_numbers(packages: dict[Numeric, Any]) -> None:
+    value = packages["list"].Everything(
+        scan=numpy.arange(2.0), counters=numpy.arange(2, dtype="u8")
+    )
+    copied = value._snapshot_()
+    assert {type(item) for item in copied.scan} == {float}
+    assert {type(item) for item in copied.counters} == {int}
+
+
+class Miscounted(list[float]):
+    """A list whose length is wrong."""
+
+    def __len__(self) -> int:
+        return 5
 
 
 ZEROS = numpy.zeros
@@ -293,6 +360,12 @@ FAULTS: list[tuple[str, Any, str]] = [
     ("scan", b"ab", ".scan: a buffer of float"),
     ("scan", "ab", ".scan: a list is needed, not str"),
     ("scan", None, ".scan: a list is needed, not NoneType"),
+    ("scan", {1.0: 2.0}, ".scan: a list is needed, not dict"),
+    ("scan", {1.0}, ".scan: a list is needed, not set"),
+    ("scan", memoryview(bytes(48)).cast("d", (2, 3)), ".scan: a buffer of 1 dimension"),
+    ("scan", numpy.ma.zeros(3), ".scan: a masked array is not marshalled"),
+    ("scan", numpy.array([1.0], object), ".scan: a buffer of float of 64 bits"),
+    ("scan", Miscounted([1.0]), ".scan: 1 items, and its length is 5"),
     ("scan", [1.0, "x"], ".scan[1]: a value of double is needed, not 'x'"),
     ("scan", (1.0, None), ".scan[1]: a value of double is needed"),
     ("image", ZEROS(3, numpy.uint16), ".image: a buffer of int of 16 bits"),
@@ -307,6 +380,13 @@ FAULTS: list[tuple[str, Any, str]] = [
     ("long_row", [1.0], ".long_row: 1 items instead of 80"),
     ("long_row", array("d", [0.0] * 80), ".long_row: a buffer of float of 32 bits"),
     ("long_row", array("f", [0.0] * 79), ".long_row: 79 items instead of 80"),
+    ("long_row", (ctypes.c_float * 79)(), ".long_row: 79 items instead of 80"),
+    ("matrix", ZEROS((2, 3)), ".matrix: a buffer of float of 32 bits"),
+    ("matrix", ZEROS((3, 2), "f"), ".matrix: the shape (3, 2) instead of (2, 3)"),
+    ("matrix", memoryview(ZEROS((3, 2), "f")), ".matrix: the shape (3, 2) instead"),
+    ("matrix", [[0] * 3, ZEROS(3)], ".matrix[1]: a buffer of float of 32 bits"),
+    ("rows", memoryview(bytes(48)).cast("d", (2, 3)), ".rows: multi-dimensional"),
+    ("cloud", memoryview(bytes(6)).cast("B", (2, 3)), ".cloud: multi-dimensional"),
     ("rows", [[1.0], [2.0, "x"]], ".rows[1][1]: a value of double is needed"),
     ("rows", [[1.0], array("i", [1])], ".rows[1]: a buffer of float of 64 bits"),
 ]
@@ -322,19 +402,41 @@ OF_NUMPY: list[tuple[str, Any, str]] = [
 ]
 
 
+@pytest.mark.parametrize("form", ["list", "array"])
 @pytest.mark.parametrize("way", ["cdr", "xcdr2"])
 @pytest.mark.parametrize(("member", "wrong", "message"), FAULTS)
 def test_faults_have_the_path_of_the_member(
-    arrays: Any, way: str, member: str, wrong: Any, message: str
+    packages: dict[Numeric, Any],
+    form: Numeric,
+    way: str,
+    member: str,
+    wrong: Any,
+    message: str,
 ) -> None:
-    value = filled(arrays, 2)
+    value = filled(packages[form], 2)
     setattr(value, member, wrong)
     with pytest.raises(CdrError) as caught:
         getattr(value, f"to_{way}")()
     assert str(caught.value).startswith("Everything" + message)
 
 
-@pytest.mark.parametrize(("member", "wrong", "message"), FAULTS[:8] + OF_NUMPY)
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        (ZEROS(3), "a buffer of bool of 8 bits"),
+        (ZEROS(3, "c16"), "a buffer of bool of 8 bits"),
+        (ZEROS(3, "u1"), "a buffer of bool of 8 bits"),
+        (memoryview(bytes(6)).cast("?", (2, 3)), "a buffer of 1 dimension"),
+        ({True}, "a list is needed, not set"),
+    ],
+)
+@pytest.mark.parametrize("member", ["several", "three"])
+def test_faults_of_booleans(arrays: Any, member: str, wrong: Any, message: str) -> None:
+    with pytest.raises(CdrError, match=rf"Flags\.{member}: {message}"):
+        arrays.Flags(**{member: wrong}).to_cdr()
+
+
+@pytest.mark.parametrize(("member", "wrong", "message"), FAULTS[:14] + OF_NUMPY)
 def test_faults_of_numpy_members(
     numpies: Any, member: str, wrong: Any, message: str
 ) -> None:

@@ -97,7 +97,7 @@ def test_snapshots_are_equal_and_share_nothing(s: Any) -> None:
 
 
 def test_snapshots_are_compiled(s: Any) -> None:
-    """`deepcopy` remains for graphs of valuetypes and for `any`."""
+    """`deep_copy` remains for graphs of valuetypes and for `any`."""
     for value in values(s):
         value._snapshot_()
         made = [
@@ -106,4 +106,4 @@ def test_snapshots_are_compiled(s: Any) -> None:
             if kind == "_snapshot_"
         ]
         assert len(made) == 1
-        assert "deepcopy" not in made[0].__globals__
+        assert "deep_copy" not in made[0].__globals__

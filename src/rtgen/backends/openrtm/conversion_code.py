@@ -17,7 +17,7 @@ from rtgen.backends.kit.quoting.python import number_literal, string_literal
 from rtgen.backends.openrtm.classic import Classic
 from rtgen.backends.openrtm.wire_names import WireNames, mangled
 from rtgen.backends.openrtm.wire_scope import WireScope
-from rtgen.facts.primitives import NUMBERS
+from rtgen.facts.primitives import NUMBERS, OCTET_TYPES
 from rtgen.model import (
     ArrayType,
     Case,
@@ -46,6 +46,9 @@ _INLINE = 48
 
 STAND_IN = "opaque"
 """The only member, an octet, of the placeholder of an unknown struct."""
+
+_IN_BUFFERS = {*NUMBERS, Primitive.BOOLEAN} - OCTET_TYPES
+"""The basic types whose collections are also buffers in rtgen, and lists in omniORBpy."""
 
 _BY_OCTETS = {
     Primitive.ANY: "ANYTHING",
@@ -179,7 +182,22 @@ class ConversionCode:
             yield f"if {here} or {there}:"
             yield f"    {self._py.helper('refill')}({there}, {here}, {fill}, {to})"
         else:
-            yield f"{there} = {here}"
+            yield f"{there} = {self._shared(plain, here)}"
+
+    def _shared(self, plain: Type, expression: str) -> str:
+        """Return a value that omniORB marshals as is; numbers in another form as a list."""
+        return self._number_list("as_list", plain, expression) or expression
+
+    def _number_list(self, helper: str, plain: Type, expression: str) -> str:
+        """Return a list of numbers made by a helper; empty for another type."""
+        if not isinstance(plain, SequenceType | ArrayType):
+            return ""
+        element = self._model.unalias(plain.element)
+        if not isinstance(element, PrimitiveType) or element.kind not in _IN_BUFFERS:
+            return ""
+        depth = len(plain.dimensions) if isinstance(plain, ArrayType) else 1
+        further = f", {depth}" if depth > 1 else ""
+        return f"{self._py.helper(helper)}({expression}{further})"
 
     def _kept_element(self, plain: Type) -> Struct | None:
         """Return the struct of a list's items, if their wire objects are reused."""
@@ -324,6 +342,8 @@ class ConversionCode:
         plain = self._model.unalias(type_)
         if self._is_immutable(plain):
             return expression
+        if self._is_octets(plain):
+            return f"{self._py.helper('octets')}({expression})"
         match plain:
             case FixedType(digits, scale):
                 to_fixed = self._py.helper("to_fixed")
@@ -342,7 +362,7 @@ class ConversionCode:
     def _incoming(self, type_: Type, expression: str, depth: int = 1) -> str:
         """Return an expression for a value that shares no data with the wire form."""
         plain = self._model.unalias(type_)
-        if self._is_immutable(plain):
+        if self._is_immutable(plain) or self._is_octets(plain):
             return expression
         match plain:
             case FixedType():
@@ -373,10 +393,13 @@ class ConversionCode:
                 return f"list({expression})"
             octets = self._names.mapping.annotation(type_) == "bytes"
             return f"bytes({expression})" if octets else f'"".join({expression})'
-        if self._is_immutable(self._model.unalias(element)):
-            return f"list({expression})"
+        numbers = self._number_list("listed", type_, expression)
+        if numbers and convert == self._outgoing:
+            return numbers
         item = "item" if depth == 1 else f"item_{depth}"
         made = convert(element, item, depth + 1)
+        if made == item:
+            return f"list({expression})"
         return f"[{made} for {item} in {expression}]"
 
     def _numbers(
@@ -420,11 +443,21 @@ class ConversionCode:
                 return False
             case SequenceType() | ArrayType():
                 # omniORBpy uses lists where the definition has an alias of octet or char.
-                direct = isinstance(_element(plain), PrimitiveType)
-                return direct and self._names.mapping.is_text(plain)
+                return self._is_direct_text(plain) and not self._is_octets(plain)
             case NamedType():
                 return False
         return True
+
+    def _is_direct_text(self, plain: SequenceType | ArrayType) -> bool:
+        direct = isinstance(_element(plain), PrimitiveType)
+        return direct and self._names.mapping.is_text(plain)
+
+    def _is_octets(self, plain: Type) -> bool:
+        """Return whether a value is `bytes` in omniORBpy, and any buffer of octets in rtgen."""
+        if not isinstance(plain, SequenceType | ArrayType):
+            return False
+        octets = self._names.mapping.annotation(plain) == "bytes"
+        return octets and self._is_direct_text(plain)
 
     def _is_same(self, plain: Type) -> bool:
         """Return whether omniORB marshals the value as is: immutable values and lists of them."""

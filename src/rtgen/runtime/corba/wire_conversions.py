@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, TypeAlias
 
 import msgspec
+
+from rtgen.runtime.marshalling.octets import copied_octets
 
 Convert: TypeAlias = Callable[[Any], Any]
 
@@ -37,11 +39,26 @@ def through(convert: Convert | None, value: Any) -> Any:
     return value if convert is None else convert(value)
 
 
+def octets(value: Any) -> Any:
+    """Return the octets of a buffer as `bytes`; other objects unchanged, which omniORB refuses."""
+    if value.__class__ is bytes:
+        return value
+    try:
+        return copied_octets(value)
+    except ValueError:
+        return value
+
+
 def octet_of(number: int) -> int:
     """Return an int8 as an octet. Raises ValueError."""
     if not -128 <= number < 128:
         raise ValueError(f"{number} is not an int8")
     return number & 255
+
+
+def octets_of(numbers: Iterable[int]) -> bytes:
+    """Return int8 numbers as octets. Raises ValueError."""
+    return bytes(map(octet_of, numbers))
 
 
 def int8_of(octet: int) -> int:

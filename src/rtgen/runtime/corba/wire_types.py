@@ -31,6 +31,8 @@ from rtgen.runtime.corba.wire_conversions import (
     latin_octets,
     latin_text,
     octet_of,
+    octets,
+    octets_of,
     through,
 )
 from rtgen.runtime.marshalling.descriptors import (
@@ -50,7 +52,13 @@ from rtgen.runtime.marshalling.descriptors import (
     class_of,
     plain,
 )
-from rtgen.runtime.marshalling.dynamic.forms import formed, listed
+from rtgen.runtime.marshalling.dynamic.forms import (
+    formed,
+    is_in_buffers,
+    is_octet,
+    listed,
+)
+from rtgen.runtime.marshalling.layouts.trees import parts
 from rtgen.runtime.marshalling.octets import (
     fixed_octets,
     wide_character,
@@ -88,7 +96,7 @@ _SWITCHES = (
     "boolean",
     "char",
 )
-_CHAR = PrimitiveDescriptor("char")
+_CHAR, _INT8 = PrimitiveDescriptor("char"), PrimitiveDescriptor("int8")
 _WIDE_CHARACTER = (tcInternal.tv_array, tcInternal.tv_octet, 3)
 """A wchar in the encoding of GIOP 1.2: omniORBpy 4.3.3 cannot read those that it writes."""
 _DIGITS = Context(prec=31)
@@ -219,7 +227,8 @@ class WireTypes:
         members = self._members(descriptor.members)
         head = descriptor.repository_id, _last(descriptor.name)
         if not _converted([descriptor], set()):
-            return WireType((tcInternal.tv_struct, class_, *head, *members.parts))
+            made = tcInternal.tv_struct, class_, *head, *members.parts
+            return WireType(made, _plain_copy(descriptor))
         made = tcInternal.tv_struct, members.maker(class_), *head, *members.parts
         return WireType(made, members.outgoing)
 
@@ -274,7 +283,7 @@ class WireTypes:
             cases,
         )
         if not converted:
-            return WireType(made)
+            return WireType(made, _plain_copy(descriptor))
         return WireType(made, _union_outgoing(descriptor, discriminator, wires))
 
     def _exception(self, class_: type[UserException]) -> WireException:
@@ -498,6 +507,10 @@ def _items(
     """Return the conversions of the items of a sequence or array, outgoing and incoming."""
     if plain(element) == _CHAR:
         return latin_octets, latin_text
+    if plain(element) == _INT8:
+        return octets_of, each(int8_of)
+    if is_octet(element):
+        return octets, None
     return each(wire.outgoing), each(wire.incoming)
 
 
@@ -506,13 +519,26 @@ def _formed(
     items: tuple[Convert | None, Convert | None],
 ) -> tuple[Convert | None, Convert | None]:
     """Return the conversions from numbers in any form, and to the form of the descriptor."""
-    if descriptor.numeric == "list":
-        return items
     outgoing, incoming = items
+    if descriptor.numeric == "list":
+        if not is_in_buffers(descriptor.element):
+            return items
+        return lambda value: through(outgoing, listed(descriptor, value)), incoming
     return (
         lambda value: through(outgoing, listed(descriptor, value)),
         lambda wire: formed(descriptor, through(incoming, wire)),
     )
+
+
+def _plain_copy(descriptor: StructDescriptor | UnionDescriptor) -> Convert | None:
+    """Return the function that copies values which may hold buffers; None for other types."""
+    class_ = class_of(descriptor)
+    collections = (SequenceDescriptor, ArrayDescriptor)
+    elements = [p.element for p in parts(descriptor) if isinstance(p, collections)]
+    if class_ is None or not any(is_octet(e) or is_in_buffers(e) for e in elements):
+        return None
+    copy: Convert = class_._snapshot_
+    return copy
 
 
 def _last(name: str) -> str:

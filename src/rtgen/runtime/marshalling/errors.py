@@ -14,6 +14,7 @@ FAILURES = (
     AttributeError,
     BufferError,
     LookupError,
+    NotImplementedError,
     RecursionError,
     TypeError,
     ValueError,

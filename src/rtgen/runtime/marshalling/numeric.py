@@ -10,12 +10,13 @@ from __future__ import annotations
 import struct
 import sys
 from array import array
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence, Set
 from functools import cache
 from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias, TypeVar
 
 from rtgen.facts.numeric import Numeric as Numeric
 from rtgen.runtime.marshalling.last_arrays import LastArrays
+from rtgen.runtime.marshalling.octets import nested
 
 _N = TypeVar("_N", int, float)
 
@@ -33,9 +34,12 @@ _WORDS = {array(code).itemsize: code for code in "BHIQ"}
 
 _KINDS = {
     **dict.fromkeys("bhilqn", "int"),
-    **dict.fromkeys("BHILQN", "unsigned int"),
+    **dict.fromkeys("cBHILQN", "unsigned int"),
     **dict.fromkeys("fd", "float"),
+    "?": "bool",
 }
+_CODES = {(_KINDS[code], struct.calcsize(f"={code}")): code for code in "bBhHiIqQfd?"}
+"""Codes of `struct` in standard sizes, by kind and size."""
 
 
 if TYPE_CHECKING:
@@ -143,23 +147,33 @@ def swapped_octets(numbers: Any) -> bytes | bytearray:
     return made
 
 
-def buffer_of(items: Any, code: str, size: int) -> memoryview | None:
-    """Return the contiguous buffer of numbers of a `struct` code; None for other objects.
+def buffer_of(
+    items: Any, code: str, size: int, shape: tuple[int, ...] | None = None
+) -> memoryview | None:
+    """Return the buffer of numbers of a `struct` code; None for other ordered collections.
 
-    Raises ValueError for a buffer of another format or number of dimensions.
+    Raises ValueError for a buffer of another format or shape (by default: one dimension), and for
+    objects without an order.
     """
     if isinstance(items, list | tuple):
         return None
     try:
         view = memoryview(items)
     except TypeError:
+        if isinstance(items, Mapping | Set):
+            message = f"a list is needed, not {type(items).__name__}"
+            raise ValueError(message) from None
         return None
     kind = _KINDS.get(view.format[-1:])
     if kind != _KINDS[code] or view.itemsize != size or len(view.format) > 2:
         wanted = f"{_KINDS[code]} of {8 * size} bits (format {code!r})"
         raise ValueError(f"a buffer of {wanted} is needed, not of {view.format!r}")
-    if view.ndim != 1:
+    if shape is None and view.ndim != 1:
         raise ValueError(f"a buffer of 1 dimension is needed, not of {view.ndim}")
+    if shape is not None and view.shape != shape:
+        raise ValueError(f"the shape {view.shape} instead of {shape}")
+    if hasattr(items, "mask"):
+        raise ValueError("a masked array is not marshalled: call its method filled")
     return view
 
 
@@ -167,7 +181,35 @@ def octets_of(view: memoryview, order: Order) -> bytes | bytearray:
     """Return the numbers of a buffer in a byte order."""
     if _ORDERS.get(view.format[0], False) == _SWAPPED[order]:
         return view.tobytes()
+    if view.ndim != 1:
+        return swapped_octets(array(_WORDS[view.itemsize], view.tobytes()))
     return swapped_octets(view)
+
+
+def numbers_in(view: memoryview) -> list[Any]:
+    """Return the numbers of a buffer in either byte order, flattened."""
+    if view.ndim == len(view.format) == 1 and view.format != "c":
+        return view.tolist()
+    order = view.format[0] if view.format[0] in "<>!" else "="
+    code = _CODES[_KINDS[view.format[-1]], view.itemsize]
+    octets = view.tobytes()
+    return [*struct.unpack(f"{order}{len(octets) // view.itemsize}{code}", octets)]
+
+
+def flattened(
+    items: Any, code: str, size: int, dimensions: tuple[int, ...]
+) -> Sequence[Any]:
+    """Return the numbers of an array in any form as one sequence. Raises ValueError."""
+    if items.__class__ is not list:
+        view = buffer_of(items, code, size, dimensions)
+        if view is not None:
+            return numbers_in(view)
+    if len(items) != dimensions[0]:
+        raise ValueError(f"{len(items)} items instead of {dimensions[0]}")
+    if len(dimensions) == 1:
+        return items  # type: ignore[no-any-return]
+    inner = dimensions[1:]
+    return [n for row in items for n in flattened(row, code, size, inner)]
 
 
 def array_of(octets: bytes, code: str, order: Order) -> NumericArray[Any]:
@@ -195,4 +237,19 @@ def copied(items: Any) -> Any:
     if isinstance(items, list):
         return items[:]
     copy = getattr(items, "copy", None)
-    return list(items) if copy is None else copy()
+    return listed(items) if copy is None else copy()
+
+
+def listed(items: Any, depth: int = 1) -> list[Any]:
+    """Return a new list of numbers in any form; of rows, if they have that many dimensions."""
+    if items.__class__ is not list:
+        tolist = getattr(items, "tolist", None)
+        if tolist is not None and not isinstance(items, memoryview):
+            return tolist()  # type: ignore[no-any-return]
+        try:
+            view = memoryview(items)
+        except TypeError:
+            pass
+        else:
+            return nested(numbers_in(view), view.shape or ())
+    return [*items] if depth == 1 else [listed(row, depth - 1) for row in items]

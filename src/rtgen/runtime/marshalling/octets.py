@@ -183,6 +183,35 @@ def exact(items: Sequence[_T], length: int) -> Sequence[_T]:
     return items
 
 
+def octets_in(value: Any) -> bytes | bytearray:
+    """Return the octets of `bytes`, or of a buffer of octets. Raises ValueError."""
+    if isinstance(value, bytes | bytearray):
+        return value
+    try:
+        view = memoryview(value)
+    except TypeError:
+        message = f"bytes are needed, not {type(value).__name__}"
+        raise ValueError(message) from None
+    if view.format[-1:] not in ("B", "c") or view.itemsize != 1:
+        raise ValueError(f"a buffer of octets is needed, not of {view.format!r}")
+    if view.ndim != 1:
+        raise ValueError(f"a buffer of 1 dimension is needed, not of {view.ndim}")
+    return view.tobytes()
+
+
+def exact_octets(value: Any, length: int) -> bytes | bytearray:
+    """Return that many octets. Raises ValueError."""
+    octets = octets_in(value)
+    if len(octets) != length:
+        raise ValueError(f"{len(octets)} items instead of {length}")
+    return octets
+
+
+def copied_octets(value: Any) -> bytes:
+    """Return an immutable copy of octets. Raises ValueError."""
+    return bytes(octets_in(value))
+
+
 def flat(items: Sequence[Any], dimensions: Sequence[int]) -> list[Any]:
     """Flatten the items of a multidimensional array, outermost first."""
     for depth, length in enumerate(dimensions):

@@ -16,6 +16,7 @@ from omniORB import CORBA, tcInternal
 
 from rtgen.facts.numeric import MAX_LIST_LENGTH
 from rtgen.runtime.corba.faults import caught
+from rtgen.runtime.corba.wire_conversions import octets as octets
 from rtgen.runtime.marshalling.descriptors import (
     ANY,
     Descriptor,
@@ -25,6 +26,7 @@ from rtgen.runtime.marshalling.descriptors import (
 from rtgen.runtime.marshalling.dynamic.reader import Reader
 from rtgen.runtime.marshalling.dynamic.writer import Output, Writer
 from rtgen.runtime.marshalling.numeric import NumericArray
+from rtgen.runtime.marshalling.numeric import listed as listed
 from rtgen.runtime.openrtm.stubs import StubsMissingError
 from rtgen.runtime.services.servants import ObjectNotExist
 from rtgen.runtime.values import decoded, encoded
@@ -79,10 +81,9 @@ def refill(
         fill(wire, value)
 
 
-def listed(numbers: Any) -> list[Any]:
-    """Return a list of numbers in any form."""
-    tolist = getattr(numbers, "tolist", None)
-    return list(numbers) if tolist is None else cast("list[Any]", tolist())
+def as_list(numbers: Any, depth: int = 1) -> list[Any]:
+    """Return numbers in any form as a list; a list unchanged."""
+    return numbers if numbers.__class__ is list else listed(numbers, depth)
 
 
 def to_array(numbers: list[Any], code: str) -> MutableSequence[Any]:

@@ -225,6 +225,10 @@ def _snapshot(value: object) -> Any:
         return [_snapshot(item) for item in value]
     if isinstance(value, tuple):
         return tuple(_snapshot(item) for item in value)
+    if isinstance(value, bytearray):
+        return bytes(value)
+    if isinstance(value, memoryview):
+        return bytes(value) if value.format in ("B", "c") else copied(value)
     if isinstance(value, array) or hasattr(value, "dtype"):
         return copied(value)
     copy = getattr(value, "_snapshot_", None)

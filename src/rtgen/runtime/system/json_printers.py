@@ -31,7 +31,7 @@ from rtgen.runtime.marshalling.descriptors import (
     StructDescriptor,
     ValueDescriptor,
 )
-from rtgen.runtime.marshalling.numeric import NumericArray
+from rtgen.runtime.marshalling.numeric import NumericArray, listed
 from rtgen.runtime.values import AnyValue, Box, Value
 
 Printer = Callable[[Any], str]
@@ -183,7 +183,7 @@ def _plain(value: Any, around: tuple[int, ...]) -> Any:
         case dict():
             pairs = value.items()
             return [[_plain(k, around), _plain(v, around)] for k, v in pairs]
-        case bytes():
+        case bytes() | bytearray():
             return list(value)
         case array():
             return _plain(value.tolist(), around)
@@ -194,6 +194,8 @@ def _plain(value: Any, around: tuple[int, ...]) -> Any:
     dtype = getattr(value, "dtype", None)
     if dtype is not None:
         return _rows(value.tolist(), dtype)
+    if hasattr(value, "__len__"):  # other buffers and collections
+        return _plain(listed(value), around)
     if id(value) in around:
         return str(value.described())
     named = _members(getattr(value, "_descriptor_", None))

@@ -6,6 +6,7 @@ import struct
 from math import prod
 from typing import Any
 
+from rtgen.facts.primitives import OCTET_TYPES
 from rtgen.runtime.marshalling.descriptors import (
     AliasDescriptor,
     ArrayDescriptor,
@@ -37,8 +38,8 @@ CODES = {
 }
 """The `struct` codes of basic types."""
 
-TEXTS = {"octet": (bytes, bytearray), "uint8": (bytes, bytearray), "char": (str,)}
-"""The Python types of sequences of these types."""
+TEXTS = OCTET_TYPES | {"char"}
+"""The basic types of which sequences and arrays are `bytes` or `str`."""
 
 
 def size_of(name: str) -> int:

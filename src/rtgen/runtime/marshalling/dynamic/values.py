@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from typing import Any
 
 from rtgen.runtime.marshalling.dynamic.octet_reader import Input
@@ -21,6 +22,14 @@ def encoded(descriptor: Any, value: object, little_endian: bool) -> bytes:
         name = _root(descriptor)
         raise fault_in_value(descriptor, name, value, failure) from failure
     return bytes(out)
+
+
+def deep_copy(value: Any) -> Any:
+    """Return a deep copy. Raises CdrError if the value holds a view and cannot be encoded."""
+    try:
+        return deepcopy(value)
+    except TypeError:  # Python cannot copy views of memory; a decoded value has none
+        return type(value).from_cdr(value.to_cdr())
 
 
 def decoded(descriptor: Any, data: Buffer, little_endian: bool) -> Any:

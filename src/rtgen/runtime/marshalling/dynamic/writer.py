@@ -7,10 +7,11 @@ codec fails, it marshals the whole value again to locate the fault. CORBA 3.3 pa
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Sized
+from collections.abc import Callable, Mapping, Set, Sized
 from functools import partial
 from typing import Any, NoReturn
 
+from rtgen.facts.primitives import OCTET_TYPES
 from rtgen.runtime.marshalling.descriptors import (
     ANY,
     AliasDescriptor,
@@ -48,6 +49,7 @@ from rtgen.runtime.marshalling.errors import LOCATED, Fault, located
 from rtgen.runtime.marshalling.octets import (
     ObjectReference,
     fixed_octets,
+    octets_in,
     quad_octets,
     text_octets,
     wide_character,
@@ -160,7 +162,7 @@ class Writer:
 
     # Octets, and chunks inside a value
 
-    def _put(self, octets: bytes, align: int) -> None:
+    def _put(self, octets: bytes | bytearray, align: int) -> None:
         out = self._out
         if self._level and self._chunk < 0:
             out += bytes(-len(out) % 4)
@@ -217,17 +219,16 @@ class Writer:
         self._number("I", len(octets) + (not wide))
         self._put(octets if wide else octets + b"\0", 1)
 
-    def _text(self, element: Descriptor, value: Any) -> bytes | None:
+    def _text(self, element: Descriptor, value: Any) -> bytes | bytearray | None:
         """Return a collection's octets if it is `bytes` or `str`; None for other elements."""
         element = plain(element)
         name = element.name if isinstance(element, PrimitiveDescriptor) else ""
-        types = TEXTS.get(name)
-        if types is None:
+        if name not in TEXTS:
             return None
-        if not isinstance(value, types):
-            raise Fault(f"{types[0].__name__} are needed, not {type(value).__name__}")
+        if name in OCTET_TYPES:
+            return octets_in(value)
         if not isinstance(value, str):
-            return bytes(value)
+            raise Fault(f"str are needed, not {type(value).__name__}")
         for index, character in enumerate(value):
             if ord(character) > 255:
                 raise located(
@@ -267,6 +268,8 @@ class Writer:
                 write(item)
         except LOCATED as failure:
             raise located(failure, f"[{index}]") from failure
+        if index + 1 != len(value):
+            raise Fault(f"{index + 1} items, and its length is {len(value)}")
 
     def _array(
         self, element: Descriptor, dimensions: tuple[int, ...], value: Any
@@ -280,11 +283,15 @@ class Writer:
         write = partial(self.value, element)
         if len(dimensions) > 1:
             _exact(count, dimensions[0])
-            write = partial(self._array, element, dimensions[1:])
+            row = ArrayDescriptor(element, dimensions[1:])
+            write = partial(self._row, row)
         elif count != dimensions[0]:
             self._check_items(element, value)
             _exact(count, dimensions[0])
         self._items(value, write)
+
+    def _row(self, row: ArrayDescriptor, value: Any) -> None:
+        self._array(row.element, row.dimensions, listed(row, value))
 
     def _map(
         self, key: Descriptor, item: Descriptor, bound: int | None, value: Any
@@ -479,7 +486,7 @@ def _attribute(value: Any, name: str, type_name: str) -> Any:
 
 
 def _length(value: Any) -> int:
-    if not isinstance(value, Sized) or isinstance(value, str | bytes | dict):
+    if not isinstance(value, Sized) or isinstance(value, str | bytes | Mapping | Set):
         _refuse_list(value)
     return len(value)
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Callable
+from functools import cache
+from math import prod
 from typing import Any, TypeAlias
 
 from rtgen.runtime.marshalling.errors import Buffer
@@ -10,6 +13,7 @@ from rtgen.runtime.marshalling.layouts.nodes import (
     Atom,
     AtomArray,
     AtomSequence,
+    Form,
     Records,
 )
 from rtgen.runtime.marshalling.numeric import (
@@ -17,19 +21,49 @@ from rtgen.runtime.marshalling.numeric import (
     Order,
     array_of,
     buffer_of,
+    flattened,
     is_swapped,
+    numbers_in,
     octets_of,
     packed,
     swapped_array,
     swapped_octets,
 )
-from rtgen.runtime.marshalling.octets import exact, flat
+from rtgen.runtime.marshalling.octets import exact
 
 _Put: TypeAlias = Callable[[Any], tuple[int, Any]]
 _Take: TypeAlias = Callable[[Buffer, int, int], tuple[Any, int]]
 
 _SLICED = 1024
 """Up to this number of octets, slicing `bytes` is faster than a view."""
+
+
+def buffer_code(atom: Atom) -> str:
+    """Return the `struct` code of buffers of an atom's values; empty if there is none."""
+    codes = {Form.NUMBER: atom.code, Form.BOOLEAN: "?"}
+    return codes.get(atom.form, "")
+
+
+@cache
+def lister(code: str, size: int) -> Callable[[Any], Any]:
+    """Return the function that returns the numbers of a buffer as a list, lists unchanged.
+
+    It raises ValueError.
+    """
+
+    def listed(items: Any) -> Any:
+        view = buffer_of(items, code, size)
+        return items if view is None else numbers_in(view)
+
+    return listed
+
+
+@cache
+def flattener(
+    code: str, size: int, dimensions: tuple[int, ...]
+) -> Callable[[Any], Any]:
+    """Return `flattened` for arrays of these numbers."""
+    return lambda items: flattened(items, code, size, dimensions)
 
 
 class Sequences:
@@ -44,7 +78,7 @@ class Sequences:
 
     def __init__(self, node: AtomSequence) -> None:
         atom = node.atom
-        taker = _array_taker if node.form == "array" else _numpy_taker
+        taker = _numpy_taker if node.form == "numpy" else _array_taker
         self.put_little, self.put_big = _putter(atom, "<"), _putter(atom, ">")
         self.take_little, self.take_big = taker(atom, "<"), taker(atom, ">")
 
@@ -146,17 +180,14 @@ def _array_octets(node: AtomArray, order: Order) -> Callable[[Any], bytes | byte
 
 
 def _nested_octets(node: AtomArray, order: Order) -> Callable[[Any], bytes | bytearray]:
-    code, size = node.atom.code, node.atom.size
+    code, size, dimensions = node.atom.code, node.atom.size, node.dimensions
+    pack = struct.Struct(f"{order}{prod(dimensions)}{code}").pack
 
     def octets(items: Any) -> bytes | bytearray:
-        shape = getattr(items, "shape", None)
-        if shape is None:
-            items = flat(items, node.dimensions)
-        elif shape != node.dimensions:
-            raise ValueError(f"the shape {shape} instead of {node.dimensions}")
-        else:
-            items = items.reshape(-1)
-        return packed(items, code, size, order)
+        view = buffer_of(items, code, size, dimensions)
+        if view is not None:
+            return octets_of(view, order)
+        return pack(*flattened(items, code, size, dimensions))
 
     return octets
 

@@ -15,8 +15,12 @@ from rtgen.runtime.marshalling.layouts.nodes import (
     Path,
     Records,
     Repeat,
+    Text,
+    TextArray,
+    TextSequence,
 )
-from rtgen.runtime.marshalling.numeric import copied
+from rtgen.runtime.marshalling.numeric import copied, listed
+from rtgen.runtime.marshalling.octets import copied_octets
 from rtgen.runtime.marshalling.source.references import References
 from rtgen.runtime.marshalling.source.text import Body, Locals
 
@@ -37,11 +41,15 @@ class Copier:
         """Return an expression for a deep copy; immutable values are shared."""
         match node:
             case AtomSequence() | AtomArray() | Records() if node.form != "list":
-                return self._numbers(value, path)
+                other = f"{self._refer.function(copied)}({value})"
+                return f"[*{value}] if {value}.__class__ is list else {other}"
             case AtomSequence():
-                return f"list({value})"
+                return self._list(value)
             case AtomArray(dimensions=dimensions):
-                return _copy_nested(value, len(dimensions))
+                return self._list(value, len(dimensions))
+            case TextSequence(text=Text.OCTETS) | TextArray(text=Text.OCTETS):
+                other = f"{self._refer.function(copied_octets)}({value})"
+                return f"{value} if {value}.__class__ is bytes else {other}"
             case Repeat(key=key) if key is not None:
                 inner = self._inner(node.element)
                 return f"{{key: {inner} for key, item in {value}.items()}}"
@@ -74,12 +82,14 @@ class Copier:
                 return _unless_none(value, made) if self._unset else made
         return value
 
-    def _numbers(self, value: str, path: Path) -> str:
-        """Return a copy of numbers in any form; those in a list are copied without a call."""
-        variable = self._locals.name(path)
-        self.body.add(f"{variable} = {value}")
-        copy = f"{self._refer.function(copied)}({variable})"
-        return f"{variable}[:] if {variable}.__class__ is list else {copy}"
+    def _list(self, value: str, depth: int = 1) -> str:
+        """Return a list with the numbers of a list, or of an object in another form."""
+        listing = self._refer.function(listed)
+        made, other = f"[*{value}]", f"{listing}({value})"
+        if depth > 1:
+            made = f"[{self._list('row', depth - 1)} for row in {value}]"
+            other = f"{listing}({value}, {depth})"
+        return f"{made} if {value}.__class__ is list else {other}"
 
     def _inner(self, node: Node) -> str:
         """Return the copy of `item`, within a comprehension."""
@@ -97,15 +107,6 @@ class _Inline(Copier):
             return f"{self._refer.made(node.type)}({', '.join(copies)})"
         return super().copy(node, value)
 
-    def _numbers(self, value: str, path: Path) -> str:
-        return f"{self._refer.function(copied)}({value})"
-
 
 def _unless_none(value: str, made: str) -> str:
     return f"None if {value} is None else {made}"
-
-
-def _copy_nested(value: str, depth: int) -> str:
-    if depth == 1:
-        return f"list({value})"
-    return f"[{_copy_nested('row', depth - 1)} for row in {value}]"

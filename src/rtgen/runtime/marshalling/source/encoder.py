@@ -27,6 +27,7 @@ from rtgen.runtime.marshalling.layouts.nodes import (
     Delimited,
     Dynamic,
     Field,
+    Form,
     Header,
     Member,
     MemberList,
@@ -41,8 +42,21 @@ from rtgen.runtime.marshalling.layouts.nodes import (
     TextSequence,
 )
 from rtgen.runtime.marshalling.layouts.shapes import Framed, Layouts
-from rtgen.runtime.marshalling.octets import exact, flat, write_reference
-from rtgen.runtime.marshalling.source.bulk import Arrays, Sequences, Structured
+from rtgen.runtime.marshalling.octets import (
+    exact,
+    exact_octets,
+    flat,
+    octets_in,
+    write_reference,
+)
+from rtgen.runtime.marshalling.source.bulk import (
+    Arrays,
+    Sequences,
+    Structured,
+    buffer_code,
+    flattener,
+    lister,
+)
 from rtgen.runtime.marshalling.source.conversions import Conversions, each
 from rtgen.runtime.marshalling.source.references import References
 from rtgen.runtime.marshalling.source.text import Body, Locals
@@ -262,22 +276,25 @@ class Encoder:
             case AtomArray() if node.form != "list":
                 return None, f"{self._octets(node, path)}({self._value(path)})"
             case AtomArray(atom=atom, dimensions=(length,)):
-                items = self._items(path)
+                items = self._listed(atom, path)
                 self._require(f"len({items}) != {length}")
                 return None, f"*{each(convert.packed, atom, items) or items}"
-            case AtomArray(atom=atom, dimensions=dimensions):
-                items = (
-                    f"{self._refer.function(flat)}({self._value(path)}, {dimensions})"
-                )
-                return None, f"*{each(convert.packed, atom, items) or items}"
-            case TextArray(text=text, length=length):
-                octets = convert.packed_text(text, self._value(path))
-                return None, f"{self._refer.function(exact)}({octets}, {length})"
-            case AtomSequence(atom=atom, bound=bound):
+            case AtomArray():
+                return None, self._flat(node, self._value(path))
+            case TextArray(text=Text.OCTETS, length=length):
+                octets = self._octets_in(path)
+                self._require(f"len({octets}) != {length}")
+                return None, octets
+            case TextArray():
+                return None, self._exact_text(node, self._value(path))
+            case AtomSequence(atom=atom, bound=bound) if atom.form is Form.NUMBER:
                 items = self._items(path)
+                key = self._keys[path] = self._locals.name(path, "key_")
                 count = self._count(path, f"len({items})", bound)
-                if node.form != "list":
-                    return count, self._bulk(node, path, items, count)
+                return count, self._bulk(node, path, items, key)
+            case AtomSequence(atom=atom, bound=bound):
+                items = self._listed(atom, path)
+                count = self._count(path, f"len({items})", bound)
                 return count, f"*{each(convert.packed, atom, items) or items}"
             case TextSequence():
                 return self._text(node, path)
@@ -294,20 +311,56 @@ class Encoder:
                 return self._count(path, f"len({items})", bound), None
         raise TypeError(node)
 
-    def _bulk(self, node: AtomSequence, path: Path, items: str, count: str) -> str:
+    def _bulk(self, node: AtomSequence, path: Path, items: str, key: str) -> str:
         """Return the items of a list, or their octets; the key of the shape is in `_keys`."""
         put = self._locals.name(path, "put_")
         self.body.choose(put, put, Sequences(node), "put")
-        key = self._keys[path] = self._locals.name(path, "key_")
         packed = items
         if not path:  # the value itself, for the error report
             packed = self._locals.name(path, "packed_")
             self.body.add(f"{packed} = {items}")
-        self.body.add(f"{key} = {count}")
         self.body.block(f"if {packed}.__class__ is not list:")
         self.body.add(f"{key}, {packed} = {put}({packed})")
         self.body.end()
         return f"*{packed}"
+
+    def _listed(self, atom: Atom, path: Path) -> str:
+        """Return a variable for a list; numbers of a buffer are converted to one."""
+        items = self._items(path)
+        code = buffer_code(atom)
+        if not code:
+            return items
+        if not path:  # the value itself, for the error report
+            name = self._locals.name(path, "listed_")
+            self.body.add(f"{name} = {items}")
+            items = name
+        listed = self._refer.function(lister(code, atom.size))
+        self.body.block(f"if {items}.__class__ is not list:")
+        self.body.add(f"{items} = {listed}({items})")
+        self.body.end()
+        return items
+
+    def _flat(self, node: AtomArray, value: str) -> str:
+        """Return the arguments for an array: its items, outermost dimension first."""
+        atom, dimensions = node.atom, node.dimensions
+        code = buffer_code(atom)
+        if code:
+            made = flattener(code, atom.size, dimensions)
+            items = f"{self._refer.namespace.bind('flat_numbers', made)}({value})"
+            if len(dimensions) == 1:
+                items = _unless(value, "list", dimensions[0], items)
+        else:
+            items = f"{self._refer.function(flat)}({value}, {dimensions})"
+        return f"*{each(self.convert.packed, atom, items) or items}"
+
+    def _exact_text(self, node: TextArray, value: str) -> str:
+        """Return the argument for an array of octets or characters."""
+        length = node.length
+        if node.text is Text.OCTETS:
+            octets = f"{self._refer.function(exact_octets)}({value}, {length})"
+            return _unless(value, "bytes", length, octets)
+        octets = self.convert.packed_text(node.text, value)
+        return f"{self._refer.function(exact)}({octets}, {length})"
 
     def _octets(self, node: AtomArray, path: Path) -> str:
         """Return the function that encodes an array."""
@@ -316,6 +369,9 @@ class Encoder:
         return octets
 
     def _text(self, node: TextSequence, path: Path) -> tuple[str, str]:
+        if node.text is Text.OCTETS:
+            octets = self._octets_in(path)
+            return self._count(path, f"len({octets})", node.most), octets
         value = self._items(path) if node.text is Text.STRING else self._value(path)
         octets = self.convert.packed_text(node.text, value)
         if not octets.isidentifier():
@@ -324,6 +380,15 @@ class Encoder:
             octets = variable
         nul = " + 1" if node.text is Text.STRING else ""
         return self._count(path, f"len({octets}){nul}", node.most), octets
+
+    def _octets_in(self, path: Path) -> str:
+        """Return a variable for octets; those of a buffer are converted to `bytes`."""
+        octets = self._locals.name(path, "octets_")
+        self.body.add(f"{octets} = {self._value(path)}")
+        self.body.block(f"if {octets}.__class__ is not bytes:")
+        self.body.add(f"{octets} = {self._refer.function(octets_in)}({octets})")
+        self.body.end()
+        return octets
 
     def _records(self, node: Records, path: Path, items: str) -> str:
         pack = self._layouts.variable("pack", node)
@@ -350,27 +415,23 @@ class Encoder:
     def _record_value(self, field: Field, path: Path) -> str:
         value = ".".join(("item", *field.path))
         node = field.node
-        convert = self.convert
         match node:
             case Atom():
-                return convert.packed(node, value)
+                return self.convert.packed(node, value)
             case AtomArray() if node.form != "list":
                 inner = (*path, "[]", *field.path)
                 return f"{self._octets(node, inner)}({value})"
-            case AtomArray(atom=atom, dimensions=(length,)):
-                items = f"{self._refer.function(exact)}({value}, {length})"
-                return f"*{each(convert.packed, atom, items) or items}"
-            case AtomArray(atom=atom, dimensions=dimensions):
-                items = f"{self._refer.function(flat)}({value}, {dimensions})"
-                return f"*{each(convert.packed, atom, items) or items}"
-            case TextArray(text=text, length=length):
-                octets = convert.packed_text(text, value)
-                return f"{self._refer.function(exact)}({octets}, {length})"
+            case AtomArray():
+                return self._flat(node, value)
+            case TextArray():
+                return self._exact_text(node, value)
         raise TypeError(node)
 
     def _count(self, path: Path, expression: str, bound: int | None) -> str:
         count = self._locals.name(path, "n_")
-        self.body.add(f"{count} = {expression}")
+        key = self._keys.get(path)
+        chained = "" if key is None else f"{key} = "
+        self.body.add(f"{count} = {chained}{expression}")
         if bound is not None:
             self._require(f"{count} > {bound}")
         return count
@@ -400,3 +461,9 @@ class Encoder:
             self.body.add(f"{name} = {parent}")
             self._bound[path[:-1]] = parent = name
         return f"{parent}.{path[-1]}"
+
+
+def _unless(value: str, usual: str, length: int, other: str) -> str:
+    """Return a value if it has the usual class and that length, else another expression."""
+    usually = f"{value}.__class__ is {usual} and len({value}) == {length}"
+    return f"({value} if {usually} else {other})"

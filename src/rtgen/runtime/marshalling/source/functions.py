@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from copy import deepcopy
 from typing import Any, TypeAlias
 
 from rtgen.runtime.marshalling.descriptors import (
@@ -244,7 +243,9 @@ def _snapshot(descriptor: Any, refer: References) -> Function:
     """Return the function that makes a deep copy; immutable values are shared."""
     head = "def _snapshot_(self):"
     if is_dynamic(descriptor):
-        return head, [f"return {refer.function(deepcopy)}(self)"]
+        from rtgen.runtime.marshalling.dynamic.values import deep_copy
+
+        return head, [f"return {refer.function(deep_copy)}(self)"]
     headed = has_headers(descriptor)
     # Classic CDR has no optional members.
     format_ = Format(2) if headed else refer.format
