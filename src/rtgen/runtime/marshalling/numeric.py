@@ -15,7 +15,9 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias, TypeVar
 
 from rtgen.facts.numeric import Numeric as Numeric
+from rtgen.runtime.marshalling.errors import Buffer
 from rtgen.runtime.marshalling.last_arrays import LastArrays
+from rtgen.runtime.marshalling.layouts.packers import LARGE
 
 _N = TypeVar("_N", int, float)
 
@@ -163,10 +165,15 @@ def buffer_of(items: Any, code: str, size: int) -> memoryview | None:
     return view
 
 
-def octets_of(view: memoryview, order: Order) -> bytes | bytearray:
-    """Return the numbers of a buffer in a byte order."""
+def kept(view: memoryview) -> bytes | memoryview:
+    """Return the octets of a view; if they are many and contiguous, the view itself."""
+    return view if view.nbytes >= LARGE and view.c_contiguous else view.tobytes()
+
+
+def octets_of(view: memoryview, order: Order) -> Buffer:
+    """Return the numbers of a buffer in a byte order; many may be a view."""
     if _ORDERS.get(view.format[0], False) == _SWAPPED[order]:
-        return view.tobytes()
+        return kept(view)
     return swapped_octets(view)
 
 
@@ -177,8 +184,8 @@ def array_of(octets: bytes, code: str, order: Order) -> NumericArray[Any]:
     )
 
 
-def packed(items: Any, code: str, size: int, order: Order) -> bytes | bytearray:
-    """Return the octets of numbers in any form.
+def packed(items: Any, code: str, size: int, order: Order) -> Buffer:
+    """Return the octets of numbers in any form; many may be a view.
 
     Raises ValueError or a related error for invalid values.
     """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
@@ -12,6 +13,7 @@ from rtgen.runtime.marshalling.layouts.nodes import (
     AtomSequence,
     Records,
 )
+from rtgen.runtime.marshalling.layouts.packers import LARGE
 from rtgen.runtime.marshalling.numeric import (
     NumericArray,
     Order,
@@ -78,11 +80,14 @@ class Structured:
 def _putter(atom: Atom, order: Order) -> _Put:
     code, size = atom.code, atom.size
     other = is_swapped(order)
+    many = LARGE // size
 
     def put(items: Any) -> tuple[int, Any]:
-        if items.__class__ is NumericArray and items.typecode == code and items:
-            octets = swapped_octets(items) if other else items.tobytes()
-            return -len(items), (octets,)
+        if isinstance(items, array) and items.typecode == code and items:
+            if other:
+                return -len(items), (swapped_octets(items),)
+            count = len(items)
+            return -count, (items if count >= many else items.tobytes(),)
         view = buffer_of(items, code, size)
         if view is None or not len(view):
             return len(items), items
@@ -137,7 +142,7 @@ def _numpy_taker(atom: Atom, order: Order) -> _Take:
     return take
 
 
-def _array_octets(node: AtomArray, order: Order) -> Callable[[Any], bytes | bytearray]:
+def _array_octets(node: AtomArray, order: Order) -> Callable[[Any], Buffer]:
     code, size = node.atom.code, node.atom.size
     if len(node.dimensions) > 1:
         return _nested_octets(node, order)
@@ -145,10 +150,10 @@ def _array_octets(node: AtomArray, order: Order) -> Callable[[Any], bytes | byte
     return lambda items: packed(exact(items, length), code, size, order)
 
 
-def _nested_octets(node: AtomArray, order: Order) -> Callable[[Any], bytes | bytearray]:
+def _nested_octets(node: AtomArray, order: Order) -> Callable[[Any], Buffer]:
     code, size = node.atom.code, node.atom.size
 
-    def octets(items: Any) -> bytes | bytearray:
+    def octets(items: Any) -> Buffer:
         shape = getattr(items, "shape", None)
         if shape is None:
             items = flat(items, node.dimensions)
