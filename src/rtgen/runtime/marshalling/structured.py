@@ -101,7 +101,7 @@ def octets(node: Records, order: Order) -> Callable[[_Records], Buffer]:
         else:
             made = numpy.zeros(len(records), there)
             _assign(made, records)
-        return kept(memoryview(made.view(numpy.uint8))[:excess])
+        return kept(made.view(numpy.uint8).data[:excess])
 
     return packed
 

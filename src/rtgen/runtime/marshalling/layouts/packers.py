@@ -43,7 +43,7 @@ def packer(order: str, format_: str) -> Callable[..., bytes]:
     """Return the function that packs a format.
 
     `struct` copies octets to a message that it has filled with zeros; large ones are joined to the
-    rest, which copies them once. That function raises ValueError if they have another length.
+    rest, which copies them once. That function also raises ValueError.
     """
     whole = struct_of(order, format_)
     texts = _LARGE.split(format_)
@@ -68,7 +68,7 @@ def packer(order: str, format_: str) -> Callable[..., bytes]:
             parts += values[large]
         octets = b"".join(parts)
         if len(octets) != whole.size:
-            raise ValueError("wrong length")
+            raise ValueError("a member changed while it was encoded")
         return octets
 
     return pack
