@@ -15,7 +15,9 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, Literal, Self, TypeAlias, TypeVar
 
 from rtgen.facts.numeric import Numeric as Numeric
+from rtgen.runtime.marshalling.errors import Buffer
 from rtgen.runtime.marshalling.last_arrays import LastArrays
+from rtgen.runtime.marshalling.layouts.packers import LARGE
 from rtgen.runtime.marshalling.octets import nested
 
 _N = TypeVar("_N", int, float)
@@ -24,6 +26,8 @@ Order: TypeAlias = Literal["<", ">"]
 """A byte order in the notation of `struct`."""
 
 _SWAPPED_BY_NUMPY = 2500
+_ALLOCATED_ANEW = 100_000
+"""From about this number of octets, the C library maps memory again for each allocation."""
 
 _SWAPPED = {"<": sys.byteorder == "big", ">": sys.byteorder == "little"}
 _ORDERS = {**_SWAPPED, "!": sys.byteorder == "little"}
@@ -85,6 +89,7 @@ class NumericArray(_Array[_N]):
 
 
 _LAST: LastArrays[NumericArray[Any]] = LastArrays()
+_LAST_ENCODED: LastArrays[NumericArray[Any]] = LastArrays()
 
 
 def is_swapped(order: Order) -> bool:
@@ -106,7 +111,11 @@ def _words(size: int) -> tuple[Any, Any]:
 
 
 def _swap(numpy: Any, made: Any, numbers: Any, size: int) -> None:
-    """Fill a buffer with the octets of numbers of this size, each swapped."""
+    """Fill a buffer (without numpy an array) with numbers of this size, each swapped."""
+    if numpy is None:
+        memoryview(made).cast("B")[:] = numbers
+        made.byteswap()
+        return
     words, swapped = _words(size)
     numpy.frombuffer(made, words)[...] = numpy.frombuffer(numbers, swapped)
 
@@ -118,33 +127,45 @@ def _filled(made: NumericArray[Any], count: int) -> NumericArray[Any]:
     return made
 
 
+def _swapped(
+    last: LastArrays[NumericArray[Any]], numpy: Any, octets: Any, code: str, count: int
+) -> NumericArray[Any]:
+    """Return an array of that many numbers, each swapped; numpy may be None."""
+    made = last.unused(code, count) or _filled(NumericArray(code), count)
+    _swap(numpy, made, octets, made.itemsize)
+    last.keep(made)
+    return made
+
+
 def swapped_array(octets: Any, code: str) -> NumericArray[Any]:
     """Return the array of numbers in the other byte order; `octets` are bytes or a view."""
     made = NumericArray(code)
     count = len(octets) // made.itemsize
     numpy = _numpy_for(count)
-    if numpy is None:
-        made.frombytes(octets)
-        made.byteswap()
-    else:
-        made = _LAST.unused(code, count) or _filled(made, count)
-        _swap(numpy, made, octets, made.itemsize)
-        _LAST.keep(made)
+    if numpy is not None:
+        return _swapped(_LAST, numpy, octets, code, count)
+    made.frombytes(octets)
+    made.byteswap()
     return made
 
 
-def swapped_octets(numbers: Any) -> bytes | bytearray:
-    """Return the swapped octets of an array, or of a view of numbers."""
-    numpy = _numpy_for(len(numbers))
-    size = numbers.itemsize
-    if numpy is None:
-        copy = array(_WORDS[size], numbers.tobytes())
+def swapped_octets(numbers: Any) -> bytes | memoryview:
+    """Return the swapped octets of an array, or of a view of numbers; many are a view."""
+    count, size = len(numbers), numbers.itemsize
+    code = _WORDS[size]
+    numpy = _numpy_for(count)
+    is_short = count * size < _ALLOCATED_ANEW
+    if numpy is None and is_short:
+        copy = array(code, numbers.tobytes())
         copy.byteswap()
-        return copy.tobytes()
-    made = bytearray(len(numbers) * size)
-    is_contiguous = memoryview(numbers).c_contiguous
-    _swap(numpy, made, numbers if is_contiguous else numbers.tobytes(), size)
-    return made
+        return copy.tobytes() if count * size < LARGE else memoryview(copy)
+    if numpy is None or not memoryview(numbers).c_contiguous:
+        numbers = numbers.tobytes()
+    if not is_short:
+        return memoryview(_swapped(_LAST_ENCODED, numpy, numbers, code, count))
+    made = bytearray(count * size)
+    _swap(numpy, made, numbers, size)
+    return kept(memoryview(made))
 
 
 def buffer_of(
@@ -177,10 +198,15 @@ def buffer_of(
     return view
 
 
-def octets_of(view: memoryview, order: Order) -> bytes | bytearray:
-    """Return the numbers of a buffer in a byte order."""
+def kept(view: memoryview) -> bytes | memoryview:
+    """Return the octets of a view; if they are many and contiguous, the view itself."""
+    return view if view.nbytes >= LARGE and view.c_contiguous else view.tobytes()
+
+
+def octets_of(view: memoryview, order: Order) -> Buffer:
+    """Return the numbers of a buffer in a byte order; many may be a view."""
     if _ORDERS.get(view.format[0], False) == _SWAPPED[order]:
-        return view.tobytes()
+        return kept(view)
     if view.ndim != 1:
         return swapped_octets(array(_WORDS[view.itemsize], view.tobytes()))
     return swapped_octets(view)
@@ -219,8 +245,8 @@ def array_of(octets: bytes, code: str, order: Order) -> NumericArray[Any]:
     )
 
 
-def packed(items: Any, code: str, size: int, order: Order) -> bytes | bytearray:
-    """Return the octets of numbers in any form.
+def packed(items: Any, code: str, size: int, order: Order) -> Buffer:
+    """Return the octets of numbers in any form; many may be a view.
 
     Raises ValueError or a related error for invalid values.
     """

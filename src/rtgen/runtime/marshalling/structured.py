@@ -27,7 +27,7 @@ from rtgen.runtime.marshalling.layouts.nodes import (
     minimum_size,
 )
 from rtgen.runtime.marshalling.layouts.trees import tree_of
-from rtgen.runtime.marshalling.numeric import Order
+from rtgen.runtime.marshalling.numeric import Order, kept
 
 _NATIVE: Order = "<" if sys.byteorder == "little" else ">"
 
@@ -88,19 +88,20 @@ def _dtype(
     raise TypeError(f"{node} has no dtype")
 
 
-def octets(node: Records, order: Order) -> Callable[[_Records], bytes]:
-    """Return the function that encodes the records. It raises ValueError."""
+def octets(node: Records, order: Order) -> Callable[[_Records], Buffer]:
+    """Return the function that encodes the records, many as a view. It raises ValueError."""
     there = _element_dtype(node, order)
     value = _value_dtype(node)
     excess = -node.padding or None
 
-    def packed(records: _Records) -> bytes:
+    def packed(records: _Records) -> Buffer:
         check(records, value)
         if records.dtype == there and minimum_size(node.element) == there.itemsize:
-            return records.tobytes()
-        made = numpy.zeros(len(records), there)
-        _assign(made, records)
-        return made.tobytes()[:excess]
+            made = numpy.ascontiguousarray(records)
+        else:
+            made = numpy.zeros(len(records), there)
+            _assign(made, records)
+        return kept(made.view(numpy.uint8).data[:excess])
 
     return packed
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Callable
 from functools import partial
 from typing import Any, Final
+
+from rtgen.runtime.marshalling.layouts.packers import packer, struct_of
 
 HEADER: Final = 4
 """Size of the header in octets."""
@@ -33,6 +34,6 @@ def framed(number: int, body: bytes) -> bytes:
 
 def framing(order: str, format_: str, number: int) -> Callable[..., bytes]:
     """Return a function that packs a body, given as a `struct` format, into its payload."""
-    padding = -struct.calcsize(order + format_) % 4
-    packer = struct.Struct(f"{order}{HEADER}s{format_}{padding}x")
-    return partial(packer.pack, bytes((0, number, 0, padding)))
+    padding = -struct_of(order, format_).size % 4
+    pack = packer(order, f"{HEADER}s{format_}{padding}x")
+    return partial(pack, bytes((0, number, 0, padding)))

@@ -54,7 +54,7 @@ class Section(msgspec.Struct, frozen=True):
     """Values read by one `struct` call, once the count before them is known.
 
     `text` is in the runtime's notation: `=` and a format with fixed padding; or tokens such as `I`,
-    `3d`, `*i` (the count's number of items), `*48s/8` (48 octets each, aligned to 8), preceded by
+    `3d`, `*i` (the count's number of items), `*48o/8` (48 octets each, aligned to 8), preceded by
     `@4` if the offset modulo 8 is known to be 4, and by `!` if no `struct` call reads them
     (`bulk`). `size` is that of fixed sections.
     """
@@ -252,12 +252,12 @@ def _token(node: Placed | Repeat) -> tuple[str, int, int]:
             return f"{number}{_aligned(atom)}", number * atom.size, atom.align
         case AtomArray(atom=atom, dimensions=dimensions):
             size = prod(dimensions) * atom.size
-            return f"{size}s/{atom.align}", size, atom.align
+            return f"{size}o/{atom.align}", size, atom.align
         case TextArray(length=length):
             return f"{length}s", length, 1
         case Records(length=int(length), align=align):
             size = node.octets(length)
-            return f"{size}s/{align}", size, align
+            return f"{size}o/{align}", size, align
     raise TypeError(node)
 
 
@@ -276,7 +276,7 @@ def _counted_token(node: Placed) -> tuple[str, int, int]:
             return ("*z" if text is Text.STRING else "*s"), 1, 1
         case Records(stride=stride, padding=padding, align=align):
             without = f"-{padding}" if padding else ""
-            return f"*{stride}s/{align}{without}", gcd(stride, padding), align
+            return f"*{stride}o/{align}{without}", gcd(stride, padding), align
     raise TypeError(node)
 
 

@@ -1,7 +1,7 @@
 """Tables of `struct` calls for the runs of a layout.
 
 A run is given as sections of tokens. `I`, `3d`, `*i` are `struct` codes: one, three, as many as the
-next count; `*48s/8` is 48 octets each, aligned to 8; `*48s/8-4` is 4 octets less in total; `*z` is
+next count; `*48o/8` is 48 octets each, aligned to 8; `*48o/8-4` is 4 octets less in total; `*z` is
 octets of which the last one, a string's NUL, is read separately. A leading `@4` says that the
 section starts at an offset of 4 modulo 8; `=` that padding is fixed and the rest is a `struct`
 format; `!` that `struct` does not read the section. A negative count is a number of items that are
@@ -11,8 +11,6 @@ packed as octets, or skipped when the section is read.
 from __future__ import annotations
 
 import re
-import struct
-import sys
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from struct import Struct
@@ -26,6 +24,7 @@ from rtgen.runtime.marshalling.layouts.layout import (
 from rtgen.runtime.marshalling.layouts.nodes import (
     Records,
 )
+from rtgen.runtime.marshalling.layouts.packers import packer, struct_of
 
 _V = TypeVar("_V")
 _Reader: TypeAlias = tuple[Callable[..., tuple[Any, ...]], int]
@@ -38,6 +37,7 @@ _SIZES = {
     "b": 1,
     "B": 1,
     "c": 1,
+    "o": 1,
     "s": 1,
     "z": 1,
     "h": 2,
@@ -46,25 +46,6 @@ _SIZES = {
     "I": 4,
     "f": 4,
 }
-
-
-_NATIVE = "<" if sys.byteorder == "little" else ">"
-
-
-def _struct(order: str, format_: str) -> Struct:
-    """Return the `Struct` of a format in a byte order.
-
-    If the machine's own layout is the same, native mode is used: it packs and reads doubles in 0.8
-    of the time, but does not reject floats that are too large. Native mode only ever adds padding.
-    """
-    if (
-        order == _NATIVE
-        and "d" in format_
-        and not {"e", "f"} & {*format_}
-        and struct.calcsize(f"@{format_}") == struct.calcsize(order + format_)
-    ):
-        order = "@"
-    return Struct(order + format_)
 
 
 class Fixed:
@@ -80,9 +61,9 @@ class Fixed:
     )
 
     def __init__(self, format_: str) -> None:
-        little, big = _struct("<", format_), _struct(">", format_)
-        self.pack_little: Callable[..., bytes] = little.pack
-        self.pack_big: Callable[..., bytes] = big.pack
+        little, big = struct_of("<", format_), struct_of(">", format_)
+        self.pack_little = packer("<", format_)
+        self.pack_big = packer(">", format_)
         self.unpack_little: Callable[[Buffer], tuple[Any, ...]] = little.unpack
         self.unpack_big: Callable[[Buffer], tuple[Any, ...]] = big.unpack
         self.records_little: Callable[[Buffer], Iterator[tuple[Any, ...]]] = (
@@ -103,8 +84,8 @@ class Settled:
 
     def __init__(self, *sections: str) -> None:
         whole = "".join(section[1:] for section in sections)
-        self.pack_little: Callable[..., bytes] = _struct("<", whole).pack
-        self.pack_big: Callable[..., bytes] = _struct(">", whole).pack
+        self.pack_little = packer("<", whole)
+        self.pack_big = packer(">", whole)
         self.read_little = tuple(_reader("<", s) for s in sections)
         self.read_big = tuple(_reader(">", s) for s in sections)
 
@@ -172,7 +153,7 @@ def _readers(order: str, sections: Iterable[str]) -> tuple[Any, ...]:
 
 def _reader(order: str, section: str) -> Any:
     if section[0] == "=":
-        return _struct(order, section[1:]).unpack_from
+        return struct_of(order, section[1:]).unpack_from
     kind = _Readers if section[0] == "@" else _PhasedReaders
     return kind(order, section)
 
@@ -196,16 +177,20 @@ class _Table(dict[Any, _V], ABC):
 
     def shape(self, counts: Iterable[int]) -> Struct:
         """Return the shape of these counts, from offset 0, for reading."""
-        return self._struct(0, counts, True)
+        return self._reading(0, counts)
 
-    def _struct(self, phase: int, counts: Iterable[int], reads: bool) -> Struct:
-        arranged = _arranged(self._sections, phase, iter(counts), reads)
-        return _struct(self._order, arranged)
+    def _reading(self, phase: int, counts: Iterable[int]) -> Struct:
+        arranged = _arranged(self._sections, phase, iter(counts), True)
+        return struct_of(self._order, arranged)
+
+    def _packing(self, phase: int, counts: Iterable[int]) -> Callable[..., bytes]:
+        arranged = _arranged(self._sections, phase, iter(counts), False)
+        return packer(self._order, arranged)
 
 
 class _Shapes(_Table[Callable[..., bytes]]):
     def _made(self, key: Any) -> Callable[..., bytes]:
-        return self._struct(0, key if isinstance(key, tuple) else (key,), False).pack
+        return self._packing(0, key if isinstance(key, tuple) else (key,))
 
 
 class _FramedShapes(_Table[Callable[..., bytes]]):
@@ -222,18 +207,18 @@ class _FramedShapes(_Table[Callable[..., bytes]]):
 class _PhasedShapes(_Table[Callable[..., bytes]]):
     def _made(self, key: Any) -> Callable[..., bytes]:
         phase, *counts = key if isinstance(key, tuple) else (key,)
-        return self._struct(phase, counts, False).pack
+        return self._packing(phase, counts)
 
 
 class _Readers(_Table[_Reader]):
     def _made(self, key: int) -> _Reader:
-        made = self._struct(int(self._sections[0][1]), (key,), True)
+        made = self._reading(int(self._sections[0][1]), (key,))
         return made.unpack_from, made.size
 
 
 class _PhasedReaders(_Table[_Reader]):
     def _made(self, key: int) -> _Reader:
-        made = self._struct(key & 7, (key >> 3,), True)
+        made = self._reading(key & 7, (key >> 3,))
         return made.unpack_from, made.size
 
 
@@ -246,7 +231,7 @@ def _arranged(
     for section in sections:
         if section[0] == "=":
             texts.append(section[1:])
-            offset += struct.calcsize(f"<{section[1:]}")
+            offset += struct_of("<", section[1:]).size
             continue
         for star, digits, code, align, less in _TOKEN.findall(section):
             number = int(digits or 1) * (next(counts) if star else 1)
@@ -256,12 +241,10 @@ def _arranged(
             padding = -offset % int(align or size) if number or not star else 0
             if number < 0:
                 number *= -size
-                code, size = "x" if reads else "s", 1
+                code, size = "x" if reads else "o", 1
             text = f"{number}{code}"
             if code == "z":
-                text = f"{number}s"
-                if reads:
-                    text = f"{number - 1}sB" if number else "0s0s"
+                text = f"{number - 1}s{'B' if reads else 'x'}" if number else "0s0s"
             texts.append(f"{padding}x{text}")
             offset += padding + number * size
     return "".join(texts)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from array import array
 from collections.abc import Callable
 from functools import cache
 from math import prod
@@ -16,6 +17,7 @@ from rtgen.runtime.marshalling.layouts.nodes import (
     Form,
     Records,
 )
+from rtgen.runtime.marshalling.layouts.packers import LARGE
 from rtgen.runtime.marshalling.numeric import (
     NumericArray,
     Order,
@@ -112,11 +114,14 @@ class Structured:
 def _putter(atom: Atom, order: Order) -> _Put:
     code, size = atom.code, atom.size
     other = is_swapped(order)
+    many = LARGE // size
 
     def put(items: Any) -> tuple[int, Any]:
-        if items.__class__ is NumericArray and items.typecode == code and items:
-            octets = swapped_octets(items) if other else items.tobytes()
-            return -len(items), (octets,)
+        if isinstance(items, array) and items.typecode == code and items:
+            if other:
+                return -len(items), (swapped_octets(items),)
+            count = len(items)
+            return -count, (items if count >= many else items.tobytes(),)
         view = buffer_of(items, code, size)
         if view is None or not len(view):
             return len(items), items
@@ -171,7 +176,7 @@ def _numpy_taker(atom: Atom, order: Order) -> _Take:
     return take
 
 
-def _array_octets(node: AtomArray, order: Order) -> Callable[[Any], bytes | bytearray]:
+def _array_octets(node: AtomArray, order: Order) -> Callable[[Any], Buffer]:
     code, size = node.atom.code, node.atom.size
     if len(node.dimensions) > 1:
         return _nested_octets(node, order)
@@ -179,11 +184,11 @@ def _array_octets(node: AtomArray, order: Order) -> Callable[[Any], bytes | byte
     return lambda items: packed(exact(items, length), code, size, order)
 
 
-def _nested_octets(node: AtomArray, order: Order) -> Callable[[Any], bytes | bytearray]:
+def _nested_octets(node: AtomArray, order: Order) -> Callable[[Any], Buffer]:
     code, size, dimensions = node.atom.code, node.atom.size, node.dimensions
     pack = struct.Struct(f"{order}{prod(dimensions)}{code}").pack
 
-    def octets(items: Any) -> bytes | bytearray:
+    def octets(items: Any) -> Buffer:
         view = buffer_of(items, code, size, dimensions)
         if view is not None:
             return octets_of(view, order)
