@@ -33,9 +33,6 @@ from rtgen.model import (
 _FRAMES = 12 * max(MAX_DEPTH, MAX_INCLUDE_DEPTH)
 """Recursion limit sufficient for the deepest nesting allowed."""
 
-_ROOM = 1 << 15
-"""Number of values in the frames of nested includes."""
-
 
 def load(
     paths: Sequence[Path],
@@ -68,11 +65,6 @@ def load(
         return run.result()
     finally:
         sys.setrecursionlimit(limit)
-
-
-# CPython allocates frames in chunks of 16 kB: where a chunk ends in a loop, each call allocates
-# the next one and frees it again. A frame that needs a large chunk leaves room for all others.
-load.__code__ = load.__code__.replace(co_stacksize=_ROOM)
 
 
 class _Run:
