@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import gc
+import sys
 import threading
 from abc import abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from types import FrameType
 from typing import ClassVar
 
 import pytest
@@ -159,3 +162,50 @@ def test_calls_that_do_not_return_are_given_up_together(
     end.set()
     assert sorted(reported) == [("A", "on_execute"), ("B", "on_execute")]
     assert events == ["C"]
+
+
+@pytest.fixture
+def frequent_collections() -> Iterator[list[str]]:
+    """Collect garbage as often as possible; yield the phases of all collections."""
+    seen: list[str] = []
+    was_enabled, thresholds = gc.isenabled(), gc.get_threshold()
+
+    def collected(phase: str, info: object) -> None:
+        seen.append(phase)
+
+    gc.callbacks.append(collected)
+    gc.set_threshold(1)
+    yield seen
+    gc.callbacks.remove(collected)
+    gc.set_threshold(*thresholds)
+    (gc.enable if was_enabled else gc.disable)()
+
+
+@pytest.mark.parametrize("collects", [True, False])
+def test_the_collector_is_as_it_was_after_a_look_at_all_threads(
+    frequent_collections: list[str], collects: bool
+) -> None:
+    (gc.enable if collects else gc.disable)()
+    watchdog.calls_under_way()
+    assert gc.isenabled() is collects
+
+
+@pytest.mark.skipif(
+    sys.version_info >= (3, 12), reason="3.12 makes frames without collecting garbage"
+)
+def test_no_garbage_is_collected_while_frames_are_read(
+    frequent_collections: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    find = watchdog._call_in
+
+    def looked(thread: int, frame: FrameType) -> object:
+        before = len(frequent_collections)
+        call = find(thread, frame)
+        assert [[] for _ in range(9)]
+        assert len(frequent_collections) == before
+        return call
+
+    monkeypatch.setattr(watchdog, "_call_in", looked)
+    gc.enable()
+    watchdog.calls_under_way()
+    assert frequent_collections

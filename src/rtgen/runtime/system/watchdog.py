@@ -5,10 +5,12 @@ Nothing is recorded when a callback starts, so ticks cost the same with and with
 
 from __future__ import annotations
 
+import gc
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import CodeType, FrameType
 from typing import ParamSpec, TypeVar
 
@@ -74,12 +76,30 @@ _CALLERS: dict[CodeType, Callable[[FrameType], tuple[str, str]]] = {
 
 def calls_under_way() -> list[Call]:
     """Return the calls of components' code in all threads, except those in the debugger."""
-    frames = sys._current_frames()
-    return [
-        call
-        for thread, frame in frames.items()
-        if (call := _call_in(thread, frame)) is not None
-    ]
+    with _without_collection():
+        frames = sys._current_frames()
+        return [
+            call
+            for thread, frame in frames.items()
+            if (call := _call_in(thread, frame)) is not None
+        ]
+
+
+@contextmanager
+def _without_collection() -> Iterator[None]:
+    """Do not collect garbage while frames of other threads are read, in CPython 3.11.
+
+    It can collect garbage while it makes a frame object. If a finalizer then lets another thread
+    return from that frame, the process crashes.
+    """
+    collects = gc.isenabled() and sys.version_info < (3, 12)
+    if collects:
+        gc.disable()
+    try:
+        yield
+    finally:
+        if collects:
+            gc.enable()
 
 
 def _call_in(thread: int, innermost: FrameType) -> Call | None:
