@@ -151,10 +151,15 @@ class Reading:
                 return False
         elif [*sent] != [*wanted]:
             return False
+        initial = reader.class_()
         return all(
-            self._member(member, written, wanted[name], read)
-            for name, member in sent.items()
-            if name in wanted
+            (
+                self._member(sent[name], written, member, read)
+                if name in sent
+                else getattr(read, member.attribute)
+                == getattr(initial, member.attribute)
+            )
+            for name, member in wanted.items()
         )
 
     def _evolves(self, top: bool) -> bool:
