@@ -21,6 +21,7 @@ from refrobots.iis import TimedVelocity2D
 from refrobots.rtc import TimedDoubleSeq
 from rtgen.cli.ui import CommandProject
 from rtgen.facts.openrtm_ports import foreign_instances
+from rtgen.model import System
 from rtgen.runtime import RealClock, xcdr
 from rtgen.runtime.corba.name_server import NameServer
 from rtgen.runtime.corba.transport import CorbaTransport
@@ -112,11 +113,18 @@ class Watcher:
     def until(self, condition: Callable[[], Any]) -> Any:
         """Return the value of a condition once it is true."""
         end = time.monotonic() + PATIENCE
+        self.follow()
         while not (found := condition()):
-            assert time.monotonic() < end
+            assert time.monotonic() < end, self.shown()
             time.sleep(0.02)
             self.follow()
         return found
+
+    def shown(self) -> str:
+        """Return the parts of the state that tests wait for."""
+        silent = {name: each.silent for name, each in self.components.items()}
+        known = [*self.session.remote.components], [*self.session.foreign]
+        return f"{silent}, {self.services}, {known}, {self.notices}"
 
     def ask(self, branch: str, value: Any) -> ui.Result:
         """Send a command; return its result."""
@@ -398,18 +406,20 @@ def test_they_are_saved_with_the_system_and_restored(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     follower = f"{names}/PathFollower0"
-    page.until(
-        lambda: len(page.components) == 6
-        and not any(each.silent for each in page.components.values())
-        and len(page.connections) == 10
-    )
+    page.until(lambda: not any(each.silent for each in page.components.values()))
     page.done("place", ui.Moved(follower, ui.Location(30.0, 40.0)))
-    page.done("file", "others.xml")
-    page.until(lambda: page.edits.saved)
-    saved, found, _ = read_file(tmp_path / "others.xml")
-    assert saved is not None
-    assert not found
-    assert len(saved.connections) == len(page.connections)
+
+    def save() -> System | None:
+        """Save the system; return it once it has no component of another test."""
+        page.done("file", "others.xml")
+        page.until(lambda: page.edits.saved)
+        saved, found, _ = read_file(tmp_path / "others.xml")
+        assert saved is not None
+        assert not found
+        return saved if len(saved.components) == 6 else None
+
+    saved = page.until(save)
+    assert len(saved.connections) == 10
     components = {each.instance: each for each in saved.components}
     assert [*foreign_instances(saved.properties)] == [*components]
     assert components["PathFollower0"].path_uri == f"{follower}.rtc"

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from patience import PATIENCE
-from ui_bench import by_keyboard, pick, until
+from ui_bench import by_keyboard, drag, pick, until
 
 from rtgen import runtime
 from rtgen.ui.session import Session
@@ -117,13 +117,7 @@ def test_a_box_is_moved_by_mouse(page: Any, session: Session) -> None:
     page.get_by_role("button", name="Arranged").click()
     page.get_by_role("button", name="Fit View").click()
     head = page.get_by_label(f"{ODOMETRY}, Odometry, ACTIVE").locator(".head")
-    head.hover()  # waits until the box stands still
-    box = head.bounding_box()
-    at_x, at_y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    page.mouse.down()
-    page.mouse.move(at_x + 40, at_y + 40, steps=5)
-    page.mouse.up()
-    until(page, lambda: session.places[ODOMETRY] != (x, y))
+    drag(page, head, (40, 40), lambda: session.places[ODOMETRY] != (x, y))
     to_x, to_y = session.places[ODOMETRY]
     assert to_x > x
     assert to_y > y

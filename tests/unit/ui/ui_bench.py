@@ -8,7 +8,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -219,12 +219,28 @@ def pick(chooser: Any, name: str, press: Callable[[Any], None]) -> None:
     page.keyboard.press("Enter")
 
 
-def until(page: Any, condition: Callable[[], bool]) -> None:
+def until(page: Any, condition: Callable[[], bool], patience: float = PATIENCE) -> None:
     """Wait for a condition behind the page; its events are handled meanwhile."""
-    end = time.monotonic() + PATIENCE
+    end = time.monotonic() + patience
     while not condition():
         assert time.monotonic() < end
         page.wait_for_timeout(20)
+
+
+def drag(
+    page: Any, box: Any, to: tuple[float, float], moved: Callable[[], bool]
+) -> None:
+    """Drag a box by mouse until it has moved; it may not stand still yet at the first time."""
+    for patience in (10, 10, PATIENCE):
+        box.hover()
+        at = box.bounding_box()
+        page.mouse.down()
+        x, y = at["x"] + at["width"] / 2, at["y"] + at["height"] / 2
+        page.mouse.move(x + to[0], y + to[1], steps=5)
+        page.mouse.up()
+        with suppress(AssertionError):
+            return until(page, moved, patience)
+    raise AssertionError("the box has not moved")
 
 
 def anew(page: Any, session: Session) -> None:
