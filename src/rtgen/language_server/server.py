@@ -131,6 +131,12 @@ class Server(LanguageServer):
         loop = asyncio.get_running_loop()
         self._timers[key] = loop.call_later(delay, self._start, key)
 
+    def abort_analyses(self) -> None:
+        """Abort the running analysis, and those that are scheduled."""
+        for key, timer in self._timers.items():
+            timer.cancel()
+            self._wanted[key] += 1
+
     def _start(self, key: ProjectKey) -> None:
         def done(findings: Findings | None) -> None:
             self._took[key] = time.monotonic() - begun
@@ -278,6 +284,15 @@ def _add_documents(server: Server) -> None:
             server.client_register_capability(
                 types.RegistrationParams(registrations=[registration])
             )
+
+    # A client that shuts the server down accepts no more diagnostics.
+    @server.feature(types.SHUTDOWN)
+    def shut_down(_: None) -> None:
+        server.abort_analyses()
+
+    @server.feature(types.EXIT)
+    def exited(_: None) -> None:
+        server.abort_analyses()
 
     @server.feature(types.TEXT_DOCUMENT_DID_OPEN)
     def opened(params: types.DidOpenTextDocumentParams) -> None:

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import io
 import json
 import re
 import subprocess
 import sys
+import threading
+import time
 from pathlib import Path
 from typing import Any
 
 import pytest
 from projects import PROJECT
+
+from rtgen.language_server.server import make_server
+from rtgen.language_server.workspace import Workspace
 
 NO_CLIENT = -32803, -32602, -32601
 """Error codes for refusals: the request failed, invalid parameters, unknown method."""
@@ -91,20 +97,42 @@ class Script:
         self.ask("textDocument/rangeFormatting", **inside, options=options)
         self.ask("textDocument/formatting", textDocument=document, options=options)
 
-    def run(self, folder: Path) -> tuple[list[dict[str, Any]], str]:
-        """Return the messages of a server that receives the script at once, and its log."""
+    def bytes(self) -> bytes:
+        """Return the messages, and a request to shut down, as they are sent."""
         self.ask("shutdown")
         self.notify("exit")
         sent = b""
         for message in self.messages:
             body = json.dumps({"jsonrpc": "2.0", **message}).encode()
             sent += b"Content-Length: %d\r\n\r\n" % len(body) + body
+        return sent
+
+    def run(self, folder: Path) -> tuple[list[dict[str, Any]], str]:
+        """Return the messages of a server that receives the script at once, and its log."""
         command = [sys.executable, "-m", "rtgen", "lsp"]
         done = subprocess.run(
-            command, cwd=folder, input=sent, capture_output=True, timeout=60, check=True
+            command,
+            cwd=folder,
+            input=self.bytes(),
+            capture_output=True,
+            timeout=60,
+            check=True,
         )
         parts = re.split(rb"(?:Content-[\w-]+: [^\r]+\r\n)+\r\n", done.stdout)
         return [json.loads(part) for part in parts if part], done.stderr.decode()
+
+
+class Answers(io.BytesIO):
+    """The stream of a client that is closed when an analysis has just ended."""
+
+    def __init__(self, analysed: threading.Event) -> None:
+        super().__init__()
+        self.analysed = analysed
+
+    def close(self) -> None:
+        assert self.analysed.wait(60)
+        time.sleep(0.05)  # the loop is notified after the analysis
+        super().close()
 
 
 def project(folder: Path, *, settings: bool = True) -> Path:
@@ -182,3 +210,24 @@ def test_odd_clients(tmp_path: Path) -> None:
     assert sorted(a["id"] for a in answers) == list(range(1, script.requests + 1))
     codes = {a["error"]["code"] for a in answers if "error" in a}
     assert codes == set(NO_CLIENT)
+
+
+def test_exit_as_an_analysis_ends(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    analyse, analysed = Workspace.analyse, threading.Event()
+
+    def observed(*arguments: Any) -> Any:
+        try:
+            return analyse(*arguments)
+        finally:
+            analysed.set()
+
+    monkeypatch.setattr(Workspace, "analyse", observed)
+    one = project(tmp_path)
+    script = Script(one)
+    types = one / "specs" / "types.idl"
+    script.open(types.as_uri(), types.read_text())
+    make_server().start_io(io.BytesIO(script.bytes()), Answers(analysed))
+    assert analysed.is_set()
+    assert caplog.messages == []
