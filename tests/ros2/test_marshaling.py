@@ -11,7 +11,7 @@ import pytest
 from refrobots import rtc
 from rtgen.cli import run as rtgen
 from rtgen.cli.running.ros2 import message_classes
-from rtgen.facts.ros_marshaling import CONVERSIONS, messages_for, parse
+from rtgen.facts.ros_marshaling import known_conversions, messages_for, parse
 from rtgen.facts.ros_qos import PROFILES
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.ports.data_ports import InPort, OutPort
@@ -45,7 +45,8 @@ NUMBERS = {
 
 
 @pytest.mark.parametrize(
-    ("rtm", "ros"), [pair for pair in CONVERSIONS if pair[0].startswith("Timed")]
+    ("rtm", "ros"),
+    [pair for pair in known_conversions() if pair[0].startswith("Timed")],
 )
 def test_each_pair_there_and_back(rtm: str, ros: str) -> None:
     type_ = getattr(rtc, rtm, None)

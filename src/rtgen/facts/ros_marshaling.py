@@ -7,9 +7,9 @@ adapters. The last part of its name identifies a type of RT-Middleware.
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
+from functools import cache
 from typing import Final, NamedTuple
-
-from rtgen.facts.ros_adapters import PAIRS
 
 PREFIX: Final = "ros2:"
 DEFAULT_TOPIC: Final = "chatter"
@@ -33,7 +33,15 @@ class Conversion(NamedTuple):
     stamped: bool
 
 
-def _conversions() -> dict[tuple[str, str], Conversion]:
+@cache
+def known_conversions() -> Mapping[tuple[str, str], Conversion]:
+    """Return conversions by the last part of the data's name, and by message.
+
+    A message is given as in `std_msgs/msg/Float32`.
+    """
+    # Each start of a component imports this module for `parse`.
+    from rtgen.facts.ros_adapters import PAIRS
+
     found = {
         ("TimedString", "std_msgs/msg/String"): Conversion(
             "text_of_string", "text_to_string", False
@@ -64,10 +72,6 @@ def _conversions() -> dict[tuple[str, str], Conversion]:
     return found
 
 
-CONVERSIONS: Final = _conversions()
-"""Conversions by the last part of the data's name, and by message (`std_msgs/msg/Float32`)."""
-
-
 def parse(text: str) -> str | None:
     """Return the message of a marshaling type, `std_msgs/msg/Float32`; None for another form."""
     match = _MARSHALING.fullmatch(text)
@@ -77,4 +81,4 @@ def parse(text: str) -> str | None:
 def messages_for(scoped: str) -> tuple[str, ...]:
     """Return the messages as which data of a scoped name can be sent."""
     name = scoped.rpartition("::")[2]
-    return tuple(ros for rtm, ros in CONVERSIONS if rtm == name)
+    return tuple(ros for rtm, ros in known_conversions() if rtm == name)

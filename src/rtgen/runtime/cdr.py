@@ -77,22 +77,21 @@ _COMPILED = {
 
 def _register(cls: type[Any]) -> None:
     """Register the class for values of its descriptor."""
-    if "_descriptor_" not in cls.__dict__:
+    descriptor = cls.__dict__.get("_descriptor_")
+    if descriptor is None:
         return
-    register(cls, cls._descriptor_)
-    if not hasattr(super(cls, cls), "_descriptor_"):
+    register(cls, descriptor)
+    if not hasattr(cls.__base__, "_descriptor_"):
         return
     for kind, method in _COMPILED.items():
         if any(vars(base).get(kind) is method for base in cls.__mro__[2:]):
             setattr(cls, kind, method)
 
 
-class _Xcdr:
-    """Methods for both versions of XCDR."""
+if TYPE_CHECKING:
 
-    __slots__ = ()
-
-    if TYPE_CHECKING:
+    class _Xcdr:
+        """Methods for both versions of XCDR."""
 
         def to_xcdr2(self, little_endian: bool = True) -> bytes:
             """Return the value as an XCDR2 body; raises CdrError."""
@@ -108,11 +107,11 @@ class _Xcdr:
         def from_xcdr1(cls, data: Buffer, little_endian: bool = True) -> Self:
             """Return the value of an XCDR1 body; raises CdrError."""
 
-    else:
-        to_xcdr1 = _COMPILED["to_xcdr1"]
-        from_xcdr1 = _COMPILED["from_xcdr1"]
-        to_xcdr2 = _COMPILED["to_xcdr2"]
-        from_xcdr2 = _COMPILED["from_xcdr2"]
+    class _Struct(_Xcdr, msgspec.Struct): ...
+
+else:
+    # Each base of a class delays its creation.
+    _Xcdr, _Struct = object, msgspec.Struct
 
 
 class _Number(_Xcdr):
@@ -121,6 +120,12 @@ class _Number(_Xcdr):
     __slots__ = ()
 
     _descriptor_: ClassVar[Any]
+
+    if not TYPE_CHECKING:
+        to_xcdr1 = _COMPILED["to_xcdr1"]
+        from_xcdr1 = _COMPILED["from_xcdr1"]
+        to_xcdr2 = _COMPILED["to_xcdr2"]
+        from_xcdr2 = _COMPILED["from_xcdr2"]
 
     def __init_subclass__(cls) -> None:
         _register(cls)
@@ -215,7 +220,7 @@ class Bitset(_Number, msgspec.Struct, frozen=True, gc=False):
         return cls(*(f.unpacked(number) for f in cls._descriptor_.fields))
 
 
-class Aggregated(_Xcdr, msgspec.Struct, gc=False):
+class Aggregated(_Struct, gc=False):
     """Base class of generated structs and unions."""
 
     _descriptor_: ClassVar[Any]
@@ -239,6 +244,10 @@ class Aggregated(_Xcdr, msgspec.Struct, gc=False):
     else:
         to_cdr = _COMPILED["to_cdr"]
         from_cdr = _COMPILED["from_cdr"]
+        to_xcdr1 = _COMPILED["to_xcdr1"]
+        from_xcdr1 = _COMPILED["from_xcdr1"]
+        to_xcdr2 = _COMPILED["to_xcdr2"]
+        from_xcdr2 = _COMPILED["from_xcdr2"]
         _snapshot_ = _COMPILED["_snapshot_"]
         _read_ = _COMPILED["_read_"]
         _write_ = _COMPILED["_write_"]
@@ -308,7 +317,19 @@ class UserException(Exception):
         return (type(self), self._values())
 
 
-class AliasCodec(Generic[_T]):
+if TYPE_CHECKING:
+
+    class _Subscripted(Generic[_T]): ...
+
+else:
+
+    class _Subscripted:
+        def __class_getitem__(cls, item):
+            # Only type checkers need the subscript, and `Generic` makes imports slow.
+            return cls
+
+
+class AliasCodec(_Subscripted[_T]):
     """Base class of the codecs of typedefs, whose values have no class of their own."""
 
     _descriptor_: ClassVar[AliasDescriptor]
@@ -332,13 +353,6 @@ class AliasCodec(Generic[_T]):
             """Return the value of an XCDR2 body; raises CdrError."""
 
     else:
-
-        def __class_getitem__(cls, item):
-            """Return the class: subscripts are for type checkers, and `typing` makes imports
-            slow.
-            """
-            return cls
-
         to_cdr = _COMPILED["to_cdr"]
         from_cdr = _COMPILED["from_cdr"]
         to_xcdr2 = _COMPILED["to_xcdr2"]

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import os
-import sysconfig
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 from types import FrameType
 
 _RTGEN = str(Path(__file__).resolve().parents[1]) + os.sep
-_INSTALLED = tuple(
-    path + os.sep
-    for path in {
-        sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib")
-    }
-)
 _DEBUGGER = (f"{os.sep}pdb.py", f"{os.sep}bdb.py")
+
+
+@cache
+def _installed() -> tuple[str, ...]:
+    import sysconfig
+
+    names = "stdlib", "platstdlib", "purelib"
+    return tuple({sysconfig.get_path(name) + os.sep for name in names})
 
 
 def shown(file: str) -> str:
@@ -31,7 +33,7 @@ def is_rtgens(file: str) -> bool:
 
 def is_users(file: str) -> bool:
     """Return whether a file belongs to the user."""
-    return not (file.startswith((_RTGEN, "<")) or file.startswith(_INSTALLED))
+    return not file.startswith((_RTGEN, "<", *_installed()))
 
 
 def is_debugger(frame: FrameType) -> bool:

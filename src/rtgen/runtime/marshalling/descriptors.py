@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 from operator import attrgetter
+from threading import Lock
 from typing import Any, ClassVar, Final, Protocol, Self, TypeAlias, TypeVar
 
 import msgspec
@@ -16,6 +17,8 @@ from msgspec.structs import force_setattr, replace
 
 from rtgen.runtime.marshalling.errors import Buffer
 from rtgen.runtime.marshalling.numeric import Numeric
+
+_LOCK: Final = Lock()
 
 NEXT: Final = -1
 """Stands for the member id after that of the previous member."""
@@ -52,7 +55,7 @@ class Description(msgspec.Struct, frozen=True):
         return self
 
 
-class PrimitiveDescriptor(Description, frozen=True):
+class PrimitiveDescriptor(Description, frozen=True, gc=False):
     """A basic type, by its IDL name; `null` and `void` are types without values."""
 
     name: str
@@ -61,7 +64,7 @@ class PrimitiveDescriptor(Description, frozen=True):
         return self.name
 
 
-class StringDescriptor(Description, frozen=True):
+class StringDescriptor(Description, frozen=True, gc=False):
     """`string` (`bound` in octets of UTF-8) or `wstring` (in UTF-16 units)."""
 
     wide: bool = False
@@ -122,14 +125,24 @@ class MapDescriptor(Description, frozen=True):
 
 
 class _Marshalled(Description, frozen=True, kw_only=True):
-    """A type with codecs: `class_` is its Python class or None; `codecs` are compiled functions.
+    """A type with codecs: `class_` is its Python class or None.
 
     `representation` is the version of XCDR that `to_cdr` writes, 0 for classic CDR.
     """
 
     representation: int = 0
     class_: Any = None
-    codecs: dict[Any, Any] = msgspec.field(default_factory=dict)
+    compiled: dict[Any, Any] | None = None
+
+    @property
+    def codecs(self) -> dict[Any, Any]:
+        """The compiled functions; most types of a module have none."""
+        if self.compiled is None:
+            with _LOCK:
+                if self.compiled is None:
+                    force_setattr(self, "compiled", {})
+        codecs: Any = self.compiled
+        return codecs  # type: ignore[no-any-return]
 
 
 class Named(_Marshalled, frozen=True):
@@ -184,7 +197,8 @@ class BitfieldDescriptor(msgspec.Struct, frozen=True):
     attribute: str = ""
 
     def __post_init__(self) -> None:
-        _name_attribute(self)
+        if not self.attribute:
+            force_setattr(self, "attribute", self.name)
 
     def packed(self, value: int) -> int:
         """Return the bits of a value. Raises ValueError if it does not fit."""
@@ -212,13 +226,17 @@ class BitsetDescriptor(Named, frozen=True):
     bound: int
 
 
-class MemberDescriptor(msgspec.Struct, frozen=True):
+class MemberDescriptor(msgspec.Struct, frozen=True, gc=False):
     """A member of a struct: its name in the definition, its type, and its attribute in Python.
 
     `private` applies to the state of a valuetype.
 
     `id` is the member id of DDS-XTypes (1.3, 7.3.1.2.1); NEXT stands for the one after that of the
-    previous member, and is replaced by the number in the descriptor of the struct.
+    previous member. It is replaced by the number in the descriptor of the struct, and an empty
+    attribute by the name.
+
+    Without `gc`, modules of types are imported with fewer collections. A recursive type stays in
+    memory even if nothing refers to it any more.
     """
 
     name: str
@@ -230,9 +248,6 @@ class MemberDescriptor(msgspec.Struct, frozen=True):
     must_understand: bool = False
     external: bool = False
     private: bool = False
-
-    def __post_init__(self) -> None:
-        _name_attribute(self)
 
 
 class StructDescriptor(Named, frozen=True):
@@ -260,7 +275,7 @@ class ExceptionDescriptor(Named, frozen=True):
         force_setattr(self, "members", _numbered(self.members, 0))
 
 
-class BranchDescriptor(msgspec.Struct, frozen=True):
+class BranchDescriptor(msgspec.Struct, frozen=True, gc=False):
     """A branch of a union; `labels` are Python values of the discriminator."""
 
     labels: tuple[int | str | bool, ...]
@@ -270,9 +285,6 @@ class BranchDescriptor(msgspec.Struct, frozen=True):
     attribute: str = ""
     id: int = NEXT
     external: bool = False
-
-    def __post_init__(self) -> None:
-        _name_attribute(self)
 
 
 class UnionDescriptor(Named, frozen=True):
@@ -374,30 +386,23 @@ class LinkDescriptor(Named, frozen=True, kw_only=True):
     target: Callable[[], Descriptor]
 
 
-def _name_attribute(
-    entry: BitfieldDescriptor | MemberDescriptor | BranchDescriptor,
-) -> None:
-    if not entry.attribute:
-        force_setattr(entry, "attribute", entry.name)
-
-
 _E = TypeVar("_E", MemberDescriptor, BranchDescriptor)
 
 
 def _numbered(entries: tuple[_E, ...], first: int) -> tuple[_E, ...]:
-    """Return the members with their ids resolved."""
+    """Return the members with their ids and attributes resolved."""
     for entry in entries:
-        if entry.id == NEXT:
+        if entry.id == NEXT or not entry.attribute:
             break
     else:
         return entries
     numbered = []
     following = first
     for entry in entries:
-        if entry.id == NEXT:
-            entry = replace(entry, id=following)
-        following = entry.id + 1
-        numbered.append(entry)
+        number = following if entry.id == NEXT else entry.id
+        attribute = entry.attribute or entry.name
+        numbered.append(replace(entry, id=number, attribute=attribute))
+        following = number + 1
     return tuple(numbered)
 
 

@@ -474,7 +474,7 @@ class _Reader:
         for _ in range(self._count(11)):
             name, type_ = self._text(), self._type()
             private = self._number("h") == 0
-            members.append(MemberDescriptor(name, type_, private=private))
+            members.append(MemberDescriptor(name, type_, name, private=private))
         bases = () if base is None else (base,)
         return ValueDescriptor(*head, tuple(members), bases, _MODIFIERS[modifier])
 

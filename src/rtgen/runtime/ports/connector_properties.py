@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping
 
 import msgspec
@@ -85,7 +84,9 @@ def check(properties: Mapping[str, str], table: Mapping[str, Check]) -> None:
         if key.startswith(IGNORED):
             continue
         if key not in table:
-            near = difflib.get_close_matches(key, table, 1)
+            from difflib import get_close_matches
+
+            near = get_close_matches(key, table, 1)
             hint = f"; did you mean {near[0]!r}?" if near else ""
             raise ConnectorPropertyError(f"unknown connector property {key!r}{hint}")
         wanted = violation(table, key, text)

@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 
 import msgspec
 
-from rtgen.facts.ros_marshaling import CONVERSIONS
+from rtgen.facts.ros_marshaling import known_conversions
 from rtgen.runtime.ros2 import conversions
 from rtgen.runtime.ros2.network import Ros2Error
 from rtgen.runtime.ros2.types import blank
@@ -55,7 +55,7 @@ def marshaling(
     """Return the conversion of two classes. Raises Ros2Error if there is none."""
     own = str(data._descriptor_.name)
     ros = str(message._descriptor_.name).replace("::", "/")
-    found = CONVERSIONS.get((own.rpartition("::")[2], ros))
+    found = known_conversions().get((own.rpartition("::")[2], ros))
     if found is None:
         raise Ros2Error(f"{own} cannot go as {ros}")
     return Marshaling(
