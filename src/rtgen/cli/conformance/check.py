@@ -13,6 +13,11 @@ Problems: TypeAlias = Iterator[str | None]
 """A problem for each thing checked, None if it passed."""
 
 
+def unequal(what: str, found: object, wanted: object) -> str | None:
+    """Return the problem of a value that is not the expected one."""
+    return None if found == wanted else f"{what} is {found!r}, not {wanted!r}"
+
+
 class Subject(Protocol):
     """The tested subject; `faults` are the exceptions that mean that a check failed."""
 

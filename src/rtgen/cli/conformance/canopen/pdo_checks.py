@@ -11,13 +11,7 @@ from rtgen.cli.conformance.canopen.pdo_changes import present_entries, whole_obj
 from rtgen.cli.conformance.check import Problems
 from rtgen.model.canopen import Pdo, PdoDirection
 from rtgen.runtime.canopen.wire.emergency import PDO_TOO_SHORT
-from rtgen.runtime.canopen.wire.frames import (
-    MAX_DATA,
-    MILLISECOND,
-    SYNC,
-    CobId,
-    Frame,
-)
+from rtgen.runtime.canopen.wire.frames import MAX_DATA, MILLISECOND, SYNC, CobId, Frame
 from rtgen.runtime.canopen.wire.nmt import NmtCommand
 
 _MAX_SYNCHRONOUS: Final = 240

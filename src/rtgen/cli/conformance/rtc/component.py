@@ -25,6 +25,8 @@ from rtgen.runtime.return_codes import (
 _POLL_INTERVAL = 0.01
 CONNECTOR = "rtgen-conformance-"
 """Prefix of the ids of connectors that checks create."""
+UNKNOWN = "rtgen-conformance-unknown"
+"""A name that no set, parameter or connector has."""
 
 
 @dataclass(frozen=True, slots=True)
