@@ -4,9 +4,9 @@
 
 Least processor time of a call in microseconds, rounds interleaved, and its ratio to a copy of the
 octets in the same run. Scans of 100 to 1,000,000 doubles are members in each form of numbers in
-Python, an image is 1 MB of octets, clouds are structs of four doubles as structured arrays.
-cyclonedds-python and omniORBpy have lists of numbers and of objects; cyclonedds-python encodes in
-the byte order of the machine only.
+Python, and arrays in an appendable type in XCDR2. An image is 1 MB of octets, clouds are structs of
+four doubles as structured arrays. cyclonedds-python and omniORBpy have lists of numbers and of
+objects; cyclonedds-python encodes in the byte order of the machine only.
 """
 
 from __future__ import annotations
@@ -35,6 +35,7 @@ IDL = """
 module payload {
     struct Scan { long stamp; sequence<double> ranges; };
     struct ListScan { long stamp; @numeric("list") sequence<double> ranges; };
+    @appendable struct OpenScan { long stamp; sequence<double> ranges; };
     struct NumpyScan { long stamp; @numeric("numpy") sequence<double> ranges; };
     struct Image { long stamp; sequence<octet> pixels; };
     struct Point { double x; double y; double z; double intensity; };
@@ -64,19 +65,19 @@ def generated(folder: Path) -> Any:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(artifact.text, encoding="utf-8")
     sys.path.insert(0, str(folder))
-    file.write_text(re.sub(r"@numeric\(.*?\) ", "", IDL), encoding="utf-8")
+    file.write_text(re.sub(r"@\w+(\(.*?\))? ", "", IDL), encoding="utf-8")
     load_omniorb(folder, file)
     return importlib.import_module("bench_payload.payload")
 
 
-def ours(name: str, value: Any) -> Iterator[Row]:
+def ours(name: str, value: Any, way: str = "cdr") -> Iterator[Row]:
     """Yield the codecs of both byte orders."""
+    encode, decode = getattr(value, f"to_{way}"), getattr(type(value), f"from_{way}")
     for order, little in ORDERS:
-        octets = value.to_cdr(little)
         yield (
             f"rtgen, {name}, {order}",
-            partial(value.to_cdr, little),
-            partial(type(value).from_cdr, octets, little),
+            partial(encode, little),
+            partial(decode, encode(little), little),
         )
 
 
@@ -123,6 +124,7 @@ def scans(types: Any, count: int) -> list[Row]:
     items = numpy.array(numbers)
     rows = [*copies(items), *ours("numpy", types.NumpyScan(1, items))]
     rows += ours("array", types.Scan(1, array("d", numbers)))
+    rows += ours("XCDR2", types.OpenScan(1, array("d", numbers)), "xcdr2")
     rows += ours("list", types.ListScan(1, numbers))
     return [*rows, *peers(types.ListScan(1, numbers))]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 import sys
 from array import array
 from typing import Any
@@ -41,12 +42,39 @@ module n {
 };
 """
 WAYS = ("cdr", "xcdr1", "xcdr2")
+MEMBERS = """
+    octet first; sequence<double> scan; octet mark; float grid[50][400]; sequence<octet> pixels;
+    string text;
+"""
+APPENDABLE = f"""
+module n {{
+    struct Point {{ double x; double y; }};
+    struct Plain {{ {MEMBERS} short last; }};
+    @appendable struct Grown {{ {MEMBERS} short last; }};
+    @appendable struct Base {{ {MEMBERS} }};
+    @appendable struct Derived : Base {{ short last; }};
+    struct Only {{ Derived inner; }};
+    @appendable struct Outer {{ octet first; Grown one; Only other; octet last; }};
+    struct PlainBlock {{ octet first; double values[1500]; short last; }};
+    @appendable struct Block {{ octet first; double values[1500]; short last; }};
+    struct Track {{ sequence<Point> points; }};
+    @appendable struct Titled {{ sequence<double> scan; string text; }};
+}};
+"""
 
 
 @pytest.fixture(scope="module")
 def packages(tmp_path_factory: pytest.TempPathFactory) -> dict[Numeric, Any]:
     return {
         form: emitted.emit_text(tmp_path_factory.mktemp(form), IDL, form).n
+        for form in FORMS
+    }
+
+
+@pytest.fixture(scope="module")
+def appendable(tmp_path_factory: pytest.TempPathFactory) -> dict[Numeric, Any]:
+    return {
+        form: emitted.emit_text(tmp_path_factory.mktemp(form), APPENDABLE, form).n
         for form in FORMS
     }
 
@@ -181,7 +209,103 @@ def test_faults_have_the_path_of_the_member(
             value.scan.append(1.5)  # the error keeps no view of the array
 
 
-def test_arrays_that_grow_while_they_are_encoded(arrays: Any) -> None:
+def members(count: int, form: Numeric) -> list[Any]:
+    """Return the members of `Plain`, with that many items in its sequences."""
+    scan: Any = [i / 3 for i in range(count)]
+    grid: Any = [[i + 0.5] * 400 for i in range(50)]
+    if form == "array":
+        scan = array("d", scan)
+    if form == "numpy":
+        scan, grid = numpy.array(scan), numpy.array(grid, "f")
+    return [1, scan, 2, grid, bytes(i % 251 for i in range(9 * count)), "é" * count, -3]
+
+
+def delimited(octets: bytes, little: bool) -> bytes:
+    """Return the octets of a value after its DHEADER."""
+    return struct.pack("<I" if little else ">I", len(octets)) + octets
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("little", [True, False])
+@pytest.mark.parametrize("count", [0, 3, 1250, 13001])
+def test_a_dheader_precedes_appendable_types(
+    appendable: dict[Numeric, Any], form: Numeric, little: bool, count: int
+) -> None:
+    n = appendable[form]
+    values = members(count, form)
+    wanted = delimited(n.Plain(*values).to_xcdr2(little), little)
+    grown, derived = n.Grown(*values), n.Derived(*values)
+    for value in (grown, derived, n.Only(derived)):
+        for _ in range(6):  # memory of the swapped numbers is used again
+            octets = value.to_xcdr2(little)
+            assert type(octets) is bytes
+            assert octets == wanted
+        assert type(value).from_xcdr2(octets, little).to_xcdr2(little) == octets
+        payload = serialize(value, representation_of(type(value), 2, little))
+        padding = -len(octets) % 4
+        number = (6 if type(value) is n.Only else 8) | little
+        assert payload == bytes((0, number, 0, padding)) + octets + bytes(padding)
+    between = bytes(-len(wanted) % 4)
+    inner = b"\7\0\0\0" + wanted + between + wanted + b"\t"
+    outer = n.Outer(7, grown, n.Only(derived), 9)
+    assert outer.to_xcdr2(little) == delimited(inner, little)
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("little", [True, False])
+def test_a_dheader_precedes_values_of_other_layouts(
+    appendable: dict[Numeric, Any], form: Numeric, little: bool
+) -> None:
+    n = appendable[form]
+    numbers: Any = [i / 7 for i in range(1500)]
+    if form != "list":
+        numbers = array("d", numbers)
+    octets = n.PlainBlock(1, numbers, -2).to_xcdr2(little)
+    assert n.Block(1, numbers, -2).to_xcdr2(little) == delimited(octets, little)
+    for count in (0, 3, 5000):
+        points = [n.Point(i / 7, -i) for i in range(count)]
+        octets = n.Track(points).to_xcdr2(little)
+        pairs = [number for point in points for number in (point.x, point.y)]
+        order = "<" if little else ">"
+        inner = struct.pack(f"{order}I{len(pairs)}d", count, *pairs)
+        assert octets == delimited(inner, little)
+        again = n.Track.from_xcdr2(octets, little)  # with a structured array of numpy
+        assert again.to_xcdr2(little) == octets
+
+
+@pytest.mark.parametrize(
+    ("member", "wrong", "message"), [row for row in WRONG if f" {row[0]};" in MEMBERS]
+)
+@pytest.mark.parametrize("form", ["array", "numpy"])
+def test_faults_of_appendable_types_have_the_path_of_the_member(
+    appendable: dict[Numeric, Any],
+    form: Numeric,
+    member: str,
+    wrong: Any,
+    message: str,
+) -> None:
+    n = appendable[form]
+    values = members(1300, form)
+    values[["first", "scan", "mark", "grid", "pixels", "text"].index(member)] = wrong
+    grown, derived = n.Grown(*values), n.Derived(*values)
+    cases = [("Grown", grown), ("Derived", derived), ("Only.inner", n.Only(derived))]
+    for path, value in cases:
+        representation = representation_of(type(value), 2, True)
+        for encode in (
+            value.to_xcdr2,
+            lambda v=value, r=representation: serialize(v, r),
+        ):
+            with pytest.raises(CdrError) as caught:
+                encode()
+            assert str(caught.value).startswith(f"{path}{message}")
+
+
+@pytest.mark.parametrize("extensibility", ["final", "appendable"])
+def test_arrays_that_grow_while_they_are_encoded(
+    arrays: Any, appendable: dict[Numeric, Any], extensibility: str
+) -> None:
+    n = arrays if extensibility == "final" else appendable["array"]
+
     class Growing(str):
         """A text that appends to the array when it is encoded, as another thread may do."""
 
@@ -189,6 +313,9 @@ def test_arrays_that_grow_while_they_are_encoded(arrays: Any) -> None:
             value.scan.append(1.0)
             return b""
 
-    value = arrays.Titled(array("d", range(20000)), Growing())
-    with pytest.raises(CdrError, match="Titled: a member changed while it was encoded"):
-        value.to_cdr()
+    value = n.Titled(array("d", range(20000)), Growing())
+    for encode in (value.to_cdr, value.to_xcdr2):
+        with pytest.raises(
+            CdrError, match="Titled: a member changed while it was encoded"
+        ):
+            encode()

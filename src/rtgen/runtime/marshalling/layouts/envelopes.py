@@ -1,15 +1,13 @@
-"""Encapsulation headers of payloads (DDSI-RTPS 2.5, 10.2; DDS-XTypes 1.3, table 60)."""
+"""Headers before bodies: of payloads (DDSI-RTPS 2.5, 10.2; DDS-XTypes 1.3, table 60), DHEADER."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any, Final
+from typing import Any
 
 from rtgen.runtime.marshalling.layouts.packers import packer, struct_of
 
-HEADER: Final = 4
-"""Size of the header in octets."""
 _BIG_ENDIAN = {
     (1, "final"): 0x00,
     (1, "appendable"): 0x00,
@@ -32,8 +30,20 @@ def framed(number: int, body: bytes) -> bytes:
     return b"%b%b%b" % (bytes((0, number, 0, padding)), body, bytes(padding))
 
 
-def framing(order: str, format_: str, number: int) -> Callable[..., bytes]:
-    """Return a function that packs a body, given as a `struct` format, into its payload."""
-    padding = -struct_of(order, format_).size % 4
-    pack = packer(order, f"{HEADER}s{format_}{padding}x")
-    return partial(pack, bytes((0, number, 0, padding)))
+def framing(
+    order: str, format_: str, number: int | None, delimited: bool
+) -> Callable[..., bytes]:
+    """Return a function that packs a value, given as a `struct` format, with its headers.
+
+    With a `number`, it returns a payload; `delimited`: a DHEADER precedes the value.
+    """
+    size = struct_of(order, format_).size
+    headers = b""
+    padding = 0
+    if number is not None:
+        padding = -size % 4
+        headers = bytes((0, number, 0, padding))
+    if delimited:
+        headers += struct_of(order, "I").pack(size)
+    pack = packer(order, f"{len(headers)}s{format_}{padding}x")
+    return partial(pack, headers)

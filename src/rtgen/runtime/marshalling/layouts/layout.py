@@ -9,7 +9,7 @@ varying size, and calls of the codecs of unions and recursive structs.
 from __future__ import annotations
 
 from math import gcd, prod
-from typing import Final, TypeAlias
+from typing import Final, NamedTuple, TypeAlias
 
 import msgspec
 
@@ -151,6 +151,24 @@ ALIGNED = Position(4, 0)
 def steps_of(node: Node, start: Position) -> tuple[Step, ...]:
     """Return the layout of a value that begins at `start`."""
     return _Arrangement(start).steps(fields_of(node))
+
+
+class Single(NamedTuple):
+    """The run that is a whole value, and the path of that run; `delimited`: after a DHEADER."""
+
+    run: Run
+    path: Path = ()
+    delimited: bool = False
+
+
+def single(steps: tuple[Step, ...]) -> Single | None:
+    """Return the run that is the whole value, if it is one."""
+    match steps:
+        case (Run() as run,):
+            return Single(run)
+        case (Frame(path=path, node=Delimited(), steps=(Run() as run,)),):
+            return Single(run, path, True)
+    return None
 
 
 def settled_size(steps: tuple[Step, ...]) -> int | None:

@@ -127,23 +127,24 @@ class PhasedLayout:
 
 
 class Framed:
-    """Layout of a whole value with its encapsulation header; `pack_*` as in `Layout`.
+    """Layout of a whole value with the headers of `framing`; `pack_*` as in `Layout`.
 
     Without counts it is the packer itself. `number` is the identifier in big-endian order.
     """
 
     __slots__ = ("pack_big", "pack_little")
 
-    def __init__(self, run: Run, number: int) -> None:
-        self.pack_little = _framed("<", run, number | 1)
-        self.pack_big = _framed(">", run, number)
+    def __init__(self, run: Run, number: int | None, delimited: bool) -> None:
+        little = None if number is None else number | 1
+        self.pack_little = _framed("<", run, little, delimited)
+        self.pack_big = _framed(">", run, number, delimited)
 
 
-def _framed(order: str, run: Run, number: int) -> Any:
+def _framed(order: str, run: Run, number: int | None, delimited: bool) -> Any:
     texts = [section.text for section in run.sections]
     if all(section.settled for section in run.sections):
-        return framing(order, "".join(text[1:] for text in texts), number)
-    return _FramedShapes(order, number, *texts)
+        return framing(order, "".join(text[1:] for text in texts), number, delimited)
+    return _FramedShapes(order, number, delimited, *texts)
 
 
 def _readers(order: str, sections: Iterable[str]) -> tuple[Any, ...]:
@@ -194,14 +195,16 @@ class _Shapes(_Table[Callable[..., bytes]]):
 
 
 class _FramedShapes(_Table[Callable[..., bytes]]):
-    def __init__(self, order: str, number: int, *sections: str) -> None:
+    def __init__(
+        self, order: str, number: int | None, delimited: bool, *sections: str
+    ) -> None:
         super().__init__(order, *sections)
-        self._number = number
+        self._headers = number, delimited
 
     def _made(self, key: Any) -> Callable[..., bytes]:
         counts = iter(key if isinstance(key, tuple) else (key,))
         arranged = _arranged(self._sections, 0, counts, False)
-        return framing(self._order, arranged, self._number)
+        return framing(self._order, arranged, *self._headers)
 
 
 class _PhasedShapes(_Table[Callable[..., bytes]]):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from rtgen.runtime.marshalling.layouts.headers import (
     LONG_MUST_UNDERSTAND,
     PID_EXTENDED,
@@ -15,6 +17,7 @@ from rtgen.runtime.marshalling.layouts.layout import (
     Jump,
     Loop,
     Run,
+    Single,
     Step,
     has_varying_length,
     settled_size,
@@ -74,16 +77,18 @@ class Encoder:
         self._keys: dict[Path, str] = {}
         self.body = Body(references.namespace)
 
-    def whole(self, run: Run, base: str, number: int | None = None) -> list[str]:
+    def whole(self, single: Single, base: str, number: int | None = None) -> list[str]:
         """Return the body for a value packed by one `struct` call.
 
         With `number`, that of its representation (big-endian), it returns the value's payload.
         """
         self._bound = {(): base}
-        arguments, counts = self._arguments(run, ())
-        layout = self._layouts.of(run, whole=True)
-        if number is not None:
-            layout = Framed(run, number)
+        run, path, delimited = single
+        arguments, counts = self._arguments(run, path)
+        if delimited or number is not None:
+            layout: Any = Framed(run, number, delimited)
+        else:
+            layout = self._layouts.of(run, whole=True)
         self.body.choose("pack", "pack_all", layout, "pack")
         shape = f"[{', '.join(counts)}]" if counts else ""
         return [*self.body.lines, f"return pack{shape}({', '.join(arguments)})"]

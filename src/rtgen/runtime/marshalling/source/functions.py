@@ -18,6 +18,7 @@ from rtgen.runtime.marshalling.layouts.layout import (
     ANYWHERE,
     ORIGIN,
     Run,
+    single,
     steps_of,
 )
 from rtgen.runtime.marshalling.layouts.nodes import (
@@ -56,7 +57,9 @@ def _envelop(descriptor: Any, refer: References) -> Function:
     """Return the function that encodes a payload: encapsulation header, body, padding."""
     head = "def to_payload(value, little_endian=True):"
     number = identifier(descriptor, refer.format.version, False)
-    run = _only_run(descriptor, refer)
+    run = None
+    if not isinstance(descriptor, UnionDescriptor):
+        run = single(steps_of(_node(descriptor, refer), ORIGIN))
     if run is not None:
         lines = Encoder(refer).whole(run, "value", number)
         return head, _raising(refer, descriptor, lines, "value")
@@ -65,16 +68,6 @@ def _envelop(descriptor: Any, refer: References) -> Function:
     return head, [
         f"return {frame}({number} | little_endian, {encode}(value, little_endian))"
     ]
-
-
-def _only_run(descriptor: Any, refer: References) -> Run | None:
-    """Return the run that is the whole value, if it is one."""
-    if isinstance(descriptor, UnionDescriptor) or is_dynamic(descriptor):
-        return None
-    match steps_of(_node(descriptor, refer), ORIGIN):
-        case (Run() as run,):
-            return run
-    return None
 
 
 def _raising(
@@ -154,8 +147,9 @@ def _encoding(descriptor: Any, refer: References, name: str) -> list[str]:
         steps = steps_of(_node(descriptor, refer), ORIGIN)
         if not steps:
             return ['return b""']
-        if len(steps) == 1 and isinstance(steps[0], Run):
-            return encoder.whole(steps[0], name)
+        run = single(steps)
+        if run is not None:
+            return encoder.whole(run, name)
         lines = encoder.parts(steps, name)
     return [f"out = {out}()", *lines, "return bytes(out)"]
 
