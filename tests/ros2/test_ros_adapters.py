@@ -9,12 +9,12 @@ from types import ModuleType
 from typing import Any
 
 import pytest
+from adapter_peer import connected
 from hypothesis import given
 from hypothesis import strategies as st
 
 from rtgen.cli import run
 from rtgen.facts.ros_adapters import PAIRS, pair_of
-from rtgen.runtime import Component, SimulatedClock, System
 from rtgen.runtime.ros2 import conversions
 
 IDL = """
@@ -71,16 +71,8 @@ def adapters(tmp_path_factory: pytest.TempPathFactory) -> ModuleType:
 
 def converted(package: ModuleType, name: str, sample: Any) -> Any:
     """Return the output of an adapter for a sample, one second after the system's start."""
-    system = System(SimulatedClock())
     module = import_module(f"ros_adapted.adapters.{name.lower()}")
-    adapter = getattr(module, name)("X0")
-    peer = Component("Peer0")
-    out = peer.add_out_port("out", adapter.in_ports["input"].type)
-    back = peer.add_in_port("in", adapter.out_ports["output"].type)
-    system.add(peer, 100.0)
-    system.add(adapter)
-    system.connect(("Peer0", "out"), ("X0", "input"))
-    system.connect(("X0", "output"), ("Peer0", "in"))
+    system, out, back = connected(getattr(module, name)("X0"))
     system.activate("X0")
     system.run(1_000_000_000)
     out.write(sample)

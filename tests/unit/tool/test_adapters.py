@@ -11,11 +11,12 @@ from typing import Any
 
 import numpy
 import pytest
+from adapter_peer import connected
 from type_checkers import check_by_mypy
 
 from rtgen.cli import run
 from rtgen.project.output import component_types
-from rtgen.runtime import Component, SimulatedClock, System
+from rtgen.runtime import Component
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.marshalling.numeric import NumericArray
 
@@ -48,16 +49,9 @@ def fits(to: str, from_: str) -> bool:
 
 def run_adapter(adapter: Component, *samples: object) -> tuple[list[Any], list[str]]:
     """Return what an adapter makes of samples, and the errors of its cycles."""
-    system = System(SimulatedClock())
+    system, out, back = connected(adapter)
     failures: list[str] = []
     system.on_failure = lambda failure: failures.append(str(failure.error))
-    peer = Component("Peer0")
-    out = peer.add_out_port("out", adapter.in_ports["input"].type)
-    back = peer.add_in_port("in", adapter.out_ports["output"].type)
-    system.add(peer, 100.0)
-    system.add(adapter)
-    system.connect(("Peer0", "out"), ("X0", "input"))
-    system.connect(("X0", "output"), ("Peer0", "in"))
     for sample in samples:
         out.write(sample)
     system.activate("X0")

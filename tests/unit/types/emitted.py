@@ -10,10 +10,12 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import pytest
+
 from rtgen.backends import Options
 from rtgen.backends.types import BACKEND
 from rtgen.diagnostics import has_errors
-from rtgen.facts.numeric import Numeric
+from rtgen.facts.numeric import FORMS, Numeric
 from rtgen.frontends.idl import load
 from rtgen.lowering.numeric import lower
 from rtgen.lowering.settings import Settings
@@ -56,6 +58,13 @@ def emit_text(folder: Path, text: str, numeric: Numeric = "array") -> ModuleType
     path = folder / "case.idl"
     path.write_text(text, encoding="utf-8")
     return emit(folder, [path], numeric)
+
+
+def in_each_form(
+    factory: pytest.TempPathFactory, text: str
+) -> dict[Numeric, ModuleType]:
+    """Return the IDL module `n` of one text, generated with numbers in each form."""
+    return {form: emit_text(factory.mktemp(form), text, form).n for form in FORMS}
 
 
 def classes(package: ModuleType) -> Iterator[type[Any]]:

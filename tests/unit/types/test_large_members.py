@@ -64,24 +64,8 @@ module n {{
 
 
 @pytest.fixture(scope="module")
-def packages(tmp_path_factory: pytest.TempPathFactory) -> dict[Numeric, Any]:
-    return {
-        form: emitted.emit_text(tmp_path_factory.mktemp(form), IDL, form).n
-        for form in FORMS
-    }
-
-
-@pytest.fixture(scope="module")
 def appendable(tmp_path_factory: pytest.TempPathFactory) -> dict[Numeric, Any]:
-    return {
-        form: emitted.emit_text(tmp_path_factory.mktemp(form), APPENDABLE, form).n
-        for form in FORMS
-    }
-
-
-@pytest.fixture(scope="module")
-def arrays(packages: dict[Numeric, Any]) -> Any:
-    return packages["array"]
+    return emitted.in_each_form(tmp_path_factory, APPENDABLE)
 
 
 def filled(n: Any, count: int) -> Any:

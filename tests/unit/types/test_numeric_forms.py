@@ -72,20 +72,6 @@ WAYS = ("cdr", "xcdr1", "xcdr2")
 
 
 @pytest.fixture(scope="module")
-def packages(tmp_path_factory: pytest.TempPathFactory) -> dict[Numeric, Any]:
-    """Generate the types with numbers in each form."""
-    return {
-        form: emitted.emit_text(tmp_path_factory.mktemp(form), IDL, form).n
-        for form in FORMS
-    }
-
-
-@pytest.fixture(scope="module")
-def arrays(packages: dict[Numeric, Any]) -> Any:
-    return packages["array"]
-
-
-@pytest.fixture(scope="module")
 def numpies(packages: dict[Numeric, Any]) -> Any:
     return packages["numpy"]
 
