@@ -5,13 +5,13 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
+from can_commands import eventually
 from can_nodes import SPECS, nodes
 from hub_process import HubProcess
 from json_schemas import valid
@@ -21,6 +21,8 @@ from rtgen.cli import run
 
 LINKED = str(SPECS / "pdo_linking.toml")
 PAIR = {1: "motor_core_unit", 2: "f_palette"}
+MARK = b"< send 7E0 0 >"
+"""A frame that no node sends."""
 
 
 def access(hub: HubProcess) -> list[str]:
@@ -78,7 +80,7 @@ def test_a_record_of_a_network_shows_what_was_live(
             assert recorder.stderr is not None
             assert monitor.stdout is not None
             assert "recording" in recorder.stderr.readline()
-            heads = [monitor.stdout.readline()]
+            lines = [monitor.stdout.readline()]
             assert run(["can", "send", "nmt start all", *shown, *bus]) == 0
             sdo = ["can", "sdo", "--no-look", *shown, *bus]
             assert run([*sdo, "write", "motor", "Producer_heartbeat_time", "0"]) == 0
@@ -89,10 +91,14 @@ def test_a_record_of_a_network_shows_what_was_live(
                 made[2].set(0x6401, 1, 1234)
                 link.send(made[2].flush(link.now()), made[2])
             assert run([*sdo, "read", "palette", "1018:2"]) == 0
-            # The hub has sent the answer to all when this client has it, or soon after.
-            time.sleep(0.3)
+            # A frame after the last answer, until both have received it.
+            with hub.raw() as end:
+                eventually(lambda: end.sendall(MARK) or " 7E0#" in path.read_text())
+            while '"7E0"' not in lines[-1]:
+                lines.append(monitor.stdout.readline())
+            live = frames("".join(lines))
+            ended(monitor)
             _, errors = ended(recorder)
-            live = frames("".join(heads) + ended(monitor)[0])
     assert f"frames in {path}" in errors
     capfd.readouterr()
     assert run(["can", "replay", str(path), "--decode", "--json", *shown]) == 0
