@@ -147,7 +147,7 @@ def test_a_part_of_the_reply_is_missing_for_ever() -> None:
         connection.sendall(reply()[:5])
         rest(connection)
 
-    with scripted(stop, "answer") as server, channel_to(server, SHORT) as channel:
+    with scripted(stop, "answer") as server, channel_to(server, MEDIUM) as channel:
         channel.begin(set_request(1), 2)
         with pytest.raises(ChannelError) as caught:
             channel.more(6)
@@ -256,8 +256,9 @@ def test_after_a_reset_the_rest_of_a_reply_is_gone() -> None:
 
 
 def test_one_call_at_a_time() -> None:
-    with scripted("answer") as server, channel_to(server, SHORT) as channel:
+    with scripted("answer") as server, channel_to(server) as channel:
         channel.begin(set_request(1), 2)
+        channel.timeout = SHORT
         codes: list[int] = []
         other = threading.Thread(target=lambda: codes.append(failure(channel)))
         other.start()
