@@ -62,8 +62,7 @@ class Run:
 
     def wait_for(self, text: str) -> None:
         """Wait until standard error has a text."""
-        wait_for(lambda: self.process.poll() is not None or text in self.error_text())
-        assert text in self.error_text(), self.error_text()
+        self.until(lambda: text in self.error_text())
 
     def end(self) -> int:
         """End the process in order; return its exit code."""
@@ -81,6 +80,11 @@ class Run:
         assert self.process.stdout is not None
         if not self.process.stdout.closed:
             self.process.communicate()
+
+    def until(self, condition: Callable[[], object]) -> None:
+        """Wait until a condition holds, which the process fulfils."""
+        wait_for(lambda: self.process.poll() is not None or condition())
+        assert condition(), self.error_text()
 
     def samples(self) -> list[dict[str, Any]]:
         """Return the samples written so far."""

@@ -152,11 +152,11 @@ def test_a_call_takes_no_longer_than_the_time_out_and_is_sent_once(
     project: Path, names: str, stack: ExitStack, serving: Callable[[], Run]
 ) -> None:
     serving()
-    here = Here(stack, names, timeout=0.3)
+    here = Here(stack, names, timeout=1.0)
     here.connect()
     assert here.adder.add(2, 3) == 5
     with pytest.raises(runtime.CallTimeout):
-        here.adder.nap(1.0)
+        here.adder.nap(2.0)
     wait_for(lambda: answers(here) and here.adder.naps == 1)
     here.adder.nap(0.0)
     assert here.adder.naps == 2

@@ -5,7 +5,6 @@ from __future__ import annotations
 import socket
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
@@ -36,11 +35,12 @@ def test_simulated_time_is_the_same_by_every_transport(
 
 
 def test_one_process_with_a_naming_service_of_its_own(project: Path) -> None:
-    run = Run(project, "--until", "0.5")
-    assert run.code() == 0
+    run = Run(project)
+    run.wait_for("Caller0 ACTIVE")
+    run.until(lambda: len(run.results()) > 10)
+    assert run.end() == 0
     assert "naming service: 127.0.0.1:" in run.error_text()
     results = run.results()
-    assert len(results) > 10
     assert results[-1] == (len(results), "")
 
 
@@ -63,12 +63,13 @@ def test_foreign_clients_find_a_provider_by_its_name(
 
 
 def test_two_processes(start: Callable[..., Run]) -> None:
-    caller = start("--only", "Caller0", "--until", "1")
+    caller = start("--only", "Caller0")
     counter = start("--only", "Counter0")
-    assert caller.code() == 0, caller.error_text()
+    caller.wait_for("Caller0 ACTIVE")
+    caller.until(lambda: len(caller.results()) > 20)
+    assert caller.end() == 0, caller.error_text()
     assert counter.end() == 0, counter.error_text()
     results = caller.results()
-    assert len(results) > 20
     # Counter0 is ACTIVE before Caller0 is, whichever process was first.
     assert results == [(i + 1, "") for i in range(len(results))]
     assert caller.output.startswith("instance  state   ticks")
@@ -127,16 +128,18 @@ def test_a_client_of_omniidl_stops_the_base_and_lets_it_go(
         url = f"corbaname::{names}#RefHardRh30.InventGUIRefHard/RefHard"
         subprocess.run([sys.executable, str(program), url, operation], check=True)
 
+    def moves() -> str:
+        """Return for each tick of the base so far whether the wheels moved."""
+        wheels = [
+            e["value"]["data"] for e in run.samples() if e["port"] == "OutWheelAngle"
+        ]
+        return "".join("01"[one != other] for one, other in pairwise(wheels))
+
+    still, driving = "0" * 100, "1" * 50
     run.wait_for("PositionInput0 ACTIVE")
-    for operation in ("Stop", "Go"):
-        time.sleep(1.0)
-        asked(operation)
-    time.sleep(1.0)
+    run.until(lambda: driving in moves())
+    asked("Stop")
+    run.until(lambda: moves().endswith(still))
+    asked("Go")
+    run.until(lambda: driving in moves().rpartition(still)[2])
     assert run.end() == 130  # before its time is over
-    wheels = [e["value"]["data"] for e in run.samples() if e["port"] == "OutWheelAngle"]
-    moving = [one != other for one, other in pairwise(wheels)]
-    # At rest, driving, stopped for a while, driving again.
-    first = moving.index(True)
-    stopped = "".join(map("01".__getitem__, moving[first:]))
-    assert "0" * 100 in stopped
-    assert stopped.rstrip("0").endswith("1" * 50)

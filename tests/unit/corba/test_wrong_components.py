@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 pytest.importorskip("omniORB", reason="omniORBpy is not installed")
 
-from gauge_component import IDL, SOON, Bench, definition, failed
+from gauge_component import IDL, PATIENCE, SOON, Bench, definition, failed
 from omniORB import CORBA
 from wrong_components import (
     FURTHER,
@@ -58,12 +58,18 @@ def test_further_violations(
 def failed_of(
     name: str, mutant: Mutant, bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> list[str]:
-    """Return the failed checks of a mutant, tested with the permission of one check."""
+    """Return the failed checks of a mutant, tested with the permission of one check.
+
+    On a busy machine, states that the component reaches come later than `SOON`.
+    """
     needed = next(check.needs for check in CHECKS if check.name == name)
     with monkeypatch.context() as patch:
         install(mutant, patch)
-        report = bench.report([needed] if needed else [], SOON)
-    return failed(report)
+        for patience in (SOON, PATIENCE):
+            found = failed(bench.report([needed] if needed else [], patience))
+            if found == [name]:
+                break
+    return found
 
 
 def of_another_type(profile: Any) -> Any:
