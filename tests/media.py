@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import json
 import os
 import socket
@@ -22,7 +23,6 @@ SYSTEM = "conformance"
 DOMAIN = 90
 _RESERVING_PORT = 21_000
 """A domain is reserved by the port of this number plus its own."""
-_reservations: list[socket.socket] = []
 LEASE = 0.7
 """Seconds after which a process without signs of life is lost, in tests of that."""
 
@@ -222,7 +222,7 @@ def own_domain() -> int:
         except OSError:
             held.close()
             continue
-        _reservations.append(held)
+        atexit.register(held.close)
         return domain
     raise AssertionError("all domains are in use")
 

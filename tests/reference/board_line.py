@@ -16,8 +16,8 @@ class TcpLine:
 
     def __init__(self, board: int) -> None:
         self._board = board
-        self._lock = threading.Lock()
         self._open: list[socket.socket] = []
+        self._forwarding: list[threading.Thread] = []
         self._listener = socket.create_server(("127.0.0.1", 0))
         self.port: int = self._listener.getsockname()[1]
         self._accepting = self._started(self._listener)
@@ -35,14 +35,17 @@ class TcpLine:
 
     def cut(self) -> None:
         """Close the open connections, and refuse new ones."""
-        with self._lock:
-            for end in [self._listener, *self._open]:
-                # A connection that the other process has ended, or that is closed, needs no end.
-                with suppress(OSError):
-                    end.shutdown(socket.SHUT_RDWR)
-                end.close()
-            self._open.clear()
+        _shut(self._listener)
+        # A connection that is being accepted is cut as well.
         self._accepting.join()
+        for end in self._open:
+            _shut(end)
+        for thread in self._forwarding:
+            thread.join()
+        for end in (self._listener, *self._open):
+            end.close()
+        self._open.clear()
+        self._forwarding.clear()
 
     def mend(self) -> None:
         """Accept connections again."""
@@ -65,14 +68,15 @@ class TcpLine:
             except OSError:
                 near.close()
                 continue
-            with self._lock:
-                self._open += [near, far]
+            self._open += [near, far]
             for source, target in ((near, far), (far, near)):
                 for end in (source, target):
                     end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-                threading.Thread(
+                thread = threading.Thread(
                     target=self._forward, args=(source, target), daemon=True
-                ).start()
+                )
+                thread.start()
+                self._forwarding.append(thread)
 
     def _forward(self, source: socket.socket, target: socket.socket) -> None:
         try:
@@ -81,6 +85,12 @@ class TcpLine:
             target.shutdown(socket.SHUT_WR)
         except OSError:
             return
+
+
+def _shut(end: socket.socket) -> None:
+    # A connection that the other process has ended, or that is closed, needs no end.
+    with suppress(OSError):
+        end.shutdown(socket.SHUT_RDWR)
 
 
 class SerialLine:

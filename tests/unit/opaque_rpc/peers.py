@@ -115,40 +115,42 @@ class Scripted:
         self._listener = socket.create_server(("127.0.0.1", 0))
         self.address: tuple[str, int] = self._listener.getsockname()
         self.connections = 0
+        self._closed = False
         self.requests: list[bytes] = []
         self._open: list[socket.socket] = []
+        self._threads: list[threading.Thread] = []
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
 
     def _run(self) -> None:
-        threads = []
         while True:
             connection, _ = self._listener.accept()
-            if self.connections < 0:
+            if self._closed:
                 connection.close()
                 break
             act = self._acts[min(self.connections, len(self._acts) - 1)]
             self.connections += 1
             self._open.append(connection)
-            threads.append(threading.Thread(target=self._act, args=(act, connection)))
-            threads[-1].start()
-        for thread in threads:
-            thread.join()
+            thread = threading.Thread(target=self._act, args=(act, connection))
+            self._threads.append(thread)
+            thread.start()
 
     def _act(self, act: Act, connection: socket.socket) -> None:
         with connection:
             act(connection)
 
     def close(self) -> None:
-        self.connections = -1
+        self._closed = True
+        socket.create_connection(self.address).close()
+        self._thread.join()
+        self._listener.close()
         for connection in self._open:
             try:
                 connection.shutdown(socket.SHUT_RDWR)
             except OSError:  # closed by its act or by the peer
                 continue
-        socket.create_connection(self.address).close()
-        self._thread.join()
-        self._listener.close()
+        for thread in self._threads:
+            thread.join()
 
     def answer(self, connection: socket.socket) -> None:
         """Read requests to `set` and `note`; reply to two-way ones."""
