@@ -50,11 +50,10 @@ TIMEOUT: Final = 1.0
 """Time-out of a call [s]."""
 _End = tuple[bool, ui.PortAddress]
 """One end of a connection, and whether the page draws it as the source."""
-_Ports = dict[int, list[tuple[Any, _End]]]
-"""Ports with their references, by the hashes of the references."""
+_Ports = dict[bytes, list[tuple[Any, _End]]]
+"""Ports with their references, by the object keys of the references."""
 MAX_WAITING: Final = 256
 """Maximum number of waiting commands."""
-_HASHES: Final = 0x7FFFFFFF
 
 
 class _Service:
@@ -203,14 +202,14 @@ class NamingWatcher:
         """Update the components from the bindings of the naming services."""
         found: dict[str, RemoteComponent] = {}
         self._aliases = {}
-        known: dict[int, list[RemoteComponent]] = {}
+        known: dict[bytes, list[RemoteComponent]] = {}
         for service in self._services:
             for name, reference in service.components:
                 mine = None if self._own is None else self._own.own(reference)
                 if isinstance(mine, RtObject):
                     self._aliases[name] = mine.component.instance_name
                     continue
-                same = known.setdefault(reference._hash(_HASHES), [])
+                same = known.setdefault(self._exported.key(reference), [])
                 other = next((each for each in same if each.is_at(reference)), None)
                 if other is None:
                     before = self._found.get(name)
@@ -262,7 +261,7 @@ class NamingWatcher:
                 reference = each.ports[port.name].port_ref
                 address = ui.PortAddress(instance=instance, port=port.name)
                 if reference is not None:
-                    same = ports.setdefault(reference._hash(_HASHES), [])
+                    same = ports.setdefault(self._exported.key(reference), [])
                     same.append((reference, (_is_first(port), address)))
         found: dict[str, ui.Connection] = {}
         self._ids = {}
@@ -272,7 +271,7 @@ class NamingWatcher:
                     end
                     for wanted in connector.ports
                     if wanted is not None
-                    for end in (*_at(ports, wanted), *self._own_end(wanted))
+                    for end in (*self._end_of(ports, wanted), *self._own_end(wanted))
                 ]
                 ends.sort(key=lambda end: not end[0])
                 for _, target in ends[1:]:
@@ -290,6 +289,12 @@ class NamingWatcher:
                         properties=[ui.Value(k, v) for k, v in properties.items()],
                     )
         return found
+
+    def _end_of(self, ports: _Ports, wanted: Any) -> Iterator[_End]:
+        """Return the port that a reference denotes."""
+        for reference, end in ports.get(self._exported.key(wanted), ()):
+            if reference._is_equivalent(wanted):
+                yield end
 
     def _own_end(self, reference: Any) -> Iterator[_End]:
         """Return the port of this process that a reference denotes; None for another object."""
@@ -523,13 +528,6 @@ class _Wire:
 def _made(edit: Edit) -> Edit:
     edit.redo()
     return edit
-
-
-def _at(ports: _Ports, wanted: Any) -> Iterator[_End]:
-    """Return the port that a reference denotes."""
-    for reference, end in ports.get(wanted._hash(_HASHES), ()):
-        if reference._is_equivalent(wanted):
-            yield end
 
 
 def _is_first(port: ui.Port) -> bool:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import struct
 from functools import cache
-from typing import Any
+from typing import Any, Final
 
 from omniORB import CORBA, PortableServer
 
@@ -11,6 +12,10 @@ from rtgen.runtime.corba.objects import SkeletonClass
 from rtgen.runtime.corba.orb import Orb
 from rtgen.runtime.corba.rt_objects.wire import Interface
 from rtgen.runtime.failures import log
+from rtgen.runtime.marshalling.octets import read_reference
+
+_IIOP: Final = 0
+"""The tag of a profile that has the object key."""
 
 
 class Exported:
@@ -54,6 +59,21 @@ class Exported:
         ior: str = self._orb.orb.object_to_string(reference)
         return ior
 
+    def key(self, reference: Any) -> bytes:
+        """Return the object key of a reference, which equivalent references share; empty without.
+
+        For `_hash`, omniORBpy acquires omniORB's lock while it holds that of the interpreter. A
+        thread that looks up or activates a servant acquires them in the reverse order, so both
+        threads would wait for each other forever.
+        """
+        octets = bytes.fromhex(self.text(reference).removeprefix("IOR:"))
+        try:
+            found, _ = read_reference(octets, 4, bool(octets[0]))
+            profiles = () if found is None else found.profiles
+            return next((_key(each) for tag, each in profiles if tag == _IIOP), b"")
+        except (ValueError, struct.error):
+            return b""
+
     def reference(self, text: str) -> Any:
         """Return the reference of an IOR or corbaloc; None if there is none."""
         if not text.startswith(("IOR:", "corbaloc:", "corbaname:")):
@@ -62,6 +82,16 @@ class Exported:
             return self._orb.orb.string_to_object(text)
         except CORBA.SystemException:
             return None
+
+
+def _key(profile: bytes) -> bytes:
+    """Return the object key of an IIOP profile (CORBA 3.3 part 2, 9.7.2)."""
+    length = struct.Struct("<I" if profile[:1] == b"\1" else ">I")
+    (host,) = length.unpack_from(profile, 4)
+    port = 8 + host + host % 2
+    place = port + 2 + -(port + 2) % 4
+    (size,) = length.unpack_from(profile, place)
+    return profile[place + 4 : place + 4 + size]
 
 
 @cache
