@@ -213,11 +213,15 @@ def test_a_record_of_pdo_linking_is_whole_and_replays(
     assert not [line for line in recorded if line["kind"].startswith("rpdo")]
     # The same again, from another channel.
     again = tmp_path / "again.log"
-    with started("can", "record", str(again), *on, "can1") as recorder:
+    count = str(len(record.read_text().splitlines()))
+    with started(
+        "can", "record", str(again), *on, "can1", "--count", count
+    ) as recorder:
         assert recorder.stderr is not None
         assert "recording" in recorder.stderr.readline()
         assert run(["can", "replay", str(record), *on, "can1"]) == 0
-        ended(recorder)
+        output = recorder.communicate(timeout=60)
+        assert recorder.returncode == 0, output
     capfd.readouterr()
     assert run(["can", "replay", str(again), "--decode", *flags]) == 0
     assert values(capfd.readouterr().out.splitlines()) == recorded
