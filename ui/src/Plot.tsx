@@ -7,6 +7,8 @@ import type { Track } from "./store.ts";
 import { store } from "./store.ts";
 
 const MAX_CURVES = 8;
+/** Height of a plot [px]. */
+const HEIGHT = 180;
 
 /** The duration shown by plots [s]; 0: the whole run. */
 const SPANS = [5, 30, 0];
@@ -82,6 +84,7 @@ export function Plot({ source, read, unit, label }: { source: string; read: () =
       const curves = reading.current();
       if (!curves || !place.current) return;
       const { data } = curves;
+      const size = { width: place.current.clientWidth, height: HEIGHT };
       const now = [dark.matches, ...curves.names].join();
       const stamp = `${store.page.span} ${data.length} ${data[0].length} ${data[0][0]} ${data[0].at(-1)}`;
       if (!plot || now !== names) {
@@ -91,8 +94,7 @@ export function Plot({ source, read, unit, label }: { source: string; read: () =
         const axis = { stroke: text, grid: { stroke: "#8884", width: 1 }, ticks: { stroke: "#8884" } };
         plot = new uPlot(
           {
-            width: place.current.clientWidth,
-            height: 180,
+            ...size,
             scales: { x: { time: false, range } },
             legend: { live: false, markers: { dash: (_, i) => (i > (curves.own ?? curves.names.length) ? "dashed" : "solid") } },
             axes: [{ ...axis, size: 30, label: "time [s]", labelSize: 16 }, { ...axis, size: space, ...(unit && { label: unit }) }],
@@ -104,6 +106,8 @@ export function Plot({ source, read, unit, label }: { source: string; read: () =
       } else if (stamp !== drawn) {
         plot.setData(data);
       }
+      // Tables beside it, and their scroll bar, may come after the plot.
+      if (size.width && size.width !== plot.width) plot.setSize(size);
       drawn = stamp;
     };
     draw();

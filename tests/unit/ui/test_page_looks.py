@@ -108,6 +108,9 @@ INKS = """plot => {
         .map(ink => [ink, drawn(ink)]);
 }"""
 """The colours of the text and of each swatch of a plot, with their pixels in its picture."""
+WIDTHS = """plot =>
+    plot.querySelector(".u-wrap").getBoundingClientRect().width - plot.clientWidth"""
+"""How much wider a picture is than its place."""
 
 
 def test_swatches_and_curves_have_the_same_colours(
@@ -130,6 +133,25 @@ def test_swatches_and_curves_have_the_same_colours(
         _, *swatches = plot.evaluate(INKS)
         assert len(swatches) == 3
         assert all(contrast(ink, paper) > GRAPHICS for ink, _ in swatches)
+
+
+def test_plots_follow_the_width_of_their_panel(any_look: Any, session: Session) -> None:
+    page = any_look
+    page.get_by_role("combobox", name="System").select_option(RH3)
+    until(page, lambda: session.file == RH3)
+    page.get_by_label("Go to time in seconds").fill("2")
+    page.get_by_role("button", name="Go", exact=True).click()
+    page.get_by_role("combobox", name="Component").select_option("Odometry0")
+    page.get_by_role("tab", name="Values").click()
+    pose = page.get_by_role("region", name="Odometry0.OdometryPosition")
+    plot = pose.get_by_role("img", name="Values over time")
+    found = set()
+    for width in (820, 1440, 820):
+        page.set_viewport_size({"width": width, "height": 900})
+        plot.locator(".uplot").wait_for()
+        until(page, lambda: plot.evaluate(WIDTHS) == 0)
+        found.add(plot.evaluate("plot => plot.clientWidth"))
+    assert len(found) == 2
 
 
 def test_a_system_is_opened_when_it_is_chosen(any_look: Any, session: Session) -> None:
