@@ -5,6 +5,7 @@ from __future__ import annotations
 import socket
 import struct
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
@@ -22,7 +23,7 @@ def forwarded(reference: ObjectReference) -> Iterator[ObjectReference]:
     place = 8 + length + length % 2
     (port,) = struct.unpack_from(f"{order}H", profile, place)
     near = socket.create_server((host, 0))
-    forwarder = _Forwarder(near, (host, port))
+    forwarder = Forwarder(near, (host, port))
     try:
         number = struct.pack(f"{order}H", near.getsockname()[1])
         moved = profile[:place] + number + profile[place + 2 :]
@@ -31,14 +32,17 @@ def forwarded(reference: ObjectReference) -> Iterator[ObjectReference]:
         forwarder.close()
 
 
-class _Forwarder:
-    """Forwards data of connections, in threads of its own.
+class Forwarder:
+    """Forwards data of connections, in threads of its own, at first after a delay [s].
 
     A socket is closed when no thread uses it any more: its number may be reused at once.
     """
 
-    def __init__(self, server: socket.socket, address: tuple[str, int]) -> None:
+    def __init__(
+        self, server: socket.socket, address: tuple[str, int], delay: float = 0.0
+    ) -> None:
         self._server = server
+        self._delay = delay
         self._address = address
         self._ends: list[socket.socket] = []
         self._threads: list[threading.Thread] = []
@@ -57,6 +61,7 @@ class _Forwarder:
             end.close()
 
     def _accept(self) -> None:
+        time.sleep(self._delay)
         with suppress(OSError):
             while True:
                 near, _ = self._server.accept()

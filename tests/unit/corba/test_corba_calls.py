@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 from patience import PATIENCE
 
 pytest.importorskip("omniORB", reason="omniORBpy is not installed")
@@ -17,9 +18,16 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "types"))
 import emitted
 from corba_runs import Here, Run, answers, wait_for
 
-from rtgen import runtime
+from rtgen import model, runtime
+from rtgen.cli.running.assembly import assemble
+from rtgen.cli.running.factories import Factories
+from rtgen.diagnostics import ToolError
+from rtgen.project import load
+from rtgen.runtime.corba.naming import Naming
+from rtgen.runtime.corba.orb import Orb
 from rtgen.runtime.corba.transport import CorbaTransport
 from rtgen.runtime.services.ports import ServicePort
+from rtgen.systems.reading import read_file
 
 
 def test_results_exceptions_and_attributes(
@@ -187,3 +195,45 @@ def test_a_port_that_only_provides_waits_for_nobody(
     transport.await_others(0.0)
     assert bool(ServicePort(counter, "adding"))
     system.disconnect(system.connectors[0])
+
+
+@pytest.fixture
+def calling(project: Path) -> model.System:
+    """Return the system with the component that only calls, unconnected."""
+    system, diagnostics, _ = read_file(project / "calc.xml")
+    assert system is not None, diagnostics
+    caller = [each for each in system.components if each.instance == "Caller0"]
+    return replace(system, components=tuple(caller), connections=())
+
+
+def test_a_component_is_found_when_its_process_has_its_connections(
+    calling: model.System, names: str
+) -> None:
+    found = []
+    factories = Factories(load())
+    with closing(Orb()) as orb, CorbaTransport(name_server=names) as transport:
+        naming = Naming(orb.orb, names)
+
+        def look(_: runtime.System) -> None:
+            found.append(naming.component("Caller0", "rtc"))
+
+        clock = runtime.RealClock()
+        with assemble(calling, factories, clock, [], [], transport, prepare=look) as it:
+            look(it)
+            it.remove("Caller0")
+            look(it)
+    assert [each is not None for each in found] == [False, True, False]
+
+
+def test_a_component_that_another_process_has_is_refused(
+    calling: model.System, names: str, here: Here
+) -> None:
+    with (
+        CorbaTransport(name_server=names) as transport,
+        pytest.raises(ToolError, match=r"Caller0\.rtc is served by another process"),
+    ):
+        assemble(calling, Factories(load()), runtime.RealClock(), [], [], transport)
+    with closing(Orb()) as orb:
+        bound = Naming(orb.orb, names).component("Caller0", "rtc")
+    assert here.transport.rt_objects is not None
+    assert here.transport.rt_objects.own(bound) is not None

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import socket
 from collections.abc import Iterator
 from contextlib import closing
 from typing import Any
 
 import pytest
+from forwarder import Forwarder
+from patience import PATIENCE
 
 pytest.importorskip("omniORB", reason="omniORBpy is not installed")
 
@@ -14,7 +17,8 @@ import CosNaming
 
 from rtgen.runtime.corba.name_server import NameServer
 from rtgen.runtime.corba.naming import Naming
-from rtgen.runtime.corba.orb import Orb
+from rtgen.runtime.corba.orb import LOOPBACK, Orb
+from rtgen.runtime.errors import NoNamingServiceError
 
 MANY = 250
 """More names than a naming service lists at once."""
@@ -74,3 +78,26 @@ def test_a_context_that_contains_itself_is_entered_once(
     inner.bind_context(named("outer"), root)
     inner.bind_context(named("self"), inner)
     assert paths(naming) == ["inner", "inner/outer", "inner/self"]
+
+
+def test_calls_have_the_time_out_of_their_orb_even_if_the_process_has_another_one() -> (
+    None
+):
+    with (
+        closing(Orb(timeout=0.1)) as first,
+        closing(Orb(timeout=PATIENCE)) as second,
+        NameServer() as server,
+    ):
+        _, _, port = server.address.partition(":")
+        for limit in (None, second.limit):
+            near = socket.create_server((LOOPBACK, 0))
+            address = f"{LOOPBACK}:{near.getsockname()[1]}"
+            late = Forwarder(near, (LOOPBACK, int(port)), delay=0.5)
+            try:
+                if limit is None:
+                    with pytest.raises(NoNamingServiceError):
+                        Naming(first.orb, address)
+                else:
+                    assert Naming(first.orb, address, limit).tree() == []
+            finally:
+                late.close()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -26,7 +27,7 @@ from rtgen.facts.openrtm_ports import IN, OUT, SERVICE, registered_names
 from rtgen.frontends.kit.suggestions import nearest
 from rtgen.model import Connection, System, SystemComponent
 from rtgen.runtime.rtc.conf_file import read as read_conf
-from rtgen.runtime.services.transports import ForeignTransport
+from rtgen.runtime.services.transports import ForeignTransport, PublishingTransport
 from rtgen.runtime.system.watchdog import calling
 from rtgen.systems.rules import (
     CONNECTION,
@@ -69,8 +70,9 @@ def assemble(
 
     A component that calls providers of other processes is activated once the components before it
     in the order of activation are ACTIVE, after `patience` [s] at the latest. `prepare` is called
-    when all components are added, before they are connected. Raises InputError with all
-    inconsistencies, ToolError if a factory cannot be loaded or the transport fails.
+    when all components are added, before they are connected. Other processes find the components
+    when they are connected. Raises InputError with all inconsistencies, ToolError if a factory
+    cannot be loaded or the transport fails.
     """
     findings = [
         UNKNOWN_TYPE.at(
@@ -85,11 +87,18 @@ def assemble(
     report = report or FailureReport(Console("text", False, False), FailureOptions())
     system = runtime.System(clock, transport, checkpoints)
     system.on_failure = report
+    publishing: AbstractContextManager[None] = nullcontext()
+    if isinstance(transport, PublishingTransport):
+        publishing = transport.publishing()
     try:
-        _add_all(system, profile, factories, settings, report)
-        if prepare is not None:
-            prepare(system)
-        _fill(system, profile, steps, transport, patience)
+        with publishing:
+            _add_all(system, profile, factories, settings, report)
+            if prepare is not None:
+                prepare(system)
+            _fill(system, profile, steps, transport, patience)
+    except runtime.TransportError as error:
+        system.close()
+        raise ToolError(str(error)) from error
     except BaseException:
         system.close()
         raise

@@ -50,15 +50,19 @@ class Bound(msgspec.Struct, frozen=True):
 class Naming:
     """A naming service at `HOST` or `HOST:PORT`. All methods raise TransportError.
 
+    `limit` bounds the calls of a reference; without it, the options of the process's ORB do.
     Raises NoNamingServiceError if none answers.
     """
 
-    def __init__(self, orb: Any, address: str) -> None:
+    def __init__(
+        self, orb: Any, address: str, limit: Callable[[Any], None] | None = None
+    ) -> None:
         self.address = address if ":" in address else f"{address}:{PORT}"
+        self._limit = limit
         self._root: Any = None
         text = f"corbaloc::{self.address}/NameService"
         try:
-            self._root = orb.string_to_object(text)._narrow(_Context)
+            self._root = self._narrowed(orb.string_to_object(text))
         except (CORBA.Exception, ValueError) as error:
             _raise_interrupt(error)
             raise NoNamingServiceError(
@@ -68,6 +72,15 @@ class Naming:
             raise NoNamingServiceError(
                 f"the object at {self.address} is not a naming service"
             )
+
+    def _narrowed(self, reference: Any) -> Any:
+        """Return a reference as a naming context; None for another object."""
+        if self._limit is not None:
+            self._limit(reference)
+        context = reference._narrow(_Context)
+        if context is not None and self._limit is not None:
+            self._limit(context)
+        return context
 
     def bind(self, port: tuple[str, str], name: str, reference: Any) -> None:
         """Bind a provider of a port, replacing one that no longer exists.
@@ -171,7 +184,7 @@ class Naming:
         """Return the contexts of a kind in the root."""
         names = [binding.binding_name[0] for binding in _listed(self._root)]
         found = [_resolved(self._root, n.id, n.kind) for n in names if n.kind == kind]
-        contexts = [None if f is None else f._narrow(_Context) for f in found]
+        contexts = [None if f is None else self._narrowed(f) for f in found]
         return [context for context in contexts if context is not None]
 
     def providers(self, port: tuple[str, str]) -> dict[str, Any]:
@@ -189,7 +202,7 @@ class Naming:
 
     def _context(self, port: tuple[str, str]) -> Any:
         found = _resolved(self._root, *port)
-        return None if found is None else found._narrow(_Context)
+        return None if found is None else self._narrowed(found)
 
     def _asked(self, ask: Callable[[], _T], what: str) -> _T:
         try:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Callable, Collection, Mapping
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack, nullcontext
 from functools import partial
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
@@ -69,7 +69,9 @@ class CorbaTransport:
                 self._naming = self._found(orb, name_server)
                 self._rt_objects = RtObjects(orb, self._objects, self._naming)
                 self._directory = Directory(
-                    self._naming, self._rt_objects.exported, partial(Naming, orb.orb)
+                    self._naming,
+                    self._rt_objects.exported,
+                    partial(Naming, orb.orb, limit=orb.limit),
                 )
         except TransportError:
             self.close()
@@ -95,12 +97,12 @@ class CorbaTransport:
 
     def _found(self, orb: Orb, address: str | None) -> Naming:
         try:
-            return Naming(orb.orb, address or LOOPBACK)
+            return Naming(orb.orb, address or LOOPBACK, orb.limit)
         except TransportError:
             if address is not None:
                 raise
         server = self._closing.enter_context(NameServer())
-        return Naming(orb.orb, server.address)
+        return Naming(orb.orb, server.address, orb.limit)
 
     @property
     def name_server(self) -> str:
@@ -116,6 +118,12 @@ class CorbaTransport:
         """Let other processes observe and control the components of a system."""
         if self._rt_objects is not None:
             self._rt_objects.system = system
+
+    def publishing(self) -> AbstractContextManager[None]:
+        """See `PublishingTransport`."""
+        return (
+            nullcontext() if self._rt_objects is None else self._rt_objects.publishing()
+        )
 
     # Interface to the system
 

@@ -20,6 +20,7 @@ a write is a call of the other one, and a loss is detected by the next call.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
+from contextlib import AbstractContextManager
 from typing import Any, Protocol, runtime_checkable
 
 import msgspec
@@ -111,6 +112,18 @@ class SteeringTransport(Protocol):
 
     def steered(self, system: Any) -> None:
         """Let other processes observe and control a system, of class `System`."""
+
+
+@runtime_checkable
+class PublishingTransport(Protocol):
+    """A transport that publishes components as objects, to which other processes connect."""
+
+    def publishing(self) -> AbstractContextManager[None]:
+        """Publish the components served meanwhile at the end. Raises TransportError.
+
+        Until then, the process declares its own connections: one that another process makes first
+        would take the name of its counterpart.
+        """
 
 
 @runtime_checkable

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from rtgen.facts.openrtm_ports import (
@@ -40,6 +41,8 @@ class RtObjects:
         self._objects = objects
         self._naming = naming
         self._published: dict[str, RtObject] = {}
+        self._waiting: list[RtObject] | None = None
+        """Components that `publishing` will bind; None outside of it."""
 
     def publish(
         self, component: Component, references: Mapping[Provider[Any], Any]
@@ -52,7 +55,26 @@ class RtObjects:
         ]
         made = RtObject(component, ports, self.exported, self._published)
         self._published[instance] = made
-        self._naming.bind_object((instance, KIND), made.reference)
+        if self._waiting is None:
+            self._bind(made)
+        else:
+            self._waiting.append(made)
+
+    def _bind(self, made: RtObject) -> None:
+        name = made.component.instance_name, KIND
+        self._naming.bind_object(name, made.reference)
+
+    @contextmanager
+    def publishing(self) -> Iterator[None]:
+        """See `PublishingTransport`."""
+        waiting: list[RtObject] = []
+        self._waiting = waiting
+        try:
+            yield
+        finally:
+            self._waiting = None
+        for made in waiting:
+            self._bind(made)
 
     def withdraw(self, instance: str) -> None:
         """Withdraw a component's name, then the component."""
