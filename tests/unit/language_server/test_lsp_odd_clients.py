@@ -8,15 +8,15 @@ import re
 import subprocess
 import sys
 import threading
-import time
+from asyncio import BaseEventLoop
 from pathlib import Path
 from typing import Any
 
 import pytest
+from patience import PATIENCE
 from projects import PROJECT
 
 from rtgen.language_server.server import make_server
-from rtgen.language_server.workspace import Workspace
 
 NO_CLIENT = -32803, -32602, -32601
 """Error codes for refusals: the request failed, invalid parameters, unknown method."""
@@ -125,13 +125,12 @@ class Script:
 class Answers(io.BytesIO):
     """The stream of a client that is closed when an analysis has just ended."""
 
-    def __init__(self, analysed: threading.Event) -> None:
+    def __init__(self, ended: threading.Event) -> None:
         super().__init__()
-        self.analysed = analysed
+        self.ended = ended
 
     def close(self) -> None:
-        assert self.analysed.wait(60)
-        time.sleep(0.05)  # the loop is notified after the analysis
+        assert self.ended.wait(PATIENCE)
         super().close()
 
 
@@ -215,19 +214,19 @@ def test_odd_clients(tmp_path: Path) -> None:
 def test_exit_as_an_analysis_ends(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    analyse, analysed = Workspace.analyse, threading.Event()
+    call_soon, ended = BaseEventLoop.call_soon_threadsafe, threading.Event()
 
-    def observed(*arguments: Any) -> Any:
-        try:
-            return analyse(*arguments)
-        finally:
-            analysed.set()
+    def observed(*arguments: Any, **options: Any) -> Any:
+        handle = call_soon(*arguments, **options)
+        if threading.current_thread().name.startswith("analysis"):
+            ended.set()  # The loop publishes the findings next.
+        return handle
 
-    monkeypatch.setattr(Workspace, "analyse", observed)
+    monkeypatch.setattr(BaseEventLoop, "call_soon_threadsafe", observed)
     one = project(tmp_path)
     script = Script(one)
     types = one / "specs" / "types.idl"
     script.open(types.as_uri(), types.read_text())
-    make_server().start_io(io.BytesIO(script.bytes()), Answers(analysed))
-    assert analysed.is_set()
+    make_server().start_io(io.BytesIO(script.bytes()), Answers(ended))
+    assert ended.is_set()
     assert caplog.messages == []

@@ -26,7 +26,8 @@ class Node(runtime.Component):
         self.add_out_port("out", TimedDouble)
         self.add_in_port("in", TimedDouble)
 
-states, enough, ended = [], threading.Event(), threading.Event()
+states, found = [], set()
+enough, ended = threading.Event(), threading.Event()
 
 def publish(state):
     states.append(state)
@@ -46,7 +47,7 @@ with (
 
     def look_up():
         while not ended.is_set():
-            assert transport.rt_objects.own(port.reference) is port
+            found.add(transport.rt_objects.own(port.reference))
 
     looking = [threading.Thread(target=look_up) for _ in range(2)]
     watcher = NamingWatcher([server.address], publish, print, period=0.001)
@@ -57,6 +58,7 @@ with (
     for thread in looking:
         thread.join()
     watcher.close()
+    assert found == {port}
 """
 
 

@@ -137,12 +137,12 @@ class _Marshalled(Description, frozen=True, kw_only=True):
     @property
     def codecs(self) -> dict[Any, Any]:
         """The compiled functions; most types of a module have none."""
-        if self.compiled is None:
+        codecs = self.compiled
+        if codecs is None:
             with _LOCK:
-                if self.compiled is None:
-                    force_setattr(self, "compiled", {})
-        codecs: Any = self.compiled
-        return codecs  # type: ignore[no-any-return]
+                codecs = {} if self.compiled is None else self.compiled
+                force_setattr(self, "compiled", codecs)
+        return codecs
 
 
 class Named(_Marshalled, frozen=True):

@@ -233,7 +233,8 @@ def flattened(
     if len(items) != dimensions[0]:
         raise ValueError(f"{len(items)} items instead of {dimensions[0]}")
     if len(dimensions) == 1:
-        return items  # type: ignore[no-any-return]
+        numbers: Sequence[Any] = items
+        return numbers
     inner = dimensions[1:]
     return [n for row in items for n in flattened(row, code, size, inner)]
 
@@ -271,7 +272,8 @@ def listed(items: Any, depth: int = 1) -> list[Any]:
     if items.__class__ is not list:
         tolist = getattr(items, "tolist", None)
         if tolist is not None and not isinstance(items, memoryview):
-            return tolist()  # type: ignore[no-any-return]
+            found: list[Any] = tolist()
+            return found
         try:
             view = memoryview(items)
         except TypeError:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import islice
 
 from omniORB import CORBA
@@ -156,14 +156,6 @@ def added_set(rtc: RtcUnderTest) -> Problems:
     yield None if rtc.sets() == before else "after its removal the sets are others"
 
 
-def _requires_texts_checked(rtc: RtcUnderTest) -> None:
-    """Raise SkipError for a component of OpenRTM, whose configuration accepts any text."""
-    if not rtc.is_of_rtgen:
-        raise SkipError(
-            "OpenRTM's configuration accepts any text, and validates it later"
-        )
-
-
 def _wrong_value(rtc: RtcUnderTest, name: str, text: str, before: str) -> str | None:
     """Return the problem unless a value is rejected; one that was accepted is restored."""
     try:
@@ -178,22 +170,28 @@ def _wrong_value(rtc: RtcUnderTest, name: str, text: str, before: str) -> str | 
     return None
 
 
-def values_beyond(rtc: RtcUnderTest) -> Problems:
-    """Check that values beyond limits and constraints are rejected, and the former ones kept."""
-    _requires_texts_checked(rtc)
+def _wrong_values(
+    rtc: RtcUnderTest, wrong: Callable[[ExpectedParameter], str | None]
+) -> Problems:
+    """Check that a wrong value of each parameter is rejected, if there is one."""
+    if not rtc.is_of_rtgen:
+        raise SkipError(
+            "OpenRTM's configuration accepts any text, and validates it later"
+        )
     for name, parameter, before in _parameters(rtc):
-        text = parameter.beyond()
+        text = wrong(parameter)
         if text is not None:
             yield _wrong_value(rtc, name, text, before)
+
+
+def values_beyond(rtc: RtcUnderTest) -> Problems:
+    """Check that values beyond limits and constraints are rejected, and the former ones kept."""
+    return _wrong_values(rtc, ExpectedParameter.beyond)
 
 
 def values_of_no_type(rtc: RtcUnderTest) -> Problems:
     """Check that texts that are not values of the type are rejected, and the former values kept."""
-    _requires_texts_checked(rtc)
-    for name, parameter, before in _parameters(rtc):
-        text = parameter.of_no_type()
-        if text is not None:
-            yield _wrong_value(rtc, name, text, before)
+    return _wrong_values(rtc, ExpectedParameter.of_no_type)
 
 
 def activated_sets(rtc: RtcUnderTest) -> Problems:
