@@ -31,7 +31,7 @@ endif
 endif
 endif
 
-.PHONY: demo gallery test check format lint types mypy pyright imports drift pytest waits test-openrtm interpreters interpreter interpreted lowest lock licences wheels ui page pictures fuzz mutants soak bench clean
+.PHONY: demo gallery test check format lint types mypy pyright imports drift pytest waits peers test-openrtm interpreters interpreter interpreted lowest lock licences wheels ui page pictures fuzz mutants soak bench clean
 
 demo: $(VENV)/demo.stamp
 	$(BIN)/rtgen generate
@@ -74,11 +74,11 @@ drift: $(VENV)/test.stamp
 
 # Each worker begins with a half of the files, so what tests of a file share is made once.
 # Assertions that show their values take time to be compiled: only what fails has them.
-pytest: $(VENV)/test.stamp page
+pytest: $(VENV)/test.stamp page peers
 	$(call PYTEST,build/pytest,-m "not waits$(SELECTION)")
 
 # Tests that wait for clocks and processes most of their time, and need no processor meanwhile.
-waits: $(VENV)/test.stamp page
+waits: $(VENV)/test.stamp page peers
 	$(call PYTEST,build/pytest-waits,-m "waits$(SELECTION)" $(shell grep -rl --include='*.py' mark.waits tests))
 
 SELECTION = $(if $(SELECTED), and ($(SELECTED)))
@@ -175,6 +175,12 @@ page: $(VENV)/test.stamp
 	@mkdir -p build
 	@$(BIN)/python ui/build.py --browser > build/page.log 2>&1 || \
 	    { tail -5 build/page.log; echo "the tests of the page are skipped"; }
+
+# Installations of ROS 2 for tests, which are skipped where its packages cannot be had.
+peers: $(VENV)/test.stamp
+	@mkdir -p build
+	@$(BIN)/python tests/ros2_peers.py > build/peers.log 2>&1 || \
+	    { tail -3 build/peers.log; echo "the tests with ROS 2 are skipped"; }
 
 # The pictures of docs/ui.md.
 pictures: page
