@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rtgen.diagnostics import ToolError
+from rtgen.files import MAX_BYTES, read_start
 
 if TYPE_CHECKING:  # lazily: takes as long as all imports for IDL
     from importlib import metadata
@@ -87,7 +88,7 @@ def _may_be_announced(search_path: tuple[tuple[str, int], ...]) -> bool:
                 return True
             if name.endswith(_METADATA_SUFFIXES):
                 with suppress(OSError):
-                    text = (folder / name / "entry_points.txt").read_bytes()
+                    text = read_start(folder / name / "entry_points.txt", MAX_BYTES)
                     if any(head in text for head in heads):
                         return True
     return False

@@ -8,7 +8,8 @@ import click
 
 from rtgen.cli.common import BAD_INPUT, OK, Console, with_console, write_out
 from rtgen.cli.components.chosen_component import chosen
-from rtgen.diagnostics import InputError, has_errors, in_order
+from rtgen.diagnostics import InputError, ToolError, has_errors, in_order
+from rtgen.files import UnreadableError, read_file
 from rtgen.frontends.profile_yaml import YAML_SUFFIXES
 from rtgen.model import Component, Model
 from rtgen.project import Project, is_component_profile
@@ -69,6 +70,13 @@ def _wrong_form(form: str, forms: tuple[str, ...], what: str) -> InputError:
     return InputError([OTHER_FORM.at(None, f"{what} has no form {form}", hint=hint)])
 
 
+def _content(path: Path) -> bytes:
+    try:
+        return read_file(path)
+    except UnreadableError as error:
+        raise ToolError(f"cannot read {path.as_posix()}: {error}") from error
+
+
 # Systems
 
 
@@ -86,7 +94,7 @@ def _system(console: Console, path: Path, form: str) -> int:
         return BAD_INPUT
     if form not in _OF_SYSTEMS:
         raise _wrong_form(form, _OF_SYSTEMS, "a system")
-    data = path.read_bytes()
+    data = _content(path)
     is_yaml = path.suffix.lower() in YAML_SUFFIXES
     if is_yaml is form.endswith("yaml"):
         write_out(data)
@@ -143,7 +151,7 @@ def _profile(
     if not is_component_profile(path):
         xml = component_profile(model, component, project)
     else:
-        data = path.read_bytes()
+        data = _content(path)
         if (path.suffix.lower() in YAML_SUFFIXES) is form.endswith("yaml"):
             return data
         text = data.decode("utf-8", "replace")

@@ -5,18 +5,23 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import click
 
+from rtgen.cli.can.common import counted
 from rtgen.cli.common import BAD_INPUT, NO, OK, Console, with_console, write_out
 from rtgen.diagnostics import Diagnostic, InputError, has_errors
+from rtgen.files import UnreadableError, read_file
 from rtgen.formatting import Options, toml
 from rtgen.formatting.files import SUFFIXES, check_name, format_bytes
 from rtgen.formatting.rules import NO_FORMATTER, OTHER_FILE
+from rtgen.frontends.kit.library import MAX_BYTES
 from rtgen.project import Project, load, shown
 from rtgen.project import files as files_below
 from rtgen.project.output import Change
+from rtgen.project.rewriting import rewrite
 
 _STANDARD_INPUT = "-"
 _RANGE = re.compile(r"(\d{1,9}):(\d{1,9})")
@@ -64,46 +69,69 @@ def fmt(
 
     PATH is a file, a folder with such files below it, or - for standard input; the default is the
     sources of rtgen.toml. Comments, preprocessor lines and tokens are not changed. Exit code 0:
-    done; 1: --check or --diff found files that are not formatted; 2: errors, and nothing is
-    written.
+    done; 1: --check or --diff found files that are not formatted; 2: errors, and the files with
+    errors are left as they are.
     """
     project = load()
     options = Options(**{k.replace("-", "_"): v for k, v in project.form.items()})
+    form = _Form(options, project.kcode, lines)
     if _STANDARD_INPUT in paths:
         if len(paths) > 1:
             raise click.UsageError("standard input is formatted alone")
-        inputs = [(Path(stdin_filename), sys.stdin.buffer.read())]
-    else:
-        inputs = [(path, _content(path)) for path in _files(project, paths)]
-    if lines is not None and len(inputs) != 1:
+        data = sys.stdin.buffer.read(MAX_BYTES + 1)
+        change = form.change(Path(stdin_filename), data)
+        if not (check or as_diff):
+            write_out(change.new or b"")
+            return OK
+        changes = [change] if change.new != data else []
+        _print(changes, as_diff)
+        return NO if changes else OK
+    files = [*_files(project, paths)]
+    if lines is not None and len(files) != 1:
         raise click.UsageError("--range is for a single file")
-    changes: list[Change] = []
-    found: list[Diagnostic] = []
-    named = {*map(Path, paths), Path(stdin_filename)}
-    for path, data in inputs:
+    changes, found = [], []
+    named = {*map(Path, paths)}
+    for path in files:
         if _has_no_formatter(path) and path not in named:
             found.append(_left_out(path))
             continue
         try:
-            new = format_bytes(
-                data, path.as_posix(), options, kcode=project.kcode, lines=lines
-            )
+            data = _content(path)
+            change = form.change(path, data)
         except InputError as error:
             found += error.diagnostics
             continue
-        if new != data:
-            changes.append(Change(path, data, new))
-        if _STANDARD_INPUT in paths and not (check or as_diff):
-            write_out(new)
-            return OK
+        if change.new != data:
+            # At once: the longer it takes, the likelier someone else changes the file.
+            if not (check or as_diff):
+                rewrite(change)
+                console.say(f"formatted {shown(path)}")
+            changes.append(change)
     console.findings(found)
     if has_errors(found):
         return BAD_INPUT
     if check or as_diff:
         _print(changes, as_diff)
         return NO if changes else OK
-    _write(console, changes, len(inputs))
+    kept = len(files) - len(changes)
+    console.say(f"{counted(len(changes), 'file')} formatted, {kept} left as they are")
     return OK
+
+
+@dataclass(frozen=True, slots=True)
+class _Form:
+    """How files are formatted."""
+
+    options: Options
+    kcode: str
+    lines: tuple[int, int] | None
+
+    def change(self, path: Path, data: bytes) -> Change:
+        """Return a file with its formatted content. Raises InputError."""
+        new = format_bytes(
+            data, path.as_posix(), self.options, kcode=self.kcode, lines=self.lines
+        )
+        return Change(path, data, new)
 
 
 def _files(project: Project, paths: tuple[str, ...]) -> Iterator[Path]:
@@ -129,9 +157,9 @@ def _left_out(path: Path) -> Diagnostic:
 
 def _content(path: Path) -> bytes:
     try:
-        return path.read_bytes()
-    except OSError as error:
-        message = f"{path.as_posix()} cannot be read: {error.strerror or error}"
+        return read_file(path, MAX_BYTES)
+    except UnreadableError as error:
+        message = f"{path.as_posix()} cannot be read: {error}"
         raise InputError([OTHER_FILE.at(None, message)]) from error
 
 
@@ -142,15 +170,3 @@ def _print(changes: list[Change], as_diff: bool) -> None:
         write_out(diff(changes))
     else:
         write_out("".join(f"{shown(change.path)}\n" for change in changes))
-
-
-def _write(console: Console, changes: list[Change], number: int) -> None:
-    from rtgen.cli.can.common import counted
-    from rtgen.project.rewriting import rewrite
-
-    for change in changes:
-        assert change.new is not None
-        rewrite(change.path, change.new)
-        console.say(f"formatted {shown(change.path)}")
-    kept = number - len(changes)
-    console.say(f"{counted(len(changes), 'file')} formatted, {kept} left as they are")

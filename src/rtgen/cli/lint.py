@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import click
 from msgspec.structs import replace
@@ -27,6 +27,7 @@ from rtgen.diagnostics import (
     Severity,
     has_errors,
 )
+from rtgen.frontends import FrontendResult
 from rtgen.frontends.kit.memo import Memo
 from rtgen.project import Project, shown
 from rtgen.project.rewriting import rewrite
@@ -72,21 +73,20 @@ def lint(
     if wrong:
         raise InputError(wrong)
     whole = not definitions.paths
-    found, sources = _findings(project, select, ignore, whole)
+    found, result = _findings(project, select, ignore, whole)
     if as_diff and not has_errors(found):
-        return _print_fixes(project, found)
+        return _print_fixes(project, found, result)
     fixed = 0
     while fix and not has_errors(found):
-        changes = changed_files(project, found)
+        changes = changed_files(project, found, result)
         if not changes or fixed >= MAX_ROUNDS:
             break
         for change in changes:
-            assert change.new is not None
-            rewrite(change.path, change.new)
+            rewrite(change)
             console.say(f"fixed {shown(change.path)}")
         fixed += 1
-        found, sources = _findings(project, select, ignore, whole)
-    console.findings(found, sources)
+        found, result = _findings(project, select, ignore, whole)
+    console.findings(found, result.sources)
     if has_errors(found):
         return BAD_INPUT
     return NO if any(d.severity is Severity.WARNING for d in found) else OK
@@ -94,8 +94,8 @@ def lint(
 
 def _findings(
     project: Project, select: Sequence[str], ignore: Sequence[str], whole: bool
-) -> tuple[list[Diagnostic], Mapping[str, str]]:
-    """Return the diagnostics that are not suppressed, and the texts that they refer to."""
+) -> tuple[list[Diagnostic], FrontendResult]:
+    """Return the diagnostics that are not suppressed, and the result that they refer to."""
     from rtgen.linting import findings
     from rtgen.systems import reading
 
@@ -119,12 +119,14 @@ def _findings(
         ignore=ignore,
         whole=whole,
     )
-    return found, result.sources
+    return found, result
 
 
-def _print_fixes(project: Project, found: Sequence[Diagnostic]) -> int:
+def _print_fixes(
+    project: Project, found: Sequence[Diagnostic], result: FrontendResult
+) -> int:
     from rtgen.cli.compiling.diffs import diff
 
-    changes = changed_files(project, found)
+    changes = changed_files(project, found, result)
     write_out(diff(changes))
     return NO if changes else OK

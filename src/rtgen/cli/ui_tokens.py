@@ -15,6 +15,9 @@ from rtgen.ui.server import Tokens
 MAX_AGE: Final = 24 * 3600.0
 """Lifetime of stored tokens since the last start [s]."""
 _MAX_OCTETS: Final = 1024
+_NEITHER_LINK_NOR_PIPE: Final = getattr(os, "O_NOFOLLOW", 0) | getattr(
+    os, "O_NONBLOCK", 0
+)
 
 
 def tokens_of(port: int) -> Tokens:
@@ -31,7 +34,7 @@ def tokens_of(port: int) -> Tokens:
 
 def _read(file: Path) -> Tokens | None:
     try:
-        number = os.open(file, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0))
+        number = os.open(file, os.O_RDONLY | _NEITHER_LINK_NOR_PIPE)
     except OSError:
         return None
     with os.fdopen(number, encoding="ascii", errors="replace") as stream:

@@ -15,6 +15,7 @@ from urllib.parse import quote
 from rtgen.diagnostics import Diagnostic, Fix, Rule, Severity, Span, in_order
 from rtgen.diagnostics.printable import printable
 from rtgen.facts.version import __version__
+from rtgen.files import MAX_BYTES, read_start
 
 FORMS = ("text", "json", "sarif", "github")
 
@@ -22,7 +23,6 @@ _TAB = 4
 _WINDOW = 100
 _COLOURS = {Severity.ERROR: "1;31", Severity.WARNING: "1;33", Severity.NOTE: "1;36"}
 _BEFORE = 40
-_MAX_TEXT_LENGTH = 33_554_432
 _SARIF_SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 
 
@@ -122,11 +122,8 @@ class _Texts:
             return self._sources[file]
         path = Path(file)
         try:
-            if not path.is_file():
-                return ""
-            with path.open(encoding="utf-8", errors="replace", newline="") as stream:
-                return stream.read(_MAX_TEXT_LENGTH)
-        except (OSError, ValueError):
+            return read_start(path, MAX_BYTES).decode("utf-8", "replace")
+        except OSError:
             return ""
 
 

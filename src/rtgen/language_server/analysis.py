@@ -228,7 +228,7 @@ def _add_unread(collector: Collector, texts: dict[str, Text]) -> None:
         if file not in texts:
             try:
                 data = read_start(Path(file), _MAX_HEADER_BYTES)
-            except (OSError, ValueError):
+            except OSError:
                 continue
             texts[file] = Text(data.decode("utf-8", "replace"))
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 
 from rtgen import stages
 from rtgen.backends import Artifact, Owner
 from rtgen.diagnostics import Diagnostic, Span, ToolError
+from rtgen.files import UnreadableError, is_file, read_file
 from rtgen.project import Project, shown
 from rtgen.project.rules import LEFTOVER_SKELETON, UNKNOWN_PORT
 
@@ -62,14 +63,17 @@ def _modules(project: Project, artifacts: Sequence[Artifact]) -> Mapping[str, st
         if artifact.owner is Owner.USER:
             folders.add((project.skeletons / artifact.path).parent)
     try:
-        return {
-            shown(file): file.read_text(encoding="utf-8", errors="replace")
-            for folder in sorted(folders)
-            if folder.is_dir()
-            for file in sorted(folder.glob("*.py"))
-        }
+        files = [f for each in sorted(folders) for f in sorted(each.glob("*.py"))]
     except OSError as error:
         raise ToolError(f"cannot read {error.filename}: {error.strerror}") from error
+    return {shown(file): _text(file) for file in files if is_file(file)}
+
+
+def _text(file: Path) -> str:
+    try:
+        return read_file(file).decode("utf-8", "replace")
+    except UnreadableError as error:
+        raise ToolError(f"cannot read {shown(file)}: {error}") from error
 
 
 def _ports(file: str, text: str, base: str) -> Iterator[Diagnostic]:

@@ -24,6 +24,7 @@ import msgspec
 from rtgen import stages
 from rtgen.backends import Artifact, ComponentTypes, Owner
 from rtgen.diagnostics import Diagnostic, Related, Severity, Span
+from rtgen.files import MAX_BYTES, is_file, open_file, read_start
 from rtgen.project.compilation import Compilation
 from rtgen.project.loading import Project
 
@@ -135,7 +136,7 @@ class Cache:
         try:
             if not (_is_own(self._folder) and _is_own(file) and file.is_file()):
                 return None
-            with file.open("rb") as stream:
+            with open_file(file) as stream:
                 if not _is_owned(os.fstat(stream.fileno())):  # exchanged meanwhile
                     return None
                 content = stream.read(_MAX_BYTES + 1)
@@ -259,7 +260,7 @@ def _version(library: str) -> str:
 
 def _hash_of(path: Path) -> str | None:
     try:
-        return sha256(path.read_bytes()).hexdigest() if path.is_file() else None
+        return sha256(read_start(path, MAX_BYTES + 1)).hexdigest()
     except OSError:
         return None
 
@@ -268,7 +269,7 @@ def _hash_of_files(files: Iterator[Path]) -> str:
     digest = sha256()
     for file in files:
         data = file.read_bytes()
-        digest.update(f"{file.name}\0{len(data)}\0".encode())
+        digest.update(b"%s\0%d\0" % (os.fsencode(file.name), len(data)))
         digest.update(data)
     return digest.hexdigest()
 
@@ -286,7 +287,8 @@ def _plugin_files(entry: metadata.EntryPoint) -> Iterator[Path]:
     spec = find_spec(entry.module.partition(".")[0])
     if spec is not None:
         for folder in spec.submodule_search_locations or ():
-            yield from _files_below(Path(folder), skip=frozenset({"__pycache__"}))
+            below = _files_below(Path(folder), skip=frozenset({"__pycache__"}))
+            yield from (file for file in below if is_file(file))
         if spec.origin and not spec.submodule_search_locations:
             yield Path(spec.origin)
 

@@ -16,11 +16,12 @@ from rtgen.facts import ros_names
 from rtgen.facts.numeric import FORMS
 from rtgen.facts.ros_marshaling import parse as parse_marshaling
 from rtgen.facts.ros_qos import PROFILES
-from rtgen.files import read_start
+from rtgen.files import UnreadableError, read_file
 from rtgen.project.rules import FILE_UNREADABLE, PATH_MISSING, UNKNOWN_KEY, WRONG_TYPE
 from rtgen.toml_text import TomlError, parse
 
 _HEADER = re.compile(r"\s*\[\s*([^\[\]]+?)\s*\]")
+_MAX_BYTES = 1024 * 1024
 _KEY = re.compile(r"\s*(\"[^\"]*\"|'[^']*'|[\w-]+)\s*=")
 _MACRO = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
@@ -383,9 +384,9 @@ class Settings:
 def read(file: Path, name: str) -> Settings:
     """Read and validate the file; `name` is its displayed path. Raises InputError."""
     try:
-        data = read_start(file)
-    except OSError as error:
-        raise ToolError(f"cannot read {name}: {error.strerror}") from error
+        data = read_file(file, _MAX_BYTES)
+    except UnreadableError as error:
+        raise ToolError(f"cannot read {name}: {error}") from error
     try:
         source = data.decode("utf-8")
     except UnicodeDecodeError as error:

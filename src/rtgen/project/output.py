@@ -24,6 +24,7 @@ from rtgen import stages
 from rtgen.backends import Artifact, ComponentTypes, Owner
 from rtgen.diagnostics import Diagnostic, InputError, Rule, ToolError
 from rtgen.facts.version import __version__
+from rtgen.files import MAX_BYTES, read_file, read_start
 from rtgen.project import Project, shown
 from rtgen.project.compilation import Compilation
 from rtgen.project.rules import (
@@ -219,7 +220,7 @@ def component_types(output: Path) -> ComponentTypes:
     if file.exists() and not file.is_file():
         raise ToolError(f"{shown(file)} is not a regular file", hint=hint)
     try:
-        return msgspec.json.decode(file.read_bytes(), type=ComponentTypes)
+        return msgspec.json.decode(read_start(file, MAX_BYTES), type=ComponentTypes)
     except FileNotFoundError:
         return ComponentTypes()
     except (OSError, msgspec.DecodeError, RecursionError) as error:
@@ -233,7 +234,7 @@ def _former(output: Path) -> list[str]:
     if not file.is_file():
         return []
     try:
-        content = json.loads(file.read_bytes())
+        content = json.loads(read_file(file))
         files = list(content.get("files", ()))
     except (OSError, ValueError, AttributeError, TypeError, RecursionError):
         return []
@@ -412,12 +413,13 @@ def _difference(path: Path, data: bytes) -> list[Change]:
         return [Change(path, None, data)]
     if not stat.S_ISREG(mode):
         return [Change(path, None, data, obstacle=True)]
-    old = path.read_bytes()
+    old = read_start(path, max(len(data) + 1, MAX_BYTES))
     return [] if old == data else [Change(path, old, data)]
 
 
 def _read(path: Path) -> bytes | None:
-    return path.read_bytes() if stat.S_ISREG(path.lstat().st_mode) else None
+    is_file = stat.S_ISREG(path.lstat().st_mode)
+    return read_start(path, MAX_BYTES) if is_file else None
 
 
 def _write_whole(path: Path, data: bytes, *, lasting: bool) -> None:

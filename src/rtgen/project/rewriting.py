@@ -1,28 +1,22 @@
-"""Atomically replaces files of the user, following links and keeping permissions."""
+"""Replaces files of the user, following links and keeping permissions."""
 
 from __future__ import annotations
 
-import os
-import shutil
-from pathlib import Path
-
 from rtgen.diagnostics import ToolError
+from rtgen.files import replace_file
 from rtgen.project.loading import shown
+from rtgen.project.output import Change
 
 
-def rewrite(path: Path, data: bytes) -> None:
-    """Replace the content of a file, or of a link's target. Raises ToolError."""
+def rewrite(change: Change) -> None:
+    """Replace the content of a file, or of a link's target. Raises ToolError.
+
+    A file that is no longer as it was read, or cannot be written, is left as it is.
+    """
+    assert change.old is not None
+    assert change.new is not None
     try:
-        target = path.resolve(strict=True)
-        temporary = target.with_name(f".{target.name}.{os.getpid()}.rtgen")
-        try:
-            with temporary.open("xb") as stream:
-                stream.write(data)
-            shutil.copymode(target, temporary)
-            temporary.replace(target)
-        except BaseException:
-            temporary.unlink(missing_ok=True)
-            raise
+        replace_file(change.path, change.new, change.old)
     except OSError as error:
-        message = f"cannot write {shown(path)}: {error.strerror or error}"
+        message = f"cannot write {shown(change.path)}: {error.strerror or error}"
         raise ToolError(message) from error

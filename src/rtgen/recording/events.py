@@ -9,9 +9,11 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from rtgen.files import open_file, read_start
 from rtgen.recording.errors import RecordingError
 from rtgen.recording.mcap_reader import MAGIC, Channel, McapFile, Message
 from rtgen.recording.recorder import METADATA
@@ -70,8 +72,7 @@ class Log:
         """Open a file. Raises RecordingError if it is unreadable or in neither form."""
         self.path = Path(path)
         try:
-            with self.path.open("rb") as stream:
-                head = stream.read(len(MAGIC))
+            head = read_start(self.path, len(MAGIC))
         except OSError as error:
             raise RecordingError(f"cannot read {path}: {error.strerror}") from error
         if self.path.suffix.lower() == ".mcap" and head != MAGIC:
@@ -140,7 +141,7 @@ class Log:
                     yield event
 
     def _lines(self) -> Iterator[Event]:
-        with self.path.open(encoding="utf-8", errors="replace") as stream:
+        with TextIOWrapper(open_file(self.path), "utf-8", "replace") as stream:
             for number, line in enumerate(
                 iter(lambda: stream.readline(_MAX_LINE), ""), 1
             ):

@@ -16,6 +16,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
+from rtgen.files import open_file
 from rtgen.recording.errors import RecordingError
 from rtgen.recording.mcap_writer import MAGIC as MAGIC
 from rtgen.recording.schemas import Schema
@@ -137,7 +138,7 @@ class McapFile:
 
     def _opened(self) -> BinaryIO:
         try:
-            stream = self.path.open("rb")
+            stream = open_file(self.path)
         except OSError as error:
             raise RecordingError(
                 f"cannot read {self.path}: {error.strerror}"

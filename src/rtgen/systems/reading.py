@@ -146,7 +146,7 @@ def _with_conf(c: SystemComponent, folder: Path, found: Systems) -> SystemCompon
             continue
         try:
             data = read_start(path, _MAX_CONF_BYTES)
-        except (OSError, ValueError):
+        except OSError:
             found.dependencies.append(Dependency(path, None))
             continue
         found.dependencies.append(Dependency(path, sha256(data).hexdigest()))

@@ -13,6 +13,7 @@ from typing import Any, Final, TypeAlias
 from rtgen import toml_text
 from rtgen.diagnostics import Diagnostic, InputError, Span, ToolError
 from rtgen.facts.connector_properties import own_properties
+from rtgen.files import UnreadableError, read_file
 from rtgen.model import PortReference, System
 from rtgen.systems import measures
 from rtgen.systems.measures import Measure
@@ -29,6 +30,7 @@ _ORDER = ("disconnect", "connect", "set", *_REQUESTS)
 _SECTIONS = ("at", "measure", "follows")
 _LINK_KEYS = frozenset({"from", "to", "name", "properties"})
 _ENDS = frozenset({"from", "to"})
+_MAX_BYTES = 1024 * 1024
 _MAX_FOLLOWED = 8
 
 
@@ -196,9 +198,9 @@ def _chain(file: Path, system: System, most: int) -> Iterator[_Reader]:
     """Yield the readers of a timeline and of those it follows, the first one first."""
     name = file.as_posix()
     try:
-        text = file.read_bytes().decode("utf-8", "replace")
-    except OSError as error:
-        raise ToolError(f"cannot read {name}: {error.strerror}") from error
+        text = read_file(file, _MAX_BYTES).decode("utf-8", "replace")
+    except UnreadableError as error:
+        raise ToolError(f"cannot read {name}: {error}") from error
     before: list[_Reader] = []
     content = _content(text, name)
     if isinstance(followed := content.get("follows"), str):

@@ -4,6 +4,7 @@ import io
 import stat
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -144,3 +145,69 @@ def test_a_folder_that_cannot_be_written(
     assert "cannot write a.idl: Permission denied" in capsys.readouterr().err
     assert [*Path().iterdir()] == [Path("a.idl")]
     assert Path("a.idl").read_bytes() == LOOSE
+
+
+def test_hard_links_stay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("a.idl").write_bytes(LOOSE)
+    Path("b.idl").hardlink_to("a.idl")
+    assert run(["fmt", "-q", "a.idl"]) == 0
+    assert Path("b.idl").read_bytes() == NEAT
+    assert Path("a.idl").samefile("b.idl")
+
+
+def test_a_file_that_is_saved_meanwhile_is_left_as_it_is(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("a.idl").write_bytes(LOOSE)
+    Path("b.idl").write_bytes(LOOSE)
+    saved = b"struct  S{long saved;};\n"
+
+    def save(data: bytes, name: str, *rest: Any, **options: Any) -> bytes:
+        Path(name).write_bytes(saved)
+        return format_bytes(data, name, *rest, **options)
+
+    monkeypatch.setattr("rtgen.cli.fmt.format_bytes", save)
+    assert run(["fmt", "a.idl", "b.idl"]) == 3
+    assert (
+        "cannot write a.idl: it has been changed meanwhile" in capsys.readouterr().err
+    )
+    assert Path("a.idl").read_bytes() == saved
+    assert Path("b.idl").read_bytes() == LOOSE
+    assert sorted(Path().iterdir()) == [Path("a.idl"), Path("b.idl")]
+
+
+def test_a_file_is_replaced_before_the_next_one_is_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("a.idl").write_bytes(LOOSE)
+    Path("b.idl").write_bytes(LOOSE)
+    states = []
+
+    def note(data: bytes, name: str, *rest: Any, **options: Any) -> bytes:
+        states.append((name, Path("a.idl").read_bytes()))
+        return format_bytes(data, name, *rest, **options)
+
+    monkeypatch.setattr("rtgen.cli.fmt.format_bytes", note)
+    assert run(["fmt", "-q", "."]) == 0
+    assert states == [("a.idl", LOOSE), ("b.idl", NEAT)]
+
+
+def test_files_without_errors_are_formatted_beside_those_with_errors(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    broken = b'const  string A = "'
+    Path("a.idl").write_bytes(broken)
+    Path("b.idl").write_bytes(LOOSE)
+    assert run(["fmt", "."]) == 2
+    assert "a.idl:1:19: error[FMT0001]" in capsys.readouterr().err
+    assert Path("a.idl").read_bytes() == broken
+    assert Path("b.idl").read_bytes() == NEAT
+    assert run(["fmt", "--check", "."]) == 2

@@ -1,14 +1,17 @@
 """`rtgen lint --fix`: an edit for each rule with a fix, and none if it is not safe."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import rtgen
 from rtgen.cli import run
+from rtgen.cli.compiling.fixing import changed_files
 from rtgen.diagnostics import Edit, Span
 from rtgen.inspection.models import inspect
 from rtgen.lint.fixes import CODES, applied
+from rtgen.project.output import Change
 
 CASES = [
     ("IDL0110", "a.idl", "struct A { long n;; };\n", "struct A { long n; };\n"),
@@ -185,3 +188,24 @@ def test_edits_that_overlap_or_find_another_text() -> None:
     assert applied(text, [edit(1, 3, "ab", "x"), edit(2, 4, "bc", "y")]) == "xcdef\n"
     assert applied(text, [edit(1, 3, "zz", "x")]) == text
     assert applied(text, []) == text
+
+
+def test_a_file_that_is_saved_after_it_was_read_is_left_as_it_is(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """The places of the findings are those of the text that was read."""
+    monkeypatch.chdir(tmp_path)
+    file = Path("a.idl")
+    file.write_bytes(b"struct A { long n;; };\n")
+    saved = b"// a line more\nstruct A { long n;; };\n"
+
+    def changed(*arguments: Any) -> list[Change]:
+        file.write_bytes(saved)
+        return changed_files(*arguments)
+
+    monkeypatch.setattr("rtgen.cli.lint.changed_files", changed)
+    assert run(["lint", "--fix", "a.idl"]) == 3
+    assert "cannot fix a.idl: it has been changed meanwhile" in capsys.readouterr().err
+    assert file.read_bytes() == saved

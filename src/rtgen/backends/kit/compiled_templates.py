@@ -16,6 +16,8 @@ from pathlib import Path
 import jinja2.compiler
 from jinja2.bccache import Bucket, BytecodeCache
 
+from rtgen.files import open_file
+
 _QUOTING = Path(__file__).parent / "quoting"
 
 
@@ -33,7 +35,7 @@ class CompiledTemplates(BytecodeCache):
 
     def load_bytecode(self, bucket: Bucket) -> None:
         """See `BytecodeCache`."""
-        with contextlib.suppress(OSError), self._file(bucket).open("rb") as stream:
+        with contextlib.suppress(OSError), open_file(self._file(bucket)) as stream:
             bucket.load_bytecode(stream)
 
     def dump_bytecode(self, bucket: Bucket) -> None:

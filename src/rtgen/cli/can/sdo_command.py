@@ -26,6 +26,7 @@ from rtgen.cli.common import (
     write_out,
 )
 from rtgen.diagnostics import ToolError
+from rtgen.files import UnreadableError, read_file
 from rtgen.model.canopen import Access
 from rtgen.project.rules import SUPERVISED
 from rtgen.runtime.canopen.description import Kind
@@ -208,9 +209,9 @@ def _octets(thing: DescribedObject, value: str | None, file: Path | None) -> byt
         raise click.UsageError("`write` requires a value, or --file")
     if file is not None:
         try:
-            return file.read_bytes()
-        except OSError as error:
-            raise ToolError(f"cannot read {file}: {error.strerror}") from error
+            return read_file(file)
+        except UnreadableError as error:
+            raise ToolError(f"cannot read {file}: {error}") from error
     assert value is not None
     parsed = parsed_value(thing, value)
     try:

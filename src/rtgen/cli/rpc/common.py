@@ -16,6 +16,7 @@ from rtgen.cli.rpc.codecs import Function, Service
 from rtgen.cli.rpc.values import Json
 from rtgen.diagnostics import InputError, has_errors
 from rtgen.facts.opaque_rpc import TIMEOUT
+from rtgen.files import UnreadableError, read_file
 from rtgen.layouts.tdr import TransferError
 from rtgen.model.tecs import Signature, TecsUnit
 from rtgen.runtime.opaque_rpc import REPLY_LIMIT, Order, ReplyOrder, Tdr, make_tdr
@@ -188,9 +189,9 @@ def printed(value: Json) -> str:
 def content(path: Path) -> str:
     """Read a text in UTF-8. Raises ClickException."""
     try:
-        return path.read_text("utf-8")
-    except OSError as error:
-        raise refused(f"cannot read {path}: {error.strerror}") from error
+        return read_file(path).decode("utf-8")
+    except UnreadableError as error:
+        raise refused(f"cannot read {path}: {error}") from error
     except UnicodeDecodeError as error:
         raise refused(f"{path} is not UTF-8") from error
 

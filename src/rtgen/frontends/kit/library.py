@@ -14,7 +14,7 @@ from rtgen import files
 from rtgen.files import absolute_path as absolute_path
 from rtgen.frontends import Dependency
 
-MAX_BYTES = 32 * 1024 * 1024
+MAX_BYTES = files.MAX_BYTES
 """Maximum size of a file."""
 
 

@@ -77,7 +77,7 @@ class Memo:
             try:
                 there = files.is_file(path)
                 data = files.read_start(path, MAX_BYTES + 1) if there else None
-            except (OSError, ValueError):
+            except OSError:
                 data = None
             self._hashes[path] = None if data is None else sha256(data).hexdigest()
         return self._hashes[path]

@@ -60,7 +60,7 @@ def load(
             for folder in folders:
                 candidate = folder / name
                 dependencies.append(_looked_for(candidate))
-                if _is_file(candidate):
+                if is_file(candidate):
                     idl[candidate] = None
                     break
     return FrontendResult(
@@ -72,16 +72,9 @@ def load(
     )
 
 
-def _is_file(path: Path) -> bool:
-    try:
-        return is_file(path)
-    except OSError:  # its name is too long, for example
-        return False
-
-
 def _looked_for(path: Path) -> Dependency:
     try:
         data = read_start(path, MAX_BYTES + 1) if is_file(path) else None
-    except (OSError, ValueError):  # reported by the IDL front end
+    except OSError:  # reported by the IDL front end
         data = None
     return Dependency(path, None if data is None else sha256(data).hexdigest())

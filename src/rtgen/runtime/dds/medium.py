@@ -12,6 +12,7 @@ from xml.sax.saxutils import quoteattr
 
 from cyclonedds.domain import Domain, DomainParticipant
 
+from rtgen.files import UnreadableError, read_file
 from rtgen.runtime.dds import entities
 from rtgen.runtime.dds.bursts import Burst, Sender
 from rtgen.runtime.dds.dispatcher import Dispatcher
@@ -217,8 +218,8 @@ class DdsMedium:
 
 def _read(config: Path) -> str:
     try:
-        return config.read_text(encoding="ascii")
-    except (OSError, UnicodeDecodeError) as error:
+        return read_file(config).decode("ascii")
+    except (UnreadableError, UnicodeDecodeError) as error:
         raise MediumError(f"{config} cannot be read: {error}") from error
 
 

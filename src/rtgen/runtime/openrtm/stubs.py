@@ -9,6 +9,7 @@ from importlib import import_module
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 
+from rtgen.files import read_file
 from rtgen.runtime.errors import RtcError
 
 SCRIPT = "idlcompile.sh"
@@ -58,7 +59,7 @@ def _load_beside(name: str, file: Path) -> None:
     """Load stubs, unless their types are known because another file has the same module name."""
     import omniORB
 
-    ids = _REPOSITORY_ID.findall(file.read_text(encoding="utf-8", errors="replace"))
+    ids = _REPOSITORY_ID.findall(read_file(file).decode("utf-8", "replace"))
     if all(omniORB.findType(each) is not None for each in ids):
         return
     spec = spec_from_file_location(f"{name} of {file.parent}", file)

@@ -19,6 +19,7 @@ from typing import Any
 
 import msgspec
 
+from rtgen.files import open_file, read_start
 from rtgen.runtime.openrtm.steps import StartError, Step, error_text
 
 OK, FAILED = 0, 3
@@ -27,6 +28,7 @@ OK, FAILED = 0, 3
 _STRICTNESS = "port.connection.strictness"
 _ADDRESSES = ("corbaname:", "corbaloc:", "IOR:")
 _POLL_INTERVAL = 0.05
+_MAX_END = 65536
 _CALL_TIMEOUT = 10_000
 """Time-out of calls in milliseconds, the unit of OpenRTM's managers."""
 
@@ -236,7 +238,7 @@ class Client:
         if self._run is None:
             return
         try:
-            os.kill(int((self._run / f"{name}.pid").read_text()), 0)
+            os.kill(int(read_start(self._run / f"{name}.pid", 32)), 0)
         except ProcessLookupError:
             last = self._last_line(name)
             raise StartError(f"the process of {name} has ended: {last}") from None
@@ -248,7 +250,9 @@ class Client:
         if self._run is None:
             return ""
         try:
-            text = (self._run / f"{name}.out").read_text(errors="replace")
+            with open_file(self._run / f"{name}.out") as stream:
+                stream.seek(max(0, stream.seek(0, os.SEEK_END) - _MAX_END))
+                text = stream.read(_MAX_END).decode("utf-8", "replace")
         except OSError:
             return ""
         return next(
@@ -438,8 +442,7 @@ class Client:
         ]
         if lonely and connection.properties.get(_STRICTNESS) == "strict":
             raise StartError(
-                f"a consumer finds no provider: {', '.join(lonely)}; "
-                f"there are: {offered}"
+                f"a consumer finds no provider: {', '.join(lonely)}; there are: {offered}"
             )
         return lonely
 

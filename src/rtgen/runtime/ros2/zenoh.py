@@ -16,6 +16,7 @@ from rtgen.facts import ros_zenoh
 from rtgen.facts.ros_names import GID_SIZE
 from rtgen.facts.ros_qos import PROFILES, Durability, History, Profile, Reliability
 from rtgen.facts.ros_zenoh import Attachment, Entity, Node
+from rtgen.files import UnreadableError, check_file
 from rtgen.runtime.failures import log
 from rtgen.runtime.ros2.network import (
     Call,
@@ -66,8 +67,11 @@ class ZenohNetwork:
     def __init__(self, node: RosNode, *, config: Path | Any | None = None) -> None:
         try:
             if isinstance(config, Path):
+                check_file(config)
                 config = zenoh.Config.from_file(str(config))
             self._session: Any = zenoh.open(config or configuration())
+        except UnreadableError as error:
+            raise Ros2Error(f"{config} cannot be read: {error}") from error
         except (zenoh.ZError, OSError, ValueError) as error:
             raise Ros2Error(f"Zenoh cannot be opened: {plain(error)}") from error
         identity = str(self._session.zid())

@@ -13,6 +13,7 @@ from typing import Any, Generic, TypeVar
 from urllib.parse import quote
 from zlib import crc32
 
+from rtgen.files import check_file
 from rtgen.runtime.errors import CheckpointError
 from rtgen.runtime.failures import log
 from rtgen.runtime.marshalling.descriptors import DataType
@@ -34,6 +35,8 @@ class CheckpointFile:
 
     def __init__(self, path: Path) -> None:
         try:
+            if path.exists():
+                check_file(path)
             if not path.exists() or path.stat().st_size != 2 * _SLOT_SIZE:
                 # Written, not only extended, so that a full disk is detected here.
                 path.write_bytes(bytes(2 * _SLOT_SIZE))

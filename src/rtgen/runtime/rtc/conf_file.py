@@ -8,7 +8,10 @@ from pathlib import Path
 
 import msgspec
 
+from rtgen.files import UnreadableError, read_file
 from rtgen.runtime.errors import ConfFileError
+
+_MAX_BYTES = 1024 * 1024
 
 _LINE = re.compile(r"(?P<key>[^:=\s]+)\s*[:=](?P<value>.*)", re.DOTALL)
 
@@ -29,11 +32,11 @@ class ConfFile(msgspec.Struct, frozen=True, gc=False):
 def read(path: Path) -> ConfFile:
     """Read a file in UTF-8. Raises ConfFileError with file, line and reason."""
     try:
-        text = path.read_text(encoding="utf-8")
+        text = read_file(path, _MAX_BYTES).decode("utf-8")
     except UnicodeDecodeError:
         raise ConfFileError(f"{path}: the file is not UTF-8 text") from None
-    except OSError as error:
-        raise ConfFileError(f"{path}: {error.strerror or error}") from error
+    except UnreadableError as error:
+        raise ConfFileError(f"{path}: {error}") from error
     return parse(text, str(path))
 
 

@@ -13,6 +13,7 @@ from typing import Any
 import msgspec
 import zenoh
 
+from rtgen.files import UnreadableError, check_file
 from rtgen.runtime.distribution.medium import MediumError
 from rtgen.runtime.failures import log
 
@@ -89,7 +90,7 @@ def plain(error: Exception) -> str:
 
 def _configuration(endpoints: Endpoints) -> zenoh.Config:
     if endpoints.config is not None:
-        config = zenoh.Config.from_file(endpoints.config)
+        config = _read(Path(endpoints.config))
         if json.loads(config.get_json("id")) is not None:
             raise MediumError(
                 f"{endpoints.config} has an `id`: a process that is started again needs another "
@@ -106,6 +107,14 @@ def _configuration(endpoints: Endpoints) -> zenoh.Config:
     if endpoints.lease is not None and endpoints.lease < _lease(config):
         _insert(config, {_LEASE_KEY: max(1, round(endpoints.lease * 1000))})
     return config
+
+
+def _read(file: Path) -> zenoh.Config:
+    try:
+        check_file(file)
+    except UnreadableError as error:
+        raise MediumError(f"{file} cannot be read: {error}") from error
+    return zenoh.Config.from_file(file)
 
 
 def _lease(config: zenoh.Config) -> float:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from io import TextIOWrapper
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any, cast
+from typing import IO, TYPE_CHECKING, Any, BinaryIO, TextIO, cast
 
 from rtgen.cli.can.common import require_python_can
 from rtgen.cli.common import Refusal
 from rtgen.diagnostics import ToolError
+from rtgen.files import open_file
 
 if TYPE_CHECKING:
     from can import Message
@@ -18,6 +20,8 @@ if TYPE_CHECKING:
 
 _MAX_CONTAINER = 1 << 25
 """Maximum octets of a container of a BLF file; Vector's tools write 128 KiB."""
+_MAX_LINE = 1 << 16
+"""Maximum characters of a line; a frame of CAN FD takes 150."""
 KINDS = {".log": "candump log", ".asc": "Vector ASC", ".blf": "Vector BLF"}
 """Suffix and name of each format."""
 
@@ -79,6 +83,22 @@ class _Bounded:
         return getattr(self._stream, name)
 
 
+class _Lines:
+    """A text file whose lines are limited."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def __iter__(self) -> Iterator[str]:
+        while line := self._stream.readline(_MAX_LINE + 1):
+            if len(line) > _MAX_LINE:
+                raise ValueError(f"a line of more than {_MAX_LINE} characters")
+            yield line
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+
 def _check_containers(path: Path) -> None:
     """Raise ValueError for a container of a BLF file that inflates to more than `_MAX_CONTAINER`.
 
@@ -88,7 +108,7 @@ def _check_containers(path: Path) -> None:
 
     from can.io import blf
 
-    with path.open("rb") as stream:
+    with open_file(path) as stream:
         source = _Bounded(stream)
         size = blf.FILE_HEADER_STRUCT.unpack(source.read(blf.FILE_HEADER_STRUCT.size))[
             1
@@ -112,6 +132,10 @@ def _check_containers(path: Path) -> None:
                     )
 
 
+def _text(stream: BinaryIO) -> TextIO:
+    return TextIOWrapper(stream, encoding="utf-8", errors="replace")
+
+
 def _read(path: Path) -> Iterator[Message]:
     import struct
     import zlib
@@ -127,8 +151,9 @@ def _read(path: Path) -> Iterator[Message]:
     try:
         if suffix == ".blf":
             _check_containers(path)
-        with path.open("rb") if binary else path.open(errors="replace") as stream:
-            for message in kind(cast(Any, _Bounded(stream) if binary else stream)):
+        with open_file(path) as stream:
+            source = _Bounded(stream) if binary else _Lines(_text(stream))
+            for message in kind(cast(Any, source)):
                 found += 1
                 yield message
     except OSError as error:

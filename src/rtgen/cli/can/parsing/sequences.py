@@ -11,6 +11,7 @@ from rtgen.cli.can.decoding.node_index import NodeIndex
 from rtgen.cli.can.parsing.frames import frame_of_text
 from rtgen.cli.common import Refusal
 from rtgen.diagnostics import ToolError
+from rtgen.files import UnreadableError, read_file
 from rtgen.runtime.canopen.wire.frames import Frame
 
 _LINE = re.compile(r"(?:(?P<plus>\+?)(?P<time>\d+(?:\.\d*)?)\s+)?(?P<frame>.+)")
@@ -31,9 +32,9 @@ def read_sequence(path: Path, known: NodeIndex) -> list[Step]:
     before; without a time the frame follows immediately. Lines that begin with `#` are comments.
     """
     try:
-        text = path.read_text("utf-8")
-    except OSError as error:
-        raise ToolError(f"cannot read {path}: {error.strerror}") from error
+        text = read_file(path).decode("utf-8")
+    except UnreadableError as error:
+        raise ToolError(f"cannot read {path}: {error}") from error
     except UnicodeDecodeError as error:
         raise Refusal(f"{path}: this is not text in UTF-8") from error
     steps = list(_steps(path, text, known))

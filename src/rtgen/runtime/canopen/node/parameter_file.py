@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
+from rtgen.files import read_start
 from rtgen.runtime.canopen import values
 from rtgen.runtime.canopen.description import DeviceDescription, ObjectNumber
 
@@ -48,8 +49,7 @@ class ParameterFile:
     def read(self) -> dict[ObjectNumber, bytes]:
         """Return the stored values; none if there is no file yet. Raises ParameterFileError."""
         try:
-            with self._path.open("rb") as file:
-                text = file.read(_MAX_BYTES + 1)
+            text = read_start(self._path, _MAX_BYTES + 1)
         except FileNotFoundError:
             return {}
         except OSError as error:
