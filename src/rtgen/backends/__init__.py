@@ -87,11 +87,6 @@ class Options(msgspec.Struct, frozen=True):
         """Whether services of TECS boards can be called over CORBA."""
         return self.tecs_corba or self.target == "openrtm"
 
-    @property
-    def skeleton_prefix(self) -> str:
-        """The prefix of a skeleton's module name."""
-        return f"{self.skeleton_package}." if self.skeleton_package else ""
-
 
 class Part(msgspec.Struct, frozen=True):
     """A generated Python package: the project's own, or one below it.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import keyword
 import os
-import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -14,6 +13,7 @@ from msgspec.structs import replace
 
 from rtgen.backends import Options
 from rtgen.diagnostics import Diagnostic, InputError, Span
+from rtgen.facts import python_modules
 from rtgen.facts.numeric import Numeric
 from rtgen.facts.version import __version__
 from rtgen.files import is_file
@@ -43,8 +43,6 @@ PRELUDES = ("kernel", "none")
 
 KCODES = ("auto", "euc", "sjis", "utf8", "none")
 """The encodings of CDL files."""
-
-_RESERVED_PACKAGES = frozenset({"generated", "RTC", "rtgen"})
 
 
 class Project(msgspec.Struct, frozen=True, kw_only=True):
@@ -440,28 +438,33 @@ def _check_kind(path: Path, target: str) -> Diagnostic | None:
 def _check_names(
     project: Project, settings: project_file.Settings
 ) -> Iterator[Diagnostic]:
-    package = project.package
-    where = settings.span("output", "package")
-    if not (package.isidentifier() and package.isascii()) or keyword.iskeyword(package):
-        yield PROJECT_NAME.at(where, f"package {package!r} is not a Python identifier")
-    elif package in _RESERVED_PACKAGES or package in sys.stdlib_module_names:
-        yield PROJECT_NAME.at(
-            where,
-            f"a package called {package!r} would hide another one",
-            hint="choose a name of your own, such as 'robots'",
-        )
-    skeletons = project.skeleton_package
-    where = settings.span("output", "skeletons")
-    is_name = skeletons.isascii() and skeletons.isidentifier()
-    if skeletons and (not is_name or keyword.iskeyword(skeletons)):
-        yield PROJECT_NAME.at(
-            where, f"skeleton folder {skeletons!r} is not a Python identifier"
-        )
-    elif skeletons == package:
-        yield PROJECT_NAME.at(
-            where,
-            f"the skeletons' package and the generated one are both called {package!r}",
-        )
+    root = project.package.partition(".")[0]
+    names = [("package", "package", project.package.split("."))]
+    if project.skeleton_package:
+        names.append(("skeletons", "skeleton folder", [project.skeleton_package]))
+    for key, what, parts in names:
+        where = settings.span("output", key)
+        owner = python_modules.owner(parts[0])
+        if not all(map(_is_module, parts)):
+            message = f"{what} {'.'.join(parts)!r} is not a Python identifier"
+            yield PROJECT_NAME.at(where, message)
+        elif parts[0] == "generated" or owner:
+            yield PROJECT_NAME.at(
+                where,
+                f"a package called {parts[0]!r} would hide that of {owner or 'others'}",
+                hint="choose a name of your own, such as 'robots'",
+            )
+        elif key == "skeletons" and parts[0] == root:
+            yield PROJECT_NAME.at(
+                where,
+                "the skeletons' package and the generated one are both called "
+                f"{root!r}",
+            )
+
+
+def _is_module(name: str) -> bool:
+    """Return whether an import statement can name a module."""
+    return name.isascii() and name.isidentifier() and not keyword.iskeyword(name)
 
 
 def _check_folders(

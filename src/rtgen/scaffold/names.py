@@ -5,18 +5,18 @@ from __future__ import annotations
 import builtins
 import keyword
 import re
-import sys
 from collections.abc import Collection
 from dataclasses import dataclass
 
 from rtgen.diagnostics import InputError
+from rtgen.facts import python_modules
 from rtgen.scaffold.rules import UNUSABLE_NAME
 from rtgen.typemap.idl_keywords import escaped
 from rtgen.typemap.python.names import module_name
 
 MAX_LENGTH = 64
 _FORM = re.compile(r"[A-Za-z][A-Za-z0-9]*([_-][A-Za-z0-9]+)*")
-_RESERVED = frozenset({"canopen", "components", "generated", "rtc", "rtgen", "tecs"})
+_RESERVED = frozenset({"components", "generated", "rtc", "tecs"})
 _FORM_HINT = "use ASCII letters, digits, '_' and '-', beginning with a letter"
 _OTHER_HINT = "choose another name"
 
@@ -65,8 +65,8 @@ def _fault(given: str) -> str | None:
         return "is a keyword or a built-in name of Python"
     if escaped(made.type) != made.type or escaped(given) != given:
         return "is a keyword of IDL"
-    if made.module in sys.stdlib_module_names:
-        return "is a module of Python, which it would hide"
+    if owner := python_modules.owner(made.module):
+        return f"is a module of {owner}, which it would hide"
     if made.module in _RESERVED:
-        return "is a package that rtgen has or generates"
+        return "is a package that rtgen generates"
     return None

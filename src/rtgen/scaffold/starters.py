@@ -16,6 +16,7 @@ from rtgen.resources import RH3_FILES, rh3_source
 from rtgen.scaffold.names import Names, names, require_free
 from rtgen.scaffold.rules import NO_PROJECT
 from rtgen.scaffold.systems import system_of
+from rtgen.typemap.python.names import skeleton_module
 
 VENDOR = "example"
 """Vendor in new components, for the user to replace."""
@@ -54,9 +55,14 @@ class Place:
             "vendor": VENDOR,
         }
 
-    def behaviour_module(self, module: str) -> str:
-        """Return the dotted name of a behaviour's module."""
-        return f"{self.behaviours}.{module}" if self.behaviours else module
+    def behaviour_module(self, name: str) -> str:
+        """Return the dotted name of the module of a component's behaviour."""
+        return skeleton_module(name, self.package, self.behaviours)
+
+    def behaviour_file(self, name: str) -> Path:
+        """Return the file of that module."""
+        module = self.behaviour_module(name).rpartition(".")[2]
+        return self.skeletons / f"{module}.py"
 
 
 def place_of(project: Project) -> Place:
@@ -96,7 +102,7 @@ def component(name: Names, place: Place) -> list[File]:
         "component",
         {
             place.definitions / f"{name.module}.idl": "definition.idl",
-            place.skeletons / f"{name.module}.py": "behaviour.py",
+            place.behaviour_file(name.module): "behaviour.py",
             _test(place, name): "test.py",
         },
         **place.values,
@@ -113,7 +119,7 @@ def device(name: Names, place: Place) -> list[File]:
         {
             place.definitions / f"{name.module}.eds": "device.eds",
             place.definitions / f"{name.module}_bus.toml": "bus.toml",
-            place.skeletons / f"{name.module}_device.py": "behaviour.py",
+            place.behaviour_file(f"{name.module}_device"): "behaviour.py",
             _test(place, name): "test.py",
         },
         **place.values,

@@ -17,13 +17,14 @@ from rtgen.backends import (
 from rtgen.backends.components.base_module import base_module
 from rtgen.backends.components.checks import (
     check,
-    check_modules,
+    check_skeletons,
     components_of,
     own_components,
 )
 from rtgen.backends.components.locations import (
     components_folder,
     factory,
+    skeleton_location,
     source_of,
 )
 from rtgen.backends.components.skeleton import skeleton_module
@@ -31,7 +32,6 @@ from rtgen.backends.kit.python_module import PythonModule, composed, python_modu
 from rtgen.diagnostics import Diagnostic, has_errors
 from rtgen.model import Component, Model
 from rtgen.typemap.python.idl_names import PythonNames
-from rtgen.typemap.python.names import module_name
 
 _LANGUAGE = re.compile(r"[A-Za-z0-9][A-Za-z0-9+#.]{0,15}")
 
@@ -47,7 +47,7 @@ class ComponentsBackend:
         found: list[Diagnostic] = []
         for part in packages:
             found += check(part.model)
-            found += check_modules(part.model, options.skeleton_package)
+        found += check_skeletons(packages)
         if has_errors(found):
             return Emission((), found)
         artifacts: dict[str, Artifact] = {}
@@ -85,7 +85,7 @@ def _of_part(part: Part) -> Iterator[Artifact]:
     for component in components:
         if not component.factory:
             skeleton = skeleton_module(part.model, names, component, options)
-            module = module_name(component.name[-1])
+            module = skeleton_location(component, options).rpartition(".")[2]
             origin = _origin(part, component)
             yield Artifact(f"{module}.py", skeleton, origin, Owner.USER)
 

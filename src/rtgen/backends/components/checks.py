@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
-import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from math import isfinite
 
+from rtgen.backends import Part
 from rtgen.backends.components import rules
+from rtgen.backends.components.locations import skeleton_location
 from rtgen.diagnostics import Diagnostic, Related, Rule, Span
 from rtgen.facts.constraints import ConstraintError, is_enumeration, is_range, text_of
 from rtgen.model import (
@@ -87,15 +88,23 @@ def _module_clashes(components: list[Component]) -> Iterator[Diagnostic]:
             )
 
 
-def check_modules(model: Model, skeleton_package: str) -> Iterator[Diagnostic]:
-    """Warnings about top-level skeletons that would hide Python modules."""
-    for component in components_of(model):
-        name = module_name(component.name[-1])
-        if not skeleton_package and name in sys.stdlib_module_names:
-            yield rules.SHADOWS.at(
+def check_skeletons(packages: Iterable[Part]) -> Iterator[Diagnostic]:
+    """Yield diagnostics for components whose packages differ, but not their skeletons."""
+    first: dict[str, Component] = {}
+    skeletons = (
+        (component, skeleton_location(component, part.options))
+        for part in packages
+        for component in own_components(part.model)
+        if not component.factory
+    )
+    for component, name in skeletons:
+        earlier = first.setdefault(name, component)
+        if module_name(earlier.name[-1]) != module_name(component.name[-1]):
+            yield rules.SAME_MODULE.at(
                 component.span,
-                f"the skeleton of `{component.scoped}` would hide Python's module `{name}`",
-                hint='give skeletons a package, such as `skeletons = "src/mynodes"`',
+                f"`{component.scoped}` and `{earlier.scoped}` both get the skeleton `{name}`",
+                related=[Related(earlier.span, "the other component")],
+                hint="rename one of them",
             )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rtgen.backends import Options
 from rtgen.model import Component, Model, SourceFile
 from rtgen.typemap.profiles import escapes as profile_escapes
-from rtgen.typemap.python.names import identifier, module_name
+from rtgen.typemap.python.names import identifier, module_name, skeleton_module
 
 _COMPONENTS = "components"
 SKELETON_NAMES = frozenset(
@@ -50,8 +50,14 @@ def factory(component: Component, options: Options) -> tuple[str, str]:
     """Module and name of what makes a component: its own, else the class of its skeleton."""
     if component.factory:
         return imported_from(options, component.factory)
-    module = f"{options.skeleton_prefix}{module_name(component.name[-1])}"
-    return module, skeleton_class(component)
+    return skeleton_location(component, options), skeleton_class(component)
+
+
+def skeleton_location(component: Component, options: Options) -> str:
+    """Return the absolute name of the module of a component's skeleton."""
+    return skeleton_module(
+        component.name[-1], options.package, options.skeleton_package
+    )
 
 
 def skeleton_class(component: Component) -> str:

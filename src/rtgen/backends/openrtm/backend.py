@@ -9,7 +9,7 @@ from rtgen.backends.components.checks import check
 from rtgen.backends.openrtm import rules
 from rtgen.backends.openrtm.component_files import component_files
 from rtgen.backends.openrtm.conversions import conversions
-from rtgen.backends.openrtm.plan import ROOT, Unit, plans
+from rtgen.backends.openrtm.plan import ROOT, Unit, own_modules, plans
 from rtgen.backends.openrtm.systems import system_artifacts
 from rtgen.backends.openrtm.wire_idl import WireIdl
 from rtgen.diagnostics import has_errors
@@ -31,7 +31,8 @@ class OpenRtmBackend:
             findings.append(
                 rules.PACKAGE.at(None, f"the package cannot be called {ROOT!r}")
             )
-        idl = {unit.options.package: WireIdl(unit) for unit in units}
+        own = own_modules(planned)
+        idl = {unit.options.package: WireIdl(unit, own) for unit in units}
         for plan in planned:
             findings += idl[plan.unit.options.package].findings(plan)
         if has_errors(findings):

@@ -27,6 +27,7 @@ from rtgen.typemap.python.names import identifier
 _RESERVED = frozenset(
     {
         *("Any", "FOLDER", "Host", "MyModuleInit", "OpenRTM_aist", "Path", "RTC"),
+        "behaviour_module",
         *("annotations", "instance_arguments", "main", "path", "place", "stubs", "sys"),
         *("int", "str", "host", "manager", "profile", "self", "ec_id"),
     }
@@ -77,7 +78,9 @@ class _ComponentModule:
         members = list(self._members())
         initialization = list(self._initialization())
         source = plan.source
-        imports = [f"from {module} import {identifier(head)} as {behaviour}"]
+        imports = []
+        if plan.behaviour_file is None:
+            imports.append(f"from {module} import {identifier(head)} as {behaviour}")
         imports += [
             self._import(path, local) for path, local in sorted(self._modules.items())
         ]
@@ -86,9 +89,18 @@ class _ComponentModule:
             for name, local in self._stubs.items()
             if name != "RTC"
         ]
-        names = ["Host", "instance_arguments", "main"]
-        stems = [file.stem for file in plan.own_idl_files]
         outside = "/".join(".." for _ in PurePosixPath(plan.folder).parts)
+        names = ["Host", "instance_arguments", "main"]
+        loaded = ""
+        if plan.behaviour_file is not None:
+            names = ["Host", "behaviour_module", *names[1:]]
+            file = string_literal(
+                f"{outside}/{options.skeleton_path}/{plan.behaviour_file}"
+            )
+            loaded = (
+                f"{behaviour} = behaviour_module(FOLDER / {file}).{identifier(head)}"
+            )
+        stems = [file.stem for file in plan.own_idl_files]
         places = [f"{outside}/{options.skeleton_path}", outside]
         text = render(
             "openrtm/component.py.j2",
@@ -99,6 +111,7 @@ class _ComponentModule:
             runtime=", ".join([*names, *["stubs"] * bool(stems)]),
             stubs=_tuple(map(string_literal, stems)) if stems else "",
             imports=sorted(imports),
+            loaded=loaded,
             specification=self._specification_text(),
             specification_name=self._specification,
             servants=list(self._servants.values()),

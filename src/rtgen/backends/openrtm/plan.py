@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -16,6 +15,7 @@ from rtgen.backends.components.members import attributes_of
 from rtgen.backends.kit.quoting.properties import is_conf_key, is_conf_value
 from rtgen.backends.openrtm import rules
 from rtgen.diagnostics import Diagnostic, Related
+from rtgen.facts import python_modules
 from rtgen.facts.openrtm_ports import known_name
 from rtgen.model import (
     Component,
@@ -52,11 +52,6 @@ STOCK = frozenset(
 _STOCK_STEMS = {stem.casefold(): "" for stem in STOCK}
 _NOT_IN_STEM = re.compile(r"\W", re.ASCII)
 _NO_TYPES = (Component, Home)
-_NEEDED = sys.stdlib_module_names | {
-    *("RTC", "OpenRTM", "OpenRTM_aist", "RTM", "SDOPackage", "rtgen"),
-    *("omniORB", "omnipy", "CORBA", "CosNaming", "PortableServer"),
-}
-"""Modules that a component's module, which precedes them in the search path, must not hide."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -261,6 +256,17 @@ class ComponentPlan:
             imported_from(options, named) if named else factory(self.component, options)
         )
 
+    @property
+    def behaviour_file(self) -> str | None:
+        """The file of the behaviour, relative to the folder from which skeletons are imported.
+
+        None if it can be imported by name: OpenRTM's manager imports `<Component>.py` as
+        `<Component>`, which a skeleton at the top level may be called, too.
+        """
+        module, _ = self.behaviour
+        is_skeleton = not (self.unit.factories.get(self.name) or self.component.factory)
+        return f"{module}.py" if is_skeleton and module == self.name else None
+
     @cached_property
     def idl_files(self) -> tuple[IdlFile, ...]:
         """The IDL files needed by its ports, each after its dependencies."""
@@ -301,11 +307,6 @@ def plans(units: Sequence[Unit]) -> tuple[list[ComponentPlan], list[Diagnostic]]
         for component in unit.components:
             findings += _port_findings(component)
             findings += _text_findings(component)
-            if component.name[-1] in _NEEDED:
-                name = component.name[-1]
-                message = f"`{name}.py` would hide the module {name} that it imports"
-                hint = "rename the component"
-                findings.append(rules.HIDES.at(component.span, message, hint=hint))
             first = folders.setdefault(component.name[-1].casefold(), component)
             if first is not component:
                 findings.append(
@@ -318,7 +319,32 @@ def plans(units: Sequence[Unit]) -> tuple[list[ComponentPlan], list[Diagnostic]]
                     )
                 )
             planned.append(_plan(unit, component))
+    findings += _hiding(planned)
     return planned, findings
+
+
+def own_modules(planned: Iterable[ComponentPlan]) -> set[str]:
+    """Return the project's top-level modules that modules for OpenRTM import by name."""
+    imported = (
+        module
+        for plan in planned
+        for module in (
+            plan.unit.options.package,
+            *(() if plan.behaviour_file else (plan.behaviour[0],)),
+        )
+    )
+    return {module.partition(".")[0] for module in imported}
+
+
+def _hiding(planned: Sequence[ComponentPlan]) -> Iterator[Diagnostic]:
+    """Yield diagnostics for modules with the name of one that they import."""
+    own = own_modules(planned)
+    for plan in planned:
+        name = plan.name
+        if name in own or python_modules.owner(name):
+            message = f"`{name}.py` would hide the module {name} that it imports"
+            hint = "rename the component"
+            yield rules.HIDES.at(plan.component.span, message, hint=hint)
 
 
 def _plan(unit: Unit, component: Component) -> ComponentPlan:

@@ -18,6 +18,9 @@ NOT_CLASSIC = Rule("RTC0570", "type that OpenRTM cannot have", Severity.ERROR)
 PYTHON_MODULE = Rule(
     "RTC0571", "IDL module with the name of one of Python's", Severity.WARNING
 )
+PROJECT_MODULE = Rule(
+    "RTC0572", "IDL module with the name of one of the project's", Severity.ERROR
+)
 
 RULES = (
     RENAMED,
@@ -30,4 +33,5 @@ RULES = (
     CONF_TEXT,
     NOT_CLASSIC,
     PYTHON_MODULE,
+    PROJECT_MODULE,
 )

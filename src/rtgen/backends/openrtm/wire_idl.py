@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator
 from functools import cached_property
-from sys import stdlib_module_names
 
 from msgspec.structs import replace
 
@@ -18,6 +17,7 @@ from rtgen.backends.openrtm.conversion_code import STAND_IN
 from rtgen.backends.openrtm.plan import ComponentPlan, IdlFile, Unit
 from rtgen.backends.openrtm.wire_names import wire_id
 from rtgen.diagnostics import Diagnostic
+from rtgen.facts import python_modules
 from rtgen.model import (
     Component,
     Declaration,
@@ -32,12 +32,16 @@ from rtgen.model.declarations import OPAQUE
 
 
 class WireIdl:
-    """Prints the IDL files of a package."""
+    """Prints the IDL files of a package.
 
-    def __init__(self, unit: Unit) -> None:
+    `project_modules` are the project's top-level modules of Python.
+    """
+
+    def __init__(self, unit: Unit, project_modules: Container[str] = ()) -> None:
         self._unit = unit
         self._classic = Classic(unit.model)
-        self._warned: set[str] = set()
+        self._project_modules = project_modules
+        self._examined: set[str] = set()
 
     def artifacts(self, plan: ComponentPlan) -> Iterator[Artifact]:
         """Yield a component's IDL files except OpenRTM's own, and the script to compile them."""
@@ -79,18 +83,29 @@ class WireIdl:
         yield from self._modules_of_python(plan)
 
     def _modules_of_python(self, plan: ComponentPlan) -> Iterator[Diagnostic]:
-        """Yield a warning at the first declaration of each such IDL module."""
+        """Yield a finding at the first declaration of each such IDL module."""
         files = {path for file in plan.own_idl_files for path in file.files}
         for declaration in self._unit.model.declarations:
             module = declaration.name[0]
-            clashes = declaration.file in files and len(declaration.name) > 1
-            if clashes and module in stdlib_module_names and module not in self._warned:
-                self._warned.add(module)
-                message = (
-                    f"`{declaration.scoped}` is in the module `{module}`: omniORB may "
-                    "put it into Python's module of that name"
+            if (
+                declaration.file not in files
+                or len(declaration.name) == 1
+                or module in self._examined
+            ):
+                continue
+            self._examined.add(module)
+            place = f"`{declaration.scoped}` is in the module `{module}`"
+            owner = python_modules.owner(module)
+            if module in self._project_modules:
+                yield rules.PROJECT_MODULE.at(
+                    declaration.span,
+                    f"{place}: its stubs would hide the project's module of that name",
                 )
-                yield rules.PYTHON_MODULE.at(declaration.span, message)
+            elif owner and module not in python_modules.MIDDLEWARE:
+                yield rules.PYTHON_MODULE.at(
+                    declaration.span,
+                    f"{place}: omniORB may put it into the module of that name of {owner}",
+                )
 
     def text(self, file: IdlFile) -> str:
         """Return the text of a file, with includes of its dependencies."""

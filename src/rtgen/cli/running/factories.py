@@ -9,7 +9,7 @@ from importlib import import_module, metadata
 from types import ModuleType
 
 from rtgen.diagnostics import ToolError
-from rtgen.project import Project, output
+from rtgen.project import Project, output, shown
 from rtgen.runtime import Component
 from rtgen.runtime.failures import ends_run
 from rtgen.runtime.system.watchdog import calling
@@ -40,7 +40,8 @@ class Factories:
             if name not in dict(project.components) and name not in installed
         }
         """Languages of the types that other programs run, according to their profiles."""
-        for folder in reversed(project.import_folders):
+        self._folders = project.import_folders
+        for folder in reversed(self._folders):
             if folder.is_dir() and str(folder) not in sys.path:
                 sys.path.insert(0, str(folder))
 
@@ -74,10 +75,25 @@ class Factories:
             if ends_run(error):
                 raise
             message = f"{target}, the factory of {type_name}, cannot be imported"
-            raise FactoryImportError(message, _advice(error, module)) from error
+            hint = self._hidden(module) or _advice(error, module)
+            raise FactoryImportError(message, hint) from error
         if not callable(factory):
             raise ToolError(f"the factory {target} of {type_name} cannot be called")
         return factory
+
+    def _hidden(self, module: str) -> str | None:
+        """Return a hint about a module of the project that another one of its name hides."""
+        name = module.partition(".")[0]
+        loaded = sys.modules.get(name)
+        if loaded is None:
+            return None
+        place = getattr(loaded, "__file__", None)
+        for folder in self._folders:
+            for file in (folder / f"{name}.py", folder / name / "__init__.py"):
+                if file.is_file() and (place is None or not file.samefile(place)):
+                    other = f"{place} is" if place else "Python has one"
+                    return f"{shown(file)} is hidden: {other} called {name}, too"
+        return None
 
 
 class FactoryImportError(ToolError):

@@ -8,6 +8,10 @@ and the connection of systems require omniORBpy.
 from __future__ import annotations
 
 from rtgen.runtime.openrtm.host import Host
-from rtgen.runtime.openrtm.starting import instance_arguments, main
+from rtgen.runtime.openrtm.starting import (
+    behaviour_module,
+    instance_arguments,
+    main,
+)
 
-__all__ = ["Host", "instance_arguments", "main"]
+__all__ = ["Host", "behaviour_module", "instance_arguments", "main"]

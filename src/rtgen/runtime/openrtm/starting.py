@@ -8,7 +8,9 @@ import sys
 import time
 from collections.abc import Callable
 from importlib import import_module
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from rtgen.runtime.failures import log
@@ -58,6 +60,25 @@ def instance_arguments(argv: list[str]) -> str:
         if each.startswith(_INSTANCE):
             return f"?instance_name={each.removeprefix(_INSTANCE)}"
     return ""
+
+
+def behaviour_module(file: Path) -> ModuleType:
+    """Import a behaviour whose module has the name of its component's module for OpenRTM.
+
+    It becomes the module `<name>_behaviour`. Raises ImportError if there is no such file.
+    """
+    name = f"{file.stem}_behaviour"
+    if name not in sys.modules:
+        spec = spec_from_file_location(name, file)
+        if spec is None or spec.loader is None or not file.is_file():
+            raise ImportError(f"there is no behaviour {file.resolve()}", name=name)
+        module = sys.modules[name] = module_from_spec(spec)
+        try:
+            spec.loader.exec_module(module)
+        except BaseException:
+            del sys.modules[name]
+            raise
+    return sys.modules[name]
 
 
 class ManagerLog(logging.Handler):

@@ -8,6 +8,7 @@ import unicodedata
 from collections.abc import Collection
 from functools import lru_cache
 
+from rtgen.facts import python_modules
 from rtgen.model import ScopedName
 
 _WORD_END = re.compile(r"([A-Z]+)([A-Z][a-z])")
@@ -57,6 +58,21 @@ def snake_case(name: str) -> str:
 def module_name(name: str) -> str:
     """Return the module or package generated for a file's stem or a component."""
     return identifier(snake_case(words(name)), _MODULES_OF_PYTHON)
+
+
+def skeleton_module(name: str, package: str, skeleton_package: str) -> str:
+    """Return the absolute name of the module of a component's skeleton.
+
+    One at the top level (empty `skeleton_package`) gets a `_` if it would hide a module of Python,
+    of rtgen or of its requirements, or the generated `package`.
+    """
+    module = module_name(name)
+    if skeleton_package:
+        return f"{skeleton_package}.{module}"
+    root = package.partition(".")[0]
+    while module == root or python_modules.owner(module):
+        module += "_"
+    return module
 
 
 def scope_modules(scope: ScopedName) -> tuple[str, ...]:

@@ -1,15 +1,15 @@
-# Created once by rtgen 0.1.0 from queue.idl.
+# Created once by rtgen 0.1.0 from lamp.idl.
 # Yours to edit: rtgen never touches it again.
-"""Queue: Holds what waits."""
+"""The component lamp."""
 
 from __future__ import annotations
 
-from robots.components.queue import QueueBase
+from robots.components.lamp import lampBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
 
 
-class Queue(QueueBase):
-    """Holds what waits."""
+class lamp(lampBase):
+    """The component lamp."""
 
     def on_initialize(self) -> ReturnCode_t:
         """Called once, when it is created."""

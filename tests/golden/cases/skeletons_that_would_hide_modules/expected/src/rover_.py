@@ -1,0 +1,28 @@
+# Created once by rtgen 0.1.0 from rover.idl.
+# Yours to edit: rtgen never touches it again.
+"""The component Rover."""
+
+from __future__ import annotations
+
+from rover.components.rover import RoverBase
+from rtgen.runtime import RTC_OK, ReturnCode_t
+
+
+class Rover(RoverBase):
+    """The component Rover."""
+
+    def on_initialize(self) -> ReturnCode_t:
+        """Called once, when it is created."""
+        return RTC_OK
+
+    def on_activated(self, ec_id: int) -> ReturnCode_t:
+        """Called when it is activated."""
+        return RTC_OK
+
+    def on_deactivated(self, ec_id: int) -> ReturnCode_t:
+        """Called when it is deactivated."""
+        return RTC_OK
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        """Called in every cycle while it is active."""
+        return RTC_OK
