@@ -267,8 +267,8 @@ class DdsPeer(Peer):
         one, other = (
             Topic(self._participant, *pair) for pair in zip(topics, types, strict=True)
         )
-        writer = DataWriter(self._participant, one, reliable())
-        reader = DataReader(self._participant, other, reliable())
+        writer = DataWriter(self._participant, one, reliable("clientid"))
+        reader = DataReader(self._participant, other, reliable("clientid"))
         await_(writer.get_matched_subscriptions)
         await_(reader.get_matched_publications)
         members = members or {"structure_needs_at_least_one_member": 0}

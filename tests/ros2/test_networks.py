@@ -58,12 +58,14 @@ def participant() -> Any:
     return DomainParticipant(DOMAIN)
 
 
-def reliable() -> Any:
+def reliable(identity: str = "") -> Any:
+    """Return a QoS; `identity` is `clientid` or `serviceid` of an end of a service."""
     from cyclonedds.qos import Policy, Qos
 
     return Qos(
         Policy.Reliability.Reliable(1_000_000_000),
         Policy.DataRepresentation(True, False),
+        *((Policy.Userdata(f"{identity}=1.2.3;".encode()),) if identity else ()),
     )
 
 

@@ -121,8 +121,8 @@ class Peer:
         from cyclonedds.sub import DataReader
 
         one, other, request, _ = self.service(name)
-        writer = DataWriter(self.part, one, reliable())
-        reader = DataReader(self.part, other, reliable())
+        writer = DataWriter(self.part, one, reliable("clientid"))
+        reader = DataReader(self.part, other, reliable("clientid"))
         await_(writer.get_matched_subscriptions)
         await_(reader.get_matched_publications)
 
@@ -189,8 +189,9 @@ class Server:
         self.ends = {}
         for name in SERVICES:
             one, other, _, reply = peer.service(name)
-            reader = DataReader(peer.part, one, reliable())
-            self.ends[name] = reader, DataWriter(peer.part, other, reliable()), reply
+            reader = DataReader(peer.part, one, reliable("serviceid"))
+            writer = DataWriter(peer.part, other, reliable("serviceid"))
+            self.ends[name] = reader, writer, reply
         topic = peer.topic(f"rt{peer.action}/_action/feedback", FeedbackMessage)
         self.feedback = DataWriter(peer.part, topic, reliable())
 

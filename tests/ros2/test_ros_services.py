@@ -29,7 +29,7 @@ from rtgen.layouts.ros_types import service_hash
 from rtgen.resources import ros_file
 from rtgen.runtime import RTC_OK, Component, SimulatedClock, System
 from rtgen.runtime.cdr import CdrError
-from rtgen.runtime.ros2 import dds_services, types
+from rtgen.runtime.ros2 import dds_ends, dds_services, types
 from rtgen.runtime.ros2.managed import EVENT_INFO
 from rtgen.runtime.ros2.network import RosNode, RosService
 from rtgen.runtime.ros2.services import (
@@ -160,8 +160,8 @@ def test_a_client_of_cyclonedds_calls(lamp: ModuleType, stack: ExitStack) -> Non
     joined(stack, dds_network(), lamp, provides=True, wait=1.0)
     request, reply = dds_classes()
     part = participant()
-    writer = DataWriter(part, Topic(part, REQUEST[0], request), reliable())
-    reader = DataReader(part, Topic(part, REPLY[0], reply), reliable())
+    writer = DataWriter(part, Topic(part, REQUEST[0], request), reliable("clientid"))
+    reader = DataReader(part, Topic(part, REPLY[0], reply), reliable("clientid"))
     await_(writer.get_matched_subscriptions)
     await_(reader.get_matched_publications)
     for number, on in enumerate((True, False)):
@@ -185,8 +185,8 @@ def test_a_server_of_cyclonedds_is_called(lamp: ModuleType, stack: ExitStack) ->
     component = joined(stack, dds_network(), lamp, provides=False, wait=20.0)
     request, reply = dds_classes()
     part = participant()
-    reader = DataReader(part, Topic(part, REQUEST[0], request), reliable())
-    writer = DataWriter(part, Topic(part, REPLY[0], reply), reliable())
+    reader = DataReader(part, Topic(part, REQUEST[0], request), reliable("serviceid"))
+    writer = DataWriter(part, Topic(part, REPLY[0], reply), reliable("serviceid"))
 
     def answer() -> None:
         for _ in range(2):
@@ -203,6 +203,69 @@ def test_a_server_of_cyclonedds_is_called(lamp: ModuleType, stack: ExitStack) ->
         response = consumer.set(lamp.std_srvs.srv.SetBool_Request(on))
         assert (response.success, response.message) == (on, "mine")
     thread.join()
+
+
+def test_a_client_without_the_header_is_not_served(
+    lamp: ModuleType, stack: ExitStack, caplog: pytest.LogCaptureFixture
+) -> None:
+    """It does not say `clientid`, so its octets are not taken for a header and a request."""
+    from cyclonedds.pub import DataWriter
+    from cyclonedds.sub import DataReader
+    from cyclonedds.topic import Topic
+
+    joined(stack, dds_network(), lamp, provides=True, wait=1.0)
+    request, reply = dds_classes()
+    part = participant()
+    known = reliable("clientid")
+    writer, other = (
+        DataWriter(part, Topic(part, REQUEST[0], request), qos)
+        for qos in (reliable(), known)
+    )
+    reader = DataReader(part, Topic(part, REPLY[0], reply), known)
+    for each in (writer, other):
+        await_(each.get_matched_subscriptions)
+    await_(reader.get_matched_publications)
+    for number in range(3):
+        writer.write(request(CLIENT, number, True))
+    await_(lambda: caplog.messages)
+    # One that says it is served, behind anything that has come before.
+    other.write(request(CLIENT, SEQUENCE, True))
+    [found] = await_(lambda: reader.take(8))
+    assert found.rmw_sequence == SEQUENCE
+    [message] = [m for m in caplog.messages if m.startswith(f"/lab/{NAME}: the client")]
+    assert f"in DDS entity {writer.guid.bytes.hex()} gets no response" in message
+
+
+def test_a_server_without_the_header_is_not_called(
+    lamp: ModuleType,
+    stack: ExitStack,
+    caplog: pytest.LogCaptureFixture,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Not even beside a server that has it: a request reaches both."""
+    from cyclonedds.pub import DataWriter
+    from cyclonedds.sub import DataReader
+    from cyclonedds.topic import Topic
+
+    monkeypatch.setattr(dds_ends, "_NAME_TIMEOUT", 0.05)
+    component = joined(stack, dds_network(), lamp, provides=False, wait=20.0)
+    consumer = next(iter(component.consumers.values()))
+    request, reply = dds_classes()
+    part = participant()
+    topic = Topic(part, REQUEST[0], request)
+    served = DataReader(part, topic, reliable("serviceid"))
+    other = DataReader(part, topic, reliable())
+    writer = DataWriter(part, Topic(part, REPLY[0], reply), reliable("serviceid"))
+    await_(served.get_matched_publications)
+    await_(other.get_matched_publications)
+    await_(writer.get_matched_subscriptions)
+    for _ in range(3):
+        with pytest.raises(ServiceError, match="is not called, because its middleware"):
+            consumer.set(lamp.std_srvs.srv.SetBool_Request(True))
+    [message] = [m for m in caplog.messages if m.startswith(f"/lab/{NAME}: the server")]
+    assert f"DDS entity {other.guid.bytes.hex()}" in message
+    assert not other.take(8)
+    assert not served.take(8)
 
 
 def test_without_a_server_of_dds(
@@ -459,7 +522,6 @@ def test_a_reply_waits_for_the_reader_of_its_client(
 ) -> None:
     """Another client's reader, which exists already, does not belong to the request."""
     from cyclonedds.pub import DataWriter
-    from cyclonedds.qos import Policy, Qos
     from cyclonedds.sub import DataReader
     from cyclonedds.topic import Topic
 
@@ -469,7 +531,7 @@ def test_a_reply_waits_for_the_reader_of_its_client(
     part, other = participant(), participant()
     first = DataReader(other, Topic(other, REPLY[0], reply), reliable())
     await_(first.get_matched_publications)
-    own = Qos(Policy.Userdata(b"clientid=1.2.3;"), base=reliable())
+    own = reliable("clientid")
     writer = DataWriter(part, Topic(part, REQUEST[0], request), own)
     await_(writer.get_matched_subscriptions)
     writer.write(request(CLIENT, SEQUENCE, True))

@@ -52,16 +52,21 @@ _DATAGRAMS = (
     else ""
 )
 """As large as loopback carries; a network would divide them, and not every system sends them."""
+_COMPATIBILITY = (
+    "<Compatibility><IgnoreTypeInformation>1.15</IgnoreTypeInformation></Compatibility>"
+)
+"""Cyclone refuses readers and writers of Fast DDS 3 (vendor 1.15) by their type information."""
 _LOOPBACK = f"""<CycloneDDS><Domain><General><Interfaces>
 <NetworkInterface address="127.0.0.1" multicast="false"/></Interfaces>
-<AllowMulticast>false</AllowMulticast>{_DATAGRAMS}</General>
+<AllowMulticast>false</AllowMulticast>{_DATAGRAMS}</General>{_COMPATIBILITY}
 <Internal>{_RECEIVED}<NackDelay>10ms</NackDelay></Internal>
 <Discovery><ParticipantIndex>auto</ParticipantIndex>
 <MaxAutoParticipantIndex>99</MaxAutoParticipantIndex>
 <LeaseDuration>{{lease}}s</LeaseDuration><SPDPInterval>{{announced}}s</SPDPInterval>
 <Peers><Peer address="127.0.0.1"/></Peers></Discovery></Domain></CycloneDDS>"""
 _INTERFACE = f"""<CycloneDDS><Domain><General><Interfaces>
-<NetworkInterface {{kind}}={{name}}/></Interfaces></General><Internal>{_RECEIVED}</Internal>
+<NetworkInterface {{kind}}={{name}}/></Interfaces></General>{_COMPATIBILITY}
+<Internal>{_RECEIVED}</Internal>
 <Discovery><LeaseDuration>{{lease}}s</LeaseDuration>
 <SPDPInterval>{{announced}}s</SPDPInterval></Discovery></Domain></CycloneDDS>"""
 

@@ -10,6 +10,7 @@ from functools import partial
 from typing import Any, NamedTuple, TypeAlias
 
 from cyclonedds import idl
+from cyclonedds.core import DDSStatus
 from cyclonedds.domain import DomainParticipant
 from cyclonedds.idl.types import int64, uint64
 from cyclonedds.pub import DataWriter, Publisher
@@ -33,6 +34,9 @@ from rtgen.runtime.dds.dispatcher import Dispatcher
 from rtgen.runtime.dds.medium import DOMAINS, configuration
 from rtgen.runtime.dds.types import idl_class
 from rtgen.runtime.distribution.medium import MediumError
+from rtgen.runtime.failures import log
+from rtgen.runtime.ros2 import dds_ends
+from rtgen.runtime.ros2.dds_ends import CLIENT, SERVER, Ends, Role, Servers, Strangers
 from rtgen.runtime.ros2.dds_services import Client, Server
 from rtgen.runtime.ros2.graph import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
 from rtgen.runtime.ros2.network import (
@@ -54,8 +58,8 @@ _ID_SIZE = 16
 _NO_USER_DATA: Mapping[str, str] = {}
 SERVICE = PROFILES["services_default"]
 _HEAD = b"\x00\x01\x00\x00"
-_OnSample: TypeAlias = Callable[[bytes, Any, int], None]
-"""Function called with a sample, its reader, and the handle of its writer."""
+_OnSample: TypeAlias = Callable[[bytes, int], None]
+"""Function called with a sample, and the handle of its writer."""
 
 
 class _Topic(NamedTuple):
@@ -102,6 +106,7 @@ class DdsNetwork:
         self._entities: list[Any] = []
         self._entries: list[Any] = []
         self._clients: list[Client] = []
+        self._strangers = Strangers()
         self._closed = False
         try:
             DOMAINS.open(node.domain, configuration(interface))
@@ -124,11 +129,13 @@ class DdsNetwork:
             shown = _data(graph)._replace(name=ros_names.DISCOVERY_TOPIC)
             self._graph = self._writer(shown, GRAPH)
             self._announce()
+            others = self._reader(shown, GRAPH._replace(history=History.KEEP_ALL))
+            self._dispatch(others, lambda octets, _: self._strangers.take_graph(octets))
 
     def publisher(self, topic: RosTopic, profile: Profile) -> Publish:
         """See `RosNetwork`."""
         with _as_ros2(topic.name):
-            writer = self._made_writer(_data(topic), profile)
+            writer = self._announced_writer(_data(topic), profile)
 
         def publish(octets: bytes) -> None:
             with _as_ros2(topic.name):
@@ -141,38 +148,51 @@ class DdsNetwork:
     ) -> None:
         """See `RosNetwork`."""
         with _as_ros2(topic.name):
-            self._read(_data(topic), profile, _octets(on_message))
+            reader = self._announced_reader(_data(topic), profile)
+            self._dispatch(reader, lambda octets, _: on_message(octets))
 
     def serve(self, service: RosService, on_request: OnRequest) -> None:
         """See `RosNetwork`."""
         requests, replies = self._service_topics(service)
-        identity = {"serviceid": ros_names.endpoint_id(os.urandom(_ID_SIZE))}
+        identity = {SERVER.key: ros_names.endpoint_id(os.urandom(_ID_SIZE))}
         with _as_ros2(service.name):
-            writer = self._made_writer(replies, SERVICE, identity)
-            server = Server(
-                service.name, partial(entities.write, writer, patience=_WRITE_TIMEOUT)
-            )
+            writer = self._announced_writer(replies, SERVICE, identity)
+            reader = self._announced_reader(requests, SERVICE, identity)
+            clients = dds_ends.writers(reader, CLIENT)
+            readers = dds_ends.readers(writer, CLIENT)
+            server = Server(service.name, partial(_write, writer))
 
-            def take(octets: bytes, reader: Any, handle: int) -> None:
-                reads = partial(_reads, reader, handle, writer)
-                server.take(octets, reads, on_request)
+            def take(octets: bytes, handle: int) -> None:
+                client = clients.find(handle)
+                if client is None:
+                    log.debug("%s: a request of an unknown client", service.name)
+                elif client.id is None:
+                    self._strangers.report(service.name, CLIENT, client.guid)
+                else:
+                    server.take(octets, partial(readers.have, client.id), on_request)
 
-            self._read(requests, SERVICE, take, identity)
+            self._dispatch(reader, take)
+            self._watch(service, CLIENT, reader, clients)
 
     def client(self, service: RosService) -> Call:
         """See `RosNetwork`."""
         requests, replies = self._service_topics(service)
-        identity = {"clientid": ros_names.endpoint_id(os.urandom(_ID_SIZE))}
+        identity = {CLIENT.key: ros_names.endpoint_id(os.urandom(_ID_SIZE))}
         with _as_ros2(service.name):
-            writer = self._made_writer(requests, SERVICE, identity)
-            readers: list[Any] = []
-            client = Client(
-                service.name,
-                partial(entities.write, writer, patience=_WRITE_TIMEOUT),
-                lambda: _is_served(writer, readers[0]),
-            )
+            writer = self._announced_writer(requests, SERVICE, identity)
+            reader = self._announced_reader(replies, SERVICE, identity)
+            readers = dds_ends.readers(writer, SERVER)
+            writers = dds_ends.writers(reader, SERVER)
+            servers = Servers(service.name, readers, writers, self._strangers)
+            client = Client(service.name, partial(_write, writer), servers)
 
-            readers.append(self._read(replies, SERVICE, _octets(client.take), identity))
+            def take(octets: bytes, handle: int) -> None:
+                server = writers.find(handle)
+                if server is not None and server.id is not None:
+                    client.take(octets)
+
+            self._dispatch(reader, take)
+            self._watch(service, SERVER, writer, readers)
         self._clients.append(client)
         return client.call
 
@@ -200,30 +220,64 @@ class DdsNetwork:
         entities.delete(self._participant)
         DOMAINS.close(self._node.domain)
 
-    def _read(
+    def _announced_reader(
         self,
         topic: _Topic,
         profile: Profile,
-        on_sample: _OnSample,
         identity: Mapping[str, str] = _NO_USER_DATA,
-    ) -> Any:
-        """Return a reader, whose messages are dispatched. Raises MediumError."""
-        with entities.reported(topic.name):
-            qos = _qos(profile, topic.type_hash, identity)
-            reader: Any = DataReader(self._subscriber, self._topic(topic), qos)
-            condition = entities.condition(reader)
+    ) -> DataReader[Any]:
+        """Return a reader, announced. Raises MediumError."""
+        reader = self._reader(topic, profile, identity)
         with self._lock:
-            self._entities += (condition, reader)
             self._ends(topic).readers.append(_gid(reader))
             self._announce()
+        return reader
+
+    def _reader(
+        self,
+        topic: _Topic,
+        profile: Profile,
+        identity: Mapping[str, str] = _NO_USER_DATA,
+    ) -> DataReader[Any]:
+        with entities.reported(topic.name):
+            qos = _qos(profile, topic.type_hash, identity)
+            reader: DataReader[Any] = DataReader(
+                self._subscriber, self._topic(topic), qos
+            )
+        self._entities.append(reader)
+        return reader
+
+    def _dispatch(self, reader: DataReader[Any], on_sample: _OnSample) -> None:
+        """Pass on the samples of a reader. Raises MediumError."""
+        with entities.reported(reader.topic.name):
+            condition = entities.condition(reader)
+        self._entities.insert(0, condition)
 
         def take() -> None:
             for octets, info in entities.taken(reader):
                 if info.valid_data:
-                    on_sample(octets, reader, info.publication_handle)
+                    on_sample(octets, info.publication_handle)
 
         self._entries.append(self._dispatcher.add(condition, take))
-        return reader
+
+    def _watch(self, service: RosService, role: Role, entity: Any, ends: Ends) -> None:
+        """Report strangers that an end of a service is matched with."""
+        matched = (
+            DDSStatus.SubscriptionMatched
+            if isinstance(entity, DataReader)
+            else DDSStatus.PublicationMatched
+        )
+
+        def look() -> None:
+            with entities.reported(service.name):
+                entity.take_status(matched)
+            for end in ends.all():
+                if end.id is None:
+                    self._strangers.discovered(service.name, role, end.guid)
+
+        with entities.reported(service.name):
+            entity.set_status_mask(matched)
+        self._entries.append(self._dispatcher.add(entity, look))
 
     def _topic(self, topic: _Topic) -> Any:
         type_name = ros_names.dds_type(topic.type_name)
@@ -234,7 +288,7 @@ class DdsNetwork:
         made.__idl_annotations__["extensibility"] = "final"
         return Topic(self._participant, topic.name, made)
 
-    def _made_writer(
+    def _announced_writer(
         self,
         topic: _Topic,
         profile: Profile,
@@ -279,29 +333,8 @@ class DdsNetwork:
         return self._nodes.setdefault(topic.node or self._node.name, _Ends([], []))
 
 
-def _octets(on_message: OnMessage) -> _OnSample:
-    return lambda octets, reader, handle: on_message(octets)
-
-
-def _reads(reader: Any, handle: int, writer: Any) -> bool:
-    """Return whether the client of a request, or any if it is unknown, reads replies."""
-    with entities.reported("the client of a request"):
-        known = entities.matched_readers(writer)
-        client = _client(entities.matched_writer(reader, handle))
-        found = (entities.matched_reader(writer, each) for each in known)
-        return bool(known) if client is None else client in map(_client, found)
-
-
-def _client(endpoint: entities.Endpoint | None) -> str | None:
-    data = b"" if endpoint is None else endpoint.user_data
-    return ros_names.parse_user_data(data).get("clientid")
-
-
-def _is_served(writer: Any, reader: Any) -> bool:
-    with entities.reported("the server of a client"):
-        return bool(
-            entities.matched_readers(writer) and entities.matched_writers(reader)
-        )
+def _write(writer: Any, octets: bytes) -> None:
+    entities.write(writer, octets, _WRITE_TIMEOUT)
 
 
 def _gid(entity: Any) -> Gid:

@@ -12,7 +12,7 @@ import threading
 import time
 from collections.abc import Callable
 from itertools import count
-from typing import Any
+from typing import Any, Protocol
 
 from rtgen.facts.ros_names import RequestId
 from rtgen.runtime.distribution.medium import MediumError
@@ -72,13 +72,26 @@ class Server:
         self._write(joined(request, response))
 
 
-class Client:
-    """The requests of a client; `matched`: a server is known, with both its ends."""
+class Servers(Protocol):
+    """The servers of a service, as its client knows them."""
 
-    def __init__(self, name: str, write: Write, matched: Matched) -> None:
+    def available(self) -> bool:
+        """Return whether one is known, with both its ends. Raises MediumError."""
+
+    def check(self, timeout: float) -> None:
+        """Raise ServiceError if a request must not be written, within the time-out [s].
+
+        Raises MediumError.
+        """
+
+
+class Client:
+    """The requests of a client."""
+
+    def __init__(self, name: str, write: Write, servers: Servers) -> None:
         self._name = name
         self._write = write
-        self._matched = matched
+        self._servers = servers
         self._own = int.from_bytes(os.urandom(8), "little")
         self._numbers = count(1)
         self._changed = threading.Condition()
@@ -88,33 +101,49 @@ class Client:
     def call(self, octets: bytes, timeout: float) -> bytes:
         """See `services.Call`."""
         deadline = time.monotonic() + timeout
-        while not self._matched():
-            if time.monotonic() > deadline or self._closed:
-                raise ObjectNotExist(f"nobody serves {self._name}")
-            time.sleep(_POLL_INTERVAL)
         number = next(self._numbers)
         with self._changed:
             self._waiting[number] = None
         try:
-            try:
-                self._write(joined(RequestId(self._own, number), octets))
-            except MediumError as error:
-                raise CommunicationFailure(str(error)) from error
-            with self._changed:
-                while not (self._closed or self._waiting[number]):
-                    left = deadline - time.monotonic()
-                    if left <= 0:
-                        raise CallTimeout(f"no response of {self._name}")
-                    if not self._matched():
-                        raise CommunicationFailure(f"{self._name} is served no more")
-                    self._changed.wait(min(left, _CHECK_INTERVAL))
-                response = self._waiting[number]
+            self._wait_for_server(deadline)
+            self._write(joined(RequestId(self._own, number), octets))
+            return self._response(number, deadline)
+        except MediumError as error:
+            # The network may have been closed meanwhile.
+            raise CommunicationFailure(f"{self._name}: {error}") from error
         finally:
             with self._changed:
                 del self._waiting[number]
-        if response is None:
+
+    def _wait_for_server(self, deadline: float) -> None:
+        """Wait until a request can be written."""
+        while True:
+            self._check_open()
+            is_available = self._servers.available()
+            self._servers.check(max(0.0, deadline - time.monotonic()))
+            if is_available:
+                return
+            if time.monotonic() > deadline:
+                raise ObjectNotExist(f"nobody serves {self._name}")
+            time.sleep(_POLL_INTERVAL)
+
+    def _response(self, number: int, deadline: float) -> bytes:
+        with self._changed:
+            while True:
+                response = self._waiting[number]
+                if response is not None:
+                    return response
+                self._check_open()
+                left = deadline - time.monotonic()
+                if left <= 0:
+                    raise CallTimeout(f"no response of {self._name}")
+                if not self._servers.available():
+                    raise CommunicationFailure(f"{self._name} is served no more")
+                self._changed.wait(min(left, _CHECK_INTERVAL))
+
+    def _check_open(self) -> None:
+        if self._closed:
             raise CommunicationFailure(f"the client of {self._name} is closed")
-        return response
 
     def take(self, octets: bytes) -> None:
         """Process a response, which may be that of another client."""

@@ -1,0 +1,214 @@
+"""A node of rclpy that is told what to do: run in an installation of ROS 2, without rtgen.
+
+Each line of its input is a command in JSON, `[NAME, ARGUMENTS...]`. Each line of its output is an
+event, `[NAME, VALUES...]`. Messages are mappings, sequences of octets lists of numbers.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import sys
+import threading
+from array import array
+from typing import Any
+
+import rclpy
+from rclpy.action import ActionClient, ActionServer, CancelResponse
+from rclpy.executors import MultiThreadedExecutor
+from rclpy.qos import QoSProfile
+from rclpy.serialization import deserialize_message, serialize_message
+
+
+def class_of(name: str) -> Any:
+    """Return the class of an interface by its name, `std_msgs/msg/String`."""
+    package, kind, last = name.split("/")
+    return getattr(importlib.import_module(f"{package}.{kind}"), last)
+
+
+def plain(value: Any) -> Any:
+    """Return a value of a message as JSON has it."""
+    if hasattr(value, "get_fields_and_field_types"):
+        return {
+            name: plain(getattr(value, name))
+            for name in value.get_fields_and_field_types()
+        }
+    if isinstance(value, bytes):
+        return value[0]
+    if isinstance(value, array) or type(value).__module__ == "numpy":
+        return value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [plain(each) for each in value]
+    return value
+
+
+def filled(message: Any, value: dict[str, Any]) -> Any:
+    """Set the fields of a message; return it."""
+    for name, field in value.items():
+        before = getattr(message, name)
+        setattr(message, name, _field(message, name, before, field))
+    return message
+
+
+def _field(message: Any, name: str, before: Any, field: Any) -> Any:
+    if isinstance(field, dict):
+        return filled(before, field)
+    type_ = message.get_fields_and_field_types()[name]
+    if type_ == "octet":
+        return bytes([field])
+    if isinstance(field, list) and "octet" in type_:
+        return [bytes([each]) for each in field]
+    if isinstance(field, list) and "/" in type_:
+        element = type_.removeprefix("sequence<").rstrip(">").split("[")[0]
+        package, last = element.split(",")[0].split("/")
+        class_ = class_of(f"{package}/msg/{last}")
+        return [filled(class_(), each) for each in field]
+    return field
+
+
+class Peer:
+    """The node with its ends."""
+
+    def __init__(self, name: str, namespace: str) -> None:
+        rclpy.init()
+        self.node = rclpy.create_node(name, namespace=namespace)
+        self.lock = threading.Lock()
+        self.ends: dict[tuple[str, str], Any] = {}
+        self.executor = MultiThreadedExecutor(4)
+        self.executor.add_node(self.node)
+        threading.Thread(target=self.executor.spin, daemon=True).start()
+
+    def tell(self, *event: Any) -> None:
+        """Write an event."""
+        with self.lock:
+            print(json.dumps(event), flush=True)
+
+    def end(self, kind: str, name: str, make: Any) -> Any:
+        """Return an end of this kind and name, made once."""
+        if (kind, name) not in self.ends:
+            self.ends[kind, name] = make()
+        return self.ends[kind, name]
+
+    def serve(self, name: str, type_: str) -> None:
+        """Serve: each request is an event; the response has its fields of the same names."""
+
+        def answer(request: Any, response: Any) -> Any:
+            value = plain(request)
+            self.tell("served", name, value)
+            known = response.get_fields_and_field_types()
+            return filled(response, {k: v for k, v in value.items() if k in known})
+
+        self.end(
+            "server",
+            name,
+            lambda: self.node.create_service(class_of(type_), name, answer),
+        )
+        self.tell("serving", name)
+
+    def client(self, name: str, type_: str) -> Any:
+        return self.end(
+            "client", name, lambda: self.node.create_client(class_of(type_), name)
+        )
+
+    def wait(self, name: str, type_: str, seconds: float) -> None:
+        """Wait for a service."""
+        found = self.client(name, type_).wait_for_service(seconds)
+        self.tell("waited", name, found)
+
+    def call(self, name: str, type_: str, request: Any, seconds: float) -> None:
+        """Call a service; the event has the response, or null without one."""
+        client = self.client(name, type_)
+        future = client.call_async(filled(class_of(type_).Request(), request))
+        done = threading.Event()
+        future.add_done_callback(lambda _: done.set())
+        found = plain(future.result()) if done.wait(seconds) else None
+        self.tell("called", name, found)
+
+    def subscribe(self, topic: str, type_: str, depth: int = 100) -> None:
+        """Subscribe: each message is an event."""
+        self.end(
+            "reader",
+            topic,
+            lambda: self.node.create_subscription(
+                class_of(type_),
+                topic,
+                lambda message: self.tell("message", topic, plain(message)),
+                QoSProfile(depth=depth),
+            ),
+        )
+        self.tell("subscribed", topic)
+
+    def publish(
+        self, topic: str, type_: str, values: list[Any], raw: bool = False
+    ) -> None:
+        """Publish messages once somebody reads; `raw`: as serialized by rclpy."""
+        class_ = class_of(type_)
+        writer = self.end(
+            "writer",
+            topic,
+            lambda: self.node.create_publisher(class_, topic, QoSProfile(depth=100)),
+        )
+        ready = threading.Event()
+        while not writer.get_subscription_count():
+            ready.wait(0.01)
+        for value in values:
+            message = filled(class_(), value)
+            writer.publish(serialize_message(message) if raw else message)
+        self.tell("published", topic)
+
+    def decode(self, type_: str, octets: str) -> None:
+        """Decode a serialized message, and encode it again."""
+        message = deserialize_message(bytes.fromhex(octets), class_of(type_))
+        self.tell("decoded", plain(message), serialize_message(message).hex())
+
+    def act(self, name: str, type_: str) -> None:
+        """Serve an action: each goal is an event."""
+
+        def execute(goal: Any) -> Any:
+            self.tell("goal", name, plain(goal.request))
+            goal.succeed()
+            return class_of(type_).Result()
+
+        self.end(
+            "action",
+            name,
+            lambda: ActionServer(
+                self.node,
+                class_of(type_),
+                name,
+                execute,
+                cancel_callback=lambda _: CancelResponse.ACCEPT,
+            ),
+        )
+        self.tell("acting", name)
+
+    def ask(self, name: str, type_: str, goal: Any, seconds: float) -> None:
+        """Send a goal; the event says whether it was accepted, or null without an answer."""
+        client = self.end(
+            "asker", name, lambda: ActionClient(self.node, class_of(type_), name)
+        )
+        known = client.wait_for_server(seconds)
+        future = client.send_goal_async(filled(class_of(type_).Goal(), goal))
+        done = threading.Event()
+        future.add_done_callback(lambda _: done.set())
+        found = future.result().accepted if done.wait(seconds) else None
+        self.tell("asked", name, known, found)
+
+    def nodes(self) -> None:
+        """Tell the names of all known nodes."""
+        found = self.node.get_node_names_and_namespaces()
+        self.tell(
+            "nodes", sorted(f"{space.rstrip('/')}/{name}" for name, space in found)
+        )
+
+
+def main() -> None:
+    peer = Peer(*sys.argv[1:3])
+    peer.tell("ready", peer.node.get_fully_qualified_name())
+    for line in sys.stdin:
+        command, *arguments = json.loads(line)
+        getattr(peer, command)(*arguments)
+
+
+if __name__ == "__main__":
+    main()
