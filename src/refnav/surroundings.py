@@ -29,6 +29,8 @@ class Surroundings:
         """Start at the time `now` [ns], without a scan."""
         self.scan.start(now)
         self.points: list[Point] = []
+        self.scanned: list[Point] = []
+        """The points of the latest scan when it arrived, far ones too."""
         self.seen = False
         """Whether there was a scan."""
         self._now = now
@@ -38,31 +40,35 @@ class Surroundings:
 
         Points farther than `reach` [m] are left out.
         """
-        self._move((now - self._now) / SECOND, v, w)
+        self.points = _moved(self.points, (now - self._now) / SECOND, v, w)
         self._now = now
         scan = self.scan.read_newest(now)
         if scan is None:
             return False
-        self.points = [(p.x, p.y) for p in scan.data if hypot(p.x, p.y) <= reach]
         self.seen = True
         taken = scan.tm.sec * SECOND + scan.tm.nsec
-        if 0 < taken < now:
-            self._move((now - taken) / SECOND, v, w)
+        age = (now - taken) / SECOND if 0 < taken < now else 0.0
+        points = [(p.x, p.y) for p in scan.data]
+        self.scanned = _moved(points, age, v, w)
+        self.points = [
+            moved
+            for point, moved in zip(points, self.scanned, strict=True)
+            if hypot(*point) <= reach
+        ]
         return True
 
     def is_known(self, now: int) -> bool:
         """Return whether there is a scan within the age limit."""
         return self.seen and not self.scan.is_late(now)
 
-    def _move(self, dt: float, v: float, w: float) -> None:
-        if not self.points or (v, w) == (0.0, 0.0):
-            return
-        x, y, theta = advance(0.0, 0.0, 0.0, v * dt, w * dt)
-        along, across = cos(theta), sin(theta)
-        self.points = [
-            (
-                (px - x) * along + (py - y) * across,
-                (py - y) * along - (px - x) * across,
-            )
-            for px, py in self.points
-        ]
+
+def _moved(points: list[Point], dt: float, v: float, w: float) -> list[Point]:
+    """Return the points in the frame of a base that has driven for `dt` [s]."""
+    if not points or (v, w) == (0.0, 0.0):
+        return points
+    x, y, theta = advance(0.0, 0.0, 0.0, v * dt, w * dt)
+    along, across = cos(theta), sin(theta)
+    return [
+        ((px - x) * along + (py - y) * across, (py - y) * along - (px - x) * across)
+        for px, py in points
+    ]

@@ -45,6 +45,15 @@ def goal(x: float, y: float, theta: float) -> list[str]:
     return [f"PositionInput0.{name}={value}" for name, value in values.items()]
 
 
+def placed(start: Pose, base: str) -> list[str]:
+    """Return the settings for the pose in which a base starts."""
+    return [
+        f"{instance}.{name}_{axis}={value}"
+        for instance, name in (("Odometry0", "initialPose"), (base, "PlantStart"))
+        for axis, value in zip(("x", "y", "theta"), start, strict=True)
+    ]
+
+
 def build(
     system: model.System,
     settings: Iterable[str] = (),

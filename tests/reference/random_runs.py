@@ -18,7 +18,7 @@ from random import Random
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from pipeline import GOAL, NAVIGATION, at_end, build, profile
+from pipeline import GOAL, NAVIGATION, at_end, build, placed, profile
 
 from refnav.geometry import Pose
 from refnav.position_input import ALL_DONE
@@ -213,7 +213,7 @@ def make(
     file = folder / f"room{seed}"
     file.write_text(room, encoding="utf-8")
     settings = [
-        *_placed(start, "RefHw0" if obstacles else "RefHardRh30"),
+        *placed(start, "RefHw0" if obstacles else "RefHardRh30"),
         *(
             f"PositionInput0.{n}={v}"
             for n, v in zip(("01_x", "01_y", "01_th"), goal, strict=True)
@@ -262,14 +262,6 @@ def _scene(chance: Random, *, obstacles: bool) -> tuple[str, Pose, Pose]:
         if hypot(x - goal.x, y - goal.y) > 0.8 + radius:
             lines.append(f"c {x:.3f} {y:.3f} {radius:.3f}")
     return "\n".join(lines) + "\n", start, goal
-
-
-def _placed(start: Pose, base: str) -> list[str]:
-    return [
-        f"{instance}.{name}_{axis}={value}"
-        for instance, name in (("Odometry0", "initialPose"), (base, "PlantStart"))
-        for axis, value in zip(("x", "y", "theta"), start, strict=True)
-    ]
 
 
 def _plan(

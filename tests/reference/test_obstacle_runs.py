@@ -7,7 +7,7 @@ from math import hypot
 from pathlib import Path
 
 import pytest
-from pipeline import NAVIGATION, at_end, build, profile
+from pipeline import NAVIGATION, at_end, build, placed, profile
 
 from refnav.geometry import Pose
 from refnav.room import Room, parse
@@ -16,6 +16,8 @@ from rtgen.runtime import SECOND, System
 OBSTACLES = NAVIGATION / "obstacles.xml"
 BODY = 0.45
 """Radius of the body [m], as in Odometry, ObstaclesAvoidance and CollisionDetection."""
+WALLS = "w -2 -2 9 -2\nw -2 2 9 2\nw -2 -2 -2 2\nw 9 -2 9 2"
+"""Those of the corridor in `room`."""
 
 
 def room(name: str) -> Room:
@@ -129,10 +131,7 @@ def test_a_post_close_ahead_is_turned_from_and_passed(
     ahead: float, tmp_path: Path
 ) -> None:
     post = tmp_path / "post"
-    post.write_text(
-        "w -2 -2 9 -2\nw -2 2 9 2\nw -2 -2 -2 2\nw 9 -2 9 2\n"
-        f"c {ahead + 0.2} 0.0 0.2\n"
-    )
+    post.write_text(f"{WALLS}\nc {ahead + 0.2} 0.0 0.2\n")
     settings = [*in_room(str(post)), "LRFCapture_URG0.resolution=0.02"]
     with build(profile(OBSTACLES), [*settings, "PositionInput0.01_x=4.0"]) as built:
         run = Drive(built)
@@ -141,6 +140,48 @@ def test_a_post_close_ahead_is_turned_from_and_passed(
         assert built.run(60 * SECOND, at_end)
         assert run.away(4.0, 0.0) < 0.05
         assert run.room_left(parse(post.read_text(), "post")) > 0.05
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mirrored", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("posts", "start", "goal"),
+    [
+        # The gap between the second post and the wall is narrower than it looks from afar.
+        (
+            [(2.134, -0.543, 0.149), (4.576, -0.543, 0.240)],
+            Pose(0.0, 0.0, 0.0),
+            (7.0, -0.0786),
+        ),
+        # The base arrives with its heading towards the closed side.
+        ([(2.75, 0.739, 0.191)], Pose(0.0, 0.893, -0.973), (4.955, 0.61)),
+    ],
+)
+def test_the_other_side_is_tried_before_the_base_gives_up(
+    posts: list[tuple[float, float, float]],
+    start: Pose,
+    goal: tuple[float, float],
+    mirrored: float,
+    tmp_path: Path,
+) -> None:
+    file = tmp_path / "posts"
+    lines = [f"c {x} {mirrored * y} {radius}" for x, y, radius in posts]
+    file.write_text("\n".join([WALLS, *lines, ""]))
+    x, y = goal[0], mirrored * goal[1]
+    begin = Pose(start.x, mirrored * start.y, mirrored * start.theta)
+    settings = [
+        *in_room(str(file)),
+        *placed(begin, "RefHw0"),
+        f"PositionInput0.01_x={x}",
+        f"PositionInput0.01_y={y}",
+    ]
+    with build(profile(OBSTACLES), settings) as built:
+        run = Drive(built)
+        built.run(SECOND // 10)
+        built.deactivate("GamePad0")
+        assert built.run(150 * SECOND, at_end)
+        assert run.away(x, y) < 0.05
+        assert run.room_left(parse(file.read_text(), "posts")) > 0.1
 
 
 def test_two_runs_are_the_same() -> None:
