@@ -65,7 +65,9 @@ def generated(folder: Path, component: str, package: str, skeletons: str) -> int
         ("Rover", "rover", "src", "rover_"),
         ("Select", "robots", "src", "select_"),
         ("Rtgen", "robots", "src", "rtgen_"),
-        ("Msgspec", "acme", "src", "msgspec_"),
+        ("Msgspec", "acme.rover", "src", "msgspec_"),
+        ("Acme", "acme.rover", "src", "acme_"),
+        ("rover", "acme.rover", "src", "rover_behaviour"),
     ],
 )
 def test_a_manager_imports_the_module(
@@ -98,6 +100,8 @@ def test_a_manager_imports_the_module(
         ("nodes", "robots", "src/nodes", "RTC0566"),
         ("msgspec", "robots", "src", "RTC0566"),
         ("Lamp", "mm", "src", "RTC0572"),
+        ("Lamp", "mm.rover", "src", "RTC0572"),
+        ("acme", "acme.rover", "src", "RTC0566"),
         ("Lamp", "robots", "src/mm", "RTC0572"),
     ],
 )

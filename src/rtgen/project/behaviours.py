@@ -31,9 +31,9 @@ def check(project: Project, artifacts: Sequence[Artifact]) -> list[Diagnostic]:
 
 
 def _findings(project: Project, artifacts: Sequence[Artifact]) -> Iterator[Diagnostic]:
-    base = f"{project.package}/components/*/__init__.py"
+    base = f"{project.options.folder}/components/*/__init__.py"
     bases = {
-        path.parts[2]: artifact.text
+        path.parent.name: artifact.text
         for artifact in artifacts
         if (path := PurePosixPath(artifact.path)).match(base)
     }

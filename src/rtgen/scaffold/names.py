@@ -6,7 +6,7 @@ import builtins
 import keyword
 import re
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rtgen.diagnostics import InputError
 from rtgen.facts import python_modules
@@ -30,15 +30,29 @@ class Names:
     module: str
 
 
-def names(given: str) -> Names:
-    """Return the forms of a name. Raises InputError for one that is invalid in a language."""
+def names(given: str, *, inner: bool = False) -> Names:
+    """Return the forms of a name; an `inner` one is that of a package in another one.
+
+    Raises InputError for one that is invalid in a language.
+    """
     if not _FORM.fullmatch(given):
         form = "is not a name that files, IDL and Python can have"
         raise _unusable(given, form, _FORM_HINT)
-    fault = _fault(given)
+    fault = _fault(given, inner)
     if fault is not None:
         raise _unusable(given, fault)
     return _forms(given)
+
+
+def project_names(given: str) -> tuple[str, Names]:
+    """Return the package of a project `acme.rover`, and the forms of its last part.
+
+    Raises InputError as `names` does.
+    """
+    first, *inner = given.split(".")
+    parts = [names(first), *(names(part, inner=True) for part in inner)]
+    package = ".".join(part.module for part in parts)
+    return package, replace(parts[-1], given=given)
 
 
 def require_free(name: Names, used: Collection[str]) -> None:
@@ -57,7 +71,7 @@ def _forms(given: str) -> Names:
     return Names(given, type_, module_name("_".join(words)))
 
 
-def _fault(given: str) -> str | None:
+def _fault(given: str, inner: bool) -> str | None:
     if len(given) > MAX_LENGTH:
         return f"is longer than {MAX_LENGTH} characters"
     made = _forms(given)
@@ -65,7 +79,8 @@ def _fault(given: str) -> str | None:
         return "is a keyword or a built-in name of Python"
     if escaped(made.type) != made.type or escaped(given) != given:
         return "is a keyword of IDL"
-    if owner := python_modules.owner(made.module):
+    owner = None if inner else python_modules.owner(made.module)
+    if owner:
         return f"is a module of {owner}, which it would hide"
     if made.module in _RESERVED:
         return "is a package that rtgen generates"

@@ -163,11 +163,11 @@ def system(
     return [File(folder / f"{name.module}.xml", system_text(made)), *test]
 
 
-def project(name: Names, root: Path) -> list[File]:
+def project(name: Names, package: str, root: Path) -> list[File]:
     """Return a project with a component, but without a system."""
-    behaviours = f"{name.module}_behaviours"
+    behaviours = f"{package.replace('.', '_')}_behaviours"
     place = Place(
-        package=name.module,
+        package=package,
         behaviours=behaviours,
         definitions=root / "definitions",
         skeletons=root / "src" / behaviours,
@@ -183,6 +183,7 @@ def project(name: Names, root: Path) -> list[File]:
         },
         **place.values,
         name=name.given,
+        system=name.module,
     )
     return [*files, *component(names(FIRST), place)]
 

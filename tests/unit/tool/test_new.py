@@ -39,10 +39,12 @@ def work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
-def started(monkeypatch: pytest.MonkeyPatch, *more: str) -> Path:
+def started(
+    monkeypatch: pytest.MonkeyPatch, *more: str, name: str = "my-robot"
+) -> Path:
     """Return a new project as the working folder."""
-    assert run(["new", "project", "my-robot", *more]) == 0
-    monkeypatch.chdir("my-robot")
+    assert run(["new", "project", name, *more]) == 0
+    monkeypatch.chdir(name)
     return Path.cwd()
 
 
@@ -61,8 +63,11 @@ def check_it_is_whole(project: Path, generated: Path | None) -> None:
 
 
 @pytest.mark.slow
-def test_a_project_with_every_part_is_whole(monkeypatch: pytest.MonkeyPatch) -> None:
-    project = started(monkeypatch)
+@pytest.mark.parametrize("name", ["my-robot", "acme.rover"])
+def test_a_project_with_every_part_is_whole(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    project = started(monkeypatch, name=name)
     for number, part in enumerate([[], *PARTS.values()]):
         assert number == 0 or run(["new", *part]) == 0
         assert run(["check"]) == 0
@@ -207,6 +212,11 @@ def test_a_disk_that_fails_leaves_nothing(
         "a" * 65,
         "x\n",
         "{{ 1 }}",
+        ".rover",
+        "acme.",
+        "acme..rover",
+        "json.rover",
+        "acme.class",
     ],
 )
 def test_names_that_something_cannot_have_are_refused(

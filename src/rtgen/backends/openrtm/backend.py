@@ -27,7 +27,7 @@ class OpenRtmBackend:
             return Emission()
         units = list(_units(model, options))
         planned, findings = plans(units)
-        if planned and options.package == ROOT:
+        if planned and options.package.partition(".")[0] == ROOT:
             findings.append(
                 rules.PACKAGE.at(None, f"the package cannot be called {ROOT!r}")
             )

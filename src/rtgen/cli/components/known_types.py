@@ -30,7 +30,7 @@ class KnownTypes:
     """
 
     def __init__(self, project: Project) -> None:
-        self._package = project.output / project.package
+        self._package = project.output / project.options.folder
         self._root = project.output
         self._made: dict[str, type[DataType] | None] = {}
 

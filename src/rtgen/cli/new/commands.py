@@ -27,17 +27,20 @@ if TYPE_CHECKING:  # loaded by the commands that need it
 )
 @with_console
 def project(console: Console, name: str, source: str | None) -> int:
-    """Create the folder NAME with a component, a system of two, and their tests."""
-    from rtgen.scaffold import starters, writing
-    from rtgen.scaffold.names import names
+    """Create the folder NAME with a component, a system of two, and their tests.
 
-    forms = names(name)
+    NAME may have dots: `acme.rover` is the package `rover` in `acme`.
+    """
+    from rtgen.scaffold import starters, writing
+    from rtgen.scaffold.names import project_names
+
+    package, forms = project_names(name)
     target = Path(name)
     with writing.new_folder(target) as folder:
         if source == "rh3":
             writing.write(starters.reference(folder))
         else:
-            writing.write(starters.project(forms, folder))
+            writing.write(starters.project(forms, package, folder))
             (folder / "systems").mkdir()
             made = load(folder)
             place = starters.place_of(made)
