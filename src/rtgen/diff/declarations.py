@@ -10,7 +10,7 @@ from rtgen.diff.changes import Change, Kind, User, Wire, change, in_wire_order
 from rtgen.diff.enums import compare_bitmasks, compare_bitsets, compare_enums
 from rtgen.diff.kinds import types as kinds
 from rtgen.diff.matching import matching
-from rtgen.diff.member_facts import other_annotations, value_text
+from rtgen.diff.member_facts import defaults, other_annotations, value_text
 from rtgen.diff.structs import Compared, Found, StructSide, compare_structs, struct_side
 from rtgen.diff.type_expressions import (
     COMPOSITE,
@@ -161,6 +161,9 @@ class _Declarations:
                 self._add(kinds.BASE, new.scoped, text, old, new)
         for kind, text in other_annotations(old, new, new.scoped):
             self._add(kind, new.scoped, text, old, new)
+        if isinstance(new, Typedef | Enum):
+            for kind, text in defaults(old, new, new.scoped):
+                self._add(kind, new.scoped, text, old, new)
 
     def _other(
         self, old: Declaration, new: Declaration, types: TypeExpressions

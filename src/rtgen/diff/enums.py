@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from rtgen.diff.changes import Kind, Wire
 from rtgen.diff.kinds import types as kinds
+from rtgen.diff.member_facts import defaults
 from rtgen.diff.structs import XCDR, Compared, Found
 from rtgen.diff.type_expressions import ENCODINGS, NO_WIRES
 from rtgen.model import (
@@ -104,22 +105,32 @@ def compare_bitmasks(old: Bitmask, new: Bitmask) -> Compared:
 
 def compare_bitsets(old: Bitset, new: Bitset, before: Model, after: Model) -> Compared:
     """Return the changes of a bitset: its fields, their widths and places."""
+    result = Compared()
     first, second = fields_of(old, before), fields_of(new, after)
-    if first == second:
-        return Compared()
-    return Compared(
-        [
+    if first != second:
+        text = f"{new.scoped} has the fields {_shown(second)}, had {_shown(first)}"
+        result.found.append(
             Found(
                 kind=kinds.BITFIELDS,
                 subject=new.scoped,
-                message=f"{new.scoped} has the fields {_shown(second)}, had {_shown(first)}",
+                message=text,
                 old=old.span,
                 new=new.span,
                 top=ENCODINGS,
                 nested=ENCODINGS,
             )
-        ]
-    )
+        )
+    fields = {field.name: field for field in old.members if field.name}
+    for field in new.members:
+        if field.name in fields:
+            was, name = fields[field.name], f"{new.scoped}.{field.name}"
+            result.found += (
+                Found(
+                    kind=kind, subject=name, message=text, old=was.span, new=field.span
+                )
+                for kind, text in defaults(was, field, f"field {name}")
+            )
+    return result
 
 
 def fields_of(bitset: Bitset, model: Model) -> list[tuple[str | None, int, bool]]:

@@ -6,7 +6,13 @@ from collections.abc import Iterator
 
 from rtgen.diff.changes import Kind
 from rtgen.diff.kinds import types as kinds
-from rtgen.model import ConstantValue, Documented, EnumeratorName
+from rtgen.model import (
+    ConstantValue,
+    Documented,
+    Enum,
+    EnumeratorName,
+    InitialValue,
+)
 
 _RANGES = ("min", "max", "range")
 _COMPARED_ELSEWHERE = frozenset(
@@ -35,13 +41,29 @@ def member_facts(
     for kind, key in (
         (kinds.TRY_CONSTRUCT, "try_construct"),
         (kinds.MEMBER_UNIT, "unit"),
-        (kinds.MEMBER_DEFAULT, "default"),
     ):
         before, after = argument(old, key), argument(new, key)
         if before != after:
             yield kind, f"{name} has {_said(key, after)}, had {_said(key, before)}"
+    yield from defaults(old, new, name)
     yield from _range(old, new, name)
     yield from other_annotations(old, new, name)
+
+
+def defaults(old: Documented, new: Documented, name: str) -> Iterator[tuple[Kind, str]]:
+    """Yield the change of the value with which a member, a typedef or an enum starts."""
+    if isinstance(old, Enum) and isinstance(new, Enum):
+        was, now = old.initial, new.initial
+        if was.name != now.name and was.value != now.value:
+            text = f"{name} starts with {now.name}, did with {was.name}"
+            yield kinds.MEMBER_DEFAULT, text
+        return
+    before, after = (
+        getattr(each, "initial", argument(each, "default")) for each in (old, new)
+    )
+    if before != after:
+        text = f"{name} has {_said('default', after)}, had {_said('default', before)}"
+        yield kinds.MEMBER_DEFAULT, text
 
 
 def other_annotations(
@@ -108,11 +130,13 @@ def argument(item: Documented, key: str) -> ConstantValue | None:
     return None if annotation is None else annotation.get()
 
 
-def value_text(value: ConstantValue | None) -> str:
-    """Return a constant as shown in messages."""
+def value_text(value: InitialValue | None) -> str:
+    """Return a constant, or the items of a list, as shown in messages."""
     match value:
         case None:
             return "none"
+        case tuple():
+            return f"({', '.join(map(value_text, value))})"
         case EnumeratorName(name):
             return name[-1]
         case bool():
@@ -122,5 +146,5 @@ def value_text(value: ConstantValue | None) -> str:
     return str(value)
 
 
-def _said(key: str, value: ConstantValue | None) -> str:
+def _said(key: str, value: InitialValue | None) -> str:
     return f"no {key}" if value is None else f"the {key} {value_text(value)}"

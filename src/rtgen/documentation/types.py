@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from rtgen.backends.kit.idl_text.literals import default_text
 from rtgen.backends.kit.quoting.markdown import Markdown, code, text
 from rtgen.documentation.pages import Content, Page
 from rtgen.documentation.places import Kind
@@ -12,13 +13,16 @@ from rtgen.model import (
     VOID,
     Bitmask,
     Bitset,
+    Case,
     Component,
     Const,
     Declaration,
     Enum,
     ExceptionDecl,
     Home,
+    InitialValue,
     Interface,
+    Member,
     Operation,
     PortKind,
     Struct,
@@ -27,6 +31,7 @@ from rtgen.model import (
     ValueBox,
     Valuetype,
 )
+from rtgen.model.initial import default_of
 
 GLOBAL = "global scope"
 
@@ -84,7 +89,11 @@ def _add(content: Content, page: Page, d: Declaration) -> None:
             _add_struct(content, page, d)
         case ExceptionDecl():
             rows = [
-                (code(m.name), content.places.type(m.type, page.path), m.doc)
+                (
+                    code(m.name),
+                    content.places.type(m.type, page.path),
+                    _described(content, m),
+                )
                 for m in d.members
             ]
             page.table(("member", "type", "description"), rows)
@@ -94,11 +103,22 @@ def _add(content: Content, page: Page, d: Declaration) -> None:
             number = "value" if isinstance(d, Enum) else "bit"
             rows = [(code(m.name), text(m.value), m.doc) for m in d.members]
             page.table(("name", number, "description"), rows)
+            if isinstance(d, Enum) and d.initial is not d.members[0]:
+                page.add(f"Values start with {code(d.initial.name)}.")
         case Bitset():
-            rows = [(code(m.name or ""), text(m.bits), m.doc) for m in d.members]
+            rows = [
+                (code(m.name or ""), text(m.bits), _with_default(m.doc, m.initial))
+                for m in d.members
+            ]
             page.table(("field", "bits", "description"), rows)
         case Typedef() | ValueBox():
-            page.add(f"Another name of {content.places.type(d.type, page.path)}.")
+            other = content.places.type(d.type, page.path)
+            own = d.initial if isinstance(d, Typedef) else None
+            default = default_of(content.model, d.type, own)
+            said = (
+                "" if default is None else f" Default: {code(default_text(default))}."
+            )
+            page.add(f"Another name of {other}.{said}")
         case Const():
             value = getattr(d.value, "name", None)
             shown = "::".join(value) if isinstance(value, tuple) else repr(d.value)
@@ -124,7 +144,7 @@ def _add_struct(content: Content, page: Page, struct: Struct) -> None:
                 "" if unit is None else text(unit.get() or ""),
                 *_octets(place),
                 *_octets(other),
-                text(" ".join([*flags, member.doc]).strip()),
+                text(" ".join([*flags, _described(content, member)]).strip()),
             )
         )
     head = ("member", "type", "unit", "CDR offset", "CDR size")
@@ -139,6 +159,20 @@ def _add_struct(content: Content, page: Page, struct: Struct) -> None:
         name = "::".join(struct.base)
         base = f" Members of {content.places.link(Kind.TYPE, name, page.path)} first."
     page.add(f"Size: {', '.join(sizes)}. Extensibility: {kind}.{base}")
+
+
+def _described(content: Content, entry: Member | Case) -> str:
+    """Return the description of a member or branch, with its default."""
+    if isinstance(entry, Member) and entry.optional:
+        return entry.doc
+    default = default_of(content.model, entry.type, entry.initial)
+    return _with_default(entry.doc, default)
+
+
+def _with_default(doc: str, default: InitialValue | None) -> str:
+    if default is None:
+        return doc
+    return f"{doc} Default: {default_text(default)}.".strip()
 
 
 def _octets(place: MemberPlace) -> list[object]:
@@ -161,7 +195,7 @@ def _add_union(content: Content, page: Page, union: Union) -> None:
         ]
         shown = ", ".join([*labels, *(["default"] if case.default else [])])
         type_ = content.places.type(case.type, page.path)
-        rows.append((code(shown), code(case.name), type_, case.doc))
+        rows.append((code(shown), code(case.name), type_, _described(content, case)))
     page.table(("label", "branch", "type", "description"), rows)
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from rtgen.backends.kit.idl_text.literals import default_text
 from rtgen.diagnostics import Diagnostic
 from rtgen.diagnostics.report import as_json
 from rtgen.facts.ros import INTERFACE_SUFFIXES
@@ -25,6 +26,7 @@ from rtgen.model import (
     EnumeratorName,
     ExceptionDecl,
     Home,
+    InitialValue,
     Interface,
     Member,
     Model,
@@ -42,6 +44,7 @@ from rtgen.model import (
     ValueBox,
     Valuetype,
 )
+from rtgen.model.initial import default_of, discriminator
 
 if TYPE_CHECKING:
     from rtgen.model.tecs import TecsDeclaration
@@ -117,15 +120,22 @@ def _body(d: Declaration, model: Model) -> Json:
     identity = {"repository_id": d.repository_id}
     match d:
         case Struct():
-            body = {"base": _scoped(d.base), "members": [*map(_member, d.members)]}
+            members = [_member(m, model) for m in d.members]
+            body = {"base": _scoped(d.base), "members": members}
             return identity | body | _ros(d, model)
         case ExceptionDecl():
-            return identity | {"base": None, "members": [*map(_member, d.members)]}
+            members = [_member(m, model) for m in d.members]
+            return identity | {"base": None, "members": members}
         case Union():
-            cases = [_case(c, model.unalias(d.switch)) for c in d.cases]
-            return identity | {"switch": str(d.switch), "cases": cases}
+            switch = model.unalias(d.switch)
+            return identity | {
+                "switch": str(d.switch),
+                "initial": _label(discriminator(model, d), switch),
+                "cases": [_case(c, switch, model) for c in d.cases],
+            }
         case Enum():
-            return identity | {"members": [m.name for m in d.members]}
+            names = [m.name for m in d.members]
+            return identity | {"members": names, "initial": d.initial.name}
         case Bitset():
             return identity | {"members": [*_bitfields(d)]}
         case Bitmask():
@@ -136,12 +146,15 @@ def _body(d: Declaration, model: Model) -> Json:
             return identity | {
                 "members": [b | text for b, text in zip(bits, documents, strict=True)]
             }
-        case Typedef() | ValueBox():
+        case Typedef():
+            initial = _initial(model, d.type, d.initial)
+            return identity | {"type": str(d.type), "initial": initial}
+        case ValueBox():
             return identity | {"type": str(d.type)}
         case Const():
             return {"type": str(d.type), "value": _value(d.value)}
         case Valuetype():
-            return identity | _valuetype(d)
+            return identity | _valuetype(d, model)
         case Interface():
             return identity | _interface(d) | {"local": d.local}
         case Component():
@@ -153,22 +166,36 @@ def _body(d: Declaration, model: Model) -> Json:
     raise AssertionError(f"no JSON for {type(d).__name__}")
 
 
-def _member(m: Member) -> Json:
+def _member(m: Member, model: Model) -> Json:
     body: Json = {"name": m.name, "type": str(m.type)}
     if isinstance(m, StateMember):
         body |= {"public": m.public}
-    return body | {"optional": m.optional, "key": m.key, "id": m.id} | _documented(m)
+    body |= {"optional": m.optional, "key": m.key, "id": m.id}
+    initial = None if m.optional else _initial(model, m.type, m.initial)
+    return body | {"initial": initial} | _documented(m)
 
 
-def _case(c: Case, switch: Type) -> Json:
+def _case(c: Case, switch: Type, model: Model) -> Json:
     labels = [_label(label, switch) for label in c.labels] + ["default"] * c.default
-    return {"labels": labels, "name": c.name, "type": str(c.type)} | _documented(c)
+    body = {"labels": labels, "name": c.name, "type": str(c.type)}
+    initial = _initial(model, c.type, c.initial)
+    return body | {"initial": initial} | _documented(c)
+
+
+def _initial(model: Model, type_: Type, own: InitialValue | None) -> Any:
+    """Return the default of a member or of its typedef; null for the implicit value."""
+    found = default_of(model, type_, own)
+    if isinstance(found, tuple):
+        return [*map(_value, found)]
+    return _optional(found)
 
 
 def _bitfields(d: Bitset) -> Iterator[Json]:
     for m in d.members:
         type_ = None if m.type is None else str(m.type)
-        yield {"name": m.name, "bits": m.bits, "type": type_} | _documented(m)
+        initial = m.initial if not isinstance(m.initial, tuple) else None
+        body = {"name": m.name, "bits": m.bits, "type": type_}
+        yield body | {"initial": _optional(initial)} | _documented(m)
 
 
 def _interface(d: Interface | Valuetype) -> Json:
@@ -180,13 +207,13 @@ def _interface(d: Interface | Valuetype) -> Json:
     }
 
 
-def _valuetype(d: Valuetype) -> Json:
+def _valuetype(d: Valuetype, model: Model) -> Json:
     return _interface(d) | {
         "local": False,
         "custom": d.custom,
         "truncatable": d.truncatable,
         "supports": [*map(_scoped, d.supports)],
-        "state": [*map(_member, d.state)],
+        "state": [_member(m, model) for m in d.state],
         "factories": [*map(_operation, d.factories)],
     }
 
@@ -386,7 +413,11 @@ def _declaration_lines(d: Declaration, model: Model) -> Iterator[str]:
     match d:
         case Const():
             yield f"{head}: {d.type} = {_value(d.value)}"
-        case Typedef() | ValueBox():
+        case Typedef():
+            default = default_of(model, d.type, d.initial)
+            shown = "" if default is None else f" (default {default_text(default)})"
+            yield f"{head} = {d.type}{shown}"
+        case ValueBox():
             yield f"{head} = {d.type}"
         case Union():
             yield f"{head} switch ({d.switch})"
@@ -396,21 +427,29 @@ def _declaration_lines(d: Declaration, model: Model) -> Iterator[str]:
             yield f"{head}: {', '.join('::'.join(b) for b in bases)}"
         case _:
             yield head
-    yield from _indented(_member_lines(d, body))
+    yield from _indented(_member_lines(d, body, model))
 
 
-def _member_lines(d: Declaration, body: Json) -> Iterator[str]:
+def _member_lines(d: Declaration, body: Json, model: Model) -> Iterator[str]:
     if isinstance(d, Enum):
-        yield from (m.name for m in d.members)
+        for enumerator in d.members:
+            first = enumerator is d.initial is not d.members[0]
+            yield f"{enumerator.name}{' (default)' * first}"
     elif isinstance(d, Bitmask):
         yield from (f"{m.name} ({m.value})" for m in d.members)
     elif isinstance(d, Bitset):
-        yield from (f"{m.name or '(padding)'}: {m.bits} bits" for m in d.members)
+        for field in d.members:
+            value = "" if field.initial is None else f" = {default_text(field.initial)}"
+            yield f"{field.name or '(padding)'}: {field.bits} bits{value}"
+    elif isinstance(d, Union):
+        for case, c in zip(d.cases, body["cases"], strict=True):
+            default = _default(model, case.type, case.initial)
+            yield f"{', '.join(c['labels'])}: {case.type} {case.name}{default}"
     else:
-        for c in body.get("cases", ()):
-            yield f"{', '.join(c['labels'])}: {c['type']} {c['name']}"
-        for m in (*body.get("members", ()), *body.get("state", ())):
-            yield f"{m['name']}: {m['type']}"
+        members: Iterable[Member] = getattr(d, "members", getattr(d, "state", ()))
+        for m in members:
+            default = "" if m.optional else _default(model, m.type, m.initial)
+            yield f"{m.name}: {m.type}{default}"
         for a in body.get("attributes", ()):
             yield f"{'readonly ' * a['readonly']}attribute {a['name']}: {a['type']}"
         for o in (*body.get("factories", ()), *body.get("operations", ())):
@@ -424,6 +463,12 @@ def _member_lines(d: Declaration, body: Json) -> Iterator[str]:
             default = "" if c["default"] is None else f" = {c['default']}"
             unit = f" [{c['unit']}]" if c["unit"] else ""
             yield f"parameter {c['name']}: {c['type']}{default}{unit}"
+
+
+def _default(model: Model, type_: Type, own: InitialValue | None) -> str:
+    """Return ` = value`, with the value in IDL; nothing without a default."""
+    found = default_of(model, type_, own)
+    return "" if found is None else f" = {default_text(found)}"
 
 
 def _indented(lines: Iterable[str]) -> Iterator[str]:

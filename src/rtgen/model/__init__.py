@@ -39,6 +39,7 @@ from rtgen.model.declarations import (
     ExceptionDecl,
     Extensibility,
     Home,
+    InitialValue,
     Interface,
     Member,
     Native,
@@ -96,6 +97,7 @@ __all__ = [
     "Extensibility",
     "FixedType",
     "Home",
+    "InitialValue",
     "Interface",
     "MapType",
     "Member",
@@ -201,6 +203,11 @@ class Model(msgspec.Struct, frozen=True, dict=True):
                 return type_
             type_ = declaration.type
         return type_
+
+    def typedef(self, type_: Type) -> Typedef | None:
+        """Return the typedef that a type names; None for other types."""
+        found = self._by_name.get(type_.name) if isinstance(type_, NamedType) else None
+        return found if isinstance(found, Typedef) else None
 
     def of_file(self, name: str) -> Iterable[Declaration]:
         """Return the declarations in a file, by its displayed path."""

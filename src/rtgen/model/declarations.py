@@ -24,6 +24,12 @@ class EnumeratorName(msgspec.Struct, frozen=True):
 ConstantValue: TypeAlias = bool | int | float | str | Decimal | EnumeratorName
 """The value of a constant expression; its Python type depends on the constant's type."""
 
+InitialValue: TypeAlias = ConstantValue | tuple[ConstantValue, ...]
+"""The value of `@default`: of a sequence or array its items, those of all dimensions in a row.
+
+That of a bitmask is a number.
+"""
+
 
 class Annotation(msgspec.Struct, frozen=True):
     """`@name(arguments)`; a single unnamed argument has the name `value`."""
@@ -62,7 +68,7 @@ class Declaration(Documented, frozen=True, kw_only=True):
 
 
 class Member(Documented, frozen=True, kw_only=True):
-    """A field of a struct or exception.
+    """A field of a struct or exception; see `rtgen.model.initial` for the value it starts with.
 
     `id` is its member id if the definition gives one, as a number or as a hash of a name; None is
     the id after that of the previous member (DDS-XTypes 1.3, 7.3.1.2.1).
@@ -75,6 +81,7 @@ class Member(Documented, frozen=True, kw_only=True):
     id: int | None = None
     must_understand: bool = False
     external: bool = False
+    initial: InitialValue | None = None
 
 
 class Extensibility(StrEnum):
@@ -109,6 +116,7 @@ class Case(Documented, frozen=True, kw_only=True):
     type: Type
     id: int | None = None
     external: bool = False
+    initial: InitialValue | None = None
 
 
 class Union(Declaration, frozen=True, kw_only=True):
@@ -133,6 +141,12 @@ class Enum(Declaration, frozen=True, kw_only=True):
     members: tuple[Enumerator, ...]
     bound: int = 32
 
+    @property
+    def initial(self) -> Enumerator:
+        """The enumerator with which values start: that of `@default_literal`, else the first."""
+        marked = (m for m in self.members if m.annotation("default_literal"))
+        return next(marked, self.members[0])
+
 
 class Bitfield(Documented, frozen=True, kw_only=True):
     """A field of a bitset: `bits` wide, `type` when one was written; unnamed ones are padding."""
@@ -140,6 +154,7 @@ class Bitfield(Documented, frozen=True, kw_only=True):
     name: str | None
     bits: int
     type: Type | None
+    initial: InitialValue | None = None
 
 
 class Bitset(Declaration, frozen=True, kw_only=True):
@@ -157,9 +172,10 @@ class Bitmask(Declaration, frozen=True, kw_only=True):
 
 
 class Typedef(Declaration, frozen=True, kw_only=True):
-    """One declarator of a typedef."""
+    """One declarator of a typedef; `initial` is the value with which members of it start."""
 
     type: Type
+    initial: InitialValue | None = None
 
 
 class Const(Declaration, frozen=True, kw_only=True):

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import msgspec
 from msgspec.structs import force_setattr
@@ -35,6 +36,7 @@ from rtgen.model import (
     Typedef,
     Union,
 )
+from rtgen.model.initial import discriminator, selected
 from rtgen.recording import ros_messages
 from rtgen.recording.errors import SchemaError
 from rtgen.recording.schemas import Schema
@@ -61,7 +63,12 @@ from rtgen.runtime.marshalling.descriptors import (
     StringDescriptor,
     StructDescriptor,
     UnionDescriptor,
+    plain,
 )
+from rtgen.runtime.marshalling.dynamic.initial import initial_value
+
+_Field: TypeAlias = tuple[str, Callable[[], Any]]
+"""The attribute of a member, and the function that makes its initial value."""
 
 _FILE = "schema.idl"
 _MAX_LENGTH = 1 << 20
@@ -171,8 +178,9 @@ class Types:
                     declaration.extensibility,
                     declaration.nested,
                 )
-                names = [member.attribute for member in described.members]
-                _class(Aggregated, described, names)
+                inherited = self._inherited(declaration)
+                fields = zip(described.members, inherited, strict=True)
+                _class(Aggregated, described, [self._field(*field) for field in fields])
                 return described
             case Union():
                 switch = self._type(declaration.switch)
@@ -186,11 +194,12 @@ class Types:
                     declaration.extensibility,
                     declaration.nested,
                 )
-                _class(UnionBase, union, ["discriminator", "value"])
+                _class(UnionBase, union, self._union_fields(declaration, union))
                 return union
             case Enum(members=entries, bound=bound):
                 numbers = tuple((entry.name, entry.value) for entry in entries)
-                enum = EnumDescriptor("", name, numbers, bound)
+                first = declaration.initial.value
+                enum = EnumDescriptor("", name, numbers, bound, initial=first)
                 return _numbered(Enumeration, enum, lambda number: number)
             case Bitmask(members=entries, bound=bound):
                 numbers = tuple((entry.name, entry.value) for entry in entries)
@@ -198,14 +207,16 @@ class Types:
                 return _numbered(Flags, flags, lambda position: 1 << position)
             case Bitset():
                 bitset = self._bitset(declaration, name)
-                names = [entry.attribute for entry in bitset.fields]
-                _class(BitsetBase, bitset, names)
+                _class(BitsetBase, bitset, self._bit_fields(declaration, bitset))
                 return bitset
-            case Typedef(type=type_):
-                return AliasDescriptor("", name, self._type(type_))
+            case Typedef(type=type_, initial=initial):
+                target = self._type(type_)
+                return AliasDescriptor(
+                    "", name, target, initial=_initial(target, initial)
+                )
         raise SchemaError(f"{name} is not a type of data")
 
-    def _members(self, struct: Struct) -> tuple[MemberDescriptor, ...]:
+    def _inherited(self, struct: Struct) -> list[Member]:
         """Return the members, inherited ones first."""
         found: list[Member] = []
         at: Struct | None = struct
@@ -213,6 +224,32 @@ class Types:
             found = [*at.members, *found]
             base = None if at.base is None else self._model.find(at.base)
             at = base if isinstance(base, Struct) else None
+        return found
+
+    def _field(self, described: MemberDescriptor, member: Member) -> _Field:
+        """Return the field of a member, with the value that it starts with."""
+        type_ = described.type
+        unset = member.optional or isinstance(type_, LinkDescriptor)
+        default = _initial(type_, member.initial)
+        make = partial(initial_value, type_, default)
+        return described.attribute, (lambda: None) if unset else make
+
+    def _union_fields(self, union: Union, described: UnionDescriptor) -> list[_Field]:
+        label = _label(described.switch, discriminator(self._model, union))
+        case = selected(self._model, union)
+        value = partial(_branch_value, None)
+        if case is not None:
+            value = partial(_branch_value, described.branches[union.cases.index(case)])
+        return [("discriminator", lambda: label), ("value", value)]
+
+    def _bit_fields(self, bitset: Bitset, described: BitsetDescriptor) -> list[_Field]:
+        named = [f for level in self._levels(bitset) for f in level.members if f.name]
+        return [
+            (entry.attribute, partial(int, field.initial or 0))
+            for entry, field in zip(described.fields, named, strict=True)
+        ]
+
+    def _members(self, struct: Struct) -> tuple[MemberDescriptor, ...]:
         return tuple(
             MemberDescriptor(
                 member.name,
@@ -224,27 +261,34 @@ class Types:
                 member.must_understand,
                 member.external,
             )
-            for number, member in enumerate(found)
+            for number, member in enumerate(self._inherited(struct))
         )
 
     def _branch(self, switch: Descriptor, number: int, case: Case) -> BranchDescriptor:
+        type_ = self._type(case.type)
         return BranchDescriptor(
             tuple(_label(switch, label) for label in case.labels),
             case.default,
             case.name,
-            self._type(case.type),
+            type_,
             f"m{number}",
             NEXT if case.id is None else case.id,
             case.external,
+            initial=_initial(type_, case.initial),
         )
 
-    def _bitset(self, declaration: Bitset, name: str) -> BitsetDescriptor:
+    def _levels(self, declaration: Bitset) -> list[Bitset]:
+        """Return a bitset after its bases."""
         levels = [declaration]
         while (base := levels[0].base) is not None:
             found = self._model.find(base)
             if not isinstance(found, Bitset):
                 break
             levels.insert(0, found)
+        return levels
+
+    def _bitset(self, declaration: Bitset, name: str) -> BitsetDescriptor:
+        levels = self._levels(declaration)
         position = 0
         fields: list[BitfieldDescriptor] = []
         for field in (field for level in levels for field in level.members):
@@ -267,11 +311,11 @@ class Types:
 _SIGNED = (Primitive.INT8, Primitive.SHORT, Primitive.LONG, Primitive.LONG_LONG)
 
 
-def _class(base: Any, descriptor: Any, names: list[str]) -> None:
+def _class(base: Any, descriptor: Any, fields: list[_Field]) -> None:
     """Give a descriptor a class with these attributes."""
     msgspec.defstruct(
         "Recorded",
-        [(name, Any) for name in names],
+        [(name, Any, msgspec.field(default_factory=make)) for name, make in fields],
         bases=(base,),
         namespace={"_descriptor_": descriptor},
         frozen=base is BitsetBase,
@@ -289,6 +333,21 @@ def _numbered(
     class_._descriptor_ = descriptor
     force_setattr(descriptor, "class_", class_)
     return descriptor
+
+
+def _branch_value(branch: BranchDescriptor | None) -> Any:
+    return None if branch is None else initial_value(branch.type, branch.initial)
+
+
+def _initial(type_: Descriptor, value: Any) -> Any:
+    """Return a default of the model as that of a descriptor."""
+    described = plain(type_) if value is not None else None
+    if isinstance(value, tuple):
+        assert isinstance(described, SequenceDescriptor | ArrayDescriptor)
+        return tuple(_initial(described.element, item) for item in value)
+    if isinstance(value, EnumeratorName):
+        return _label(type_, value)
+    return described.class_(value) if isinstance(described, FlagsDescriptor) else value
 
 
 def _label(switch: Descriptor, label: Any) -> int | str | bool:

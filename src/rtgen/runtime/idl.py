@@ -127,6 +127,15 @@ def zeros(type_: Any, *shape: int) -> Any:
     return numpy.zeros(shape, dtype(type_) if described else type_)
 
 
+def records(class_: Any, *shape: int) -> Any:
+    """Return a numpy array of a generated struct of numbers, with the defaults of its members."""
+    import numpy
+
+    from rtgen.runtime.marshalling.structured import records_of
+
+    return numpy.full(shape, records_of([class_()], class_._descriptor_))
+
+
 def map_(key: Described, value: Described, bound: int | None = None) -> MapDescriptor:
     """Return the descriptor of `map<key,value>` or `map<key,value,bound>`."""
     return MapDescriptor(_descriptor(key), _descriptor(value), bound)
@@ -219,13 +228,15 @@ def alias(
     type_: Described,
     repository_id: str | None = None,
     representation: int = 0,
+    initial: Any = None,
 ) -> AliasDescriptor:
-    """Return the descriptor of a typedef."""
+    """Return the descriptor of a typedef; `initial` is its default, of a list its items."""
     return AliasDescriptor(
         _id(name, repository_id),
         name,
         _descriptor(type_),
         representation=representation,
+        initial=initial,
     )
 
 
@@ -236,10 +247,15 @@ def case(
     name: str = "",
     member_id: int = NEXT,
     external: bool = False,
+    initial: Any = None,
 ) -> BranchDescriptor:
-    """Return a branch of a union; `labels` are values of the discriminator."""
+    """Return a branch of a union; `labels` are values of the discriminator.
+
+    `initial` is the default of its value, of a list its items.
+    """
+    described = _descriptor(type_)
     return BranchDescriptor(
-        labels, default, name, _descriptor(type_), "", member_id, external
+        labels, default, name, described, "", member_id, external, initial=initial
     )
 
 
@@ -292,13 +308,18 @@ def enum(
     names: Mapping[str, str] | None = None,
     bound: int = 32,
     repository_id: str | None = None,
+    initial: int | None = None,
 ) -> None:
-    """Set the descriptor of an enum, whose class body cannot; `names` differ from Python's."""
+    """Set the descriptor of an enum, whose class body cannot; `names` differ from Python's.
+
+    `initial` is the member with which values start, by default the first.
+    """
     members = tuple(
         ((names or {}).get(attribute, attribute), int(number))
         for attribute, number in class_.__members__.items()
     )
-    _bind(class_, EnumDescriptor(_id(name, repository_id), name, members, bound))
+    id_ = _id(name, repository_id)
+    _bind(class_, EnumDescriptor(id_, name, members, bound, initial=initial))
 
 
 def flags(

@@ -135,8 +135,15 @@ def test_constants_and_defaults(tmp_path: Path) -> None:
     assert {m.name: default(m) for m in members} == {
         "small": 7,
         "s": "a b",
-        "t": None,
-        "u": None,
+        "t": "('a, b', 'c', 'd')",
+        "u": "(1.0, 2.5)",
+        "v": False,
+    }
+    assert {m.name: m.initial for m in members} == {
+        "small": 7,
+        "s": "a b",
+        "t": ("a, b", "c", "d"),
+        "u": (1.0, 2.5),
         "v": False,
     }
 

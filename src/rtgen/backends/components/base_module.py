@@ -15,6 +15,7 @@ from rtgen.backends.components.locations import (
     summary,
 )
 from rtgen.backends.components.members import Attributes, attributes_of
+from rtgen.backends.kit.python_initial import PythonInitial
 from rtgen.backends.kit.python_module import (
     Import,
     PythonModule,
@@ -123,6 +124,7 @@ class _BaseModule:
         self._base, self._configuration = class_names(component)
         self._names = names
         self._imports = component_imports(model, names, component)
+        self._initial = PythonInitial(self._imports.mapping)
 
     def module(self, origin: Sequence[str]) -> PythonModule:
         component = self._component
@@ -177,7 +179,7 @@ class _BaseModule:
         if isinstance(type_, SequenceType):
             value = self._sequence(type_, self._parameters.default_items(parameter))
         elif parameter.default is None:
-            value = mapping.default(type_)
+            value = self._initial.expression(type_)
         else:
             value = self._literal(type_, parameter.default)
         text = f"{name}: {mapping.annotation(type_)} = {value}"
@@ -191,8 +193,12 @@ class _BaseModule:
             for text in texts
         ]
         if mapping.is_text(type_):
-            return f"bytes([{', '.join(values)}])" if values else mapping.default(type_)
-        factory = f"lambda: [{', '.join(values)}]" if values else mapping.factory(type_)
+            if not values:
+                return self._initial.expression(type_)
+            return f"bytes([{', '.join(values)}])"
+        factory = self._initial.factory(type_)
+        if values:
+            factory = f"lambda: [{', '.join(values)}]"
         return f"field(default_factory={factory})"
 
     def _literal(self, type_: Type, value: ConstantValue) -> str:

@@ -277,7 +277,7 @@ def _default(
             if isinstance(type_, NamedType):
                 enum = model.find(type_.name)
                 assert isinstance(enum, Enum), "checked before"
-                return str(enum.members[0].value)
+                return str(enum.initial.value)
             return "0.0" if type_ in _FLOATING else "0"
         case str() as text:
             return string_literal(text)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from rtgen.backends.kit.python_initial import PythonInitial
 from rtgen.backends.kit.python_text import Bracketed, fit_bracketed, tuple_of
 from rtgen.backends.kit.quoting.python import string_literal
 from rtgen.backends.types.scope import Scope
@@ -20,6 +21,7 @@ from rtgen.model import (
     ExceptionDecl,
     Extensibility,
     FixedType,
+    InitialValue,
     Interface,
     MapType,
     Member,
@@ -54,7 +56,9 @@ class Descriptions:
         scope: Scope,
         is_ahead: Callable[[Type], bool],
         representations: Representations,
+        literals: PythonInitial,
     ) -> None:
+        self._literals = literals
         self._representations = representations
         self._is_ahead = is_ahead
         self._model = model
@@ -156,6 +160,7 @@ class Descriptions:
         facts = [string_literal(declaration.scoped), self.of(declaration.type)]
         facts += self._own_id(declaration)
         facts += [f"representation={representation}"] * bool(representation)
+        facts += self._initial(declaration.type, declaration.initial)
         return f"{self._py.idl}.alias({', '.join(facts)})"
 
     def enum(self, declaration: Enum | Bitmask, class_: str) -> str:
@@ -167,7 +172,23 @@ class Descriptions:
         facts += [f"names={{{', '.join(lacking)}}}"] * bool(lacking)
         facts += [f"bound={declaration.bound}"] * (declaration.bound != 32)
         facts += self._own_id(declaration)
+        if isinstance(declaration, Enum) and (
+            declaration.initial is not declaration.members[0]
+        ):
+            facts.append(f"initial={class_}.{names[declaration.initial.name]}")
         return f"{self._py.idl}.{kind}({', '.join(facts)})"
+
+    def _initial(self, type_: Type, value: InitialValue | None) -> list[str]:
+        """Return a default as an argument: a scalar, or the tuple of a list's items."""
+        if value is None:
+            return []
+        plain = self._model.unalias(type_)
+        if not isinstance(value, tuple):
+            return [f"initial={self._literals.explicit(plain, value)}"]
+        assert isinstance(plain, SequenceType | ArrayType)
+        element = self._model.unalias(plain.element)
+        items = [self._literals.explicit(element, item) for item in value]
+        return [f"initial={tuple_of(items).flat}"]
 
     def bitset(self, declaration: Bitset) -> str:
         """Return the descriptor of a bitset."""
@@ -212,6 +233,7 @@ class Descriptions:
             parts += ["default=True"] * case.default
             parts += _differing(case, attribute)
             parts += ["external=True"] * case.external
+            parts += self._initial(case.type, case.initial)
             facts.append(f"{attribute}={idl}.case({', '.join(parts)})")
         return f"{idl}.union({', '.join(facts)})"
 

@@ -8,6 +8,7 @@ from math import isfinite
 
 import msgspec
 
+from rtgen.backends.kit.python_initial import PythonInitial
 from rtgen.backends.kit.quoting.python import docstring, number_literal, string_literal
 from rtgen.backends.kit.rendering import render
 from rtgen.backends.types.calls import Calls, CallTable
@@ -22,6 +23,7 @@ from rtgen.model import (
     ArrayType,
     Bitmask,
     Bitset,
+    Case,
     Const,
     ConstantValue,
     Declaration,
@@ -41,6 +43,7 @@ from rtgen.model import (
     ValueBox,
     Valuetype,
 )
+from rtgen.model.initial import selected
 from rtgen.typemap.python.idl import PythonMapping, is_boolean
 from rtgen.typemap.python.idl_names import PythonNames, is_emitted
 
@@ -90,13 +93,19 @@ class TypesModule:
         self.codecs: set[ScopedName] = set()
         self._late: dict[ScopedName, str] = {}
         self._mapping = PythonMapping(model, self.scope.reference, self.scope.spell)
+        initial = PythonInitial(self._mapping)
         self._describe = Descriptions(
-            model, names, types, self.scope, self._is_ahead, representations
+            model, names, types, self.scope, self._is_ahead, representations, initial
         )
         self._unions = Unions(names, model, types, self.scope, self._describe)
         self._interfaces = Interfaces(calls, names, self.scope, self._describe)
         self._valuetypes = Valuetypes(
-            names, self.scope, self._mapping, self._describe, self._interfaces
+            names,
+            self.scope,
+            self._mapping,
+            self._describe,
+            self._interfaces,
+            initial,
         )
 
     def body(self, interfaces: Sequence[Interface] = ()) -> str:
@@ -203,7 +212,8 @@ class TypesModule:
         if member.optional or self._types.is_unset(holder, member):
             annotation = self._mapping.annotation(member.type)
             return annotation.removesuffix(" | None") + " | None = None"
-        return self._valuetypes.field(member.type, isinstance(holder, ExceptionDecl))
+        dataclass = isinstance(holder, ExceptionDecl)
+        return self._valuetypes.field(member.type, member.initial, dataclass)
 
     def _nested(self, declaration: Declaration) -> list[str]:
         """Class attributes for nested declarations."""
@@ -268,18 +278,13 @@ class TypesModule:
     # Unions, enums, constants, aliases.
 
     def _union(self, declaration: Union) -> str:
-        mapping = self._mapping
-        first = declaration.cases[0]
-        unset = self._types.is_unset(declaration, first)
         version = self._version(declaration)
-        variables = self._unions.values(declaration, mapping, version)
-        value = self._valuetypes.field(first.type, False).partition(" = ")[2]
-        if "|" in str(variables["value_type"]) and not mapping.is_inferred(first.type):
-            # Type checkers do not infer the elements from one type of several.
-            default = mapping.default(first.type)
-            annotation = string_literal(mapping.annotation(first.type))
-            value = f"{self.scope.cast}({annotation}, {default})"
-            value = f"{self.scope.field}(default_factory=lambda: {value})"
+        variables = self._unions.values(declaration, self._mapping, version)
+        case = selected(self._model, declaration)
+        value = "None"
+        if case is not None and not self._types.is_unset(declaration, case):
+            several = "|" in str(variables["value_type"])
+            value = self._union_value(case, several)
         return render(
             "types/union.py.j2",
             py=self.scope,
@@ -287,9 +292,21 @@ class TypesModule:
             options=self._options(declaration),
             docstring=self._doc(declaration),
             attributes=self._nested(declaration),
-            value="None" if unset else value,
+            value=value,
             **variables,
         )
+
+    def _union_value(self, case: Case, several: bool) -> str:
+        """Return the initial value of a union; `several`: it can be of several types."""
+        initial = self._valuetypes.initial
+        if not several or initial.is_inferred(case.type):
+            field = self._valuetypes.field(case.type, case.initial, False)
+            return field.partition(" = ")[2]
+        # Type checkers do not infer the elements from one type of several.
+        annotation = string_literal(self._mapping.annotation(case.type))
+        value = initial.expression(case.type, case.initial)
+        value = f"{self.scope.cast}({annotation}, {value})"
+        return f"{self.scope.field}(default_factory=lambda: {value})"
 
     def _enum(self, declaration: Enum | Bitmask) -> str:
         names = self._names.enumerators(declaration)
@@ -318,7 +335,9 @@ class TypesModule:
             if field.name is not None:
                 is_bool = is_boolean(self._model, field)
                 kind = self.scope.bool if is_bool else self.scope.int
-                text = f"{names[field.name]}: {kind} = {False if is_bool else 0}"
+                zero = False if is_bool else 0
+                value = zero if field.initial is None else field.initial
+                text = f"{names[field.name]}: {kind} = {value}"
                 fields.append(Statement(text, docstring(field.doc, 4)))
         base = declaration.base
         return render(

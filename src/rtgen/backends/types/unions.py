@@ -10,6 +10,7 @@ from rtgen.backends.types.scope import Scope
 from rtgen.facts.primitives import INTEGER_RANGES
 from rtgen.layouts.cdr_types import CdrTypes
 from rtgen.model import Case, Model, NamedType, Primitive, PrimitiveType, Union
+from rtgen.model.initial import discriminator, selected
 from rtgen.typemap.python.idl import PythonMapping
 from rtgen.typemap.python.idl_names import OWN_NAMES, PythonNames, distinct
 
@@ -50,14 +51,17 @@ class Unions:
         other = self._other(union)
         types = list(dict.fromkeys(mapping.annotation(c.type) for c in union.cases))
         has_default = any(case.default for case in union.cases)
-        unset = self._types.is_unset(union, union.cases[0])
+        first = selected(self._model, union)
+        unset = first is not None and self._types.is_unset(union, first)
         unset |= other is not None and not has_default
         if unset and "None" not in " ".join(types):
             types.append("None")
         return {
             "descriptor": self._describe.union(union, representation),
             "switch": mapping.annotation(union.switch),
-            "discriminator": (*labels[0], other)[0],
+            "discriminator": self._describe.label(
+                union, discriminator(self._model, union)
+            ),
             "value_type": " | ".join(types),
             "branches": self._branches(union, mapping, labels, other),
         }

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import msgspec
 
+from rtgen.backends.kit.python_initial import PythonInitial
 from rtgen.backends.kit.quoting.python import docstring, string_literal
 from rtgen.backends.kit.rendering import render
 from rtgen.backends.types.descriptions import Descriptions, attribute_text, signature
 from rtgen.backends.types.interfaces import Interfaces
 from rtgen.backends.types.scope import Scope
-from rtgen.model import Type, ValueBox, Valuetype
+from rtgen.model import InitialValue, Type, ValueBox, Valuetype
 from rtgen.typemap.python.idl import PythonMapping
 from rtgen.typemap.python.idl_names import PythonNames
 
@@ -45,13 +46,15 @@ class Valuetypes:
         mapping: PythonMapping,
         describe: Descriptions,
         interfaces: Interfaces,
+        initial: PythonInitial,
     ) -> None:
         self._names = names
         self._py = scope
         self._mapping = mapping
         self._describe = describe
         self._interfaces = interfaces
-        self._fields: dict[tuple[Type, bool], str] = {}
+        self.initial = initial
+        self._fields: dict[tuple[Type, InitialValue | None, bool], str] = {}
 
     def text(self, declaration: Valuetype, nested: list[str]) -> str:
         """Return the class of a valuetype: its state as fields, its operations for the user."""
@@ -88,7 +91,10 @@ class Valuetypes:
             descriptor=self._describe.value(declaration),
             nested=nested,
             fields=[
-                _State(f"{names[m.name]}: {self.field(m.type)}", docstring(m.doc, 4))
+                _State(
+                    f"{names[m.name]}: {self.field(m.type, m.initial)}",
+                    docstring(m.doc, 4),
+                )
                 for m in declaration.state
             ],
             methods=methods,
@@ -111,17 +117,23 @@ class Valuetypes:
             properties=[],
         )
 
-    def field(self, type_: Type, dataclass: bool = True) -> str:
-        """Return annotation and initial value of a field of a `dataclass` or a `msgspec.Struct`."""
-        found = self._fields.get((type_, dataclass))
+    def field(
+        self, type_: Type, own: InitialValue | None = None, dataclass: bool = True
+    ) -> str:
+        """Return annotation and initial value of a field of a `dataclass` or a `msgspec.Struct`.
+
+        `own` is the default of the member.
+        """
+        key = type_, own, dataclass
+        found = self._fields.get(key)
         if found is None:
-            found = self._fields[type_, dataclass] = self._field(type_, dataclass)
+            found = self._fields[key] = self._field(*key)
         return found
 
-    def _field(self, type_: Type, dataclass: bool) -> str:
+    def _field(self, type_: Type, own: InitialValue | None, dataclass: bool) -> str:
         annotation = self._mapping.annotation(type_)
         if self._mapping.immutable(type_):
-            return f"{annotation} = {self._mapping.default(type_)}"
-        factory = self._mapping.factory(type_)
+            return f"{annotation} = {self.initial.expression(type_, own)}"
+        factory = self.initial.factory(type_, own)
         field = self._py.dataclass_field if dataclass else self._py.field
         return f"{annotation} = {field}(default_factory={factory})"

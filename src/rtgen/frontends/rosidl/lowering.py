@@ -126,8 +126,10 @@ def _repository_id(name: ScopedName) -> str:
 def _member(field: Field, package: str) -> Member:
     default = field.value
     annotations: list[Annotation] = []
-    if default is not None and not isinstance(default, tuple):
-        annotations.append(Annotation("default", (("value", default),)))
+    if default is not None:
+        # As rosidl_adapter writes it: IDL has no literal for a list.
+        value = repr(default) if isinstance(default, tuple) else default
+        annotations.append(Annotation("default", (("value", value),)))
     units = _UNIT.findall(field.doc)
     if len(units) == 1:
         annotations.append(Annotation("unit", (("value", units[0]),)))
@@ -137,6 +139,7 @@ def _member(field: Field, package: str) -> Member:
         annotations=tuple(annotations),
         name=field.name,
         type=_type(field.type, package),
+        initial=default,
     )
 
 

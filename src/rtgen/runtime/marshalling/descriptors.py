@@ -155,7 +155,16 @@ class Named(_Marshalled, frozen=True):
         return self.name
 
 
-class AliasDescriptor(Named, frozen=True):
+class _Initialized(Named, frozen=True, kw_only=True):
+    """A type with a default, which does not count when types are compared.
+
+    `initial` is a scalar, or the items of a list in a row; None is the implicit value of the type.
+    """
+
+    initial: Any = None
+
+
+class AliasDescriptor(_Initialized, frozen=True):
     """A typedef; types that use it are compared by its target."""
 
     target: Descriptor
@@ -164,8 +173,11 @@ class AliasDescriptor(Named, frozen=True):
         return str(self.target)
 
 
-class EnumDescriptor(Named, frozen=True):
-    """An enum: its members in order with their numbers, and its size in bits."""
+class EnumDescriptor(_Initialized, frozen=True):
+    """An enum: its members in order with their numbers, and its size in bits.
+
+    `initial` is the number with which values start, if it is not that of the first member.
+    """
 
     members: tuple[tuple[str, int], ...]
     bound: int = 32
@@ -275,7 +287,13 @@ class ExceptionDescriptor(Named, frozen=True):
         force_setattr(self, "members", _numbered(self.members, 0))
 
 
-class BranchDescriptor(msgspec.Struct, frozen=True, gc=False):
+class _InitializedBranch(Description, frozen=True, kw_only=True, gc=False):
+    """A branch with a default, as `_Initialized` has it."""
+
+    initial: Any = None
+
+
+class BranchDescriptor(_InitializedBranch, frozen=True, gc=False):
     """A branch of a union; `labels` are Python values of the discriminator."""
 
     labels: tuple[int | str | bool, ...]

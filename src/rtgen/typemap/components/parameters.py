@@ -85,8 +85,10 @@ class Parameters:
         match type_:
             case PrimitiveType(kind):
                 return "0.0" if kind in FLOAT_LIMITS else "0"
-            case NamedType():
-                return self.enumerators(type_)[0]
+            case NamedType(name):
+                enum = self._model.find(name)
+                assert isinstance(enum, Enum), "checked before"
+                return enum.initial.name
             case _:
                 return ""
 

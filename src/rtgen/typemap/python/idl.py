@@ -16,9 +16,6 @@ from rtgen.facts.primitives import NUMBERS
 from rtgen.model import (
     ArrayType,
     Bitfield,
-    Bitmask,
-    Bitset,
-    Enum,
     ExceptionDecl,
     FixedType,
     Home,
@@ -39,8 +36,6 @@ from rtgen.model import (
     Valuetype,
 )
 from rtgen.model.components import Component
-from rtgen.typemap.python.idl_names import OWN_NAMES
-from rtgen.typemap.python.names import identifier
 
 
 class PythonType(msgspec.Struct, frozen=True):
@@ -127,120 +122,65 @@ class PythonMapping:
         spell: Callable[[str, str], str] = lambda module, name: name,
         servants: bool = False,
     ) -> None:
-        self._model = model
+        self.model = model
         self._servants = servants
-        self._name_of = name_of
-        self._spell = spell
+        self.name_of = name_of
+        self.spell = spell
 
     def annotation(self, type_: Type) -> str:
         """Return the annotation of a value of the type, on one line."""
         match type_:
             case PrimitiveType(kind):
-                return self._spelled(PRIMITIVES[kind], PRIMITIVES[kind].annotation)
+                return self.spelled(PRIMITIVES[kind], PRIMITIVES[kind].annotation)
             case StringType():
-                return self._spell("", "str")
+                return self.spell("", "str")
             case FixedType():
-                return self._spell("decimal", "Decimal")
+                return self.spell("decimal", "Decimal")
             case SequenceType(numeric="array") | ArrayType(numeric="array"):
                 inner = self.annotation(type_.element)
-                return f"{self._spell('collections.abc', 'MutableSequence')}[{inner}]"
+                return f"{self.spell('collections.abc', 'MutableSequence')}[{inner}]"
             case SequenceType(numeric="numpy") | ArrayType(numeric="numpy"):
-                return f"{self._spell('numpy.typing', 'NDArray')}[{self.item(type_)}]"
+                return f"{self.spell('numpy.typing', 'NDArray')}[{self.item(type_)}]"
             case SequenceType(element) | ArrayType(element):
                 depth = len(type_.dimensions) if isinstance(type_, ArrayType) else 1
-                text = self._text_type(type_)
+                text = self.text_type(type_)
                 if text is None:
                     inner = self.annotation(element)
                 else:
-                    inner = self._spell("", text)
+                    inner = self.spell("", text)
                     depth -= 1
                 for _ in range(depth):
-                    inner = f"{self._spell('', 'list')}[{inner}]"
+                    inner = f"{self.spell('', 'list')}[{inner}]"
                 return inner
             case MapType(key, value):
                 pair = f"{self.annotation(key)}, {self.annotation(value)}"
-                return f"{self._spell('', 'dict')}[{pair}]"
+                return f"{self.spell('', 'dict')}[{pair}]"
             case NamedType(name):
                 return self._named(name)
 
-    def default(self, type_: Type) -> str:
-        """Return an expression for the initial value: zero, false, empty, the first enumerator."""
-        type_ = self._model.unalias(type_)
-        match type_:
-            case PrimitiveType(kind):
-                return self._spelled(PRIMITIVES[kind], PRIMITIVES[kind].default)
-            case StringType():
-                return '""'
-            case FixedType():
-                return f'{self._spell("decimal", "Decimal")}("0")'
-            case SequenceType(numeric="numpy"):
-                return self._numpy_default(type_, (0,))
-            case ArrayType(numeric="numpy", dimensions=dimensions):
-                return self._numpy_default(type_, dimensions)
-            case SequenceType():
-                return {None: "[]", "bytes": 'b""', "str": '""'}[self._text_type(type_)]
-            case MapType():
-                return "{}"
-            case ArrayType():
-                return self._array_default(type_)
-            case NamedType(name):
-                declaration = self._model.find(name)
-                match declaration:
-                    case Enum(members=members):
-                        first = identifier(members[0].name, OWN_NAMES[Enum])
-                        return f"{self._name_of(name)}.{first}"
-                    case Bitmask():
-                        return f"{self._name_of(name)}(0)"
-                    case Struct() | Union() | ExceptionDecl() | Bitset():
-                        return f"{self._name_of(name)}()"
-                return "None"
-
     def immutable(self, type_: Type) -> bool:
         """Return whether values of the type can be shared, such as defaults, without copying."""
-        type_ = self._model.unalias(type_)
+        type_ = self.model.unalias(type_)
         match type_:
             case SequenceType() | ArrayType():
                 return self.is_text(type_)
             case MapType():
                 return False
             case NamedType(name):
-                declaration = self._model.find(name)
+                declaration = self.model.find(name)
                 return not isinstance(declaration, Struct | Union | ExceptionDecl)
         return True
-
-    def factory(self, type_: Type) -> str:
-        """Return a callable that makes the initial value of a mutable type."""
-        plain = self._model.unalias(type_)
-        match plain:
-            case SequenceType(numeric="list" | "array"):
-                return self._spell("", "list")
-            case MapType():
-                return self._spell("", "dict")
-            case NamedType(name):
-                return self._name_of(name)
-        return f"lambda: {self.default(type_)}"
-
-    def is_inferred(self, type_: Type) -> bool:
-        """Return whether the expression of the initial value alone determines the type."""
-        type_ = self._model.unalias(type_)
-        if not isinstance(type_, ArrayType) or self._text_type(type_) is not None:
-            return True
-        element = self._model.unalias(type_.element)
-        if isinstance(element, SequenceType | ArrayType) and element.numeric == "array":
-            return False
-        unknown = self.default(element) in ("[]", "{}", "None")
-        return not unknown and self.is_inferred(element)
 
     def is_text(self, type_: Type) -> bool:
         """Return whether a sequence or array is `bytes` or `str` in Python."""
         flat = not isinstance(type_, ArrayType) or len(type_.dimensions) == 1
-        return flat and self._text_type(type_) is not None
+        return flat and self.text_type(type_) is not None
 
-    def _text_type(self, type_: Type) -> str | None:
+    def text_type(self, type_: Type) -> str | None:
         """Return `bytes` or `str` if a sequence or the innermost dimension of an array is one."""
         if not isinstance(type_, SequenceType | ArrayType):
             return None
-        element = self._model.unalias(type_.element)
+        element = self.model.unalias(type_.element)
         if isinstance(element, PrimitiveType):
             if element.kind in BYTES_ELEMENTS:
                 return "bytes"
@@ -248,71 +188,47 @@ class PythonMapping:
                 return "str"
         return None
 
-    def _spelled(self, basic: PythonType, text: str) -> str:
+    def spelled(self, basic: PythonType, text: str) -> str:
+        """Return an annotation or expression of a basic type, with its names as imported."""
         for module, name in basic.imports:
             if name in text:
-                text = text.replace(name, self._spell(module, name), 1)
+                text = text.replace(name, self.spell(module, name), 1)
         return text
 
     def _named(self, name: ScopedName) -> str:
-        declaration = self._model.find(name)
+        declaration = self.model.find(name)
         if isinstance(declaration, Interface) and self._servants:
-            return f"{self._name_of(name)} | None"
+            return f"{self.name_of(name)} | None"
         if isinstance(declaration, Interface) and declaration.abstract:
-            base = self._spelled(PRIMITIVES[Primitive.VALUE_BASE], "Value | Box | None")
-            reference = self._spell(
+            base = self.spelled(PRIMITIVES[Primitive.VALUE_BASE], "Value | Box | None")
+            reference = self.spell(
                 "rtgen.runtime.marshalling.octets", "ObjectReference"
             )
             return f"{reference} | {base}"
         if isinstance(declaration, Interface):
-            reference = self._spell(
+            reference = self.spell(
                 "rtgen.runtime.marshalling.octets", "ObjectReference"
             )
             return f"{reference} | None"
         if isinstance(declaration, Valuetype | ValueBox):
-            return f"{self._name_of(name)} | None"
+            return f"{self.name_of(name)} | None"
         if isinstance(declaration, Native | Component | Home):
-            return self._spell("", "object")
-        return self._name_of(name)
-
-    def _array_default(self, type_: ArrayType) -> str:
-        *outer, last = type_.dimensions
-        text = self._text_type(type_)
-        if text == "bytes":
-            expression = f"{self._spell('', 'bytes')}({last})"
-        elif text == "str":
-            expression = rf'"\x00" * {last}'
-        elif self.immutable(type_.element):
-            expression = f"[{self.default(type_.element)}] * {last}"
-        else:
-            expression = f"[{self.default(type_.element)} for _ in range({last})]"
-        for size in reversed(outer):
-            expression = f"[{expression} for _ in range({size})]"
-        return expression
-
-    def _numpy_default(
-        self, type_: SequenceType | ArrayType, shape: tuple[int, ...]
-    ) -> str:
-        """Return an expression for a numpy array of zeros."""
-        if self._kind(type_) is None:
-            element = self.annotation(self._model.unalias(type_.element))
-        else:
-            element = self.item(type_)
-        sizes = ", ".join(map(str, shape))
-        return f"{self._spell('rtgen.runtime', 'idl')}.zeros({element}, {sizes})"
+            return self.spell("", "object")
+        return self.name_of(name)
 
     def item(self, type_: SequenceType | ArrayType) -> str:
         """Return numpy's scalar type; for structs, that of structured arrays."""
-        kind = self._kind(type_)
+        kind = self.number_kind(type_)
         name = "void"
         if kind is not None:
             scalar = NUMBERS[kind]
             name = "float" if kind in (Primitive.FLOAT, Primitive.DOUBLE) else "int"
             name = f"{'u' * scalar.code.isupper()}{name}{8 * scalar.size}"
-        return f"{self._spell('numpy', 'numpy')}.{name}"
+        return f"{self.spell('numpy', 'numpy')}.{name}"
 
-    def _kind(self, type_: SequenceType | ArrayType) -> Primitive | None:
-        element = self._model.unalias(type_.element)
+    def number_kind(self, type_: SequenceType | ArrayType) -> Primitive | None:
+        """Return the basic type of the elements; None for others."""
+        element = self.model.unalias(type_.element)
         return element.kind if isinstance(element, PrimitiveType) else None
 
 

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from decimal import Decimal
 
-from rtgen.backends.kit.quoting.idl import (
-    characters,
-)
+from rtgen.backends.kit.quoting.idl import characters, readable_string
 from rtgen.model import (
     ConstantValue,
     EnumeratorName,
+    InitialValue,
     Model,
     Primitive,
     PrimitiveType,
@@ -39,6 +38,20 @@ def literal(model: Model, type_: Type, value: ConstantValue) -> str:
             return f"{value:f}d"
         case int() if _is_floating(type_):
             return _float(float(value))
+    return str(value)
+
+
+def default_text(value: InitialValue) -> str:
+    """Return the value of `@default` for readers, on one line: of a list its items."""
+    match value:
+        case tuple():
+            return f"({', '.join(map(default_text, value))})"
+        case bool():
+            return "TRUE" if value else "FALSE"
+        case EnumeratorName(name):
+            return name[-1]
+        case str():
+            return readable_string(value)
     return str(value)
 
 

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from rtgen.diagnostics import Diagnostic, Related
+from rtgen.facts import parameter_texts
 from rtgen.frontends.idl.lowering.common_fields import CommonFields
 from rtgen.frontends.idl.meaning.annotations import (
     Annotations,
     contradictions,
     limits,
     text,
+    value,
 )
 from rtgen.frontends.idl.meaning.typetable import Types
 from rtgen.frontends.idl.names.scopes import Entity, Kind
@@ -24,14 +26,19 @@ from rtgen.model import (
     ArrayType,
     Component,
     ConfigurationParameter,
+    ConstantValue,
+    EnumeratorName,
+    InitialValue,
     NamedType,
     Port,
     PortKind,
     Primitive,
     PrimitiveType,
+    ScopedName,
     SequenceType,
     StringType,
     Type,
+    Typedef,
 )
 
 _KINDS = {
@@ -60,10 +67,15 @@ class Components:
     """Lowers components to the model; diagnostics go to `report`."""
 
     def __init__(
-        self, types: Types, fields: CommonFields, report: Callable[[Diagnostic], None]
+        self,
+        types: Types,
+        fields: CommonFields,
+        typedefs: Mapping[ScopedName, Typedef],
+        report: Callable[[Diagnostic], None],
     ) -> None:
         self._types = types
         self._fields = fields
+        self._typedefs = typedefs
         self._report = report
         self._made: dict[Entity, Component] = {}
 
@@ -261,8 +273,11 @@ class Components:
     def _parameter(
         self, entity: Entity, type_: Type, found: tuple[Annotation, ...], doc: str
     ) -> ConfigurationParameter:
-        low, high, default = limits(found)
-        for message in contradictions(found):
+        low, high = limits(found)
+        default = value(found, "default")
+        if default is None:
+            default = self._inherited(type_)
+        for message in contradictions((low, high), default):
             hint = "correct @default, @min or @max"
             self._report(rules.DEFAULT_RANGE.at(entity.span, message, hint=hint))
         return ConfigurationParameter(
@@ -280,6 +295,15 @@ class Components:
             widget=text(found, "widget") or "",
         )
 
+    def _inherited(self, type_: Type) -> ConstantValue | None:
+        """Return the default of the nearest typedef that has one; that of a list is a text."""
+        while isinstance(type_, NamedType) and type_.name in self._typedefs:
+            typedef = self._typedefs[type_.name]
+            if typedef.initial is not None:
+                return _text_form(typedef.initial)
+            type_ = typedef.type
+        return None
+
     def _has_text_form(self, type_: Type) -> bool:
         plain = self._types.unaliased(type_)
         if isinstance(plain, SequenceType | ArrayType):
@@ -294,6 +318,17 @@ class Components:
             case NamedType(name):
                 return self._types.is_enum(name)
         return False
+
+
+def _text_form(initial: InitialValue) -> ConstantValue | None:
+    """Return a default as that of a parameter: a text for a list, None if it has none."""
+    if not isinstance(initial, tuple):
+        return initial
+    items = [i.name[-1] if isinstance(i, EnumeratorName) else i for i in initial]
+    try:
+        return parameter_texts.text_of(items)
+    except ValueError:
+        return None
 
 
 def _slot(item: Port | ConfigurationParameter) -> tuple[str, ...]:

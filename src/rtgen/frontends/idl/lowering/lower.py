@@ -13,7 +13,7 @@ from rtgen.frontends.idl.meaning import traits
 from rtgen.frontends.idl.meaning.annotations import Annotations, flag
 from rtgen.frontends.idl.meaning.enumerations import Enumerations
 from rtgen.frontends.idl.meaning.operands import fixed_type_of
-from rtgen.frontends.idl.meaning.typetable import Types
+from rtgen.frontends.idl.meaning.typetable import PRIMITIVES, Types
 from rtgen.frontends.idl.names.scopes import Entity, Kind
 from rtgen.frontends.idl.syntax import tree
 from rtgen.frontends.idl.text.unit import Unit
@@ -35,6 +35,7 @@ from rtgen.model import (
     Native,
     Operation,
     Parameter,
+    Primitive,
     ScopedName,
     StateMember,
     Struct,
@@ -54,7 +55,8 @@ class Lowering:
         self._tables = types.tables
         self._annotations = Annotations(types, report)
         self._fields = CommonFields(self._annotations)
-        self._components = Components(types, self._fields, report)
+        self._typedefs: dict[ScopedName, Typedef] = {}
+        self._components = Components(types, self._fields, self._typedefs, report)
         self._enumerations = Enumerations(types, self._annotations, report)
         self._modules = {
             id(item): self._annotations.of(item.annotations, "module", unit)
@@ -162,6 +164,7 @@ class Lowering:
             id=traits.member_id(entity.name, found, hashed),
             must_understand=flag(found, "must_understand"),
             external=flag(found, "external"),
+            initial=self._annotations.initial(item.annotations, found, type_, unit),
         )
 
     def _struct(self, entity: Entity, node: tree.Struct) -> Declaration | None:
@@ -244,6 +247,7 @@ class Lowering:
             type=type_,
             id=traits.member_id(entity.name, found, hashed),
             external=flag(found, "external"),
+            initial=self._annotations.initial(item.annotations, found, type_, unit),
         )
 
     def _enum(self, entity: Entity, node: tree.Enum) -> Declaration | None:
@@ -274,11 +278,19 @@ class Lowering:
         type_ = None if node.type is None else self._types.of_node(node.type, unit)
         if bits is None or (type_ is None and node.type is not None):
             return None
+        of = (
+            type_
+            or PRIMITIVES[
+                Primitive.BOOLEAN if bits == 1 else Primitive.UNSIGNED_LONG_LONG
+            ]
+        )
+        found = self._annotations.of(item.annotations, "bitfield", unit, of)
         common: dict[str, Any] = {
             "doc": self._fields.doc(item, unit),
-            "annotations": self._annotations.of(item.annotations, "bitfield", unit),
+            "annotations": found,
             "bits": bits,
             "type": type_,
+            "initial": self._annotations.initial(item.annotations, found, of, unit),
         }
         if not node.names:
             return [Bitfield(span=unit.span(node.start, item.end), name=None, **common)]
@@ -289,11 +301,15 @@ class Lowering:
 
     def _typedef(self, entity: Entity, node: object) -> Declaration | None:
         type_ = self._types.of_entity(entity)
-        return (
-            None
-            if type_ is None
-            else Typedef(**self._fields.common(entity, type_), type=type_)
-        )
+        if type_ is None:
+            return None
+        common = self._fields.common(entity, type_)
+        nodes = entity.item.annotations if entity.item else ()
+        found = common["annotations"]
+        initial = self._annotations.initial(nodes, found, type_, entity.unit)
+        made = Typedef(**common, type=type_, initial=initial)
+        self._typedefs[made.name] = made
+        return made
 
     def _const(self, entity: Entity, node: tree.Const) -> Declaration | None:
         type_ = self._types.of_node(node.type, entity.unit)
@@ -428,6 +444,7 @@ class Lowering:
                             id=member.id,
                             must_understand=member.must_understand,
                             external=member.external,
+                            initial=member.initial,
                             public=item.node.public,
                         )
                     )

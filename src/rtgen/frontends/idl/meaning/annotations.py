@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Callable, Iterable, Iterator
 from decimal import Decimal
+from typing import TypeAlias, TypeGuard
 
 from rtgen.diagnostics import Diagnostic, Related
+from rtgen.frontends.idl.meaning.defaults import (
+    DefaultError,
+    enumerator_of,
+    flags_of,
+    items_of,
+    shortest,
+)
 from rtgen.frontends.idl.meaning.typetable import PRIMITIVES, Types
 from rtgen.frontends.idl.names.annotation_definitions import (
     _ANYWHERE,
@@ -22,17 +29,24 @@ from rtgen.frontends.idl.names.annotation_definitions import (
 )
 from rtgen.frontends.idl.names.scopes import Entity, Kind
 from rtgen.frontends.idl.rules import annotations as rules
+from rtgen.frontends.idl.rules import names as name_rules
 from rtgen.frontends.idl.syntax import tree
 from rtgen.frontends.idl.text.unit import Unit
 from rtgen.frontends.kit.suggestions import Guesses, nearest
 from rtgen.model import (
     Annotation,
+    ArrayType,
     ConstantValue,
     EnumeratorName,
+    InitialValue,
+    NamedType,
     Primitive,
+    SequenceType,
     StringType,
     Type,
 )
+
+_VALUES = (Kind.CONST, Kind.ENUMERATOR)
 
 
 class Annotations:
@@ -57,6 +71,29 @@ class Annotations:
         if len(nodes) > 1:
             self._repeated(nodes, unit)
         return tuple(self._one(a, place, unit, type_) for a in nodes)
+
+    def initial(
+        self,
+        nodes: Iterable[tree.Annotation],
+        found: Iterable[Annotation],
+        type_: Type,
+        unit: Unit,
+    ) -> InitialValue | None:
+        """Return the value of `@default` of a type; None without a valid one."""
+        given = value(found, "default")
+        plain = self._types.unaliased(type_)
+        if given is None or not isinstance(plain, SequenceType | ArrayType):
+            return given
+        try:
+            return items_of(self._types, plain, str(given))
+        except DefaultError as error:
+            node = next(node for node in nodes if node.name == "default")
+            self._misfit(node.arguments[0].value, unit, error)
+            return None
+
+    def _misfit(self, node: tree.Expression, unit: Unit, error: DefaultError) -> None:
+        span = unit.span(node.start, node.end)
+        self._report(rules.DEFAULT_RANGE.at(span, str(error), hint=error.hint))
 
     def _repeated(self, nodes: tuple[tree.Annotation, ...], unit: Unit) -> None:
         seen: dict[str, tree.Annotation] = {}
@@ -149,6 +186,9 @@ class Annotations:
                 return None
             wanted = definition.arguments[key]
         if wanted == TYPED:
+            plain = self._types.unaliased(type_)
+            if isinstance(plain, NamedType):
+                return self._named(value, plain, unit)
             wanted = self._scalar(type_)
         if wanted is None or isinstance(wanted, str):
             words = definition.words if definition is not None else ()
@@ -165,9 +205,46 @@ class Annotations:
                 )
                 return None
             return found
-        found = self._types.constants.evaluate(value, wanted, unit, "argument")
+        found = self._evaluated(value, wanted, unit)
         single = self._types.unaliased(wanted) == PRIMITIVES[Primitive.FLOAT]
-        return _shortest(found) if single and isinstance(found, float) else found
+        return shortest(found) if single and isinstance(found, float) else found
+
+    def _named(
+        self, value: tree.Expression, type_: NamedType, unit: Unit
+    ) -> ConstantValue | None:
+        """Return an enumerator, which need not be qualified, or the flags of a bitmask."""
+        if self._types.kind_of(type_) is Kind.BITMASK:
+            try:
+                return flags_of(self._types, type_, value)
+            except DefaultError as error:
+                self._misfit(value, unit, error)
+                return None
+        if isinstance(value, tree.ScopedName) and len(value.parts) == 1:
+            known = self._types.tables.references.get(value)
+            if not (isinstance(known, Entity) and known.kind in _VALUES):
+                found = enumerator_of(self._types, type_, value.parts[0].text)
+                if found is not None:
+                    return found
+        return self._evaluated(value, type_, unit)
+
+    def _evaluated(
+        self, value: tree.Expression, type_: Type, unit: Unit
+    ) -> ConstantValue | None:
+        """Return the value of an expression, reporting the names that are unknown."""
+        unknown = [name for name in tree.parts_of(value) if self._is_unknown(name)]
+        for name in unknown:
+            message = f"{name} is unknown"
+            hint = "declare it before its use, or include the file that declares it"
+            span = unit.span(name.start, name.end)
+            self._report(name_rules.UNKNOWN_NAME.at(span, message, hint=hint))
+        if unknown:
+            return None
+        return self._types.constants.evaluate(value, type_, unit, "argument")
+
+    def _is_unknown(self, part: tree.Expression) -> TypeGuard[tree.ScopedName]:
+        """Return whether an expression is a name that was not found."""
+        references = self._types.tables.references
+        return isinstance(part, tree.ScopedName) and references.get(part) is None
 
     def _scalar(self, type_: Type | None) -> Type | None:
         """Return the type of a default value; the default of a list is a text."""
@@ -214,53 +291,36 @@ def _complete(node: tree.Annotation, definition: Definition) -> bool:
     )
 
 
-def _shortest(value: float) -> float:
-    """Return the shortest decimal number that rounds to this one in single precision."""
-    for digits in range(1, 9):
-        short = float(f"{value:.{digits}g}")
-        if struct.pack("<f", short) == struct.pack("<f", value):
-            return short
-    return value
+Limits: TypeAlias = tuple[ConstantValue | None, ConstantValue | None]
 
 
-def limits(
-    found: Iterable[Annotation],
-) -> tuple[ConstantValue | None, ConstantValue | None, ConstantValue | None]:
-    """Return the minimum, the maximum and the default in annotations."""
+def limits(found: Iterable[Annotation]) -> Limits:
+    """Return the minimum and the maximum in annotations."""
     found = tuple(found)
-    if not found:
-        return None, None, None
     low, high = value(found, "range", "min"), value(found, "range", "max")
     low = value(found, "min") if low is None else low
     high = value(found, "max") if high is None else high
-    return low, high, value(found, "default")
+    return low, high
 
 
-def contradictions(found: Iterable[Annotation]) -> Iterator[str]:
-    """Yield contradictions between a default and its limits."""
-    low, high, default = limits(found)
+def contradictions(within: Limits, default: InitialValue | None) -> Iterator[str]:
+    """Yield contradictions between a default, or its items, and its limits."""
+    low, high = within
     if exceeds(low, high):
         yield f"the minimum {low} is larger than the maximum {high}"
-    if exceeds(low, default):
-        yield f"the default {default} is below the minimum {low}"
-    if exceeds(default, high):
-        yield f"the default {default} is above the maximum {high}"
+    for item in default if isinstance(default, tuple) else (default,):
+        if exceeds(low, item):
+            yield f"the default {item} is below the minimum {low}"
+        if exceeds(item, high):
+            yield f"the default {item} is above the maximum {high}"
 
 
 def _has_point(node: tree.Expression) -> bool:
-    pending: list[tree.Expression] = [node]
-    while pending:
-        match pending.pop():
-            case tree.Number(text):
-                if not text.isdigit() and text[1:2] not in ("x", "X"):
-                    return True
-            case tree.Unary(_, operand):
-                pending.append(operand)
-            case tree.Group(inner):
-                pending.append(inner)
-            case tree.Chain(first, rest):
-                pending += [first, *(operand for _, operand in rest)]
-    return False
+    return any(
+        not part.text.isdigit() and part.text[1:2] not in ("x", "X")
+        for part in tree.parts_of(node)
+        if isinstance(part, tree.Number)
+    )
 
 
 def _article(place: str) -> str:

@@ -24,6 +24,7 @@ from rtgen.frontends.idl.meaning.operands import (
     brief,
     is_literal,
     operand_class_of,
+    string_size,
     wider,
     without_zeros,
 )
@@ -436,10 +437,13 @@ class Constants:
             case PrimitiveType(kind) if kind in FLOATS:
                 assert isinstance(value, float)
                 return self._fit_float(value, kind, node)
-            case StringType(_, bound) if bound is not None:
+            case StringType(bound=bound) if bound is not None:
                 assert isinstance(value, str)
-                if len(value) > bound:
-                    message = f"{len(value)} characters do not fit into {type_}"
+                size = string_size(type_, value)
+                if size > bound:
+                    what = "units of UTF-16" if type_.wide else "octets of UTF-8"
+                    what = "characters" if size == len(value) else what
+                    message = f"{size} {what} do not fit into {type_}"
                     hint = "shorten it, or raise the bound"
                     self._fail(rules.TEXT_TOO_LONG, node, message, hint)
             case FixedType(digits, scale):

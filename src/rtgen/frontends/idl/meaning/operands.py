@@ -129,6 +129,13 @@ def operand_class_of(
     return None
 
 
+def string_size(type_: StringType, text: str) -> int:
+    """Return the length that the bound of a string limits: octets of UTF-8, units of UTF-16."""
+    if type_.wide:
+        return len(text.encode("utf-16-le", "surrogatepass")) // 2
+    return len(text.encode(errors="surrogatepass"))
+
+
 def is_literal(node: tree.Expression) -> bool:
     """Return whether the expression is a single number, possibly signed or in parentheses."""
     match node:

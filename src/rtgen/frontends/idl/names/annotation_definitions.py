@@ -75,7 +75,9 @@ DEFINITIONS: Mapping[str, Definition] = MappingProxyType(
         "must_understand": _define("member case", value=FLAG),
         "default_literal": _define("enumerator"),
         "default": _define(
-            "member configuration case typedef attribute", required="value", value=TYPED
+            "member configuration case bitfield typedef attribute",
+            required="value",
+            value=TYPED,
         ),
         "range": _define(_FIELDS, min=TYPED, max=TYPED),
         "min": _define(_FIELDS, required="value", value=TYPED),

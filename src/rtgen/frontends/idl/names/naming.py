@@ -363,6 +363,8 @@ class Naming(ABC):
             for argument in annotation.arguments:
                 value = argument.value
                 words = known is None or WORD in known.arguments.values()
+                # A flag or an enumerator in a default is known by the type.
+                words |= annotation.name == "default"
                 optional = words or isinstance(value, tree.ScopedName)
                 self._value(value, scope, optional=optional)
 

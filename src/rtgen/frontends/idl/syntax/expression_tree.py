@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TypeAlias
 
 from rtgen.frontends.kit.nodes import Node
@@ -87,6 +88,21 @@ class Group(Node):
 
 
 Expression: TypeAlias = Number | Text | Boolean | ScopedName | Unary | Chain | Group
+
+
+def parts_of(expression: Expression) -> Iterator[Expression]:
+    """Yield an expression and those inside it."""
+    pending = [expression]
+    while pending:
+        part = pending.pop()
+        yield part
+        match part:
+            case Unary(_, operand):
+                pending.append(operand)
+            case Group(inner):
+                pending.append(inner)
+            case Chain(first, rest):
+                pending += [first, *(operand for _, operand in rest)]
 
 
 # Annotations

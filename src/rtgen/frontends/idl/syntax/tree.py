@@ -19,6 +19,7 @@ from rtgen.frontends.idl.syntax.expression_tree import Number as Number
 from rtgen.frontends.idl.syntax.expression_tree import ScopedName as ScopedName
 from rtgen.frontends.idl.syntax.expression_tree import Text as Text
 from rtgen.frontends.idl.syntax.expression_tree import Unary as Unary
+from rtgen.frontends.idl.syntax.expression_tree import parts_of as parts_of
 from rtgen.frontends.kit.nodes import Node
 from rtgen.model import Direction, Primitive
 

@@ -141,7 +141,10 @@ def _decode_list(
 
 
 def _initial(branch: BranchDescriptor, refer: References) -> str:
-    return f"{refer.function(initial_value)}({refer.descriptor(branch.type)})"
+    arguments = refer.descriptor(branch.type)
+    if branch.initial is not None:
+        arguments += f", {refer.namespace.bind('initial', branch.initial)}"
+    return f"{refer.function(initial_value)}({arguments})"
 
 
 def _no_value(descriptor: UnionDescriptor, decoder: Decoder) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 
 from rtgen.diagnostics import Diagnostic
 from rtgen.frontends.idl.meaning.checks import (
+    defaults,
     interfaces,
     missing_definitions,
     operations,
@@ -24,22 +25,25 @@ _CHECKS: Mapping[Kind, tuple[Callable[[Entity, Context], None], ...]] = {
         interfaces.inherited,
         structures.members,
         structures.annotated,
+        defaults.defaults,
         structures.member_ids,
     ),
-    Kind.EXCEPTION: (structures.members, structures.annotated),
-    Kind.BITSET: (structures.bitset,),
-    Kind.TYPEDEF: (structures.typedef,),
+    Kind.EXCEPTION: (structures.members, structures.annotated, defaults.defaults),
+    Kind.BITSET: (structures.bitset, defaults.defaults),
+    Kind.TYPEDEF: (structures.typedef, defaults.defaults),
     Kind.CONST: (structures.constant,),
     Kind.UNION: (
         unions.branches,
         unions.labels,
         structures.annotated,
+        defaults.defaults,
         structures.member_ids,
     ),
     Kind.INTERFACE: (interfaces.bases, interfaces.inherited, operations.all_of),
     Kind.VALUETYPE: (
         values.bases,
         values.members,
+        defaults.defaults,
         interfaces.inherited,
         operations.all_of,
     ),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from rtgen.diagnostics import Related
 from rtgen.facts.primitives import INTEGER_RANGES
-from rtgen.frontends.idl.meaning.annotations import contradictions
 from rtgen.frontends.idl.meaning.checks.context import Context
 from rtgen.frontends.idl.names.scopes import Entity
 from rtgen.frontends.idl.rules import annotations as annotation_rules
@@ -63,11 +62,6 @@ def _member_annotations(declaration: Struct, context: Context) -> None:
     for member in declaration.members:
         if not member.annotations:
             continue
-        for message in contradictions(member.annotations):
-            hint = "correct @default, @min or @max"
-            context.report(
-                annotation_rules.DEFAULT_RANGE.at(member.span, message, hint=hint)
-            )
         if member.key and member.optional:
             message = f"{member.name} is a key, so it cannot be optional"
             hint = "remove @key or @optional"

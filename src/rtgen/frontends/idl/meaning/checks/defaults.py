@@ -1,0 +1,94 @@
+"""Checks of `@default` against the limits of members, and of the typedefs that are their types."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from rtgen.facts.primitives import INTEGER_RANGES
+from rtgen.frontends.idl.meaning.annotations import contradictions, limits
+from rtgen.frontends.idl.meaning.checks.context import Context
+from rtgen.frontends.idl.names.scopes import Entity
+from rtgen.frontends.idl.rules import annotations as rules
+from rtgen.model import (
+    Annotation,
+    Bitfield,
+    Bitset,
+    Case,
+    Declaration,
+    ExceptionDecl,
+    InitialValue,
+    Member,
+    NamedType,
+    Struct,
+    Type,
+    Typedef,
+    Union,
+    Valuetype,
+)
+
+_Entry = Member | Case | Typedef | Bitfield
+
+
+def defaults(entity: Entity, context: Context) -> None:
+    """Check the defaults and the limits of a declaration's members."""
+    declaration = context.made.get(entity.path)
+    for entry in () if declaration is None else _entries(declaration):
+        annotations, initial = _inherited(entry, context)
+        if not annotations:
+            continue
+        for message in contradictions(limits(annotations), initial):
+            hint = "correct @default, @min or @max"
+            context.report(rules.DEFAULT_RANGE.at(entry.span, message, hint=hint))
+        if isinstance(entry, Bitfield):
+            _fits(entry, context)
+        if isinstance(entry, Member) and entry.optional and entry.initial is not None:
+            message = f"@default means nothing for {entry.name}, which is optional"
+            hint = "it starts absent: remove @default, or @optional"
+            context.report(rules.MISPLACED.at(entry.span, message, hint=hint))
+
+
+def _entries(declaration: Declaration) -> Iterable[_Entry]:
+    match declaration:
+        case Struct() | ExceptionDecl() | Bitset():
+            return declaration.members
+        case Union():
+            return declaration.cases
+        case Valuetype():
+            return declaration.state
+        case Typedef():
+            return (declaration,)
+    return ()
+
+
+def _inherited(
+    entry: _Entry, context: Context
+) -> tuple[list[Annotation], InitialValue | None]:
+    """Return the annotations and the default of an entry, its own first, then its typedefs'."""
+    annotations, initial = [*entry.annotations], entry.initial
+    for typedef in _typedefs(entry.type, context):
+        annotations += typedef.annotations
+        initial = typedef.initial if initial is None else initial
+    return annotations, initial
+
+
+def _typedefs(type_: Type | None, context: Context) -> Iterator[Typedef]:
+    while isinstance(type_, NamedType):
+        declaration = context.made.get(type_.name)
+        if not isinstance(declaration, Typedef):
+            return
+        yield declaration
+        type_ = declaration.type
+
+
+def _fits(field: Bitfield, context: Context) -> None:
+    """Check that the default of a bit field has at most its bits."""
+    value = field.initial
+    if not isinstance(value, int):
+        return
+    kind = getattr(context.types.unaliased(field.type), "kind", "")
+    is_signed = INTEGER_RANGES.get(kind, (0, 0))[0] < 0
+    least = -(1 << field.bits - 1) if is_signed else 0
+    if not least <= value < least + (1 << field.bits):
+        message = f"the default {value} does not fit into {field.bits} bits"
+        hint = "write a smaller one"
+        context.report(rules.DEFAULT_RANGE.at(field.span, message, hint=hint))
