@@ -183,6 +183,7 @@ def test_a_server_on_fast_dds_is_sent_no_request(
         assert f"{name}: the server in node /far/peer is not called" in str(
             raised.value
         )
+    await_(lambda: warnings(name))
     assert len(warnings(name)) == 1
     # What the node answers afterwards has come behind anything that it was sent before.
     peer.do("call", name, BASICS, SENT, 20.0)

@@ -373,17 +373,23 @@ def test_the_hash_is_that_of_the_definitions(lamp: ModuleType) -> None:
 
 
 @pytest.mark.parametrize("text", ["", "a", "ab", "abc", "abcd", "abcde"])
-def test_messages_that_are_filled_up(lamp: ModuleType, text: str) -> None:
-    """Padded with zeros to a multiple of four, as by rmw_cyclonedds."""
+@pytest.mark.parametrize("more", [b"", b"\x00", b"\x01", bytes(4), b"\xff" * 300])
+def test_octets_after_a_message_are_ignored(
+    lamp: ModuleType, text: str, more: bytes
+) -> None:
+    """As by ROS 2, whose middlewares fill messages up; `from_cdr` refuses them."""
     type_ = lamp.std_srvs.srv.SetBool_Response
     whole = type_(True, text)
-    octets = b"\x00\x01\x00\x00" + whole.to_cdr(True)
-    filled = octets + bytes(-len(octets) % 4)
-    assert types.decoded(type_, filled) == whole
-    for wrong in (filled + bytes(4), filled[:-1] + b"\x01", filled + b"\x00"):
-        if wrong != octets:
-            with pytest.raises(CdrError):
-                types.decoded(type_, wrong)
+    octets = types.encoded(whole)
+    assert octets == b"\x00\x01\x00\x00" + whole.to_cdr(True)
+    assert types.decoded(type_, octets + more) == whole
+    big = b"\x00\x00\x00\x00" + whole.to_cdr(False)
+    assert types.decoded(type_, big + more) == whole
+    with pytest.raises(CdrError):
+        types.decoded(type_, octets[:-1])
+    if more:
+        with pytest.raises(CdrError, match="octets too many"):
+            type_.from_cdr(octets[4:] + more)
 
 
 def test_services_of_an_action(lamp: ModuleType) -> None:

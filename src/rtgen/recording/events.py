@@ -17,11 +17,10 @@ from rtgen.files import open_file, read_start
 from rtgen.recording.errors import RecordingError
 from rtgen.recording.mcap_reader import MAGIC, Channel, McapFile, Message
 from rtgen.recording.recorder import METADATA
-from rtgen.recording.schema_types import type_of
+from rtgen.recording.schema_types import decoder, type_of
 from rtgen.recording.schemas import ENCODINGS, Schema
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.system.json_printers import plain
-from rtgen.runtime.xcdr import deserialize
 
 Event: TypeAlias = dict[str, Any]
 
@@ -62,7 +61,8 @@ class Decoders:
         type_ = self._types.get(channel.schema)
         if type_ is None:
             type_ = self._types[channel.schema] = type_of(channel.schema)
-        return lambda data: plain(deserialize(type_, data))
+        decode = decoder(channel.schema)
+        return lambda data: plain(decode(type_, data))
 
 
 class Log:

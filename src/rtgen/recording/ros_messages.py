@@ -54,8 +54,8 @@ def message_text(descriptor: StructDescriptor) -> str | None:
     """Return the text of a message and of those in it; None if it is no ROS 2 message.
 
     Messages are structs with rosidl's naming (`std_msgs::msg::Header`) whose members interface
-    files can declare. Strings of 16-bit characters are excluded, since implementations of ROS 2
-    encode them differently.
+    files can declare, except strings of 16-bit characters, which Foxglove's reader of messages
+    lacks.
     """
     found: dict[str, str] = {}
     try:

@@ -66,13 +66,22 @@ from rtgen.runtime.marshalling.descriptors import (
     plain,
 )
 from rtgen.runtime.marshalling.dynamic.initial import initial_value
+from rtgen.runtime.ros2.types import decoded
+from rtgen.runtime.xcdr import deserialize
 
 _Field: TypeAlias = tuple[str, Callable[[], Any]]
 """The attribute of a member, and the function that makes its initial value."""
+Decode: TypeAlias = Callable[[Any, bytes], Any]
+"""Function that returns the value of a type of serialized data. Raises CdrError."""
 
 _FILE = "schema.idl"
 _MAX_LENGTH = 1 << 20
 """Maximum length of a schema in characters."""
+
+
+def decoder(schema: Schema) -> Decode:
+    """Return the function that decodes the data of a schema's type, as ROS 2 does its messages."""
+    return decoded if schema.encoding == ros_messages.ENCODING else deserialize
 
 
 def type_of(schema: Schema) -> type[DataType]:

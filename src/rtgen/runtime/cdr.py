@@ -58,6 +58,7 @@ class _Compiled:
     def _method(self, descriptor: Any) -> Any:
         from rtgen.runtime.marshalling.compiler import compiled
         from rtgen.runtime.marshalling.layouts.formats import Format
+        from rtgen.runtime.marshalling.layouts.trees import classic_format
 
         if self._kind in ("_read_", "_write_"):
             return staticmethod(compiled(self._kind.strip("_"), descriptor))
@@ -65,7 +66,8 @@ class _Compiled:
         if way not in ("to", "from"):
             return compiled(self._kind, descriptor)
         version = descriptor.representation if form == "cdr" else int(form[-1])
-        function = compiled(f"{way}_cdr", descriptor, Format(version))
+        format_ = Format(version) if version else classic_format(descriptor)
+        function = compiled(f"{way}_cdr", descriptor, format_)
         return classmethod(function) if way == "from" else function
 
 

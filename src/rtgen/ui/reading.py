@@ -11,13 +11,12 @@ from rtgen.recording.errors import RecordingError
 from rtgen.recording.events import Decoders, Log
 from rtgen.recording.mcap_reader import Channel, McapFile, Message
 from rtgen.recording.recorder import METADATA
-from rtgen.recording.schema_types import type_of
+from rtgen.recording.schema_types import decoder, type_of
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.opaque_rpc.codecs import Codec
 from rtgen.runtime.return_codes import LifeCycleState
 from rtgen.runtime.timing.clocks import SECOND
 from rtgen.runtime.timing.traffic import BusFrame
-from rtgen.runtime.xcdr import deserialize
 from rtgen.ui import boards
 from rtgen.ui.buses import DescriberOf, SeenBuses
 from rtgen.ui.description import STATES
@@ -276,7 +275,7 @@ def _json(value: Any) -> bytes:
 
 def _content(message: Message, type_: Any) -> Any:
     try:
-        return deserialize(type_, message.data)
+        return decoder(message.channel.schema)(type_, message.data)
     except CdrError as error:
         raise RecordingError(f"{message.channel.topic}: {error}") from error
 

@@ -156,6 +156,20 @@ def test_a_recording_is_read_by_rosbags_and_by_our_own_log(
         assert value["info"]["resolution"] == 0.5
 
 
+def test_octets_after_a_message_of_a_bag_are_ignored(tmp_path: Path) -> None:
+    """Wide strings have the octets of ROS 2, whatever their schema's classes are used for."""
+    path = tmp_path / "bag.mcap"
+    octets = b"\x00\x01\x00\x00\x01\x00\x00\x00a\x00\x00\x00\x07"
+    with McapWriter(path) as writer:
+        text = "wstring text\nuint8 last\n"
+        schema = writer.schema("lab/msg/Text", "ros2msg", text)
+        channel = writer.channel("/text", "cdr", schema, {})
+        for time, more in enumerate((b"", b"\x00", b"\xff" * 20)):
+            writer.message(channel, time, octets + more)
+    values = [event["value"] for event in Log(path).events() if "value" in event]
+    assert values == [{"text": "a", "last": 7}] * 3
+
+
 def test_everything_that_a_message_can_have() -> None:
     schema = ros_schema("lab/msg/Pose", POSE)
     described: Any = type_of(schema)._descriptor_

@@ -48,17 +48,18 @@ _PRIMITIVES: dict[str, Any] = {
     "double": t.float64,
 }
 _CHARACTERS = (PrimitiveDescriptor("char"), PrimitiveDescriptor("wchar"))
-_MADE: dict[int, tuple[Any, Any]] = {}
-"""Classes by the identity of their descriptor, which is kept alive with them."""
+_MADE: dict[tuple[int, bool], tuple[Any, Any]] = {}
+"""Classes by the identity of their descriptor, which is kept alive with them, and `ros2`."""
 
 
-def idl_class(type_: type[Any]) -> Any:
+def idl_class(type_: type[Any], *, ros2: bool = False) -> Any:
     """Return the class of cyclonedds for a generated struct or union.
 
-    Raises MediumError for a type that cyclonedds does not support, or cannot describe: wstring,
+    `ros2`: a wstring is a sequence of 32-bit numbers, as on the networks of ROS 2. Raises
+    MediumError for a type that cyclonedds does not support, or cannot describe: other wstrings,
     long double, fixed, any, maps, valuetypes, objects, bitsets, mutable unions, recursive types.
     """
-    made = _Maker().named(type_._descriptor_)
+    made = _Maker(ros2).named(type_._descriptor_)
     try:
         made.__idl__.fill_type_data()
     except Exception as error:  # cyclonedds raises no narrower class
@@ -67,12 +68,13 @@ def idl_class(type_: type[Any]) -> Any:
 
 
 class _Maker:
-    def __init__(self) -> None:
+    def __init__(self, ros2: bool) -> None:
+        self._ros2 = ros2
         self._under_way: list[str] = []
 
     def named(self, descriptor: Any) -> Any:
         """Return the class of a named type, which is created once."""
-        known = _MADE.get(id(descriptor))
+        known = _MADE.get((id(descriptor), self._ros2))
         if known is not None:
             return known[1]
         if descriptor.name in self._under_way:
@@ -80,7 +82,7 @@ class _Maker:
         self._under_way.append(descriptor.name)
         made = self._made(descriptor)
         self._under_way.pop()
-        _MADE[id(descriptor)] = descriptor, made
+        _MADE[id(descriptor), self._ros2] = descriptor, made
         return made
 
     def _made(self, descriptor: Any) -> Any:
@@ -143,6 +145,9 @@ class _Maker:
                 return _PRIMITIVES[name]
             case StringDescriptor(wide=False, bound=bound):
                 return str if bound is None else t.bounded_str[bound]
+            case StringDescriptor(wide=True, bound=bound) if self._ros2:
+                bounds = () if bound is None else (bound,)
+                return t.sequence[(t.uint32, *bounds)]
             case SequenceDescriptor(element=element, bound=None):
                 return t.sequence[self.type(element)]
             case SequenceDescriptor(element=element, bound=bound):

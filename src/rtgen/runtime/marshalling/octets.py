@@ -8,6 +8,8 @@ error for invalid values; the codecs convert that to a `CdrError`.
 from __future__ import annotations
 
 import struct
+import sys
+from array import array
 from collections.abc import Sequence
 from decimal import Decimal
 from struct import Struct
@@ -73,6 +75,19 @@ def unit_text(octets: bytes, little_endian: bool) -> str:
     if "\0" in text:
         raise ValueError("a wstring cannot hold NUL")
     return text
+
+
+def words_of(text: str) -> Sequence[int]:
+    """Return the UTF-16 units of a wstring, each of which has four octets in ROS 2."""
+    octets = unit_octets(text, sys.byteorder == "little")
+    return memoryview(octets).cast("H")
+
+
+def words_text(words: Sequence[int]) -> str:
+    """Return the wstring of UTF-16 units."""
+    if words and max(words) > 0xFFFF:
+        raise ValueError(f"{max(words):#x} is not a unit of UTF-16")
+    return unit_text(array("H", words).tobytes(), sys.byteorder == "little")
 
 
 def unit_number(character: str) -> int:

@@ -49,7 +49,7 @@ from rtgen.runtime.ros2.network import (
     RosService,
     RosTopic,
 )
-from rtgen.runtime.ros2.types import ros_name
+from rtgen.runtime.ros2.types import encoded, ros_name
 
 _FOREVER = (1 << 63) - 1
 _WRITE_TIMEOUT = 0.5
@@ -57,7 +57,6 @@ _WRITE_TIMEOUT = 0.5
 _ID_SIZE = 16
 _NO_USER_DATA: Mapping[str, str] = {}
 SERVICE = PROFILES["services_default"]
-_HEAD = b"\x00\x01\x00\x00"
 _OnSample: TypeAlias = Callable[[bytes, int], None]
 """Function called with a sample, and the handle of its writer."""
 
@@ -281,7 +280,7 @@ class DdsNetwork:
 
     def _topic(self, topic: _Topic) -> Any:
         type_name = ros_names.dds_type(topic.type_name)
-        members = dict(idl_class(topic.type).__annotations__)
+        members = dict(idl_class(topic.type, ros2=True).__annotations__)
         if topic.is_call:
             members = {"rmw_client": uint64, "rmw_sequence": int64, **members}
         made = idl.make_idl_struct(type_name.replace("::", "_"), type_name, members)
@@ -327,7 +326,7 @@ class DdsNetwork:
             for name, ends in self._nodes.items()
         ]
         own = ParticipantEntitiesInfo(_gid(self._participant), nodes)
-        entities.write(self._graph, _HEAD + own.to_cdr(True))
+        entities.write(self._graph, encoded(own))
 
     def _ends(self, topic: _Topic) -> _Ends:
         return self._nodes.setdefault(topic.node or self._node.name, _Ends([], []))

@@ -25,7 +25,7 @@ from rtgen.runtime.ros2.network import (
 )
 from rtgen.runtime.ros2.parameters import Parameters
 from rtgen.runtime.ros2.services import Server
-from rtgen.runtime.ros2.types import made
+from rtgen.runtime.ros2.types import encoded, made
 from rtgen.runtime.rtc.configuration import ACTIVE_SET
 from rtgen.runtime.system.records import StateRecord
 from rtgen.runtime.system.system import System
@@ -51,7 +51,6 @@ INTERFACES: Final = tuple(
     )
 )
 """The interfaces whose classes `ManagedNodes` requires."""
-_HEAD: Final = b"\x00\x01\x00\x00"
 _TRANSITION_TIMEOUT: Final = 10.0
 """Time-out of a requested transition in seconds."""
 
@@ -164,9 +163,9 @@ class _ManagedNode:
     def _publish(self, type_: str, members: Members) -> None:
         publish, class_ = self._topics[type_]
         try:
-            octets = made(class_._descriptor_, members).to_cdr(True)
+            octets = encoded(made(class_._descriptor_, members))
             with self._lock:
-                publish(_HEAD + octets)
+                publish(octets)
         except Ros2Error as error:
             log.warning("%s: %s", self._name, error)
 

@@ -14,10 +14,7 @@ from rtgen.runtime.ports.data_ports import DataConnector, InPort, OutPort
 from rtgen.runtime.return_codes import PORT_OK, PortStatus
 from rtgen.runtime.ros2.marshaling import Marshaling
 from rtgen.runtime.ros2.network import Ros2Error, RosNetwork, RosTopic
-from rtgen.runtime.ros2.types import decoded
-
-_HEAD = b"\x00\x01\x00\x00"
-"""Encapsulation header of classic CDR, little endian, as written by ROS 2."""
+from rtgen.runtime.ros2.types import decoded, encoded
 
 
 class Joint(msgspec.Struct, frozen=True):
@@ -53,7 +50,7 @@ class TopicWriter:
             if self._marshaling is not None:
                 octets = self._marshaled(self._marshaling, value)
             else:
-                octets = _HEAD + value.to_cdr(True)
+                octets = encoded(value)
             self._publish(octets)
         except Ros2Error as error:
             log.warning("%s: %s", self._port, error)
@@ -62,10 +59,9 @@ class TopicWriter:
 
     def _marshaled(self, marshaling: Marshaling, value: Any) -> bytes:
         try:
-            octets: bytes = marshaling.to_message(value).to_cdr(True)
+            return encoded(marshaling.to_message(value))
         except (CdrError, ValueError) as error:
             raise Ros2Error(f"a sample cannot be sent: {error}") from error
-        return _HEAD + octets
 
     def close(self) -> None:
         """Stop publishing."""

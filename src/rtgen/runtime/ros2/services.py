@@ -29,7 +29,7 @@ from rtgen.runtime.ros2.network import (
     RosService,
     RosTopic,
 )
-from rtgen.runtime.ros2.types import decoded, request_of
+from rtgen.runtime.ros2.types import decoded, encoded, request_of
 from rtgen.runtime.services import calls
 from rtgen.runtime.services.ports import Consumer, Provider
 from rtgen.runtime.services.servants import (
@@ -39,7 +39,6 @@ from rtgen.runtime.services.servants import (
     ServiceError,
 )
 
-_HEAD = b"\x00\x01\x00\x00"
 _NO_LIMIT = 86_400.0
 """Time-out of calls without a limit, in seconds; the loss of the server ends them."""
 
@@ -123,7 +122,7 @@ class Server:
         name = self._service.name
         try:
             response = self._function(decoded(self._service.request, octets))
-            reply(_HEAD + response.to_cdr(True))
+            reply(encoded(response))
         except (CdrError, MediumError, RtcError, ServiceError) as error:
             log.warning("%s: a request has no response: %s", name, error)
         except BaseException as error:
@@ -173,7 +172,7 @@ def _carried_out(joint: ServiceJoint) -> Callable[[Any], Any]:
 
 def _requested(joint: ServiceJoint, call: Call, timeout: float) -> Callable[[Any], Any]:
     def carry(request: Any) -> Any:
-        octets = call(_HEAD + request.to_cdr(True), timeout)
+        octets = call(encoded(request), timeout)
         try:
             return decoded(joint.service.response, octets)
         except CdrError as error:
@@ -188,7 +187,7 @@ def _published(publish: Callable[[bytes], None]) -> Callable[[Any], None]:
     lock = threading.Lock()
 
     def carry(message: Any) -> None:
-        octets = _HEAD + message.to_cdr(True)
+        octets = encoded(message)
         try:
             with lock:
                 publish(octets)

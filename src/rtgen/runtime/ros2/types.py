@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from typing import Any
 
 from rtgen.facts import ros_hash
 from rtgen.facts.primitives import FLOAT_LIMITS
 from rtgen.facts.ros import is_interface
-from rtgen.runtime.cdr import CdrError
+from rtgen.runtime.marshalling.compiler import compiled
 from rtgen.runtime.marshalling.descriptors import (
     ArrayDescriptor,
     PrimitiveDescriptor,
@@ -17,6 +16,7 @@ from rtgen.runtime.marshalling.descriptors import (
     StructDescriptor,
     plain,
 )
+from rtgen.runtime.marshalling.layouts.trees import ros2_format
 from rtgen.runtime.xcdr import deserialize
 
 
@@ -154,24 +154,28 @@ def service_hash(request: type[Any], response: type[Any], info: type[Any]) -> st
     return ros_hash.rihs01(whole, described)
 
 
-_MAX_PADDING = 3
+_HEAD = b"\x00\x01\x00\x00"
+"""Encapsulation header of classic CDR, little endian, as ROS 2 writes it."""
+_BYTE_ORDERS = {b"\x00\x00": False, b"\x00\x01": True}
+
+
+def encoded(value: Any) -> bytes:
+    """Return a message as ROS 2 sends it, with its encapsulation header. Raises CdrError."""
+    descriptor = type(value)._descriptor_
+    encode = compiled("to_cdr", descriptor, ros2_format(descriptor))
+    body: bytes = encode(value, True)
+    return _HEAD + body
 
 
 def decoded(type_: type[Any], octets: bytes) -> Any:
-    """Return the value of a serialized message. Raises CdrError.
+    """Return the value of a serialized message; what follows is ignored. Raises CdrError.
 
-    rmw_cyclonedds and DDSI-RTPS pad a message to a multiple of four with zeros, which
-    rmw_cyclonedds does not count in the encapsulation header.
+    Nodes of ROS 2 ignore it, too: rclpy's `serialize_message` returns more octets than a message
+    has, and networks pad messages.
     """
-    try:
-        return deserialize(type_, octets)
-    except CdrError:
-        if len(octets) % 4 or not octets:
-            raise
-        for _ in range(_MAX_PADDING):
-            if octets[-1]:
-                break
-            octets = octets[:-1]
-            with suppress(CdrError):
-                return deserialize(type_, octets)
-        raise
+    little_endian = _BYTE_ORDERS.get(octets[:2])
+    if little_endian is None or len(octets) < len(_HEAD):
+        return deserialize(type_, octets)  # another representation, or an error
+    descriptor = type_._descriptor_
+    decode = compiled("from_prefix", descriptor, ros2_format(descriptor))
+    return decode(type_, octets[len(_HEAD) :], little_endian)

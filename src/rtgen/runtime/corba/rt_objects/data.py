@@ -20,6 +20,7 @@ from rtgen.runtime.ports.data_ports import DataConnector, InPort, OutPort
 from rtgen.runtime.ports.publisher import Publisher
 from rtgen.runtime.return_codes import PORT_OK, PortStatus
 from rtgen.runtime.timing.guards import Guard
+from rtgen.runtime.xcdr import decode, encode
 
 INTERFACE_TYPE = "corba_cdr"
 _ENDIAN = "dataport.serializer.cdr.endian"
@@ -127,7 +128,7 @@ class _Put(RingBuffer[Any]):
         """Send a sample. Raises CdrError for a value that is not of its type."""
         if self.closed:
             return PortStatus.CONNECTION_LOST
-        octets = value.to_cdr(self._little)
+        octets = _octets(value, self._little)
         try:
             status: PortStatus = self._objects.call(
                 self._reference, IN_PORT_CDR, "put", octets
@@ -143,6 +144,21 @@ class _Put(RingBuffer[Any]):
         return status
 
 
+def _octets(value: Any, little_endian: bool) -> bytes:
+    """Return a sample as a peer of CORBA expects it, which `to_cdr` does not for ROS 2's types.
+
+    Raises CdrError.
+    """
+    version = value._descriptor_.representation
+    return encode(type(value), value, version, little_endian)
+
+
+def _value(type_: Any, octets: bytes, little_endian: bool) -> Any:
+    """Inverse of `_octets`. Raises CdrError."""
+    version = type_._descriptor_.representation
+    return decode(type_, octets, version, little_endian)
+
+
 class Receiver:
     """`InPortCdr`: receives the samples of a connection."""
 
@@ -154,7 +170,7 @@ class Receiver:
         """Process a sample; PORT_ERROR if it cannot be decoded."""
         connector = self._connector
         try:
-            value = connector.target.type.from_cdr(octets, self._little)
+            value = _value(connector.target.type, octets, self._little)
         except CdrError as error:
             log.warning("%s: a sample cannot be decoded: %s", connector.target, error)
             connector.refused += 1
@@ -201,7 +217,7 @@ class Source:
         if value is None:
             return PortStatus.BUFFER_EMPTY, b""
         try:
-            return PORT_OK, value.to_cdr(self._little)
+            return PORT_OK, _octets(value, self._little)
         except CdrError as error:
             log.warning("%s: %s", self.connector.source, error)
             return PortStatus.PORT_ERROR, b""
@@ -271,7 +287,7 @@ class Pulled(DataConnector[Any]):
             return
         self._last = octets
         try:
-            value = self.target.type.from_cdr(octets, self._little)
+            value = _value(self.target.type, octets, self._little)
         except CdrError as error:
             log.warning("%s: a sample cannot be decoded: %s", self.target, error)
             return

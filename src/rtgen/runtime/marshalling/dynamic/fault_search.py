@@ -22,6 +22,7 @@ from rtgen.runtime.marshalling.layouts.nodes import (
     AtomSequence,
     Call,
     Delimited,
+    Form,
     Group,
     Member,
     MemberList,
@@ -52,9 +53,17 @@ _Members: TypeAlias = Iterable[tuple[str, Member | Parameter]]
 
 
 def fault_in_body(
-    descriptor: Any, data: Octets, format_: Format, little_endian: bool
+    descriptor: Any,
+    data: Octets,
+    format_: Format,
+    little_endian: bool,
+    *,
+    exact: bool = True,
 ) -> Fault | None:
-    """Return the first error of a body; None if there is none."""
+    """Return the first error of a body; None if there is none.
+
+    Not `exact`: octets after the value are no error.
+    """
     search = _Search(format_, little_endian)
     try:
         extensibility = getattr(descriptor, "extensibility", "")
@@ -66,7 +75,7 @@ def fault_in_body(
             search.members(descriptor, data, 0, evolving=True)
             return None
         _, offset = search.whole(descriptor, data)
-        if offset != len(data):
+        if exact and offset != len(data):
             raise Fault(f"{len(data) - offset} octets too many")
     except LOCATED as failure:
         return _extended(failure, "")
@@ -152,6 +161,10 @@ class _Search:
                 return self._text(text, data, offset, length, None)
             case AtomSequence(atom=atom, bound=bound):
                 count, offset = self._count(data, offset, atom.size, bound)
+                if atom.form is Form.WORD:
+                    raw = struct.unpack_from(f"{self._order}{count}I", data, offset)
+                    text = self._converted(self._convert.worded("raw"), raw)
+                    return text, offset + count * atom.size
                 return None, self._items(_numbers(count), atom, data, offset)
             case TextSequence():
                 return self._string(node, data, offset)

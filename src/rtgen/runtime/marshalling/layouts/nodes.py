@@ -22,6 +22,7 @@ class Form(Enum):
     FLAGS = auto()
     BITS = auto()
     UNIT = auto()
+    WORD = auto()
     QUAD = auto()
     FIXED = auto()
 

@@ -7,6 +7,7 @@ from typing import Any
 from msgspec.structs import replace
 
 from rtgen.facts.primitives import SCALARS, Primitive
+from rtgen.facts.ros import is_interface
 from rtgen.runtime.marshalling.descriptors import (
     AliasDescriptor,
     ArrayDescriptor,
@@ -30,7 +31,12 @@ from rtgen.runtime.marshalling.descriptors import (
     ValueDescriptor,
     plain,
 )
-from rtgen.runtime.marshalling.layouts.formats import Format, UnsupportedError
+from rtgen.runtime.marshalling.layouts.formats import (
+    CLASSIC,
+    ROS2,
+    Format,
+    UnsupportedError,
+)
 from rtgen.runtime.marshalling.layouts.layout import (
     fields_of,
     fixed_format,
@@ -70,6 +76,9 @@ ATOMS: dict[str, Atom] = {
     Primitive.WCHAR: Atom("3s", 3, 1, Form.WIDE_CHARACTER),
 }
 """The basic types; wchar as in GIOP 1.2 (CORBA 3.3 part 2, 9.3.1.6)."""
+
+_WORD = Atom("I", 4, 4, Form.WORD)
+"""A UTF-16 unit of a wide string in ROS 2."""
 
 TEXTS: dict[str, Text] = {
     Primitive.OCTET: Text.OCTETS,
@@ -119,6 +128,18 @@ def union_members(
     )
 
 
+def ros2_format(descriptor: Descriptor) -> Format:
+    """Return the format of a message of ROS 2 on its networks and in bags."""
+    is_wide = (isinstance(p, StringDescriptor) and p.wide for p in parts(descriptor))
+    return ROS2 if any(is_wide) else CLASSIC
+
+
+def classic_format(descriptor: Any) -> Format:
+    """Return the format of `to_cdr` without a version of XCDR: for messages that of ROS 2."""
+    is_message = is_interface(str(descriptor.name).split("::"))
+    return ros2_format(descriptor) if is_message else CLASSIC
+
+
 def has_list(descriptor: Any, format_: Format) -> bool:
     """Return whether values of the type are lists of members with headers."""
     extensibility = getattr(descriptor, "extensibility", "")
@@ -166,6 +187,8 @@ class _Trees:
                 return self._struct(descriptor)
             case UnionDescriptor(switch=switch):
                 return Call(descriptor, minimum_size(self.of(switch)))
+            case StringDescriptor(wide=True, bound=bound) if self._format.ros2:
+                return AtomSequence(_WORD, bound)
             case StringDescriptor(wide, bound):
                 kind = Text.UNITS if self._version else Text.WIDE_STRING
                 return TextSequence(kind if wide else Text.STRING, bound)

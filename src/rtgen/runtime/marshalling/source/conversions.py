@@ -27,6 +27,8 @@ from rtgen.runtime.marshalling.octets import (
     wide_character_value,
     wide_octets,
     wide_value,
+    words_of,
+    words_text,
 )
 from rtgen.runtime.marshalling.source.text import Namespace
 
@@ -135,6 +137,14 @@ class Conversions:
         if text is Text.UNITS:
             return f"{name(unit_text)}({raw}, little_endian)"
         return f"{name(wide_value)}({raw}{'' if bound is None else f', {bound}'})"
+
+    def words(self, value: str) -> str:
+        """Return the expression for the units of a wide string in ROS 2."""
+        return f"{self._name(words_of)}({value})"
+
+    def worded(self, raw: str) -> str:
+        """Inverse of `words`."""
+        return f"{self._name(words_text)}({raw})"
 
     def unpacked_string(self, raw: str, last: str) -> str:
         """Return the expression for a string from its octets and the last one, which is NUL."""

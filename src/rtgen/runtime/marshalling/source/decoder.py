@@ -25,6 +25,7 @@ from rtgen.runtime.marshalling.layouts.nodes import (
     Delimited,
     Dynamic,
     Field,
+    Form,
     Group,
     Member,
     MemberList,
@@ -66,23 +67,36 @@ class Decoder(Position):
         self.cut = False
         """Whether `data` is only a part of the data in some branch."""
 
-    def fixed(self, run: Run, node: Node) -> list[str]:
-        """Return the body for a value of fixed size, unpacked by one `struct` call."""
+    def fixed(self, run: Run, node: Node, *, exact: bool = True) -> list[str]:
+        """Return the body for a value of fixed size, unpacked by one `struct` call.
+
+        Not `exact`: data may follow it.
+        """
+        if not exact:
+            size = run.sections[0].size
+            self.body.block(f"if len(data) > {size}:")
+            self.body.add(f"data = data[:{size}]")
+            self.body.end()
         entries = run.sections[0].entries
         layout = self._layouts.of(run, whole=True)
         self.body.choose("unpack", "unpack_all", layout, "unpack")
         self._assign(self._targets(entries, ()), "unpack(data)")
         return self._returning(self.value(node, (), True))
 
-    def whole(self, steps: tuple[Step, ...], node: Node) -> list[str]:
-        """Return the body for a value that must use all data."""
+    def whole(
+        self, steps: tuple[Step, ...], node: Node, *, exact: bool = True
+    ) -> list[str]:
+        """Return the body for a value that must use all data, or not if it is not `exact`."""
         self._offset = 0
         self.steps(steps, ())
         end = self._offset if self._offset is not None else "offset"
         self.body.block(f"if {end} != len(data):")
-        self.body.add('raise ValueError("octets too many")')
+        value = self.value(node, (), True)
+        self.body.add(
+            'raise ValueError("octets too many")' if exact else f"return {value}"
+        )
         self.body.end()
-        return self._returning(self.value(node, (), True))
+        return self._returning(value)
 
     def repeated(self, lines: list[str], run: Step, title: str) -> list[str]:
         """Return the body of `whole` for one run, with specialised readers for repeated shapes."""
@@ -313,6 +327,8 @@ class Decoder(Position):
                 if len(dimensions) == 1:
                     return items
                 return f"{self._refer.function(nested)}({items}, {dimensions})"
+            case AtomSequence(atom=Atom(form=Form.WORD)):
+                return convert.worded(raw)
             case AtomSequence(atom=atom):
                 return each(convert.unpacked, atom, raw) or raw
             case TextArray(text=text):

@@ -297,6 +297,10 @@ class Encoder:
                 key = self._keys[path] = self._locals.name(path, "key_")
                 count = self._count(path, f"len({items})", bound)
                 return count, self._bulk(node, path, items, key)
+            case AtomSequence(atom=Atom(form=Form.WORD), bound=bound):
+                words = self._locals.name(path, "words_")
+                self.body.add(f"{words} = {convert.words(self._value(path))}")
+                return self._count(path, f"len({words})", bound), f"*{words}"
             case AtomSequence(atom=atom, bound=bound):
                 items = self._listed(atom, path)
                 count = self._count(path, f"len({items})", bound)

@@ -10,7 +10,12 @@ from rtgen.runtime.marshalling.descriptors import (
     StructDescriptor,
     UnionDescriptor,
 )
-from rtgen.runtime.marshalling.dynamic.faults import decoding_error, encoding_error
+from rtgen.runtime.marshalling.dynamic.faults import (
+    body_error,
+    decoding_error,
+    encoding_error,
+    prefix_error,
+)
 from rtgen.runtime.marshalling.errors import FAILURES
 from rtgen.runtime.marshalling.layouts.envelopes import framed, identifier
 from rtgen.runtime.marshalling.layouts.formats import Format
@@ -92,10 +97,27 @@ def _decode(descriptor: Any, refer: References) -> Function:
         first = ["whole = data"] if decoder.cut else []
         value = f"{again}(cls, {whole}, {format_}, little_endian, failure)"
         return head, _guarded(refer, [*first, *lines], f"return {value}")
+    described = refer.descriptor(descriptor)
+    if refer.format.ros2:
+        format_ = refer.namespace.bind("format_", refer.format)
+        error = refer.function(body_error)
+        failure = f"{error}({described}, data, {format_}, little_endian, failure)"
+    else:
+        error = refer.function(decoding_error)
+        failure = f"{error}({described}, data, little_endian, failure)"
+    return head, _guarded(refer, lines, f"raise {failure} from failure")
+
+
+def _decode_prefix(descriptor: Any, refer: References) -> Function:
+    """Return the function that decodes a struct at the start of a body; the rest is ignored."""
+    decoder = Decoder(refer)
+    lines = _decoding(descriptor, decoder, refer, exact=False)
+    format_ = refer.namespace.bind("format_", refer.format)
     failure = (
-        f"{refer.function(decoding_error)}({refer.descriptor(descriptor)}, data, "
-        "little_endian, failure)"
+        f"{refer.function(prefix_error)}({refer.descriptor(descriptor)}, data, "
+        f"{format_}, little_endian, failure)"
     )
+    head = "def from_prefix(cls, data, little_endian=True):"
     return head, _guarded(refer, lines, f"raise {failure} from failure")
 
 
@@ -154,7 +176,9 @@ def _encoding(descriptor: Any, refer: References, name: str) -> list[str]:
     return [f"out = {out}()", *lines, "return bytes(out)"]
 
 
-def _decoding(descriptor: Any, decoder: Decoder, refer: References) -> list[str]:
+def _decoding(
+    descriptor: Any, decoder: Decoder, refer: References, *, exact: bool = True
+) -> list[str]:
     first = []
     if is_dynamic(descriptor):
         from rtgen.runtime.marshalling.dynamic.octet_reader import Input
@@ -173,8 +197,8 @@ def _decoding(descriptor: Any, decoder: Decoder, refer: References) -> list[str]
     node = _node(descriptor, refer)
     steps = steps_of(node, ORIGIN)
     if len(steps) == 1 and isinstance(steps[0], Run) and _is_fixed(steps[0]):
-        return decoder.fixed(steps[0], node)
-    lines = [*first, *decoder.whole(steps, node)]
+        return decoder.fixed(steps[0], node, exact=exact)
+    lines = [*first, *decoder.whole(steps, node, exact=exact)]
     if not first and is_repeatable(steps):
         return decoder.repeated(lines, steps[0], str(descriptor.name))
     return lines
@@ -255,6 +279,7 @@ FUNCTIONS: dict[str, Callable[[Any, References], Function]] = {
     "to_payload": _envelop,
     "from_cdr": _decode,
     "from_evolved": _decode_evolved,
+    "from_prefix": _decode_prefix,
     "write": _write,
     "read": _read,
     "evolve": _evolve,
