@@ -133,7 +133,7 @@ def test_refused_before_the_start(
             'interface = "nowhere0"\ndomain = 92',
             "[ros2] interface: Cyclone DDS does not start with 'nowhere0'\n  hint: the name",
         ),
-        ("zenoh", 'zenoh = "none.json5"', "Zenoh cannot be opened: "),
+        ("zenoh", 'zenoh = "none.json5"', "none.json5 cannot be read: "),
     ],
 )
 def test_networks_that_cannot_be_opened(
