@@ -105,11 +105,29 @@ for change in (
 """
 
 
-@pytest.fixture(scope="module")
-def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("small")
-    for file in INPUT.iterdir():
-        (folder / file.name).write_bytes(file.read_bytes())
+DEFAULTS = """
+module M {
+    enum Mode { IDLE, @default_literal BUSY, @value(9) LAST };
+    @default(7) typedef long Seven;
+    @default("1, 2") typedef sequence<short> Two;
+    struct Point { @default(1.0) double x; @default(-2.5) double y; };
+    struct All {
+        @default(TRUE) boolean flag; @default('c') char letter; Seven usual; Mode now;
+        @default(LAST) Mode last; @default("a\\"b") string name; @default("inf") float far[1];
+        @default("1, 2") octet id[2]; @default("3") sequence<octet> data; Two some;
+        @default("x, 'y, z'") sequence<string<9>, 3> names; Seven sevens[2]; Mode modes[2];
+        @default("0.5, -1") double pair[2]; @default("LAST, IDLE") sequence<Mode> listed;
+        @default("true, false, true") boolean flags[3]; Point place; Point corners[2];
+        sequence<Point> none;
+    };
+};
+@rtc(category="C", vendor="v", version="1.0.0")
+component Board { publishes M::All done; };
+"""
+
+
+def generated_from(folder: Path) -> Path:
+    """Return the folder generated for both runtimes from the definitions in a folder."""
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         code = run(
@@ -117,6 +135,14 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
         )
     assert code == 0
     return folder / "generated"
+
+
+@pytest.fixture(scope="module")
+def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("small")
+    for file in INPUT.iterdir():
+        (folder / file.name).write_bytes(file.read_bytes())
+    return generated_from(folder)
 
 
 def printed(code: str, folder: Path, given: str = "") -> str:
@@ -136,3 +162,23 @@ def test_octets_are_those_of_the_embedded_types(generated: Path) -> None:
     octets = printed(EMBEDDED, generated)
     assert len(octets.splitlines()) == 201
     assert printed(SMALL, generated / "small", octets) == octets
+
+
+def test_members_start_with_their_defaults(tmp_path: Path) -> None:
+    (tmp_path / "rtgen.toml").write_text('[output]\npackage = "robots"\n')
+    (tmp_path / "board.idl").write_text(DEFAULTS)
+    folder = generated_from(tmp_path)
+    embedded = "from robots import m; print(m.All().to_cdr(True).hex())"
+    small = """
+from rtgen.runtime import to_cdr
+from robots import m
+buffer = bytearray(2048)
+one, other = m.All(), m.All()
+one.some.append(3)
+one.corners[0].x = 0.0
+print(bytes(buffer[: to_cdr(other, buffer)]).hex())
+assert [*m.All(some=[4], pair=(1.0, 2.0)).some] == [4]
+"""
+    octets = printed(embedded, folder)
+    assert len(octets) > 300
+    assert printed(small, folder / "small") == octets

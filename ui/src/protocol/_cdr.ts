@@ -39,6 +39,8 @@ export class Reader {
   readonly version: Version;
   offset = 0;
   end: number;
+  /** The type of the whole body, until its value is read. */
+  outermost: unknown;
   private depth = 0;
 
   constructor(octets: Uint8Array, littleEndian = true, version: Version = 1) {
@@ -183,6 +185,7 @@ export function decode<T>(
   version: Version = 1,
 ): T {
   const reader = new Reader(octets, littleEndian, version);
+  reader.outermost = type;
   const value = type.read(reader);
   const rest = reader.end - reader.offset;
   if (rest) throw new CdrError(`${type.name}: ${rest} octets too many`);
@@ -209,6 +212,11 @@ export function deserialize<T>(type: CdrType<T>, payload: Uint8Array): T {
 }
 
 // Basic types.
+
+/** A type whose members start with another value: the default of a typedef. */
+export function initially<T>(type: CdrType<T>, initial: () => T): CdrType<T> {
+  return { ...type, initial };
+}
 
 function scalar<T>(
   name: string,
@@ -426,12 +434,12 @@ export function chars(bound = 0): CdrType<string> {
 }
 
 /** `octet name[length]`. */
-function octetArray(length: number): CdrType<Uint8Array> {
+function octetArray(length: number, first = 0): CdrType<Uint8Array> {
   return {
     name: `octet[${length}]`,
     least: length,
     primitive: false,
-    initial: () => new Uint8Array(length),
+    initial: () => new Uint8Array(length).fill(first),
     read: (reader) => reader.bytes(length),
     write(writer, value) {
       if (value.length !== length) throw new CdrError(`${value.length} octets for ${length}`);
@@ -441,12 +449,12 @@ function octetArray(length: number): CdrType<Uint8Array> {
 }
 
 /** `char name[length]`. */
-function charArray(length: number): CdrType<string> {
+function charArray(length: number, first: string): CdrType<string> {
   const inner = octetArray(length);
   return {
     ...inner,
     name: `char[${length}]`,
-    initial: () => "\0".repeat(length),
+    initial: () => first.repeat(length),
     read: (reader) => latin(inner.read(reader)),
     write: (writer, value) => inner.write(writer, latinOctets(value)),
   };
@@ -474,8 +482,11 @@ function rows<T>(element: CdrType<T>, length: number): CdrType<T[]> {
 export function array<T>(element: CdrType<unknown>, ...dimensions: number[]): CdrType<T> {
   const outer = [...dimensions];
   let made: CdrType<unknown> = element;
-  if (made === octet) made = octetArray(outer.pop()!) as CdrType<unknown>;
-  else if (made === char) made = charArray(outer.pop()!) as CdrType<unknown>;
+  if (element.primitive && element.name === octet.name) {
+    made = octetArray(outer.pop()!, element.initial() as number) as CdrType<unknown>;
+  } else if (element.primitive && element.name === char.name) {
+    made = charArray(outer.pop()!, element.initial() as string) as CdrType<unknown>;
+  }
   for (const length of outer.toReversed()) made = rows(made, length);
   return collection(element, made) as CdrType<T>;
 }
@@ -514,11 +525,12 @@ function unsigned(bits: number): CdrType<number> {
   return bits <= 8 ? octet : bits <= 16 ? ushort : ulong;
 }
 
-/** An enum: its enumerators with their numbers; values are the names. */
+/** An enum: its enumerators with their numbers; values are the names, and start with the first. */
 export function enumeration<E extends string>(
   name: string,
   members: Readonly<Record<E, number>>,
   bits = 32,
+  initial?: E,
 ): CdrType<E> {
   const numbers = new Map(Object.entries(members) as [E, number][]);
   const names = new Map([...numbers].map(([each, number]) => [number, each]));
@@ -529,7 +541,7 @@ export function enumeration<E extends string>(
     name,
     least: whole.least,
     primitive: false,
-    initial: () => first as E,
+    initial: () => initial ?? (first as E),
     read(reader) {
       const number = whole.read(reader);
       const found = names.get(number);
@@ -557,12 +569,19 @@ export function bitmask64(name: string): CdrType<bigint> {
 export interface Field {
   readonly name: string;
   readonly type: CdrType<unknown>;
-  readonly optional?: boolean;
+  readonly optional: boolean;
+  initial(): unknown;
 }
 
-/** A member of a struct; a missing optional member is null. */
-export function field<T>(name: string, type: CdrType<T>, optional = false): Field {
-  return { name, type: type as CdrType<unknown>, optional };
+/** A member of a struct with its default, if it is not that of its type; an optional one is null. */
+export function field<T>(
+  name: string,
+  type: CdrType<T>,
+  optional = false,
+  initial: () => T = type.initial,
+): Field {
+  const start = optional ? () => null : initial;
+  return { name, type: type as CdrType<unknown>, optional, initial: start };
 }
 
 /** A struct with its members in wire order, those of its base first. */
@@ -573,11 +592,11 @@ export function struct<T extends object>(
 ): CdrType<T> {
   checkNames(name, fields);
   const least = fields.reduce((sum, each) => sum + (each.optional ? 1 : each.type.least), 0);
-  const read = (reader: Reader): T => {
+  const read = (reader: Reader, evolves: boolean): T => {
     const value: Record<string, unknown> = {};
     for (const each of fields) {
-      if (appendable && reader.version === 2 && reader.offset >= reader.end) {
-        value[each.name] = each.optional ? null : each.type.initial();
+      if (evolves && reader.offset >= reader.end) {
+        value[each.name] = each.initial();
       } else if (each.optional) {
         requireVersion2(reader, name);
         value[each.name] = boolean.read(reader) ? each.type.read(reader) : null;
@@ -585,6 +604,7 @@ export function struct<T extends object>(
         value[each.name] = each.type.read(reader);
       }
     }
+    if (evolves) reader.offset = reader.end;
     return value as T;
   };
   const write = (writer: Writer, value: T): void => {
@@ -602,7 +622,7 @@ export function struct<T extends object>(
   };
   return composite(name, least, appendable, read, write, () => {
     const value: Record<string, unknown> = {};
-    for (const each of fields) value[each.name] = each.optional ? null : each.type.initial();
+    for (const each of fields) value[each.name] = each.initial();
     return value as T;
   });
 }
@@ -613,17 +633,19 @@ export interface Branch {
   readonly name: string;
   readonly type: CdrType<unknown>;
   readonly labels: readonly Label[];
-  readonly isDefault?: boolean;
+  readonly isDefault: boolean;
+  initial(): unknown;
 }
 
-/** A branch of a union. */
+/** A branch of a union, with its default, if it is not that of its type. */
 export function branch<T>(
   name: string,
   type: CdrType<T>,
   labels: readonly Label[],
   isDefault = false,
+  initial: () => T = type.initial,
 ): Branch {
-  return { name, type: type as CdrType<unknown>, labels, isDefault };
+  return { name, type: type as CdrType<unknown>, labels, isDefault, initial };
 }
 
 /** A value of a union: the selected branch (null: none) and the discriminator. */
@@ -646,13 +668,13 @@ export function union<T extends object>(
   const byName = new Map(branches.map((each) => [each.name, each]));
   const rest = branches.find((each) => each.isDefault);
   const selected = (label: Label): Branch | undefined => byLabel.get(label) ?? rest;
-  const read = (reader: Reader): T => {
+  const read = (reader: Reader, evolves: boolean): T => {
     const label = discriminator.read(reader) as Label;
     const found = selected(label);
-    const value: Selected = found
-      ? { case: found.name, value: found.type.read(reader), discriminator: label }
-      : { case: null, discriminator: label };
-    return value as T;
+    if (!found) return { case: null, discriminator: label } as T;
+    const isMissing = evolves && reader.version === 2 && reader.offset >= reader.end;
+    const part = isMissing ? found.initial() : found.type.read(reader);
+    return { case: found.name, value: part, discriminator: label } as T;
   };
   const write = (writer: Writer, given: T): void => {
     const value = given as Selected;
@@ -670,7 +692,7 @@ export function union<T extends object>(
     const label = discriminator.initial() as Label;
     const found = selected(label);
     const value: Selected = found
-      ? { case: found.name, value: found.type.initial(), discriminator: label }
+      ? { case: found.name, value: found.initial(), discriminator: label }
       : { case: null, discriminator: label };
     return value as T;
   });
@@ -688,23 +710,33 @@ export function lazy<T>(name: string, type: () => CdrType<T>): CdrType<T> {
   };
 }
 
+/**
+ * A struct or union. `read` is told whether the value may be of another version of the type: it is
+ * delimited, or the whole body.
+ */
 function composite<T>(
   name: string,
   least: number,
   appendable: boolean,
-  read: (reader: Reader) => T,
+  read: (reader: Reader, evolves: boolean) => T,
   write: (writer: Writer, value: T) => void,
   initial: () => T,
 ): CdrType<T> {
-  return {
+  const type: CdrType<T> = {
     name,
     least: appendable ? Math.min(least, 4) : least,
     primitive: false,
     initial,
-    read: (r) => (appendable && r.version === 2 ? r.delimited(() => read(r)) : read(r)),
+    read: (r) => {
+      const isWhole = r.outermost === type;
+      r.outermost = undefined;
+      if (appendable && r.version === 2) return r.delimited(() => read(r, true));
+      return read(r, appendable && isWhole);
+    },
     write: (w, v) =>
       appendable && w.version === 2 ? w.delimited(() => write(w, v)) : write(w, v),
   };
+  return type;
 }
 
 function checkNames(name: string, parts: readonly { readonly name: string }[]): void {

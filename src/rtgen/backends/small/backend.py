@@ -100,7 +100,7 @@ def _check(model: Model, component: Component, limits: Limits) -> None:
             declaration = model.find(name)
             if isinstance(declaration, Struct):
                 for member in declaration.members:
-                    forms.form(member.type)
+                    forms.form(member.type, member.initial)
 
 
 @dataclass(slots=True)

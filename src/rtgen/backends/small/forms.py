@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import isfinite
 
+from rtgen.backends.kit.quoting.python import number_literal, string_literal
 from rtgen.facts.primitives import NUMBERS
 from rtgen.layouts.cdr_types import enum_code
 from rtgen.model import (
     ArrayType,
+    ConstantValue,
     Enum,
+    EnumeratorName,
+    InitialValue,
     Member,
     Model,
     NamedType,
@@ -20,6 +25,7 @@ from rtgen.model import (
     Struct,
     Type,
 )
+from rtgen.model.initial import default_of
 
 _OCTETS = (PrimitiveType(Primitive.OCTET), PrimitiveType(Primitive.UINT8))
 
@@ -41,7 +47,8 @@ class Limits:
 class Form:
     """Code for a member; `{0}` is the attribute, `{1}` that of the source.
 
-    `made` is the initial value of a new object; an argument is copied into a mutable one.
+    `made` is the initial value of a new object; an argument is copied into a mutable one, or else
+    `items`, the default of a list.
     """
 
     made: str
@@ -49,6 +56,7 @@ class Form:
     copy: str
     put: tuple[str, ...]
     take: tuple[str, ...]
+    items: str = ""
 
 
 class Forms:
@@ -61,9 +69,51 @@ class Forms:
         self._limits = limits
         self._classes = class_names
 
-    def form(self, type_: Type) -> Form:
-        """Return the form of a member. Raises NoFormError."""
-        type_ = self._model.unalias(type_)
+    def form(self, type_: Type, own: InitialValue | None = None) -> Form:
+        """Return the form of a member; `own` is its default. Raises NoFormError."""
+        form = self._form(self._model.unalias(type_))
+        default = default_of(self._model, type_, own)
+        if default is None:
+            return form
+        if not isinstance(default, tuple):
+            if isinstance(default, str):
+                self._fits(type_, len(default.encode()), self._limits.string)
+            return replace(form, made=self._literal(default))
+        self._fits(type_, len(default), self._limits.sequence)
+        items = ", ".join(map(self._literal, default))
+        if form.mutable:
+            return replace(form, items=f"({items},)" if default else "")
+        return replace(form, made=f"bytes([{items}])")
+
+    def _fits(self, type_: Type, size: int, room: int) -> None:
+        plain = self._model.unalias(type_)
+        bound = getattr(plain, "bound", None)
+        if not isinstance(plain, ArrayType) and size > (bound or room):
+            raise NoFormError(f"the default of {type_}, which is longer than {room}")
+
+    def _literal(self, value: ConstantValue) -> str:
+        """Return the literal of a default; enumerators are numbers."""
+        match value:
+            case EnumeratorName(name):
+                return str(self._number(name))
+            case str():
+                return string_literal(value)
+            case float() if not isfinite(value):
+                return f'float("{value}")'
+            case bool() | int() | float():
+                return number_literal(value)
+        raise NoFormError(f"the default {value}")
+
+    def _number(self, name: ScopedName) -> int:
+        """Return the number of an enumerator."""
+        for declaration in self._model.declarations:
+            if isinstance(declaration, Enum) and declaration.name[:-1] == name[:-1]:
+                for member in declaration.members:
+                    if member.name == name[-1]:
+                        return member.value
+        raise AssertionError(f"no enumerator {name}")
+
+    def _form(self, type_: Type) -> Form:
         match type_:
             case PrimitiveType(Primitive.BOOLEAN):
                 return _plain(
@@ -102,7 +152,7 @@ class Forms:
     def _named(self, name: ScopedName) -> Form:
         match self._model.find(name):
             case Enum() as enum:
-                first = str(enum.members[0].value)
+                first = str(enum.initial.value)
                 return _plain(first, *_number(enum_code(enum), 4))
             case Struct():
                 return Form(
@@ -147,16 +197,19 @@ class Forms:
         )
 
     def _array(self, element: Type, length: int) -> Form:
+        default = default_of(self._model, element)
+        assert not isinstance(default, tuple)
+        first = "" if default is None else self._literal(default)
         element = self._model.unalias(element)
         if element in _OCTETS:
             return Form(
-                f"bytes({length})",
+                f"bytes([{first}] * {length})" if first else f"bytes({length})",
                 False,
                 f"{{0}} = _exactly({{1}}, {length})",
                 (f"wire.put_octets(_exactly({{0}}, {length}))",),
                 (f"{{0}} = wire.take_octets({length})",),
             )
-        made, item_put, item_take = self._items(element, length, f", {length}")
+        made, item_put, item_take = self._items(element, length, f", {length}", first)
         set_ = item_take.replace("{0}.next_free()", "{0}[i]")
         if set_.startswith("{0}.append("):
             value = set_.removeprefix("{0}.append(").removesuffix(")")
@@ -169,12 +222,15 @@ class Forms:
             (f"for i in range({length}):", f"    {set_}"),
         )
 
-    def _items(self, element: Type, room: int, length: str) -> tuple[str, str, str]:
-        first = ""
+    def _items(
+        self, element: Type, room: int, length: str, first: str = ""
+    ) -> tuple[str, str, str]:
+        """Return the code of a list that starts with `length` items, equal to `first`."""
         match element:
             case PrimitiveType(Primitive.BOOLEAN):
+                start = f", {int(first == 'True')}" if first else ""
                 return (
-                    f'_Numbers("B", {room}{length})',
+                    f'_Numbers("B", {room}{length}{start})',
                     'wire.put("<B", 1, 1 if {0}[i] else 0)',
                     "{0}.append(wire.take_boolean())",
                 )
@@ -182,8 +238,8 @@ class Forms:
                 code, size, _ = NUMBERS[kind]
             case NamedType(name) if isinstance(enum := self._model.find(name), Enum):
                 code, size = enum_code(enum), 4
-                if length and enum.members[0].value:
-                    first = f", {enum.members[0].value}"
+                if length and not first and enum.initial.value:
+                    first = str(enum.initial.value)
             case NamedType(name) if isinstance(self._model.find(name), Struct):
                 return (
                     f"_Values({self._classes[name]}, {room}{length})",
@@ -199,8 +255,9 @@ class Forms:
                 )
             case _:
                 raise NoFormError(f"items of {element}")
+        start = f", {first}" if first else ""
         return (
-            f'_Numbers("{code}", {room}{length}{first})',
+            f'_Numbers("{code}", {room}{length}{start})',
             f'wire.put("<{code}", {size}, {{0}}[i])',
             f'{{0}}.append(wire.take("<{code}", {size}))',
         )

@@ -98,7 +98,7 @@ def _struct(
 ) -> str:
     python_names = _members(model, names, declaration)
     members = [
-        (python_names[member.name], forms.form(member.type))
+        (python_names[member.name], forms.form(member.type, member.initial))
         for member in members_of(model, declaration)
     ]
     parameters = ", ".join(
@@ -111,12 +111,16 @@ def _struct(
     lines += ["        pass"] * (not members)
     for name, form in members:
         lines.append(f"        {own}.{name} = {form.made if form.mutable else name}")
-        if form.mutable:
+        if form.items:
+            lines += [
+                f"        if {name} is None:",
+                f"            {name} = {form.items}",
+            ]
+        elif form.mutable:
             lines.append(f"        if {name} is not None:")
-            lines.append(
-                "            "
-                + form.copy.replace("{0}", f"{own}.{name}").replace("{1}", name)
-            )
+        if form.mutable:
+            copied = form.copy.replace("{0}", f"{own}.{name}").replace("{1}", name)
+            lines.append(f"{' ' * (8 if form.items else 12)}{copied}")
     for header, statements in (
         (
             "def _copy_(self, other):",

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
 from rtgen.backends.typescript import quoting
-from rtgen.backends.typescript.types import BIG, Types, identifier
+from rtgen.backends.typescript.types import Types, identifier
 from rtgen.model import (
     Bitmask,
     Case,
@@ -16,8 +16,8 @@ from rtgen.model import (
     Documented,
     Enum,
     Enumerator,
-    EnumeratorName,
     ExceptionDecl,
+    InitialValue,
     Member,
     Model,
     NamedType,
@@ -34,7 +34,17 @@ _CODEC_WORD = re.compile(r"[A-Za-z0-9_$]+")
 _STRING = re.compile(r'"(?:[^"\\]|\\.)*"')
 _RUNTIME = (
     *("CdrType", "array", "bitmask", "bitmask64", "boolean", "branch", "char", "chars"),
-    *("double", "enumeration", "field", "float", "int8", "lazy", "long", "longlong"),
+    *(
+        "double",
+        "enumeration",
+        "field",
+        "float",
+        "initially",
+        "int8",
+        "lazy",
+        "long",
+        "longlong",
+    ),
     *("map", "octet", "octets", "sequence", "short", "string", "struct", "ulong"),
     *("ulonglong", "union", "ushort", "wchar", "wstring"),
 )
@@ -83,10 +93,13 @@ class TypesModule:
                 yield from self._enum(declaration)
             case Bitmask():
                 yield from self._bitmask(declaration)
-            case Typedef(type=type_):
+            case Typedef(type=type_, initial=initial):
                 yield from quoting.comment(declaration.doc)
                 yield f"export type {name} = {self._value(type_)};"
-                yield self._constant(name, self._codec(type_))
+                codec = self._codec(type_)
+                if initial is not None:
+                    codec = f"initially({codec}, {self._initial(type_, initial)})"
+                yield self._constant(name, codec)
             case Const(type=type_, value=value):
                 yield from quoting.comment(declaration.doc)
                 yield f"export const {name} = {self._literal(type_, value)};"
@@ -103,13 +116,20 @@ class TypesModule:
             absent = " | null" if member.optional else ""
             yield f"  {_property(member.name)}: {self._value(member.type)}{absent};"
         yield "}"
-        fields = [
-            f"field({quoting.string(member.name)}, {self._codec(member.type)}"
-            + (", true)" if member.optional else ")")
-            for member in members
-        ]
+        fields = [self._field(member) for member in members]
         scoped = quoting.string(declaration.scoped)
         yield self._constant(name, _call("struct", scoped, fields, appendable))
+
+    def _field(self, member: Member) -> str:
+        codec = self._codec(member.type)
+        more = ", true" * member.optional
+        if member.initial is not None and not member.optional:
+            more = f", false, {self._initial(member.type, member.initial)}"
+        return f"field({quoting.string(member.name)}, {codec}{more})"
+
+    def _initial(self, type_: Type, value: InitialValue) -> str:
+        """Return the function that makes a default."""
+        return f"() => {self._types.initial(type_, value)}"
 
     def _members(self, struct: Struct) -> list[Member]:
         """Return all members, inherited ones first."""
@@ -155,6 +175,9 @@ class TypesModule:
     def _branch(self, union: Union, case: Case) -> str:
         labels = ", ".join(self._literal(union.switch, each) for each in case.labels)
         default = ", true" if case.default else ""
+        if case.initial is not None:
+            default = f", {str(case.default).lower()}, "
+            default += self._initial(case.type, case.initial)
         codec = self._codec(case.type)
         return f"branch({quoting.string(case.name)}, {codec}, [{labels}]{default})"
 
@@ -167,6 +190,8 @@ class TypesModule:
             f"{_property(each.name)}: {each.value}" for each in enum.members
         )
         bits = f", {enum.bound}" if enum.bound != 32 else ""
+        if enum.initial is not enum.members[0]:
+            bits = f", {enum.bound}, {quoting.string(enum.initial.name)}"
         scoped = quoting.string(enum.scoped)
         yield self._constant(name, f"enumeration({scoped}, {{ {numbers} }}{bits})")
 
@@ -192,11 +217,7 @@ class TypesModule:
         return f"export const {name}: CdrType<{name}> = {codec};"
 
     def _literal(self, type_: Type, value: ConstantValue) -> str:
-        if isinstance(value, EnumeratorName):
-            return quoting.string(value.name[-1])
-        plain = self._model.unalias(type_)
-        big = isinstance(plain, PrimitiveType) and plain.kind in BIG
-        return quoting.constant(value, is_64_bit=big)
+        return self._types.literal(self._model.unalias(type_), value)
 
     def _value(self, type_: Type) -> str:
         self._types.codec(type_, self._refer)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Final
+from collections.abc import Callable, Sequence
+from typing import Final, TypeVar
 
 from rtgen.backends.typescript import quoting
 from rtgen.facts.primitives import OCTET_TYPES
@@ -11,10 +11,13 @@ from rtgen.layouts.representations import Representations, member_types
 from rtgen.model import (
     ArrayType,
     Bitmask,
+    ConstantValue,
     Declaration,
     Enum,
+    EnumeratorName,
     ExceptionDecl,
     Extensibility,
+    InitialValue,
     MapType,
     Model,
     NamedType,
@@ -46,6 +49,8 @@ _BASIC: Final = {
     Primitive.DOUBLE: ("double", "number"),
 }
 """Codec and type of the basic types."""
+
+_T = TypeVar("_T")
 
 BIG: Final = frozenset((Primitive.LONG_LONG, Primitive.UNSIGNED_LONG_LONG))
 """The types whose values are a `bigint`."""
@@ -171,6 +176,39 @@ class Types:
                 return f"lazy({quoting.string('::'.join(name))}, () => {text})"
         raise AssertionError(f"{type_} was reported")
 
+    def literal(self, plain: Type, value: ConstantValue) -> str:
+        """Return the literal of a value of a type without aliases."""
+        if isinstance(value, EnumeratorName):
+            return quoting.string(value.name[-1])
+        big = isinstance(plain, PrimitiveType) and plain.kind in BIG
+        if isinstance(plain, NamedType):
+            declared = self._model.find(plain.name)
+            big = isinstance(declared, Bitmask) and declared.bound > 32
+        return quoting.constant(value, is_64_bit=big)
+
+    def initial(self, type_: Type, value: InitialValue) -> str:
+        """Return the expression of a default: a literal, or a list with its items."""
+        plain = self._model.unalias(type_)
+        if not isinstance(value, tuple):
+            return self.literal(plain, value)
+        assert isinstance(plain, SequenceType | ArrayType)
+        dimensions: tuple[int, ...] = (len(value),)
+        element = self._model.unalias(plain.element)
+        if isinstance(plain, ArrayType):
+            dimensions = plain.dimensions
+        rows = _rows(value, dimensions[-1])
+        special = self._special(element)
+        if special is not None and special[1] == "string":
+            items = [quoting.string("".join(map(str, row))) for row in rows]
+        else:
+            head, end = ("Uint8Array.of(", ")") if special is not None else ("[", "]")
+            texts = ([self.literal(element, item) for item in row] for row in rows)
+            items = [f"{head}{', '.join(row)}{end}" for row in texts]
+        for size in reversed(dimensions[:-1]):
+            items = [f"[{', '.join(row)}]" for row in _rows(items, size)]
+        [expression] = items
+        return expression
+
     def _array(self, type_: ArrayType, refer: Callable[[ScopedName], bool]) -> str:
         element, dimensions = self._flat(type_)
         inner = self.codec(element, refer)
@@ -197,3 +235,8 @@ class Types:
 
 def _grouped(text: str) -> str:
     return f"({text})" if "|" in text else text
+
+
+def _rows(items: Sequence[_T], size: int) -> list[Sequence[_T]]:
+    """Split items into rows; without any there is one empty row."""
+    return [items[at : at + size] for at in range(0, len(items), size or 1)] or [()]
