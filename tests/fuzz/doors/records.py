@@ -137,30 +137,33 @@ _CAN_LOGS = (
     b"(1436509052.249713) vcan0 044#2A366C2BBA\n(1436509052.449847) vcan0 0F6#R\n",
     b"date Tue Jan 5 10:00:00 am 2021\nbase hex timestamps absolute\n"
     b" 0.015991 1 18EBFF00x Rx d 8 01 A0 0F A6 60 3B D1 40 Length = 0\n",
+    b";$FILEVERSION=2.0\n;$STARTTIME=45292.5\n;$COLUMNS=N,O,T,I,d,l,D\n;\n"
+    b" 1 10.5 DT 0181 Rx 2 01 02\n 2 20.1 ST Rx 4 00 00 00 08\n",
+    b"(1.0)  vcan0  044   [3]  2A 36 6C\n(2.0) vcan0 20000004#0004000000000000\n",
 )
 
 
 def _can_log(folder: Path) -> Door:
-    paths = {suffix: folder / f"input{suffix}" for suffix in (".log", ".asc", ".blf")}
+    paths = {suffix: folder / f"input{suffix}" for suffix in logs.READ}
     with logs.writer(folder / "seed.blf") as blf:
         for number in range(3):
             blf.on_message_received(can.Message(arbitration_id=number, data=b"\1\2"))
     seeds = [*_CAN_LOGS, (folder / "seed.blf").read_bytes()]
 
+    suffixes = {b"L": ".blf", b"(": ".log", b";": ".trc"}
+
     def enter(data: bytes) -> bool:
-        suffix = (
-            ".blf" if data[:4] == b"LOGG" else (".log" if data[:1] == b"(" else ".asc")
-        )
+        suffix = suffixes.get(data[:1], ".asc")
         paths[suffix].write_bytes(data)
         try:
-            return sum(1 for _ in logs.read(paths[suffix])) > 0
+            return sum(1 for _ in logs.read(paths[suffix], str)) > 0
         except ClickException:
             return False
 
     text = mixing(_CAN_LOGS)
 
     def make(chance: Random) -> bytes:
-        return text(chance) if chance.random() < 0.7 else _changed(seeds[2:], chance)
+        return text(chance) if chance.random() < 0.7 else _changed(seeds[-1:], chance)
 
     return Door(enter, make, seeds)
 

@@ -315,7 +315,7 @@ def test_a_size_in_a_blf_file_takes_no_memory(place: int, tmp_path: Path) -> Non
     tracemalloc.start()
     try:
         with contextlib.suppress(Refusal):
-            list(logs.read(path))
+            list(logs.read(path, str))
         assert tracemalloc.get_traced_memory()[1] < 1 << 26
     finally:
         tracemalloc.stop()
@@ -332,7 +332,7 @@ def test_a_container_that_inflates_without_end_is_refused(tmp_path: Path) -> Non
     tracemalloc.start()
     try:
         with pytest.raises(Refusal, match="a container of more than"):
-            list(logs.read(path))
+            list(logs.read(path, str))
         assert tracemalloc.get_traced_memory()[1] < 1 << 27
     finally:
         tracemalloc.stop()

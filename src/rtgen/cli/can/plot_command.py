@@ -64,7 +64,7 @@ def plot_(
     found = _series(known, objects)
     decoder = MessageDecoder(known)
     if record is not None:
-        _collect(logs.read(record), decoder, found)
+        _collect(logs.read(record, console.say), decoder, found)
     else:
         with opened(access.on(known)) as bus, frames(bus, seconds, count) as received:
             _collect(received, decoder, found)

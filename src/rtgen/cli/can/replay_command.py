@@ -73,19 +73,20 @@ def replay_(
 ) -> int:
     """Send the frames of a recording to a bus, or decode and print them.
 
-    FILE is a recording: .log (candump), .asc or .blf (Vector). --decode prints frames as `monitor`
-    does. Error frames and frames of CAN FD are not sent, nor are remote frames over socketcand.
+    FILE is a recording: .log (candump's log or screen output), .asc or .blf (Vector), .trc (PEAK).
+    --decode prints frames as `monitor` does. Error frames and frames of CAN FD are not sent, nor
+    are remote frames over socketcand. What is damaged in FILE is reported, and the rest is read.
     """
     known = described.known()
     if decode:
         wanted = Wanted(known, nodes, kinds)
         printer = Printer(known, wanted, as_json=as_json, write=write_out)
-        for message in logs.read(file):
+        for message in logs.read(file, console.say):
             printer.take(message)
         return OK
     if as_json or nodes or kinds:
         raise click.UsageError("--json, --node and --kind go with --decode")
-    found = logs.read(file)
+    found = logs.read(file, console.say, only_certain=True)
     sent = left_out = 0
     with opened(access.on(known)) as bus, drained(bus), until_interrupted():
         for message in _in_time(found, speed, at_once=at_once):

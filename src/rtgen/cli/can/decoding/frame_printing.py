@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from rtgen.cli.can.decoding.decoder import Decoded, Decoder
 from rtgen.cli.can.decoding.node_index import NodeIndex
+from rtgen.cli.can.parsing.candump import ERROR_FLAG
 from rtgen.cli.common import Refusal
 from rtgen.cli.rpc.values import Json
 from rtgen.runtime.canopen.bus.messages import frame_of
@@ -22,6 +23,18 @@ KINDS = (
 )  # fmt: skip
 """The kinds of frames; those of PDOs are followed by a number."""
 
+_ERROR_CLASSES = {
+    0x001: "transmission timed out",
+    0x002: "arbitration lost",
+    0x004: "controller problem",
+    0x008: "protocol violation",
+    0x010: "transceiver status",
+    0x020: "no acknowledgement",
+    0x040: "bus off",
+    0x080: "bus error",
+    0x100: "controller restarted",
+}
+
 Write: TypeAlias = Callable[[str], object]
 
 
@@ -34,7 +47,7 @@ class MessageDecoder:
     def decode(self, message: Message) -> Decoded:
         """Decode the next message."""
         if message.is_error_frame:
-            return Decoded("error frame", None, "", "")
+            return Decoded("error frame", None, "", _error_text(message))
         frame = frame_of(message)
         if frame is None:
             return Decoded("no classical frame", None, "", message.data.hex(" "))
@@ -64,8 +77,16 @@ class Wanted:
         return not self._kinds or decoded.kind.startswith(self._kinds)
 
 
+def _error_text(message: Message) -> str:
+    """Return the classes of an error, if its frame has those of SocketCAN (linux/can/error.h)."""
+    classes = message.arbitration_id
+    return ", ".join(text for bit, text in _ERROR_CLASSES.items() if classes & bit)
+
+
 def identifier(message: Message) -> str:
     """Return the CAN identifier as candump writes it: 3 or 8 hexadecimal digits."""
+    if message.is_error_frame:
+        return f"{message.arbitration_id | ERROR_FLAG:08X}"
     digits = 8 if message.is_extended_id else 3
     return f"{message.arbitration_id:0{digits}X}"
 
