@@ -12,6 +12,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import cpp_build
+import devices
 import hosting
 import middleware
 import pytest
@@ -65,6 +67,32 @@ def rtm_folders(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
 def rtm_environment(rtm_folders: list[Path]) -> dict[str, str]:
     """Return the environment of processes that import `OpenRTM_aist`."""
     return middleware.environment(rtm_folders)
+
+
+@pytest.fixture(scope="session")
+def cpp_programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder with the programs of `cpp`, compiled."""
+    data = ("BasicDataType", "ExtendedDataTypes", "intellirobot")
+    idl = [middleware.DATA_TYPES / f"{name}.idl" for name in data]
+    interfaces = ("SDOPackage", "RTC", "OpenRTM")
+    idl += [middleware.STUB / "idl" / f"{name}.idl" for name in interfaces]
+    source = Path(__file__).parent / "cpp"
+    return cpp_build.programs(tmp_path_factory.mktemp("cpp"), idl, source)
+
+
+@pytest.fixture(scope="session")
+def piloted(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the generated project of `devices`."""
+    return devices.project(tmp_path_factory.mktemp("piloted"))
+
+
+@pytest.fixture
+def processes(
+    piloted: Path, tmp_path: Path, cpp_programs: Path, naming_service: str
+) -> Iterator[devices.Processes]:
+    """Yield the processes of a test with devices in C++."""
+    with devices.processes(piloted, tmp_path, cpp_programs, naming_service) as made:
+        yield made
 
 
 @pytest.fixture(scope="session")

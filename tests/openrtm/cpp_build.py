@@ -32,8 +32,11 @@ needed = [
 """Marks of tests that need a program in C++."""
 
 
-def program(folder: Path, idl: Sequence[Path], source: Path) -> str:
-    """Compile the stubs of IDL files, and all files of a folder, to one program."""
+def programs(folder: Path, idl: Sequence[Path], source: Path) -> Path:
+    """Compile the stubs of IDL files and all files of a folder; return the folder of programs.
+
+    A file without a header of its name is a program; it is linked with all others.
+    """
     assert _COMPILER is not None
     for file in idl:
         included = [f"-I{each.parent}" for each in idl]
@@ -43,7 +46,10 @@ def program(folder: Path, idl: Sequence[Path], source: Path) -> str:
             PYTHONPATH=str(PREFIX / "lib/omniidl"),
         )
     files = [*sorted(folder.glob("*.cc")), *sorted(source.glob("*.cc"))]
-    options = ["-std=c++17", "-O0", "-I.", f"-isystem{PREFIX / 'include'}"]
+    options = ["-std=c++17", "-O0", "-I."]
+    if Path("/usr") != PREFIX:
+        # That is searched anyway; named, it would precede the folders of C++ itself.
+        options.append(f"-isystem{PREFIX / 'include'}")
 
     def compiled(file: Path) -> str:
         strict = ["-Wall", "-Wextra", "-Werror"] if file.parent == source else []
@@ -52,12 +58,16 @@ def program(folder: Path, idl: Sequence[Path], source: Path) -> str:
         return target
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        objects = [*pool.map(compiled, files)]
+        objects = dict(zip(files, pool.map(compiled, files), strict=True))
+    mains = [each for each in files if not each.with_suffix(".hh").exists()]
+    shared = [made for file, made in objects.items() if file not in mains]
     [library] = {file.parent for file in PREFIX.glob("lib/**/libomniORB4.so")}
     found = [f"-L{library}", f"-Wl,-rpath,{library}"]
     linked = [f"-l{name}" for name in _LIBRARIES]
-    _run([_COMPILER, *objects, "-o", "program", *found, *linked], folder)
-    return str(folder / "program")
+    for file in mains:
+        made = [objects[file], *shared, "-o", file.stem]
+        _run([_COMPILER, *made, *found, *linked], folder)
+    return folder
 
 
 def _run(command: Sequence[str], folder: Path, **environment: str) -> None:

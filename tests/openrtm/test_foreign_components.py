@@ -15,22 +15,16 @@ import pytest
 from logged_process import LoggedProcess
 from openrtm_lab import until
 from patience import PATIENCE
+from watching_page import Page
 
 from refrobots.iis import TimedPose2D, TimedState
 from rtgen.cli import run as rtgen
-from rtgen.cli.common import Console
-from rtgen.cli.ui import CommandProject
-from rtgen.runtime import RealClock, xcdr
-from rtgen.ui.commands import Commands
-from rtgen.ui.outbox import Outbox
+from rtgen.runtime import xcdr
 from rtgen.ui.protocol import ui
-from rtgen.ui.session import Session
 
 ROOT = Path(__file__).resolve().parents[2]
 GOAL = ROOT / "specs" / "navigation" / "rh3_goal.xml"
 CALC = ROOT / "tests" / "unit" / "corba" / "corba_system"
-STRUCTS = ("BasicDataType", "ExtendedDataTypes", "intellirobot")
-INTERFACES = ("SDOPackage", "RTC", "OpenRTM")
 CPP_TYPES = {
     "operator": "IDL:IIS/TimedPose2D:1.0",
     "mistaken": "IDL:RTC/TimedLong:1.0",
@@ -50,15 +44,6 @@ def stubs(
     files = [types / "intellirobot.idl", CALC / "calc.idl"]
     middleware.compile_idl(folder, files, [types])
     return middleware.environment([folder, *rtm_folders])
-
-
-@pytest.fixture(scope="module")
-def cpp_program(tmp_path_factory: pytest.TempPathFactory) -> str:
-    """Return the operator in C++."""
-    folder = tmp_path_factory.mktemp("cpp")
-    idl = [middleware.DATA_TYPES / f"{name}.idl" for name in STRUCTS]
-    idl += [middleware.STUB / "idl" / f"{name}.idl" for name in INTERFACES]
-    return cpp_build.program(folder, idl, Path(__file__).parent / "cpp")
 
 
 @pytest.fixture
@@ -94,7 +79,7 @@ def launch(
             command = ["-m", "rtgen", *what, "--clock", "real", "--transport", "corba"]
             environment = {**os.environ, "PYTHONPATH": path}
         elif author == "c++":
-            program = request.getfixturevalue("cpp_program")
+            program = str(request.getfixturevalue("cpp_programs") / "position_input")
             place = formats.replace("%n", "PositionInput0")
             command = [f"corbaname::{naming_service}#{place}", CPP_TYPES[what[0]]]
             command += ["-ORBendPoint", "giop:tcp:127.0.0.1:"]
@@ -239,53 +224,6 @@ def test_a_foreign_component_provides_a_service(
     size = log.stat().st_size
     until(lambda: '"error": ""' in log.read_text()[size:], PATIENCE)
     assert ours.end() == 0
-
-
-class Page:
-    """Stands for a page of `rtgen ui --nameserver`, without a browser."""
-
-    def __init__(self, naming_service: str) -> None:
-        project = CommandProject(Console("text", False, True), [])
-        self.session = Session(project, "", RealClock, [naming_service])
-        self.session.runner.start()
-        self._commands = Commands(self.session)
-        self._outbox = Outbox(lambda: None)
-        self._results: list[ui.Result] = []
-        self.samples: list[bytes] = []
-        self.session.runner.submit(lambda: self.session.join(self._outbox))
-
-    def done(self, branch: str, value: object) -> ui.Result:
-        """Carry out a command, which succeeds."""
-        command = getattr(ui.Command, f"of_{branch}")(value)
-        message = ui.ClientMessage(request=1, asked=command)
-        self._results.clear()
-        self.session.runner.submit(
-            lambda: self._commands.carry_out(self._outbox, message)
-        )
-        until(lambda: self._follow() or self._results, PATIENCE)
-        [result] = self._results
-        assert result.done, result.message
-        return result
-
-    def _follow(self) -> None:
-        data = self._outbox.take()
-        for event in ui.ServerMessage.from_cdr(data).events if data else ():
-            if event.discriminator is ui.EventKind.EVENT_RESULT:
-                self._results.append(event.outcome)
-            elif event.discriminator is ui.EventKind.EVENT_SAMPLES:
-                self.samples += [each.data for each in event.samples]
-
-    def found(self, end: str) -> ui.Component:
-        """Wait for the component whose name has this end, and return it."""
-        components = self.session.remote.components
-
-        def names() -> list[str]:
-            components = self.session.remote.components
-            return [each for each in components if each.endswith(end)]
-
-        until(names, PATIENCE)
-        components = self.session.remote.components
-        return components[names()[0]]
 
 
 @pytest.fixture

@@ -51,7 +51,7 @@ from rtgen.diagnostics import InputError, ToolError, has_errors, in_order
 from rtgen.model import System
 from rtgen.project import load_around
 from rtgen.runtime.failures import ends_run
-from rtgen.runtime.services.transports import ForeignComponent
+from rtgen.runtime.services.transports import ForeignComponent, ForeignTransport
 from rtgen.runtime.system.recording import JsonLinesRecorder
 from rtgen.runtime.system.watchdog import Watchdog
 from rtgen.systems import measures, timeline
@@ -301,7 +301,12 @@ def run(
             _show(running, bar)
             if transport is not None:
                 transports.await_others(transport, carrying.patience, console)
-            end.of(running.end_run)
+            before_exit = (
+                transport.release_foreign
+                if isinstance(transport, ForeignTransport)
+                else None
+            )
+            end.of(running.end_run, before_exit)
             met, wall = _run(running, condition, report, simulated=simulated)
         unfinished = end.interrupted and not met
         if unfinished:

@@ -1,4 +1,4 @@
-"""Handlers for Ctrl-C and SIGTERM, for commands that run until interrupted."""
+"""Handlers for Ctrl-C, SIGTERM and SIGHUP, for commands that run until interrupted."""
 
 from __future__ import annotations
 
@@ -7,6 +7,19 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
+from typing import Final
+
+_HANGUP: Final[signal.Signals | None] = getattr(signal, "SIGHUP", None)
+
+
+def of_ending() -> tuple[signal.Signals, ...]:
+    """Return the signals besides Ctrl-C that end a command in order.
+
+    The end of the terminal (SIGHUP) is one of them, unless it is ignored as by `nohup`.
+    """
+    if _HANGUP is None or signal.getsignal(_HANGUP) is signal.SIG_IGN:
+        return (signal.SIGTERM,)
+    return signal.SIGTERM, _HANGUP
 
 
 @contextmanager
@@ -27,10 +40,10 @@ def handled(
 
 @contextmanager
 def terminable() -> Iterator[None]:
-    """Make SIGTERM raise KeyboardInterrupt, as Ctrl-C does."""
+    """Make SIGTERM and SIGHUP raise KeyboardInterrupt, as Ctrl-C does."""
 
     def interrupt(number: int, frame: FrameType | None) -> None:
         raise KeyboardInterrupt
 
-    with handled(interrupt, signal.SIGTERM):
+    with handled(interrupt, *of_ending()):
         yield

@@ -32,6 +32,7 @@ from rtgen.cli.running.failures import FailureOptions, FailureReport
 from rtgen.cli.running.foreign import named
 from rtgen.cli.running.partition import alone, steps_here
 from rtgen.cli.running.recording_options import RecordingOptions, with_recording
+from rtgen.cli.signals import terminable
 from rtgen.diagnostics import InputError, ToolError, has_errors, in_order
 from rtgen.model import System, SystemComponent
 from rtgen.project import is_bus_file, load_around
@@ -413,6 +414,7 @@ def ui(
         if opened:
             webbrowser.open(server.address(full=True))
 
-    with closing:
+    # uvicorn raises a signal again after it has ended: the run must end in order, too.
+    with closing, terminable():
         asyncio.run(server.run(ready))
     return OK

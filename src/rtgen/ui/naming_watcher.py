@@ -15,11 +15,13 @@ from rtgen.facts.openrtm_ports import KIND
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.corba.naming import Bound, Naming
 from rtgen.runtime.corba.orb import Orb
+from rtgen.runtime.corba.rt_objects.activation import Activations
 from rtgen.runtime.corba.rt_objects.component import RtObject
 from rtgen.runtime.corba.rt_objects.objects import Exported
 from rtgen.runtime.corba.rt_objects.peers import DATA_DEFAULTS
 from rtgen.runtime.corba.rt_objects.ports import PortService
 from rtgen.runtime.corba.rt_objects.publishing import RtObjects
+from rtgen.runtime.corba.rt_objects.remote import FAULTS
 from rtgen.runtime.corba.rt_objects.wire import (
     ConnectorProfile,
     PortProfile,
@@ -36,7 +38,6 @@ from rtgen.ui.protocol import ui
 from rtgen.ui.protocol.ui import BindingKind, CommandKind
 from rtgen.ui.remote_component import (
     DATA_TYPE,
-    FAULTS,
     RemoteComponent,
     described,
     explained,
@@ -113,6 +114,7 @@ class NamingWatcher:
         self._timeout = timeout
         self._orb = Orb(timeout=timeout)
         self._exported = Exported(self._orb)
+        self._activations = Activations(self._exported)
         self._taps = RemoteConnections(self._orb, self._exported)
         self._wanted: Mapping[Key, Take] = {}
         self._listened: Mapping[Key, Take] = self._wanted
@@ -134,11 +136,15 @@ class NamingWatcher:
         self._thread.start()
 
     def close(self) -> None:
-        """Stop polling; waits for a call in progress."""
+        """Stop polling; waits for a call in progress.
+
+        Components that were activated here are deactivated.
+        """
         self._closing.set()
         with suppress(queue.Full):
             self._requests.put_nowait(lambda: None)
         self._thread.join()
+        self._activations.release_all()
         with suppress(*FAULTS):
             self._taps.close(2 * self._timeout)
         self._orb.close()
@@ -353,7 +359,7 @@ class NamingWatcher:
                 | CommandKind.COMMAND_RESET
             ) as kind:
                 for instance in value:
-                    self._at(instance).request(kind)
+                    self._request(kind, instance)
                 self._query_again(value)
                 return None
             case CommandKind.COMMAND_SET:
@@ -370,6 +376,21 @@ class NamingWatcher:
                     "only InPorts of other processes take samples",
                 )
         raise CommandError(IMPOSSIBLE, "not possible for components of other processes")
+
+    def _request(self, kind: CommandKind, instance: str) -> None:
+        """Request a state of a component. Raises CommandError."""
+        found = self._at(instance)
+        request = partial(found.request, kind)
+        if kind is not CommandKind.COMMAND_ACTIVATE:
+            request()
+            self._activations.forget(instance)
+            return
+        try:
+            self._activations.activate(instance, found.rtc, request)
+        except FAULTS as error:
+            raise CommandError(
+                CALL_FAILED, f"{instance}: {explained(error)}"
+            ) from error
 
     def give(self, address: ui.PortAddress, value: DataType) -> None:
         """Send a sample to an InPort; by `submit` only. Raises CommandError."""

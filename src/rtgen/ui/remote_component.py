@@ -12,8 +12,9 @@ from omniORB import CORBA
 from rtgen.facts.openrtm_ports import known_name
 from rtgen.runtime.corba.faults import is_silent
 from rtgen.runtime.corba.rt_objects.objects import Exported
-from rtgen.runtime.corba.rt_objects.remote import NilError, RemoteRtc
+from rtgen.runtime.corba.rt_objects.remote import FAULTS, NilError, RemoteRtc
 from rtgen.runtime.corba.rt_objects.wire import (
+    ComponentProfile,
     ConnectorProfile,
     PortInterfacePolarity,
     PortProfile,
@@ -26,7 +27,6 @@ from rtgen.ui.errors import BAD_VALUE, CALL_FAILED, NO_FIT, WRONG_STATE, Command
 from rtgen.ui.protocol import ui
 from rtgen.ui.type_table import NO_TYPE
 
-FAULTS: Final = (CORBA.SystemException, SdoError, NilError)
 DATA_TYPE: Final = "dataport.data_type"
 _PORT_KINDS: Final = {
     "DataInPort": ui.PortKind.PORT_IN,
@@ -55,6 +55,8 @@ class RemoteComponent:
         self.asked = 0.0
         """End of the last `query`, by `time.monotonic` [s]."""
         self.ports: dict[str, PortProfile] = {}
+        self._profile: ComponentProfile | None = None
+        """The profile of the component since it answers; ports are read each time."""
 
     def is_at(self, reference: Any) -> bool:
         """Return whether a reference denotes this component."""
@@ -66,6 +68,7 @@ class RemoteComponent:
             component = self._described()
         except Exception as error:  # the page shows any error on the component's box
             component = replace(self.component, silent=explained(error))
+            self._profile = None
         if component != self.component:
             self.component = component
         self.answered = self.answered or not component.silent
@@ -74,7 +77,9 @@ class RemoteComponent:
 
     def _described(self) -> ui.Component:
         rtc = self.rtc
-        profile = rtc.call("get_component_profile")
+        if self._profile is None:
+            self._profile = rtc.read_profile()
+        profile = self._profile
         contexts = rtc.contexts or rtc.call("get_participating_contexts")
         current = ui.State.STATE_CREATED
         if contexts:
@@ -82,7 +87,7 @@ class RemoteComponent:
             current = STATES[state]
         sets = rtc.all_sets()
         values = {name: v for name, v in sets.items() if not name.startswith("__")}
-        ports = {known_name(each.name): each for each in profile.port_profiles}
+        ports = {known_name(each.name): each for each in rtc.ports()}
         component = ui.Component(
             instance=self.component.instance,
             type=profile.type_name,

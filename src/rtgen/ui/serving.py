@@ -60,11 +60,11 @@ class Server:
         return f"http://{self.host}:{self.port}/?token={token}"
 
     async def run(self, ready: Callable[[], None]) -> None:
-        """Serve until SIGINT or SIGTERM, or `stop`; then end the run."""
+        """Serve until SIGINT, SIGTERM, SIGHUP, or `stop`; then end the run."""
         self._session.runner.start()
-        self._socket.listen()
-        ready()
         try:
+            self._socket.listen()
+            ready()
             await self._server.serve(sockets=[self._socket])
         finally:
             self._session.close()

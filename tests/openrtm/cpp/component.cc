@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <iostream>
 
 double Configuration::number(const std::string& name) {
   std::lock_guard<std::mutex> held(lock_);
@@ -19,10 +20,18 @@ SDOPackage::ConfigurationSet* Configuration::get_active_configuration_set() {
 }
 
 SDOPackage::ConfigurationSetList* Configuration::get_configuration_sets() {
-  SDOPackage::ConfigurationSet_var only = get_active_configuration_set();
+  SDOPackage::ConfigurationSet_var active = get_active_configuration_set();
   SDOPackage::ConfigurationSetList_var list = new SDOPackage::ConfigurationSetList;
-  list->length(1);
-  list[0] = only.in();
+  list->length(1 + described.size());
+  list[0] = active.in();
+  CORBA::ULong i = 1;
+  for (const auto& each : described) {
+    list[i].id = each.first.c_str();
+    list[i].description = "";
+    for (const auto& pair : each.second)
+      set(list[i].configuration_data, pair.first.c_str(), pair.second);
+    ++i;
+  }
   return list._retn();
 }
 
@@ -64,13 +73,21 @@ void Context::begin(RTC::RTObject_ptr component) {
   thread_ = std::thread([this] {
     const std::chrono::duration<double> period(1.0 / rate_);
     while (!ends_) {
-      {
-        std::lock_guard<std::mutex> held(lock_);
-        if (state_ == RTC::ACTIVE_STATE && execute() != RTC::RTC_OK) state_ = RTC::ERROR_STATE;
-      }
+      step();
       std::this_thread::sleep_for(period);
     }
   });
+}
+
+void Context::step() {
+  std::lock_guard<std::mutex> held(lock_);
+  if (waits_ && std::chrono::steady_clock::now() >= due_) {
+    const bool done = !callback_ || !*callback_ || (*callback_)() == RTC::RTC_OK;
+    state_ = done ? wanted_ : RTC::ERROR_STATE;
+    waits_ = false;
+    changed_.notify_all();
+  }
+  if (state_ == RTC::ACTIVE_STATE && execute() != RTC::RTC_OK) state_ = RTC::ERROR_STATE;
 }
 
 void Context::end() {
@@ -79,14 +96,22 @@ void Context::end() {
 }
 
 RTC::ReturnCode_t Context::go(RTC::LifeCycleState from, RTC::LifeCycleState to,
-                              const std::function<RTC::ReturnCode_t()>& callback) {
-  std::lock_guard<std::mutex> held(lock_);
+                              const Callback& callback) {
+  std::unique_lock<std::mutex> held(lock_);
   if (state_ != from) return RTC::PRECONDITION_NOT_MET;
-  state_ = !callback || callback() == RTC::RTC_OK ? to : RTC::ERROR_STATE;
-  return RTC::RTC_OK;
+  if (!waits_) {
+    waits_ = true;
+    wanted_ = to;
+    callback_ = &callback;
+    due_ = std::chrono::steady_clock::now() + delay;
+  }
+  const auto patience = std::chrono::milliseconds(500);
+  return changed_.wait_for(held, patience, [this] { return !waits_; }) ? RTC::RTC_OK
+                                                                       : RTC::RTC_ERROR;
 }
 
 RTC::ReturnCode_t Context::activate_component(RTC::LightweightRTObject_ptr) {
+  if (refuses) return RTC::UNSUPPORTED;
   return go(RTC::INACTIVE_STATE, RTC::ACTIVE_STATE, activated);
 }
 
@@ -95,7 +120,8 @@ RTC::ReturnCode_t Context::deactivate_component(RTC::LightweightRTObject_ptr) {
 }
 
 RTC::ReturnCode_t Context::reset_component(RTC::LightweightRTObject_ptr) {
-  return go(RTC::ERROR_STATE, RTC::INACTIVE_STATE, nullptr);
+  static const Callback nothing;
+  return go(RTC::ERROR_STATE, RTC::INACTIVE_STATE, nothing);
 }
 
 RTC::LifeCycleState Context::get_component_state(RTC::LightweightRTObject_ptr) {
@@ -150,10 +176,13 @@ RTC::ComponentProfile* Component::get_component_profile() {
   profile->vendor = "lab";
   profile->category = "lab";
   profile->port_profiles.length(ports_.size());
-  for (CORBA::ULong i = 0; i < ports_.size(); ++i) {
-    RTC::PortProfile_var each = ports_[i]->get_port_profile();
-    profile->port_profiles[i] = each.in();
-  }
+  for (CORBA::ULong i = 0; i < ports_.size(); ++i) try {
+      RTC::PortProfile_var each = ports_[i]->get_port_profile();
+      profile->port_profiles[i] = each.in();
+    } catch (const CORBA::SystemException&) {
+      std::cerr << "get_component_profile has crashed" << std::endl;
+      std::abort();  // OpenRTM-aist 2.1.0 returns no profile then, and omniORB reads it.
+    }
   set(profile->properties, "language", "C++");
   return profile._retn();
 }

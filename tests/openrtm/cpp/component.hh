@@ -3,6 +3,8 @@
 #define COMPONENT_HH
 
 #include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <string>
 #include <thread>
 #include <vector>
@@ -11,10 +13,12 @@
 
 using Parameters = std::map<std::string, std::string>;
 
-// One set of parameters, `default`, whose values are texts.
+// One set of parameters, `default`, whose values are texts, and sets that describe them.
 class Configuration : public POA_SDOPackage::Configuration {
  public:
   explicit Configuration(Parameters parameters) : parameters_(std::move(parameters)) {}
+  // The sets `__constraints__`, `__type__` and so on.
+  std::map<std::string, Parameters> described;
 
   double number(const std::string& name);
 
@@ -31,10 +35,13 @@ class Configuration : public POA_SDOPackage::Configuration {
   Parameters parameters_;
 };
 
-// The states of the component, and the thread that executes it.
+// The states of the component, and the thread that executes it. A request is carried out by the
+// thread, `delay` later; it is answered by RTC_ERROR if that takes more than half a second.
 class Context : public POA_RTC::ExecutionContextService {
  public:
   explicit Context(double rate) : rate_(rate) {}
+  std::chrono::milliseconds delay{0};
+  bool refuses = false;
   void begin(RTC::RTObject_ptr component);
   void end();
 
@@ -60,12 +67,18 @@ class Context : public POA_RTC::ExecutionContextService {
   std::function<RTC::ReturnCode_t()> activated, deactivated, execute;
 
  private:
-  RTC::ReturnCode_t go(RTC::LifeCycleState from, RTC::LifeCycleState to,
-                       const std::function<RTC::ReturnCode_t()>& callback);
+  using Callback = std::function<RTC::ReturnCode_t()>;
+  RTC::ReturnCode_t go(RTC::LifeCycleState from, RTC::LifeCycleState to, const Callback& callback);
+  void step();
 
   double rate_;
   RTC::RTObject_var component_;
   std::mutex lock_;
+  std::condition_variable changed_;
+  const Callback* callback_ = nullptr;
+  RTC::LifeCycleState wanted_ = RTC::INACTIVE_STATE;
+  std::chrono::steady_clock::time_point due_;
+  bool waits_ = false;
   RTC::LifeCycleState state_ = RTC::INACTIVE_STATE;
   std::atomic<bool> ends_{false};
   std::thread thread_;

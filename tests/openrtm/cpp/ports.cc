@@ -38,7 +38,28 @@ Port::Port(CORBA::ORB_ptr orb, std::string name, std::string kind, std::string t
 
 RTC::PortService_ptr Port::reference() { return _this(); }
 
+// Ends the connections to ended processes. The first call to each fails by COMM_FAILURE, and the
+// second one by an exception that leaves this function.
+void Port::disconnect_dead() {
+  RTC::ConnectorProfileList_var list = get_connector_profiles();
+  std::vector<std::string> dead;
+  for (CORBA::ULong i = 0; i < list->length(); ++i)
+    for (CORBA::ULong k = 0; k < list[i].ports.length(); ++k) {
+      bool ended = false;
+      try {
+        ended = list[i].ports[k]->_non_existent();
+      } catch (const CORBA::COMM_FAILURE&) {
+        ended = list[i].ports[k]->_non_existent();
+      } catch (const CORBA::SystemException&) {
+        ended = true;
+      }
+      if (ended) dead.emplace_back(list[i].connector_id);
+    }
+  for (const auto& id : dead) disconnect(id.c_str());
+}
+
 RTC::PortProfile* Port::get_port_profile() {
+  disconnect_dead();
   RTC::PortProfile_var profile = new RTC::PortProfile;
   profile->name = name_.c_str();
   profile->port_ref = reference();
@@ -78,7 +99,11 @@ RTC::ReturnCode_t Port::connect(RTC::ConnectorProfile& profile) {
 RTC::ReturnCode_t Port::disconnect(const char* id) {
   RTC::ConnectorProfile_var profile = get_connector_profile(id);
   if (profile->ports.length() == 0) return RTC::BAD_PARAMETER;
-  return profile->ports[0]->notify_disconnect(id);
+  for (CORBA::ULong i = 0; i < profile->ports.length(); ++i) try {
+      return profile->ports[i]->notify_disconnect(id);
+    } catch (const CORBA::SystemException&) {
+    }
+  return RTC::RTC_ERROR;
 }
 
 RTC::ReturnCode_t Port::disconnect_all() {
@@ -111,7 +136,12 @@ RTC::ReturnCode_t Port::notify_disconnect(const char* id) {
     drop(id);
   }
   RTC::PortService_var following = next(profile);
-  return CORBA::is_nil(following) ? RTC::RTC_OK : following->notify_disconnect(id);
+  if (CORBA::is_nil(following)) return RTC::RTC_OK;
+  try {
+    return following->notify_disconnect(id);
+  } catch (const CORBA::SystemException&) {
+    return RTC::RTC_ERROR;
+  }
 }
 
 // The port behind this one in the chain; nil if this is the last.
@@ -144,6 +174,7 @@ bool OutPort::send(const std::function<void(cdrStream&)>& marshal) {
     peers = peers_;
   }
   bool taken = !peers.empty();
+  std::vector<std::string> lost;
   for (auto& each : peers) {
     cdrMemoryStream stream;
     stream.setByteSwapFlag(!each.second.big);
@@ -153,12 +184,11 @@ bool OutPort::send(const std::function<void(cdrStream&)>& marshal) {
     try {
       taken = each.second.reference->put(data) == OpenRTM::PORT_OK && taken;
     } catch (const CORBA::SystemException&) {
-      // The receiver is gone; who connects again gives another reference.
-      std::lock_guard<std::mutex> held(lock_);
-      peers_.erase(each.first);
+      lost.push_back(each.first);
       taken = false;
     }
   }
+  for (const auto& id : lost) disconnect(id.c_str());
   return taken;
 }
 

@@ -1,5 +1,6 @@
 // Data ports of RTC 1.0 over CORBA, interface type corba_cdr, pushed: what an RT component in C++
-// needs of it, written by hand against omniORB. Neither OpenRTM nor rtgen takes part.
+// needs of it, written by hand against omniORB. Neither OpenRTM nor rtgen takes part. What follows
+// a lost connection is as in OpenRTM-aist 2.1.0.
 #ifndef PORTS_HH
 #define PORTS_HH
 
@@ -46,6 +47,7 @@ class Port : public POA_RTC::PortService {
 
  private:
   RTC::PortService_ptr next(const RTC::ConnectorProfile& profile);
+  void disconnect_dead();
 
   std::string name_, kind_, type_;
   Connectors connectors_;
@@ -56,7 +58,7 @@ class OutPort : public Port {
  public:
   using Port::Port;
 
-  // Whether every connector has taken the sample, and there is one.
+  // Whether every connector has taken the sample, and there is one. Others are disconnected.
   template <class Sample>
   bool write(const Sample& sample) {
     return send([&sample](cdrStream& stream) { sample >>= stream; });

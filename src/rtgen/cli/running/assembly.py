@@ -175,8 +175,10 @@ def _fill(
             findings += _findings(PARAMETER, step.span, _checking(system, step.action))
     _raise_if_any(findings)
     before: list[str] = []
+    earlier: list[str] = []
     for time, instance in _start(profile, system):
         if instance in system.instances:
+            earlier.append(instance)
             activate = _performing(system, StateRequest("activate", instance))
             if transport is not None and before:
                 is_ready = partial(transport.is_ready, instance, tuple(before))
@@ -187,6 +189,8 @@ def _fill(
             if isinstance(transport, ForeignTransport) and transport.reaches(instance):
                 activate = partial(transport.activate_foreign, instance)
                 system.at(time, _reporting(activate))
+                deactivate = partial(transport.deactivate_foreign, instance)
+                system.at_close(deactivate, before=tuple(earlier))
     for step in steps:
         system.at(step.time, _with_place(step, _performing(system, step.action)))
 

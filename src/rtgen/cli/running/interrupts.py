@@ -1,4 +1,4 @@
-"""Handles Ctrl-C and SIGTERM during a run: orderly shutdown, bounded even if a call hangs."""
+"""Handles the signals that end a run: orderly shutdown, bounded even if a call hangs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from types import FrameType
 
 from rtgen.cli.common import NO
-from rtgen.cli.signals import handled
+from rtgen.cli.signals import handled, of_ending
 from rtgen.runtime.system import watchdog
 from rtgen.runtime.system.watchdog import Call, Since, calls_under_way, followed
 
@@ -32,6 +32,7 @@ class Ending:
     def __init__(self, say: Callable[[Call, str], None]) -> None:
         self._say = say
         self._end_run: Callable[[BaseException], None] | None = None
+        self._before_exit: Callable[[], None] | None = None
         self._over = threading.Event()
         self._asked = False
 
@@ -40,9 +41,14 @@ class Ending:
         """Whether a signal has ended the run."""
         return self._asked
 
-    def of(self, end_run: Callable[[BaseException], None]) -> None:
-        """Set the function that ends the run."""
+    def of(
+        self,
+        end_run: Callable[[BaseException], None],
+        before_exit: Callable[[], None] | None = None,
+    ) -> None:
+        """Set the function that ends the run, and one for the case that it must be abandoned."""
         self._end_run = end_run
+        self._before_exit = before_exit
 
     def close(self) -> None:
         """Stop waiting for calls."""
@@ -74,6 +80,8 @@ class Ending:
                 continue
             if interrupted is not None and interrupted.frame is blocked.call.frame:
                 self._say(blocked.call, "does not end when interrupted; rtgen ends")
+                if self._before_exit is not None:
+                    self._before_exit()
                 sys.stderr.flush()
                 os._exit(NO)
             interrupted = blocked.call
@@ -91,9 +99,9 @@ def _interrupt(thread: int | None) -> None:
 
 @contextmanager
 def ending(say: Callable[[Call, str], None]) -> Iterator[Ending]:
-    """Handle Ctrl-C and SIGTERM within the block."""
+    """Handle Ctrl-C, SIGTERM and SIGHUP within the block."""
     handler = Ending(say)
-    with handled(handler.signalled, signal.SIGINT, signal.SIGTERM):
+    with handled(handler.signalled, signal.SIGINT, *of_ending()):
         try:
             yield handler
         finally:

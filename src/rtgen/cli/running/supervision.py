@@ -9,9 +9,10 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from dataclasses import dataclass, field
 from itertools import chain
+from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
@@ -19,7 +20,7 @@ import click
 
 from rtgen.cli.common import BAD_INPUT, NO, OK, Console, Refusal
 from rtgen.cli.running import partition
-from rtgen.cli.running.transports import TAKES
+from rtgen.cli.running.transports import ACTIVATED, TAKES
 from rtgen.cli.signals import terminable
 from rtgen.diagnostics import ToolError
 from rtgen.diagnostics.printable import printable
@@ -48,7 +49,7 @@ _COMPATIBLE = (
     _NOT_PASSED_ON
     | {"timeline_file", "verbose", "transport", "checkpoints"}
     | {*chain(*TAKES.values())}
-) - {"only"}
+) - {"only", ACTIVATED}
 """All options that are compatible with it."""
 
 
@@ -73,6 +74,8 @@ class Worker:
     failures: int = 0
     due: float | None = None
     done: bool = False
+    activated: Path | None = None
+    """Lists the foreign components that the process has activated."""
     output: threading.Thread | None = field(default=None, repr=False)
 
     @property
@@ -225,6 +228,7 @@ class Supervisor:
             code = None if worker.process is None else worker.process.poll()
             if code is None or worker.done or worker.due is not None:
                 continue
+            self._release(worker)
             if code == BAD_INPUT:
                 return BAD_INPUT
             if code == OK:
@@ -294,6 +298,22 @@ class Supervisor:
                 worker.process.wait()
             if worker.output is not None:
                 worker.output.join()
+            self._release(worker)
+
+    def _release(self, worker: Worker) -> None:
+        """Deactivate the foreign components that a process has left ACTIVE at its end."""
+        file = worker.activated
+        if file is None or not file.exists() or not file.stat().st_size:
+            return
+        from rtgen.runtime.corba.orb import Orb
+        from rtgen.runtime.corba.rt_objects.activation import release_file
+        from rtgen.runtime.corba.rt_objects.objects import Exported
+
+        with closing(Orb()) as orb:
+            released = release_file(file, Exported(orb))
+        for name, problem in released:
+            said = problem or f"is deactivated: {worker.name} had activated it"
+            self._console.findings([NOTICE.at(None, f"{name} {said}")])
 
 
 def _end_of(code: int) -> str:
@@ -319,17 +339,27 @@ def supervise(
     Without `nameserver`, a naming service for CORBA is started; without `checkpoints`, they are
     kept until the run ends. Raises ToolError.
     """
-    with ExitStack() as closing:
+    with ExitStack() as ending:
         words: list[str] = []
         if transport == "corba":
             if nameserver is None:
-                nameserver = closing.enter_context(_name_server()).address
+                nameserver = ending.enter_context(_name_server()).address
             words = ["--nameserver", nameserver]
             console.say(f"naming service: {nameserver}")
         if checkpoints is None:
-            folder = closing.enter_context(TemporaryDirectory(prefix="rtgen-"))
+            folder = ending.enter_context(TemporaryDirectory(prefix="rtgen-"))
             words += ["--checkpoints", folder]
-        return Supervisor(workers(words), policy, console).run()
+        made = workers(words)
+        if transport == "corba":
+            lists = Path(ending.enter_context(TemporaryDirectory(prefix="rtgen-")))
+            for number, worker in enumerate(made):
+                worker.activated = lists / str(number)
+                worker.command = [
+                    *worker.command,
+                    f"--{ACTIVATED}",
+                    str(worker.activated),
+                ]
+        return Supervisor(made, policy, console).run()
 
 
 def _name_server() -> NameServer:

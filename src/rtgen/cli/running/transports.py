@@ -7,7 +7,8 @@ import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
@@ -66,6 +67,7 @@ _OPTIONS = (
         metavar="INSTANCE,...",
         help="Components that rtgen does not run, but connects and activates (corba).",
     ),
+    click.option("--activated", metavar="FILE", hidden=True),
     click.option(
         "--nameserver",
         type=Place(),
@@ -87,8 +89,10 @@ _OPTIONS = (
 )
 _WAIT = 30.0
 _COMMON = frozenset({"only", "wait"})
+ACTIVATED: Final = "activated"
+"""The option by which `--supervise` learns which foreign components a process has activated."""
 TAKES: dict[str, frozenset[str]] = {
-    "corba": _COMMON | {"foreign", "nameserver", "endpoint", "call_timeout"},
+    "corba": _COMMON | {"foreign", "nameserver", "endpoint", "call_timeout", ACTIVATED},
     **{engine: _COMMON | names for engine, names in engines.TAKES.items()},
 }
 """The options of each built-in transport."""
@@ -103,6 +107,7 @@ class TransportOptions(EngineOptions):
     endpoint: str | None
     wait: float | None
     foreign: str | None
+    activated: str | None
 
     @property
     def patience(self) -> float:
@@ -203,6 +208,7 @@ def _corba(carrying: TransportOptions, *, simulated: bool) -> CorbaTransport:
             name_server=carrying.nameserver,
             host=carrying.endpoint or LOOPBACK,
             timeout=carrying.call_timeout or CALL_TIMEOUT,
+            activated=None if carrying.activated is None else Path(carrying.activated),
         )
     except NoNamingServiceError as error:
         hint = "start omniNames there; without --nameserver one is started"

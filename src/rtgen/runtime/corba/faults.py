@@ -40,7 +40,7 @@ def caught(operation: str, error: Any) -> ServiceError:
     """Convert a system exception of omniORB to an error."""
     kind = SYSTEM_EXCEPTIONS.get(error._NP_RepositoryId, ServiceError)
     minor = omniORB.minorCodeToString(error) or f"minor {error.minor}"
-    if "Timedout" in minor:
+    if is_timeout(error):
         kind = CallTimeout
     name = error._NP_RepositoryId.split("/")[-1].partition(":")[0]
     completed = str(error.completed).removeprefix("COMPLETED_").lower()
@@ -63,6 +63,12 @@ def is_unsent(error: Any) -> bool:
 def is_lost(error: Any) -> bool:
     """Return whether a system exception means that the object or its process is gone."""
     return isinstance(error, _LOST)
+
+
+def is_timeout(error: Any) -> bool:
+    """Return whether a system exception means that there was no answer in time."""
+    minor = omniORB.minorCodeToString(error) or ""
+    return isinstance(error, CORBA.TIMEOUT) or "Timedout" in minor
 
 
 def is_silent(error: Any) -> bool:

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Collection, Mapping
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from functools import partial
+from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
@@ -42,7 +43,8 @@ class CorbaTransport:
 
     `host`: address for other processes; `timeout` [s] of every call; `naming`: whether to use a
     naming service, at `name_server`, defaulting to this machine's standard port, falling back to a
-    private one. All methods raise TransportError.
+    private one; `activated`: a file that lists the foreign components activated here. All methods
+    raise TransportError.
     """
 
     def __init__(
@@ -52,6 +54,7 @@ class CorbaTransport:
         name_server: str | None = None,
         host: str = LOOPBACK,
         timeout: float = 2.0,
+        activated: Path | None = None,
     ) -> None:
         self._closing = ExitStack()
         orb = Orb(host, timeout)
@@ -72,6 +75,7 @@ class CorbaTransport:
                     self._naming,
                     self._rt_objects.exported,
                     partial(Naming, orb.orb, limit=orb.limit),
+                    activated,
                 )
         except TransportError:
             self.close()
@@ -89,8 +93,16 @@ class CorbaTransport:
         self.close()
 
     def close(self) -> None:
-        """Remove the objects, and shut down the ORB and a private naming service."""
-        self._rest()
+        """Remove the objects, and shut down the ORB and a private naming service.
+
+        Components that were activated here are deactivated.
+        """
+        with ExitStack() as last:
+            last.callback(self._close)
+            last.callback(self.release_foreign)
+            self._rest()
+
+    def _close(self) -> None:
         for provider in list(self._references):
             self._withdraw(provider)
         self._closing.close()
@@ -272,7 +284,19 @@ class CorbaTransport:
     def activate_foreign(self, instance: str) -> None:
         """See `ForeignTransport`."""
         if self._directory is not None:
-            self._directory.foreign[instance].activate()
+            foreign = self._directory.foreign[instance]
+            foreign.activate(self._directory.activations)
+
+    def deactivate_foreign(self, instance: str) -> None:
+        """See `ForeignTransport`."""
+        if self._directory is not None:
+            self._directory.foreign[instance].wanted = False
+            self._directory.activations.release(instance)
+
+    def release_foreign(self) -> None:
+        """See `ForeignTransport`."""
+        if self._directory is not None:
+            self._directory.activations.release_all()
 
     @property
     def missing(self) -> list[str]:

@@ -182,6 +182,15 @@ class ForeignTransport(Protocol):
     def activate_foreign(self, instance: str) -> None:
         """Request ACTIVE of a component."""
 
+    def deactivate_foreign(self, instance: str) -> None:
+        """Deactivate a component that `activate_foreign` has activated; a failure is logged.
+
+        One that was ACTIVE before remains ACTIVE. It is not activated again.
+        """
+
+    def release_foreign(self) -> None:
+        """Deactivate all of them, the last one first; in a bounded time, from any thread."""
+
 
 @runtime_checkable
 class AwaitingTransport(Protocol):

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import partial
 from types import TracebackType
 from typing import Any
@@ -35,6 +36,7 @@ from rtgen.runtime.rtc.configuration import DEFAULT_SET
 from rtgen.runtime.rtc.execution_context import ExecutionContext
 from rtgen.runtime.rtc.participant import Participant
 from rtgen.runtime.services.transports import SteeringTransport, Transport
+from rtgen.runtime.system import watchdog
 from rtgen.runtime.system.dependencies import Dependencies
 from rtgen.runtime.system.joining import (
     Connector,
@@ -88,6 +90,7 @@ class System:
         self._participants: dict[str, Participant] = {}
         self._connectors: dict[str, Connector] = {}
         self._connecting = threading.RLock()
+        self._at_close: list[tuple[Callable[[], None], Sequence[str]]] = []
         self._joining = Joining(
             self._participants, self.component, self.clock.guard, transport
         )
@@ -411,6 +414,14 @@ class System:
         """
         self._scheduler.end_run(error)
 
+    def at_close(self, action: Callable[[], None], before: Sequence[str] = ()) -> None:
+        """Call an action when the system is closed, before the components named in `before` exit.
+
+        Actions added later are called earlier. All are called again, in another thread, if the
+        system is not closed after two seconds, since a component does not let it.
+        """
+        self._at_close.append((action, before))
+
     def close(self) -> None:
         """Let every component exit (deactivate, shut down, finalize) once all ticks have ended.
 
@@ -419,19 +430,37 @@ class System:
         components whose callbacks do not return are abandoned after two seconds.
         """
         interrupt: KeyboardInterrupt | None = None
-        try:
-            self._scheduler.halt()
-        except KeyboardInterrupt as error:
-            interrupt = error
-        for instance in reversed(self.activation_order(self.instances)):
+        actions = [action for action, _ in reversed(self._at_close)]
+        with _repeated_if_late(actions):
             try:
-                self.remove(instance)
+                self._scheduler.halt()
             except KeyboardInterrupt as error:
-                self._participants.pop(instance, None)
                 interrupt = error
-        self._scheduler.close()
+            for step in self._steps_of_close():
+                try:
+                    step()
+                except KeyboardInterrupt as error:
+                    interrupt = error
+            self._scheduler.close()
         if interrupt is not None:
             raise interrupt
+
+    def _steps_of_close(self) -> list[Callable[[], None]]:
+        """Return the exits of the components and the actions of `at_close`, in order."""
+        actions, self._at_close = self._at_close, []
+        steps: list[Callable[[], None]] = []
+        for instance in reversed(self.activation_order(self.instances)):
+            while actions and instance in actions[-1][1]:
+                steps.append(actions.pop()[0])
+            steps.append(partial(self._exit, instance))
+        return steps + [action for action, _ in reversed(actions)]
+
+    def _exit(self, instance: str) -> None:
+        try:
+            self.remove(instance)
+        except KeyboardInterrupt:
+            self._participants.pop(instance, None)
+            raise
 
     # Listeners.
 
@@ -479,6 +508,27 @@ class System:
                 f"there is no component {instance!r}; known: {known}"
             )
         return self._participants[instance]
+
+
+@contextmanager
+def _repeated_if_late(actions: Sequence[Callable[[], None]]) -> Iterator[None]:
+    """Call actions in another thread if the block is not left in time."""
+    if not actions:
+        yield
+        return
+
+    def repeat() -> None:
+        for action in actions:
+            action()
+
+    timer = threading.Timer(watchdog.PATIENCE, repeat)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+        timer.join()
 
 
 def _scheduler(clock: Clock) -> Scheduler:

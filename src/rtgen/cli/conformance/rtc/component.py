@@ -56,7 +56,7 @@ class RtcUnderTest(RemoteRtc):
         super().__init__(reference, exported)
         self.expected = expected
         self._timeout = timeout
-        self.profile = self.call("get_component_profile")
+        self.profile = self.read_profile()
         self.before: Condition | None = None
         """The condition that `restore` restores, set by `keep`."""
 

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
 from omniORB import CORBA
@@ -13,23 +14,18 @@ from omniORB import any as anys
 
 from rtgen.facts.openrtm_ports import KIND
 from rtgen.runtime.corba.naming import Naming, is_alive
+from rtgen.runtime.corba.rt_objects.activation import Activations
 from rtgen.runtime.corba.rt_objects.objects import Exported
+from rtgen.runtime.corba.rt_objects.remote import FAULTS, RemoteRtc
 from rtgen.runtime.corba.rt_objects.wire import (
     CONFIGURATION,
-    EXECUTION_CONTEXT,
     RT_OBJECT,
     ConfigurationSet,
     NameValue,
     SdoError,
 )
 from rtgen.runtime.errors import ConfigurationError, TransportError
-from rtgen.runtime.return_codes import (
-    ACTIVE_STATE,
-    ERROR_STATE,
-    PRECONDITION_NOT_MET,
-    RTC_OK,
-    LifeCycleState,
-)
+from rtgen.runtime.return_codes import LifeCycleState
 from rtgen.runtime.services.transports import ForeignComponent
 
 _ADDRESSES = ("corbaname:", "corbaloc:", "IOR:")
@@ -96,47 +92,28 @@ class Foreign:
         change = "set_configuration_set_values" if found else "add_configuration_set"
         self._call(sets, CONFIGURATION, change, made)
 
-    def activate(self) -> None:
+    def activate(self, activations: Activations) -> None:
         """Request ACTIVE in its own context. Raises TransportError."""
         self.wanted = True
         try:
-            context = self._context()
-            state = self._state(context)
-            if state is ERROR_STATE:
-                self._call(
-                    context, EXECUTION_CONTEXT, "reset_component", self.reference
-                )
-            if state is not ACTIVE_STATE:
-                name = "activate_component"
-                code = self._call(context, EXECUTION_CONTEXT, name, self.reference)
-                if code not in (RTC_OK, PRECONDITION_NOT_MET):
-                    raise TransportError(
-                        f"{self.instance} refuses to become active: {code.name}"
-                    )
-        except CORBA.SystemException as error:
+            activations.activate(self.instance, self.rtc)
+        except TransportError as error:
+            raise TransportError(f"{self.instance}: {error}") from error
+        except FAULTS as error:
             raise self._lost(error) from error
+
+    @property
+    def rtc(self) -> RemoteRtc:
+        """The component found last, to call."""
+        return RemoteRtc(self.reference, self._exported)
 
     @property
     def state(self) -> LifeCycleState | None:
         """Its state in its own context; None if it does not respond."""
         try:
-            return self._state(self._context())
-        except (CORBA.SystemException, TransportError):
+            return self.rtc.state()
+        except FAULTS:
             return None
-
-    def _context(self) -> Any:
-        """Return its first context. Raises TransportError."""
-        contexts = self._call(self.reference, RT_OBJECT, "get_owned_contexts")
-        if not contexts:
-            raise TransportError(f"{self.instance} has no execution context of its own")
-        return contexts[0]
-
-    def _state(self, context: Any) -> LifeCycleState:
-        name = "get_component_state"
-        state: LifeCycleState = self._call(
-            context, EXECUTION_CONTEXT, name, self.reference
-        )
-        return state
 
     def _call(self, reference: Any, *what: Any) -> Any:
         return self._exported.call(reference, *what)
@@ -146,13 +123,23 @@ class Foreign:
 
 
 class Directory:
-    """Finds components of other processes. Methods raise TransportError."""
+    """Finds components of other processes. Methods raise TransportError.
 
-    def __init__(self, naming: Naming, exported: Exported, opened: Opened) -> None:
+    `activated` is the file that lists those activated by this process.
+    """
+
+    def __init__(
+        self,
+        naming: Naming,
+        exported: Exported,
+        opened: Opened,
+        activated: Path | None = None,
+    ) -> None:
         self.naming = naming
         self.foreign: dict[str, Foreign] = {}
         self._exported = exported
         self._opened = opened
+        self.activations = Activations(exported, activated)
         self._services: dict[str, Naming] = {}
 
     def expect(self, plan: ForeignComponent) -> None:

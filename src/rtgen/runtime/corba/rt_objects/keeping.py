@@ -74,7 +74,7 @@ class Keeper:
         """Restore the former state of a component that is back."""
         foreign.configure()
         if foreign.wanted:
-            foreign.activate()
+            foreign.activate(self._directory.activations)
         self._lost.discard(foreign.instance)
         log.log(NOTE, "%s is there again", foreign.instance)
 

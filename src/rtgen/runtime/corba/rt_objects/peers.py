@@ -6,15 +6,13 @@ import time
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from omniORB import CORBA
-
 from rtgen.facts.connector_properties import STRICTNESS
 from rtgen.facts.openrtm_ports import RUNTIME, known_name
 from rtgen.runtime.corba.naming import is_alive
 from rtgen.runtime.corba.rt_objects.foreign import Directory
+from rtgen.runtime.corba.rt_objects.remote import FAULTS, RemoteRtc
 from rtgen.runtime.corba.rt_objects.services import type_names
 from rtgen.runtime.corba.rt_objects.wire import (
-    RT_OBJECT,
     ConnectorProfile,
     PortInterfacePolarity,
     PortProfile,
@@ -97,10 +95,8 @@ class _Peer:
         if port is None or component is None:
             return False
         try:
-            profile = self._objects.exported.call(
-                component, RT_OBJECT, "get_component_profile"
-            )
-        except CORBA.SystemException:
+            profile = RemoteRtc(component, self._objects.exported).read_profile()
+        except FAULTS:
             return False
         other = self._found(profile)
         if port.has_link(self.name, other):

@@ -2,29 +2,51 @@
 
 from __future__ import annotations
 
-from typing import Any
+import time
+from typing import Any, Final
 
+from omniORB import CORBA
 from omniORB import any as anys
 
+from rtgen.runtime.corba.faults import is_lost, is_timeout
 from rtgen.runtime.corba.rt_objects.objects import Exported
 from rtgen.runtime.corba.rt_objects.wire import (
     CONFIGURATION,
     EXECUTION_CONTEXT,
     PORT_SERVICE,
     RT_OBJECT,
+    ComponentProfile,
     ConfigurationSet,
     Interface,
     NameValue,
+    PortProfile,
+    SdoError,
     texts,
 )
-from rtgen.runtime.return_codes import LifeCycleState
+from rtgen.runtime.errors import TransportError
+from rtgen.runtime.return_codes import (
+    ACTIVE_STATE,
+    ERROR_STATE,
+    INACTIVE_STATE,
+    PRECONDITION_NOT_MET,
+    RTC_ERROR,
+    RTC_OK,
+    LifeCycleState,
+)
 
 _FOR_TOOLS = "__"
 """Prefix of the ids of sets that inform tools: `__widget__`, `__constraints__`."""
+_POLL_INTERVAL = 0.01
+_MAX_ENDED: Final = 8
+"""Maximum number of ended processes to which one port is connected."""
 
 
 class NilError(Exception):
     """The component returned nil where a reference is required."""
+
+
+FAULTS: Final = (CORBA.SystemException, SdoError, NilError)
+"""Exceptions of a call to a component."""
 
 
 class RemoteRtc:
@@ -71,6 +93,41 @@ class RemoteRtc:
             return context
         raise NilError("it owns no execution context")
 
+    # Profiles
+
+    def ports(self) -> list[PortProfile]:
+        """Return the profiles of the ports, each from its port service."""
+        return [self._port(port) for port in self.call("get_ports")]
+
+    def _port(self, port: Any) -> PortProfile:
+        """Return the profile of a port.
+
+        OpenRTM-aist 2.1 (C++) removes connectors to ended processes meanwhile, and passes on the
+        failure of its first call to each of them.
+        """
+        ended = 0
+        while True:
+            try:
+                found: PortProfile = self._invoke(
+                    port, PORT_SERVICE, "get_port_profile"
+                )
+            except CORBA.SystemException as error:
+                ended += 1
+                if not is_lost(error) or is_timeout(error) or ended > _MAX_ENDED:
+                    raise
+            else:
+                return found
+
+    def read_profile(self) -> ComponentProfile:
+        """Return the profile of the component, after those of its ports.
+
+        OpenRTM-aist 2.1 (C++) crashes in `get_component_profile` if a connector leads to a process
+        that has ended since a port was read.
+        """
+        self.ports()
+        found: ComponentProfile = self.call("get_component_profile")
+        return found
+
     # Configuration
 
     def sets(self) -> dict[str, dict[str, str]]:
@@ -105,3 +162,40 @@ class RemoteRtc:
             self.context, "get_component_state", self.reference
         )
         return found
+
+    def activate(self) -> None:
+        """Request ACTIVE in its own context, after a reset if it is in ERROR.
+
+        OpenRTM returns RTC_ERROR for a request that takes effect later. Raises TransportError if it
+        refuses.
+        """
+        context = self.context
+        state = self.state()
+        if state is ERROR_STATE:
+            self.ask(context, "reset_component", self.reference)
+        if state is ACTIVE_STATE:
+            return
+        code = self.ask(context, "activate_component", self.reference)
+        if code not in (RTC_OK, RTC_ERROR, PRECONDITION_NOT_MET):
+            raise TransportError(f"it refuses to become active: {code.name}")
+
+    def deactivate(self, seconds: float, *, pending: bool = False) -> LifeCycleState:
+        """Request INACTIVE in its own context, and wait until it is no longer ACTIVE.
+
+        `pending`: a request of ACTIVE may still wait for its execution. Returns the state, after at
+        most `seconds` and the time-out of a call.
+        """
+        context = self.context
+        deadline = time.monotonic() + seconds
+        requested = False
+        while True:
+            state = self.state()
+            if state is ACTIVE_STATE and not requested:
+                code = self.ask(context, "deactivate_component", self.reference)
+                requested = code is RTC_OK
+                state = self.state()
+            begins = pending and not requested and state is INACTIVE_STATE
+            waits = state is ACTIVE_STATE or begins
+            if not waits or time.monotonic() > deadline:
+                return state
+            time.sleep(_POLL_INTERVAL)
