@@ -39,7 +39,7 @@ from rtgen.model import (
 from rtgen.model.initial import discriminator, selected
 from rtgen.recording import ros_messages
 from rtgen.recording.errors import SchemaError
-from rtgen.recording.schemas import Schema
+from rtgen.recording.schemas import Schema, with_escapes
 from rtgen.runtime.cdr import Aggregated, Enumeration, Flags
 from rtgen.runtime.cdr import Bitset as BitsetBase
 from rtgen.runtime.cdr import Union as UnionBase
@@ -121,7 +121,7 @@ def message_classes(model: Model) -> dict[str, type[DataType]]:
 
 
 def _idl_model(schema: Schema) -> Model:
-    text = VirtualFile(_FILE, schema.text, given=True)
+    text = VirtualFile(_FILE, with_escapes(schema.text), given=True)
     settings = Settings(root=Path(), ignore_case_clashes=True)
     result = read_idl((), settings, text=text)
     if has_errors(result.diagnostics):

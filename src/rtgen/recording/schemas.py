@@ -6,6 +6,7 @@ scoped name. For ROS 2 messages their own form (`ros_messages`).
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, Final
@@ -61,6 +62,7 @@ from rtgen.runtime.marshalling.descriptors import (
     UnionDescriptor,
     plain,
 )
+from rtgen.typemap.idl_keywords import FOLDED
 
 ENCODING: Final = "omgidl"
 """Name of IDL as a schema encoding in MCAP's registry."""
@@ -68,6 +70,16 @@ ENCODINGS: Final = (ENCODING, ros_messages.ENCODING)
 
 _NO_SPAN = Span("", 1, 1, 1, 1)
 _DEFAULT_BITS = 32
+_KEYWORDS = frozenset({
+    "any", "boolean", "case", "char", "const", "default", "double", "enum", "false",
+    "fixed", "float", "long", "module", "octet", "sequence", "short", "string", "struct",
+    "switch", "true", "typedef", "union", "unsigned", "wchar", "wstring",
+})  # fmt: skip
+"""Keywords of IDL that schemas have; Foxglove's parser takes all others as names."""
+_NAMES = re.compile(
+    rf'"(?:\\.|[^"\\])*"|\b({"|".join(sorted({*FOLDED} - _KEYWORDS))})\b', re.IGNORECASE
+)
+"""Strings, and names that are keywords of IDL."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +102,18 @@ def schema_of(descriptor: Descriptor) -> Schema:
     declarations = _Declarations()
     declarations.add(described)
     found = tuple(declarations.found.values())
-    return Schema(described.name, idl_text(Model(declarations=found), found))
+    text = idl_text(Model(declarations=found), found, escape=_spelled)
+    return Schema("::".join(map(_spelled, described.name.split("::"))), text)
+
+
+def _spelled(name: str) -> str:
+    """Return a name as readers of schemas take it: they know few keywords, and no escapes."""
+    return f"{name}_" if name.lower() in _KEYWORDS else name
+
+
+def with_escapes(text: str) -> str:
+    """Return a schema as IDL: names that are keywords of IDL, but not of schemas, are escaped."""
+    return _NAMES.sub(lambda part: f"_{part[1]}" if part[1] else part[0], text)
 
 
 class _Declarations:

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import importlib
+import json
 import pkgutil
+from pathlib import Path
 from typing import Any
 
 import pytest
+from node import node
 from rosbags.typesys import Stores, get_types_from_idl, get_typestore
 
 import refrobots
 from rtgen.recording.errors import SchemaError
 from rtgen.recording.schema_types import type_of
-from rtgen.recording.schemas import Schema, schema_of
+from rtgen.recording.schemas import ENCODING, Schema, schema_of
 from rtgen.runtime.marshalling.descriptors import (
     Descriptor,
     EnumDescriptor,
@@ -22,6 +25,7 @@ from rtgen.runtime.marshalling.descriptors import (
     UnionDescriptor,
 )
 from rtgen.runtime.marshalling.layouts.trees import parts
+from rtgen.typemap.idl_keywords import CORBA_3, RESERVED
 
 EVERYTHING = """
 module M {
@@ -101,6 +105,50 @@ def test_rosbags_reads_every_schema_and_decodes_the_same_octets() -> None:
         assert bytes(store.serialize_cdr(message, name)[4:]) == octets[4:]
         decoded += 1
     assert decoded > 100
+
+
+def by_foxglove(schemas: list[Schema]) -> list[dict[str, list[str]]]:
+    """Return the names of types and members that Foxglove's parser finds in each schema."""
+    package = Path(__file__).parents[3] / "ui" / "package.json"
+    if not (package.parent / "node_modules" / "@foxglove").exists():
+        pytest.skip("no @foxglove/omgidl-parser (`make page` installs it)")
+    script = Path(__file__).with_name("foxglove_names.mjs")
+    texts = json.dumps([schema.text for schema in schemas])
+    found: list[dict[str, list[str]]] = json.loads(node(script, texts, str(package)))
+    return found
+
+
+def test_foxglove_reads_every_schema_and_finds_its_type() -> None:
+    schemas = [schema_of(type_._descriptor_) for type_ in port_types()]
+    schemas = [schema for schema in schemas if schema.encoding == ENCODING]
+    assert len(schemas) > 100
+    for schema, names in zip(schemas, by_foxglove(schemas), strict=True):
+        assert schema.name in names
+
+
+KEYWORDS = sorted(RESERVED | CORBA_3 | {"port", "connector", "bitset", "Component"})
+
+
+def test_types_and_members_that_are_called_like_keywords_of_idl() -> None:
+    schemas = []
+    for word in KEYWORDS:
+        text = (
+            f"module M {{ struct _{word} {{ long a; }}; enum E {{ X, _{word}_x }};\n"
+            f"struct User {{ _{word} one; double _{word}_; sequence<_{word}> two; E e; }};\n"
+            f"union V switch (E) {{ case X: User _{word}; default: long y; }}; }};"
+        )
+        schema = schema_of(type_of(Schema("M::V", text))._descriptor_)
+        assert schema_of(type_of(schema)._descriptor_) == schema
+        schemas.append(schema)
+    for word, names in zip(KEYWORDS, by_foxglove(schemas), strict=True):
+        assert not {f"M::{word}", f"M::{word}_"}.isdisjoint(names)
+        assert "M::V" in names
+    assert schema_of(type_of(Schema("A", WORDS))._descriptor_).text.count("_") == 0
+
+
+WORDS = (
+    'struct A { @unit("in") long _context; long _attribute, _Object, _in, component; };'
+)
 
 
 @pytest.mark.parametrize(

@@ -23,15 +23,16 @@ def idl_text(
     annotations: bool = True,
     components: bool = False,
     guard: Callable[[Declaration], str] = lambda declaration: "",
+    escape: Callable[[str], str] = escaped,
 ) -> str:
     """Print declarations as IDL, opening and closing modules as necessary.
 
     Other declarations of the model are assumed to come from included files. `guard` returns the
     macro that protects a declaration contained in several files; empty for none. Nested
-    declarations are printed with the enclosing one.
+    declarations are printed with the enclosing one. `escape` returns the spelling of a name.
     """
     declarations = tuple(declarations)
-    names = ScopedNames(model, declarations)
+    names = ScopedNames(model, declarations, escape)
     writer = Writer(model, annotations, names)
     parts: list[str] = []
     scope: ScopedName = ()
@@ -42,19 +43,21 @@ def idl_text(
         macro = guard(declaration)
         wanted = declaration.name[:-1]
         if macro:
-            parts += [*_to(scope, ()), f"#ifndef {macro}\n#define {macro}\n"]
+            parts += [*_to(scope, (), escape), f"#ifndef {macro}\n#define {macro}\n"]
             scope = ()
-        parts += _to(scope, wanted)
+        parts += _to(scope, wanted, escape)
         scope = wanted
         parts += writer.top(declaration)
         if macro:
-            parts += [*_to(scope, ()), f"#endif // {macro}\n"]
+            parts += [*_to(scope, (), escape), f"#endif // {macro}\n"]
             scope = ()
-    parts += _to(scope, ())
+    parts += _to(scope, (), escape)
     return "\n".join(parts)
 
 
-def _to(scope: ScopedName, wanted: ScopedName) -> Iterator[str]:
+def _to(
+    scope: ScopedName, wanted: ScopedName, escape: Callable[[str], str]
+) -> Iterator[str]:
     """Yield the lines between two modules."""
     common = 0
     while common < min(len(scope), len(wanted)) and scope[common] == wanted[common]:
@@ -62,4 +65,4 @@ def _to(scope: ScopedName, wanted: ScopedName) -> Iterator[str]:
     for depth in range(len(scope), common, -1):
         yield f"{STEP * (depth - 1)}}};\n"
     for depth in range(common, len(wanted)):
-        yield f"{STEP * depth}module {escaped(wanted[depth])} {{\n"
+        yield f"{STEP * depth}module {escape(wanted[depth])} {{\n"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from decimal import Decimal
 
 from rtgen.backends.kit.quoting.idl import characters, readable_string
@@ -18,8 +19,13 @@ from rtgen.model import (
 from rtgen.typemap.idl_keywords import escaped
 
 
-def literal(model: Model, type_: Type, value: ConstantValue) -> str:
-    """Return a constant's value as an IDL literal of the type."""
+def literal(
+    model: Model,
+    type_: Type,
+    value: ConstantValue,
+    escape: Callable[[str], str] = escaped,
+) -> str:
+    """Return a constant's value as an IDL literal of the type; enumerators as `escape` says."""
     type_ = model.unalias(type_)
     wide = type_ == PrimitiveType(Primitive.WCHAR)
     wide |= isinstance(type_, StringType) and type_.wide
@@ -27,7 +33,7 @@ def literal(model: Model, type_: Type, value: ConstantValue) -> str:
         case bool():
             return "TRUE" if value else "FALSE"
         case EnumeratorName(name):
-            return "::".join(map(escaped, name))
+            return "::".join(map(escape, name))
         case str():
             is_text = isinstance(type_, StringType)
             quote = '"' if is_text else "'"

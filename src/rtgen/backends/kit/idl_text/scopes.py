@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 
 from rtgen.model import (
     Declaration,
@@ -14,13 +14,18 @@ from rtgen.model import (
     Union,
     Valuetype,
 )
-from rtgen.typemap.idl_keywords import escaped
 
 
 class ScopedNames:
     """The names of a model, of which some declarations are printed, in order."""
 
-    def __init__(self, model: Model, printed: Iterable[Declaration]) -> None:
+    def __init__(
+        self,
+        model: Model,
+        printed: Iterable[Declaration],
+        escape: Callable[[str], str],
+    ) -> None:
+        self.escape = escape
         self.done: set[ScopedName] = set()
         """The declarations printed so far."""
         self._model = model
@@ -58,7 +63,7 @@ class ScopedNames:
 
         A name that is used is also introduced into the scope (CORBA 2.6, 3.15.3).
         """
-        text = "::".join(map(escaped, name))
+        text = "::".join(map(self.escape, name))
         first = name[0].lower()
         taken = first in {other.lower() for other in beside} or any(
             first in self._bound(scope[:depth]) for depth in range(1, len(scope) + 1)

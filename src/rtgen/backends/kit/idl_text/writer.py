@@ -51,7 +51,6 @@ from rtgen.model import (
 )
 from rtgen.model.components import Component
 from rtgen.typemap.components.annotations import annotations_of
-from rtgen.typemap.idl_keywords import escaped
 from rtgen.typemap.python.implementation_modules import referred
 
 STEP = "    "
@@ -74,6 +73,7 @@ class Writer:
 
     def __init__(self, model: Model, annotations: bool, names: ScopedNames) -> None:
         self._model = model
+        self._escaped = names.escape
         self._with_annotations = annotations
         self._names = names
 
@@ -81,7 +81,7 @@ class Writer:
         """Print a declaration in its module, after its dependencies."""
         depth = len(declaration.name) - 1
         for name in self._forward(declaration):
-            yield _indented([f"{self._kind(name)} {escaped(name[-1])};"], depth)
+            yield _indented([f"{self._kind(name)} {self._escaped(name[-1])};"], depth)
         lines = list(self._declaration(declaration))
         yield _indented(lines, depth)
 
@@ -126,12 +126,12 @@ class Writer:
     def _repository_id(self, declaration: Declaration) -> Iterator[str]:
         text = declaration.repository_id
         if text and text != _default_id(declaration.name):
-            name = "::".join(map(escaped, declaration.name))
+            name = "::".join(map(self._escaped, declaration.name))
             yield repository_id(name, text)
 
     def _definition(self, declaration: Declaration) -> Iterator[str]:
         """Yield the text up to the semicolon."""
-        name = escaped(declaration.name[-1])
+        name = self._escaped(declaration.name[-1])
         scope = declaration.name[:-1]
         match declaration:
             case Struct(base=base, members=members):
@@ -154,7 +154,7 @@ class Writer:
             case Typedef(type=type_):
                 yield f"typedef {self._declarator(type_, name, scope)}"
             case Const(type=type_, value=value):
-                text = literal(self._model, type_, value)
+                text = self._literal(type_, value)
                 yield f"const {self._type(type_, scope)} {name} = {text}"
             case Native():
                 yield f"native {name}"
@@ -177,39 +177,41 @@ class Writer:
     def _members(self, members: Sequence[Member], scope: ScopedName) -> Iterator[str]:
         for member in members:
             yield from self._above(member)
-            yield f"{self._declarator(member.type, escaped(member.name), scope)};"
+            yield f"{self._declarator(member.type, self._escaped(member.name), scope)};"
 
     def _cases(self, union: Union) -> Iterator[str]:
         for case in union.cases:
             yield from self._labels(union, case)
             yield from (f"{STEP}{line}" for line in self._above(case))
-            text = self._declarator(case.type, escaped(case.name), union.name)
+            text = self._declarator(case.type, self._escaped(case.name), union.name)
             yield f"{STEP}{text};".replace("\n", f"\n{STEP}")
 
     def _labels(self, union: Union, case: Case) -> Iterator[str]:
         for label in case.labels:
-            yield f"case {literal(self._model, union.switch, label)}:"
+            yield f"case {self._literal(union.switch, label)}:"
         if case.default:
             yield "default:"
 
     def _enumerated(self, declaration: Enum | Bitmask) -> Iterator[str]:
         is_enum = isinstance(declaration, Enum)
-        head = f"{'enum' if is_enum else 'bitmask'} {escaped(declaration.name[-1])}"
+        head = (
+            f"{'enum' if is_enum else 'bitmask'} {self._escaped(declaration.name[-1])}"
+        )
         body: list[str] = []
         last = len(declaration.members) - 1
         for place, member in enumerate(declaration.members):
             body += self._above(member)
-            body.append(escaped(member.name) + ("," if place < last else ""))
+            body.append(self._escaped(member.name) + ("," if place < last else ""))
         yield from self._braced(head, body)
 
     def _bitfield(self, field: Bitfield, scope: ScopedName) -> Iterator[str]:
         yield from self._above(field)
         type_ = "" if field.type is None else f",{self._type(field.type, scope)}"
-        name = "" if field.name is None else f" {escaped(field.name)}"
+        name = "" if field.name is None else f" {self._escaped(field.name)}"
         yield f"bitfield<{field.bits}{type_}>{name};"
 
     def _interface(self, declaration: Interface) -> Iterator[str]:
-        head = f"{self._kind(declaration.name)} {escaped(declaration.name[-1])}"
+        head = f"{self._kind(declaration.name)} {self._escaped(declaration.name[-1])}"
         if declaration.forward:
             yield head
             return
@@ -220,7 +222,7 @@ class Writer:
         yield from self._braced(head, self._exports(declaration))
 
     def _valuetype(self, declaration: Valuetype) -> Iterator[str]:
-        head = f"{self._kind(declaration.name)} {escaped(declaration.name[-1])}"
+        head = f"{self._kind(declaration.name)} {self._escaped(declaration.name[-1])}"
         if declaration.forward:
             yield head
             return
@@ -238,7 +240,7 @@ class Writer:
 
     def _component(self, component: Component) -> Iterator[str]:
         scope = component.name[:-1]
-        head = f"component {escaped(component.name[-1])}"
+        head = f"component {self._escaped(component.name[-1])}"
         if component.base is not None:
             head += f" : {self._names.text(component.base, scope)}"
         if component.supports:
@@ -260,7 +262,7 @@ class Writer:
             if item in inherited:
                 continue
             yield from self._above(item)
-            name = escaped(item.identifier)
+            name = self._escaped(item.identifier)
             if isinstance(item, Port):
                 yield f"{_PORTS[item.kind]} {self._type(item.type, scope)} {name};"
             else:
@@ -275,7 +277,7 @@ class Writer:
             for member in declaration.state:
                 yield from self._above(member)
                 access = "public" if member.public else "private"
-                text = self._declarator(member.type, escaped(member.name), scope)
+                text = self._declarator(member.type, self._escaped(member.name), scope)
                 yield f"{access} {text};"
             for factory in declaration.factories:
                 yield from self._above(factory)
@@ -292,7 +294,8 @@ class Writer:
     def _attribute(self, attribute: Attribute, scope: ScopedName) -> Iterator[str]:
         yield from self._above(attribute)
         readonly = "readonly " if attribute.readonly else ""
-        text = f"{readonly}attribute {self._type(attribute.type, scope)} {escaped(attribute.name)}"
+        name = self._escaped(attribute.name)
+        text = f"{readonly}attribute {self._type(attribute.type, scope)} {name}"
         get = self._raises(attribute.get_raises, scope)
         if attribute.readonly:
             text += f" raises {get}" if get else ""
@@ -308,17 +311,17 @@ class Writer:
     ) -> Iterator[str]:
         text = entry.repository_id
         if text and text != _default_id((*holder.name, entry.name)):
-            name = "::".join(map(escaped, (*holder.name, entry.name)))
+            name = "::".join(map(self._escaped, (*holder.name, entry.name)))
             yield repository_id(name, text)
 
     def _call(self, operation: Operation, scope: ScopedName) -> str:
         names = [p.name for p in operation.parameters]
         parameters = (
-            f"{p.direction.value} {self._type(p.type, scope, names)} {escaped(p.name)}"
+            f"{p.direction.value} {self._type(p.type, scope, names)} {self._escaped(p.name)}"
             f"{_comment_after(p)}"
             for p in operation.parameters
         )
-        text = f"{escaped(operation.name)}({', '.join(parameters)})"
+        text = f"{self._escaped(operation.name)}({', '.join(parameters)})"
         raised = self._raises(operation.raises, scope)
         text += f" raises {raised}" if raised else ""
         if operation.context:
@@ -361,12 +364,15 @@ class Writer:
             wide = plain in (StringType(wide=True), PrimitiveType(Primitive.WCHAR))
             if not wide:
                 return readable_string(value)
-            return literal(self._model, StringType(wide=True), value)
+            return self._literal(StringType(wide=True), value)
         if plain is None or isinstance(plain, SequenceType | ArrayType):
             plain = PrimitiveType(
                 Primitive.DOUBLE if isinstance(value, float) else Primitive.LONG
             )
-        return literal(self._model, plain, value)
+        return self._literal(plain, value)
+
+    def _literal(self, type_: Type, value: ConstantValue) -> str:
+        return literal(self._model, type_, value, self._escaped)
 
     # Types.
 
