@@ -25,7 +25,7 @@ from rtgen.cli.common import (
     with_console,
     write_out,
 )
-from rtgen.cli.log.common import reported
+from rtgen.cli.log.common import reported, say_losses
 from rtgen.cli.running import partition
 from rtgen.cli.running.assembly import assemble
 from rtgen.cli.running.factories import Factories, Factory
@@ -116,7 +116,7 @@ def replay(
     if into is None:
         if only or settings or log or recording.file:
             raise Refusal("--only, --set, --log and --record go with --into")
-        return _print(file, rate, until)
+        return _print(console, file, rate, until)
     path = Path(into)
     profile, diagnostics, sources = read_file(
         path / "system.xml" if path.is_dir() else path
@@ -133,7 +133,9 @@ def replay(
         partition.require_here(values, present)
     steps = _steps(steps, profile, present)
     with reported():
-        course = course_of(McapFile(file))
+        recorded = McapFile(file)
+        course = course_of(recorded)
+    say_losses(console, recorded)
     player = Replay(course, present)
     profile = _with_players(profile, course, player, present)
     clock = runtime.SimulatedClock()
@@ -290,14 +292,18 @@ def _steps(
     return kept
 
 
-def _print(file: Path, rate: float | None, until: float | None) -> int:
+def _print(
+    console: Console, file: Path, rate: float | None, until: float | None
+) -> int:
     """Print the events, paced if there is a rate."""
     clock = None if rate is None else Pace(rate)
     with reported():
-        for event in _until(Log(file).events(), until):
+        log = Log(file)
+        for event in _until(log.events(), until):
             if clock is not None:
                 clock.wait(event["t"])
             click.echo(for_output(json.dumps(event, ensure_ascii=False)))
+    say_losses(console, log)
     return OK
 
 

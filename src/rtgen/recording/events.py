@@ -81,6 +81,7 @@ class Log:
                 f"{path} {what}", hint="rtgen run --record FILE.mcap writes a recording"
             )
         self.mcap = McapFile(path) if head == MAGIC else None
+        self._is_cut = False
         self.units: dict[tuple[str, str], str] = {}
         """Units of ports by instance and port, for samples read so far."""
         if self.mcap is None and head[:1] not in (b"{", b""):
@@ -95,6 +96,12 @@ class Log:
         described = {} if self.mcap is None else self.mcap.metadata.get(METADATA, {})
         text = described.get("start", "0")
         return int(text) if text.isascii() and text.isdecimal() else 0
+
+    def losses(self) -> list[str]:
+        """Return what could not be read of the file, in words, after all events were read."""
+        if self.mcap is not None:
+            return self.mcap.losses()
+        return ["cut off in its last line"] if self._is_cut else []
 
     def events(
         self, wanted: Callable[[Mapping[str, str]], bool] = lambda entry: True
@@ -149,7 +156,8 @@ class Log:
                     event = json.loads(line)
                 except ValueError as error:
                     if not line.endswith("\n"):
-                        return  # the writer was killed
+                        self._is_cut = True  # the writer was killed
+                        return
                     message = f"{self.path}:{number}: no JSON: {error}"
                     raise RecordingError(message) from error
                 except RecursionError:

@@ -93,6 +93,14 @@ class McapFile:
             stream.seek(-len(MAGIC), 2)
             return stream.tell() > 0 and stream.read() == MAGIC
 
+    def losses(self) -> list[str]:
+        """Return what the last call of `messages` could not read, in words."""
+        found = [] if self.is_whole else ["cut off: its last events are missing"]
+        if self.damaged:
+            chunks = "chunk" if self.damaged == 1 else "chunks"
+            found.append(f"{self.damaged} damaged {chunks} left out")
+        return found
+
     def messages(self) -> Iterator[Message]:
         """Yield all messages of complete chunks, in file order."""
         from mcap.records import Channel as ChannelRecord

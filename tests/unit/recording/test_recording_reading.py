@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import struct
 import subprocess
 import sys
 import tracemalloc
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import pytest
 import seeds
 from recorded_runs import record
 
+from rtgen.cli import run
 from rtgen.recording import mcap_writer
 from rtgen.recording.errors import RecordingError
 from rtgen.recording.events import Log
@@ -84,6 +86,50 @@ def test_a_damaged_chunk_is_left_out(recorded: Path, tmp_path: Path) -> None:
         ]
         assert file.damaged == 1
         assert len(found) < len(messages(recorded))
+
+
+def in_a_log(head: Mapping[str, str]) -> bool:
+    return head["event"] in ("sample", "state")
+
+
+READERS = [
+    ["log", "info", "FILE"],
+    ["log", "cat", "FILE"],
+    ["log", "csv", "FILE", "Counter0.count"],
+    ["log", "plot", "FILE", "Counter0.count", "-o", "FILE.svg"],
+    ["log", "diff", "FILE", "FILE"],
+    ["replay", "FILE"],
+]
+
+
+@pytest.mark.parametrize("command", READERS, ids=lambda words: "-".join(words[:2]))
+def test_each_command_says_what_is_missing_of_a_recording(
+    command: list[str],
+    recorded: Path,
+    tmp_path: Path,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    data = bytearray(recorded.read_bytes())
+    (_, _), (begin, end) = chunks(data)[3], chunks(data)[4]
+    damaged = data[: begin + 80] + b"\x55" + data[begin + 81 :]
+    events = [json.dumps(event) + "\n" for event in Log(recorded).events(in_a_log)]
+    log = "".join(events).encode()
+    cases: list[tuple[str, bytes, list[str]]] = [
+        ("whole.mcap", data, []),
+        ("cut.mcap", data[: end - 10], ["cut off"]),
+        ("damaged.mcap", damaged, ["1 damaged chunk left out"]),
+        ("both.mcap", damaged[:-20], ["cut off", "1 damaged chunk left out"]),
+        ("whole.log", log, []),
+        ("cut.log", log[:-10], ["cut off"]),
+    ]
+    for name, octets, losses in cases:
+        path = tmp_path / name
+        path.write_bytes(octets)
+        assert run([word.replace("FILE", str(path)) for word in command]) == 0
+        captured = capfd.readouterr()
+        said = captured.out if command[1] == "info" else captured.err
+        assert all(loss in said for loss in losses), name
+        assert ("cut off" in said or "left out" in said) == bool(losses), name
 
 
 def claimed(length: int) -> bytes:

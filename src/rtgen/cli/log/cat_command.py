@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from rtgen.cli.common import OK, Console, for_output, with_console
-from rtgen.cli.log.common import choice, reported, with_choice
+from rtgen.cli.log.common import choice, reported, say_losses, with_choice
 from rtgen.recording.events import Log
 
 
@@ -24,6 +24,8 @@ def cat_(
     Names select instances, ports and buses; the default is all events.
     """
     with reported():
-        for event in Log(file).events(choice(names, kinds)):
+        log = Log(file)
+        for event in log.events(choice(names, kinds)):
             click.echo(for_output(json.dumps(event, ensure_ascii=False)))
+    say_losses(console, log)
     return OK

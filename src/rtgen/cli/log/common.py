@@ -8,8 +8,11 @@ from typing import Any
 
 import click
 
+from rtgen.cli.common import Console
 from rtgen.diagnostics import ToolError
 from rtgen.recording.errors import RecordingError
+from rtgen.recording.events import Log
+from rtgen.recording.mcap_reader import McapFile
 
 KINDS = (
     "sample",
@@ -31,6 +34,12 @@ def reported() -> Iterator[None]:
         yield
     except RecordingError as error:
         raise ToolError(str(error), hint=error.hint) from error
+
+
+def say_losses(console: Console, log: Log | McapFile) -> None:
+    """Print what could not be read of a log, of which all events were read."""
+    for loss in log.losses():
+        console.say(f"{log.path}: {loss}")
 
 
 def with_choice(command: Callable[..., int]) -> Callable[..., int]:

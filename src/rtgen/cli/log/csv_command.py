@@ -27,7 +27,7 @@ def csv_(
 
     from rtgen.cli.log.values import curves_of
 
-    curves = curves_of(file, selectors)
+    curves = curves_of(console, file, selectors)
     text = io.StringIO()
     write_curves(text, curves)
     with ExitStack() as files:

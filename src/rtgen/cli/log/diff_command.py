@@ -12,7 +12,7 @@ from typing import Any
 import click
 
 from rtgen.cli.common import NO, OK, Console, with_console, write_out
-from rtgen.cli.log.common import choice, reported, source, with_choice
+from rtgen.cli.log.common import choice, reported, say_losses, source, with_choice
 from rtgen.recording.events import Event, Log
 from rtgen.runtime.timing.clocks import SECOND
 
@@ -42,6 +42,8 @@ def diff_(
         if any(log.mcap is None for log in logs) and not kinds:
             kinds = ("sample", "state")
         compared = compare(*logs, choice(names, kinds))
+    for log in logs:
+        say_losses(console, log)
     for (kind, name), of in compared.items():
         if text := of.text():
             write_out(f"{kind} {name}: {text}\n".replace(" :", ":"))

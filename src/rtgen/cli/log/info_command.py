@@ -63,18 +63,20 @@ def info_(console: Console, file: Path, as_json: bool) -> int:
 def _form(log: Log) -> str:
     described = _described(log)
     if log.mcap is None:
-        return "JSON lines"
+        return ", ".join(["JSON lines", *log.losses()])
     time = f", {described['clock']} time" if described["clock"] else ""
-    cut = "" if described["whole"] else ", cut off"
-    damaged = described["damaged"]
-    lost = f", {damaged} damaged chunks left out" if damaged else ""
-    return f"MCAP{time}{cut}{lost}"
+    return ", ".join([f"MCAP{time}", *log.losses()])
 
 
 def _described(log: Log) -> dict[str, Any]:
     """Return the form of a file, its clock if known, and how much of it was read."""
     if log.mcap is None:
-        return {"form": "json-lines", "clock": None, "whole": True, "damaged": 0}
+        return {
+            "form": "json-lines",
+            "clock": None,
+            "whole": not log.losses(),
+            "damaged": 0,
+        }
     clock = log.mcap.metadata.get(METADATA, {}).get("clock")
     return {
         "form": "mcap",

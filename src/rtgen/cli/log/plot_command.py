@@ -25,5 +25,5 @@ from rtgen.cli.running.trajectory import check_picture
 def plot_(console: Console, file: Path, selectors: tuple[str, ...], output: str) -> int:
     """Plot values of ports in FILE over time, with a panel for each unit."""
     check_picture(output, "rtgen log plot")
-    draw_curves(output, file.name, curves_of(file, selectors), "time [s]")
+    draw_curves(output, file.name, curves_of(console, file, selectors), "time [s]")
     return OK

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import click
 
-from rtgen.cli.log.common import reported
+from rtgen.cli.common import Console
+from rtgen.cli.log.common import reported, say_losses
 from rtgen.cli.running.curves import Curve, Selection
 from rtgen.diagnostics import InputError
 from rtgen.recording.events import Log
@@ -28,7 +29,7 @@ def with_values(command: Callable[..., int]) -> Callable[..., int]:
     return command
 
 
-def curves_of(file: Path, selectors: Sequence[str]) -> list[Curve]:
+def curves_of(console: Console, file: Path, selectors: Sequence[str]) -> list[Curve]:
     """Return the curves of selectors. Raises ToolError, InputError for ports without samples."""
     chosen = [Selection(text) for text in dict.fromkeys(selectors)]
     ports: set[str] = set()
@@ -41,6 +42,7 @@ def curves_of(file: Path, selectors: Sequence[str]) -> list[Curve]:
                 if selection.whole == name:
                     unit = log.units.get((selection.instance, selection.name), "")
                     selection.add(event["t"] / SECOND, event["value"], unit)
+    say_losses(console, log)
     for selection in chosen:
         if selection.whole not in ports:
             near = get_close_matches(selection.whole, ports, n=1)
