@@ -101,6 +101,13 @@ class Component(Declaration, frozen=True, kw_only=True):
         return not self.language.lower().startswith("python")
 
     @property
+    def is_device(self) -> bool:
+        """Whether it plays a device, which others reach by its bus: a generated base serves it, and
+        the behaviour is the user's.
+        """
+        return bool(self.runtime_base) and not self.factory
+
+    @property
     def profile_id(self) -> str:
         """The id of the component in profiles of components and systems, written with colons."""
         return ":".join(

@@ -149,9 +149,11 @@ def board(name: Names, place: Place) -> list[File]:
 
 def system(
     name: Names, place: Place, model: Model, components: Sequence[str]
-) -> list[File]:
-    """Return a system of components of the project, connected by their types, and a test."""
-    made = system_of(name.module, model, components)
+) -> tuple[list[File], list[str]]:
+    """Return a system of components of the project, connected by their types, with a test; and
+    what is ambiguous in it.
+    """
+    made, ambiguous = system_of(name.module, model, components)
     folder = place.root / "systems"
     test = _files(
         "system",
@@ -160,7 +162,7 @@ def system(
         depth=1,
         instances=[c.instance for c in made.components],
     )
-    return [File(folder / f"{name.module}.xml", system_text(made)), *test]
+    return [File(folder / f"{name.module}.xml", system_text(made)), *test], ambiguous
 
 
 def project(name: Names, package: str, root: Path) -> list[File]:

@@ -25,13 +25,16 @@ _NO_SPAN = Span("", 1, 1, 1, 1)
 _Placed = tuple[str, Component]
 
 
-def system_of(name: str, model: Model, wanted: Sequence[str]) -> System:
-    """Return a system with an instance of each component in `wanted`.
+def system_of(
+    name: str, model: Model, wanted: Sequence[str]
+) -> tuple[System, list[str]]:
+    """Return a system with an instance of each component in `wanted`, and what is ambiguous in it.
 
     If `wanted` is empty: of each component whose behaviour requires neither bus nor board.
 
     Data flows in this order: an InPort is connected to the nearest preceding OutPort of its type, a
-    consumer to the nearest provider of its interface. Raises InputError for a name that is not a
+    consumer to the nearest provider of its interface. Components that play devices are connected by
+    their buses alone. Raises InputError for a name that is not a
     component of the model.
     """
     known = {d.name[-1]: d for d in model.declarations if isinstance(d, Component)}
@@ -51,7 +54,8 @@ def system_of(name: str, model: Model, wanted: Sequence[str]) -> System:
     for each in wanted:
         placed.append((f"{each}{numbers[each]}", known[each]))
         numbers[each] += 1
-    return System(
+    ambiguous: list[str] = []
+    system = System(
         name=name,
         id=f"RTSystem:rtgen:{name}:1.0.0",
         file="",
@@ -67,43 +71,52 @@ def system_of(name: str, model: Model, wanted: Sequence[str]) -> System:
             )
             for instance, component in placed
         ),
-        connections=tuple(_connections(model, placed)),
+        connections=tuple(_connections(model, placed, ambiguous)),
         activation=tuple(
             Activation(instance=instance, sequence=number)
             for number, (instance, _) in enumerate(placed, 1)
         ),
     )
+    return system, ambiguous
 
 
-def _connections(model: Model, placed: Sequence[_Placed]) -> Iterator[Connection]:
+def _connections(
+    model: Model, placed: Sequence[_Placed], ambiguous: list[str]
+) -> Iterator[Connection]:
+    placed = [one for one in placed if not one[1].is_device]
     for number, (instance, component) in enumerate(placed):
         before, after = placed[:number][::-1], placed[number + 1 :]
         for port in component.ports:
             if port.kind is PortKind.INPORT:
-                source = _first(model, before, PortKind.OUTPORT, port)
-                if source is not None:
+                ends = _fitting(model, before, PortKind.OUTPORT, port)
+                if ends:
                     type_ = _repository_id(model, port)
-                    yield _connection(source, (instance, port), data_type=type_)
+                    yield _connection(ends[0], (instance, port), data_type=type_)
             elif port.kind is PortKind.CONSUMER:
-                provider = _first(model, [*before, *after], PortKind.PROVIDER, port)
-                if provider is not None:
-                    yield _connection((instance, port), provider)
+                ends = _fitting(model, [*before, *after], PortKind.PROVIDER, port)
+                if ends:
+                    yield _connection((instance, port), ends[0])
+            else:
+                continue
+            if len(ends) > 1:
+                first, *others = (f"{owner}.{end.name}" for owner, end in ends)
+                ambiguous.append(
+                    f"{instance}.{port.name} is connected to {first}, the nearest; "
+                    f"{', '.join(others)} would fit, too"
+                )
 
 
-def _first(
+def _fitting(
     model: Model, others: Sequence[_Placed], kind: PortKind, port: Port
-) -> tuple[str, Port] | None:
-    """Return the first port of a kind and of the type of `port`, with its instance."""
+) -> list[tuple[str, Port]]:
+    """Return the ports of a kind and of the type of `port`, with their instances."""
     wanted = model.unalias(port.type)
-    return next(
-        (
-            (instance, other)
-            for instance, component in others
-            for other in component.ports
-            if other.kind is kind and model.unalias(other.type) == wanted
-        ),
-        None,
-    )
+    return [
+        (instance, other)
+        for instance, component in others
+        for other in component.ports
+        if other.kind is kind and model.unalias(other.type) == wanted
+    ]
 
 
 def _repository_id(model: Model, port: Port) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -121,6 +122,45 @@ def test_a_system_connects_ports_by_their_types(
     ):
         assert line in Path("systems/bench.xml").read_text(encoding="utf-8")
     assert "LeftArm1.state_" not in Path("systems/bench.xml").read_text("utf-8")
+
+
+USER = """\
+#include "{proxy}"
+#include "CanopenManager.idl"
+component User {{
+    consumes {module}::Tpdo1 tpdo1;
+    publishes {module}::Rpdo1 rpdo1;
+    uses CANopen::ObjectDictionary objects;
+}};
+"""
+
+
+@pytest.mark.parametrize(
+    "components",
+    [
+        ("WheelProxy", "User", "WheelDevice"),
+        ("WheelDevice", "WheelProxy", "User"),
+        ("WheelProxy", "WheelDevice", "User", "WheelProxy"),
+    ],
+)
+def test_no_port_is_connected_to_a_device(
+    components: tuple[str, ...],
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    project = started(monkeypatch)
+    assert run(["new", "device", "wheel"]) == 0
+    text = USER.format(proxy="Wheel.idl", module="Wheel")
+    (project / "definitions" / "user.idl").write_text(text)
+    capfd.readouterr()
+    assert run(["new", "system", "bench", *components]) == 0
+    err = capfd.readouterr().err
+    system = Path("systems/bench.xml").read_text("utf-8")
+    connections = re.findall(r'connectorId="([^"]*)"', system)
+    assert "WheelProxy0.tpdo1_User0.tpdo1" in connections
+    assert not any("Device" in name for name in connections)
+    ambiguous = "User0.objects is connected to WheelProxy0.sdo, the nearest"
+    assert (ambiguous in err) == (components.count("WheelProxy") > 1)
 
 
 def test_the_same_name_gives_the_same_files(

@@ -46,7 +46,7 @@ def project(console: Console, name: str, source: str | None) -> int:
             place = starters.place_of(made)
             model = _model(made)
             twice = [starters.FIRST] * 2
-            writing.write(starters.system(forms, place, model, twice))
+            writing.write(starters.system(forms, place, model, twice)[0])
         _generate(console, load(folder))
     console.say(f"{shown(target)}: created; see {shown(target / 'README.md')}")
     return OK
@@ -91,15 +91,22 @@ def system(console: Console, name: str, components: tuple[str, ...]) -> int:
 
     COMPONENT may be repeated; the default is one of each component that needs neither a bus nor a
     board. Data flows in this order: an InPort is connected to the nearest preceding OutPort of its
-    type, a consumer to the nearest provider of its interface.
+    type, a consumer to the nearest provider of its interface; other ports that fit are reported.
+    The component of a device, which its bus connects, has no connections.
     """
     from rtgen.scaffold import starters
 
-    return _add(
-        console,
-        name,
-        lambda forms, place: starters.system(forms, place, _model(load()), components),
-    )
+    ambiguous: list[str] = []
+
+    def files_of(forms: Names, place: Place) -> Sequence[File]:
+        files, found = starters.system(forms, place, _model(load()), components)
+        ambiguous.extend(found)
+        return files
+
+    code = _add(console, name, files_of)
+    for text in ambiguous:
+        console.say(text)
+    return code
 
 
 @click.command()
