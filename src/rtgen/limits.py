@@ -6,6 +6,9 @@ They are far above what people write, and bound every stage to seconds and 500 m
 MAX_LEVELS = 100
 """Maximum length of a chain of declarations that refer to each other by types, members or bases."""
 
+MAX_NESTING = 256
+"""Maximum depth of blocks, brackets and inclusions in the text of a file."""
+
 MAX_VALUES = 5_000
 """Maximum number of values in a struct of a TECS signature, including those of nested structs."""
 

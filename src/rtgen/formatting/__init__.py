@@ -7,7 +7,7 @@ formatted, too. The style is that of the examples in OMG IDL 4.2 and of the sign
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from rtgen.formatting.layout import Layout, Line
@@ -55,12 +55,16 @@ def format_text(text: str, language: Language, options: Options = DEFAULT) -> st
 
 
 def changed_text(
-    text: str, language: Language, options: Options, lines: tuple[int, int] | None
+    text: str,
+    language: Language,
+    options: Options,
+    lines: tuple[int, int] | None,
+    check: Callable[[], None] = lambda: None,
 ) -> str:
     """Apply the `edits` to the text. Raises LexicalError."""
     parts: list[str] = []
     done = 0
-    for edit in edits(text, language, options, lines):
+    for edit in edits(text, language, options, lines, check):
         parts += text[done : edit.start], edit.text
         done = edit.end
     return "".join([*parts, text[done:]])
@@ -71,14 +75,16 @@ def edits(
     language: Language,
     options: Options = DEFAULT,
     lines: tuple[int, int] | None = None,
+    check: Callable[[], None] = lambda: None,
 ) -> list[Edit]:
     """Return the changes of `format_text`, in order; `lines` limits them to statements in a range.
 
-    `lines` are the first and the last line, from 1. Raises LexicalError.
+    `lines` are the first and the last line, from 1. `check` is called now and then, and can end the
+    work by an exception. Raises LexicalError.
     """
-    found = tokens(text, language)
+    found = tokens(text, language, check)
     frame = Frame(options.line_length, options.indent)
-    laid = Layout(text, found, language, frame).run()
+    laid = Layout(text, found, language, frame).run(check)
     _align(laid)
     low, high = (0, len(text) + 1) if lines is None else _offsets(text, lines)
     changed: list[Edit] = []

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from rtgen.formatting.spacing import BINARY, LABELS, Spacing
-from rtgen.formatting.tokens import COMMENTS, Kind, Language, Token
+from rtgen.formatting.tokens import CHECKED, COMMENTS, Kind, Language, LexicalError, Token
 from rtgen.formatting.wrapping import LAST_RESORT, Frame, Piece, moved, wrapped
+from rtgen.limits import MAX_NESTING
+
+MAX_CHARACTERS = 32 * 1024 * 1024
+"""Maximum length of a formatted text, since indentation can multiply that of the source."""
 
 _LISTS = frozenset(("enum", "bitmask", "enum8", "enum16", "enum32", "enum64"))
 _OPEN_BLOCKS = frozenset(("module", "namespace", "region"))
@@ -25,7 +30,7 @@ class Line:
     """A line of the result, or several that belong together.
 
     `token` is the number of its first token. `trailing` are trailing comments, `column` that of the
-    first one in the source.
+    first one in the source, `width` that of the next one.
     """
 
     text: str
@@ -34,6 +39,7 @@ class Line:
     opens: bool = False
     trailing: list[str] = field(default_factory=list)
     column: int = 0
+    width: int = 0
 
 
 class _State(NamedTuple):
@@ -59,18 +65,30 @@ class Layout:
         self._blocks: tuple[bool, ...] = ()
         self._pieces: list[Piece] = []
         self._begin = 0
-        self._words: list[str] = []
+        self._words: dict[str, None] = {}
+        """The words of the statement so far, outside of brackets."""
+        self._code: Piece | None = None
+        """The last piece of the statement that is not a comment."""
+        self._annotated = False
+        """Whether the statement has an annotation, specifiers or parentheses."""
+        self._several = False
+        """Whether the statement needs several lines."""
         self._spacing = Spacing(language)
         self._continued = False
         self._labelled = False
         self._branches: list[tuple[_State, _State | None]] = []
         self._last: Token | None = None
         self._flat_until = 0
+        self._length = 0
+        self._line_start = 0
+        self._next: dict[str, tuple[int, int]] = {}
 
-    def run(self) -> list[Line]:
-        """Return the lines, in order."""
+    def run(self, check: Callable[[], None] = lambda: None) -> list[Line]:
+        """Return the lines, in order; `check` as in `tokens`. Raises LexicalError."""
         index = 0
         while index < len(self._tokens):
+            if not index % CHECKED:
+                check()
             token = self._tokens[index]
             if token.kind in COMMENTS:
                 self._between(token)
@@ -102,7 +120,14 @@ class Layout:
         blank = token.breaks > 1 and not first and not self.lines[-1].opens
         line = Line(text, index, blank and token.text != "}")
         self.lines.append(line)
+        self._count(text)
         return line
+
+    def _count(self, text: str) -> None:
+        self._length += len(text)
+        if self._length > MAX_CHARACTERS:
+            message = f"the formatted text has more than {MAX_CHARACTERS:,} characters"
+            raise LexicalError(message, 0, 1, "divide the file into several")
 
     def _flush(self, ends: bool = True) -> None:
         """Print the statement so far; `ends`: it is complete."""
@@ -114,34 +139,47 @@ class Layout:
                 and pieces[-1].column is not None
                 and not pieces[-1].must
             ):
-                trailing.insert(0, pieces.pop())
+                trailing.append(pieces.pop())
             indent = self._indent + self._frame.step * self._labelled
             step = 2 * self._frame.step
             start = indent + (step if self._continued else 0)
             text = "\n".join(wrapped(pieces, indent, self._frame, start))
             line = self._emit(text, self._begin, self._tokens[self._begin])
-            for piece in trailing:
+            for piece in reversed(trailing):
                 self._add_trailing(line, piece.text, piece.column or 0)
-            self._pieces = []
+            self._start([])
         if ends:
             self._spacing = Spacing(self._language)
-            self._words = []
+            self._words = {}
             self._continued = False
             self._labelled = False
         elif pieces:
             self._continued = True
 
+    def _start(self, pieces: list[Piece]) -> None:
+        """Begin a statement with pieces, which are comments."""
+        self._pieces = pieces
+        self._code = None
+        self._annotated = False
+        self._several = any(piece.must or "\n" in piece.text for piece in pieces)
+
     def _add_trailing(self, line: Line, text: str, column: int) -> None:
         if not line.trailing:
             line.column = column
+            line.width = len(line.text) - line.text.rfind("\n")
         if "\n" in text:
-            _, _, last = line.text.rpartition("\n")
-            before = [last, *line.trailing]
-            text = moved(text, column, sum(len(each) + 1 for each in before))
+            text = moved(text, column, line.width)
+            line.width = 0
         line.trailing.append(text)
+        line.width += len(text) - text.rfind("\n")
+        self._count(text)
 
     def _column(self, token: Token) -> int:
-        return token.start - self._text.rfind("\n", 0, token.start) - 1
+        # From the last token on, since a line can be very long.
+        begin = self._line_start if self._line_start <= token.start else 0
+        newline = self._text.rfind("\n", begin, token.start)
+        self._line_start = begin if newline < 0 else newline + 1
+        return token.start - self._line_start
 
     # Comments and preprocessor lines
 
@@ -176,7 +214,7 @@ class Layout:
             self._emit(text, index, token)
         else:
             self._begin = index
-            self._pieces = [self._comment_piece(t) for t in self._tokens[index:end]]
+            self._start([self._comment_piece(t) for t in self._tokens[index:end]])
             self._spacing.space(self._tokens[end - 1])
         self._last = self._tokens[end - 1]
         return end
@@ -193,7 +231,7 @@ class Layout:
         word = token.text[1:].lstrip(" \t").split(maxsplit=1)[:1]
         open_ended = bool(self._pieces) and not self._is_closed()
         in_list = bool(self._blocks) and self._blocks[-1]
-        if in_list and not self._spacing.brackets:
+        if in_list and not self._spacing.depth:
             open_ended = False
         self._flush(ends=not (open_ended or self._continued))
         self._emit(_stripped(token.text), index, token)
@@ -225,8 +263,8 @@ class Layout:
         text = token.text
         mark = token.kind is Kind.MARK
         if mark and text in (";", "}") and not self._in_braces():
-            self._spacing.brackets.clear()
-        inner = bool(self._spacing.brackets)
+            self._spacing.close_all()
+        inner = self._spacing.depth > 0
         if mark and text == "}" and not inner:
             self._close(index)
             return
@@ -235,15 +273,15 @@ class Layout:
             return
         self._between(token)
         self._append(index, token)
-        if not mark or self._spacing.brackets:
+        if not mark or self._spacing.depth:
             return
         if text == ";" or (text == "," and self._blocks and self._blocks[-1]):
             self._flush()
-        elif text == ":" and self._words[:1] and self._words[0] in LABELS:
+        elif text == ":" and next(iter(self._words), None) in LABELS:
             self._label(index)
 
     def _in_braces(self) -> bool:
-        return any(each.mark == "{" for each in self._spacing.brackets)
+        return self._spacing.inside.braces > 0
 
     def _is_value(self) -> bool:
         """Return whether a `{` here starts an initialiser."""
@@ -251,14 +289,12 @@ class Layout:
 
     def _is_closed(self) -> bool:
         """Return whether the statement so far is the end of a block, and comments."""
-        for piece in reversed(self._pieces):
-            if piece.column is None:
-                return piece.text == "}" and not self._spacing.brackets
-        return False
+        code = self._code
+        return code is not None and code.text == "}" and not self._spacing.depth
 
     def _between(self, token: Token) -> None:
         """End a line after annotations or specifiers, and after a closed block."""
-        if not self._pieces or self._spacing.brackets:
+        if not self._pieces or self._spacing.depth:
             return
         if self._is_closed():
             if token.breaks and token.text not in (";", ","):
@@ -279,7 +315,7 @@ class Layout:
         """Return whether the statement so far is annotations or specifiers only."""
         if self._words or (token.kind is Kind.MARK and token.text in ("(", ";", ",")):
             return False
-        return any(p.closes in ("[", "(") or p.text[0] == "@" for p in self._pieces)
+        return self._annotated
 
     def _append(self, index: int, token: Token, is_block: bool = False) -> None:
         if not self._pieces:
@@ -312,8 +348,15 @@ class Layout:
             elif token.text in (">", ">>") and spacing.depth < depth:
                 piece.closes = "<"
         if not depth and token.kind is Kind.WORD:
-            self._words.append(token.text)
+            self._words[token.text] = None
+        if not comment:
+            self._code = piece
+        if piece.closes in ("[", "(") or piece.text[0] == "@":
+            self._annotated = True
+        if piece.must or "\n" in piece.text:
+            self._several = True
         self._pieces.append(piece)
+        _check_depth(spacing.depth, token)
 
     def _must(self, last: Token, token: Token, innermost: str) -> bool:
         if last.kind is Kind.LINE_COMMENT:
@@ -328,8 +371,16 @@ class Layout:
 
     def _is_followed_by_greater(self, token: Token) -> bool:
         """Return whether a `<` alone on its line would become an angle string."""
-        end = self._text.find(";", token.start)
-        return ">" in self._text[token.start : end if end >= 0 else None]
+        return self._find(">", token.start) < self._find(";", token.start)
+
+    def _find(self, mark: str, start: int) -> int:
+        """Return the offset of the next such mark, else that of the end."""
+        begin, place = self._next.get(mark, (0, -1))
+        if not begin <= start <= place:
+            place = self._text.find(mark, start)
+            place = len(self._text) if place < 0 else place
+            self._next[mark] = (start, place)
+        return place
 
     def _may(self, last: Token, token: Token, depth: int) -> int | None:
         if token.kind in COMMENTS or token.text in (")", "]", "}", ",", ";"):
@@ -356,10 +407,10 @@ class Layout:
 
     def _closes_templates(self, index: int) -> bool:
         """Return whether a `>>` closes two templates, instead of a shift in a bound."""
-        brackets = self._spacing.brackets
-        if [each.mark for each in brackets[-2:]] != ["<", "<"]:
+        inside = self._spacing.inside
+        if inside.mark != "<" or inside.outer is None or inside.outer.mark != "<":
             return False
-        depth = sum(each.mark == "<" for each in brackets)
+        depth = inside.templates
         for place in range(index + 1, min(index + 200, len(self._tokens))):
             token = self._tokens[place]
             if token.kind is Kind.MARK and token.text in (";", "{", "}"):
@@ -371,7 +422,7 @@ class Layout:
     def _label(self, index: int) -> None:
         """Print a label of a union's branch, with the branch on its line if written so."""
         follower = self._tokens[index + 1]
-        self._words = []
+        self._words = {}
         if follower.breaks or follower.kind in COMMENTS:
             self._flush()
             self._labelled = True
@@ -384,39 +435,47 @@ class Layout:
             return
         token = self._tokens[index]
         self._append(index, token, is_block=True)
-        is_list = not _LISTS.isdisjoint(words)
+        is_list = not words.keys().isdisjoint(_LISTS)
         self._flush()
         self.lines[-1].opens = True
         self._blocks = (*self._blocks, is_list)
+        _check_depth(len(self._blocks), token)
 
     def _inline(self, index: int) -> bool:
         """Lay out a block on one line if it is written so, is short and fits."""
         end = self._end_of_short(index)
         if end is None:
             return False
-        pieces, words, begin = self._pieces, self._words, self._begin
-        spacing = self._spacing.copy()
-        self._pieces, self._words = list(pieces), list(words)
+        number, begin, spacing = len(self._pieces), self._begin, self._spacing.copy()
+        state = self._code, self._annotated, self._several
         for place in range(index, end):
             self._append(place, self._tokens[place], is_block=place == index)
-        texts = [piece.text for piece in self._pieces]
-        length = sum(map(len, texts)) + sum(p.space for p in self._pieces[1:]) + 1
-        fits = self._indent + length <= self._frame.width or end == index + 2
-        if fits and not any(p.must or "\n" in p.text for p in self._pieces):
-            for piece in self._pieces:
-                piece.may = None if end > index + 2 else piece.may
+        empty = end == index + 2
+        if (empty or self._fits_one_line()) and not self._several:
+            for piece in () if empty else self._pieces:
+                piece.may = None
             self._flat_until = end
             return True
-        self._pieces, self._words, self._begin = pieces, words, begin
-        self._spacing = spacing
+        del self._pieces[number:]
+        self._begin, self._spacing = begin, spacing
+        self._code, self._annotated, self._several = state
         return False
+
+    def _fits_one_line(self) -> bool:
+        """Return whether the statement so far, and a semicolon, fit on one line."""
+        left = self._frame.width - self._indent
+        for number, piece in enumerate(self._pieces):
+            left -= len(piece.text) + (piece.space and number > 0)
+            if left < 1:
+                return False
+        return True
 
     def _end_of_short(self, index: int) -> int | None:
         """Return the number after the `}` of a block that may be on one line."""
         follower = self._tokens[index + 1]
         if follower.text == "}" and follower.kind is Kind.MARK:
             return index + 2
-        if not _OPEN_BLOCKS.isdisjoint(self._words):
+        if not self._words.keys().isdisjoint(_OPEN_BLOCKS):
             return None
         limit = self._tokens[index].start + self._frame.width
         statements = 0
@@ -450,6 +509,14 @@ class Layout:
         self._blocks = self._blocks[:-1]
         self._append(index, self._tokens[index])
         self._pieces[-1].closes = "block"
+
+
+def _check_depth(depth: int, token: Token) -> None:
+    """Raise LexicalError at a token that opens one level too many."""
+    if depth > MAX_NESTING:
+        message = f"this is nested for more than {MAX_NESTING} levels"
+        hint = "declare the inner parts as types or constants of their own"
+        raise LexicalError(message, token.start, token.end, hint)
 
 
 def _stripped(text: str) -> str:

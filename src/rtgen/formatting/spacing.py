@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from rtgen.formatting.tokens import COMMENTS, Kind, Language, Token
 
@@ -41,12 +41,20 @@ LABELS = ("case", "default")
 """First words of union labels."""
 
 
-@dataclass(slots=True)
-class Bracket:
-    """An open bracket: its character, SPECIFIERS of CDL, or BLOCK; `values`: it has expressions."""
+class Bracket(NamedTuple):
+    """An open bracket: its character, SPECIFIERS of CDL, or BLOCK; `values`: it has expressions.
+
+    `outer` is the bracket around it. `depth`, `braces` and `templates` are the numbers of brackets
+    up to this one: of all, of `{` and of `<`. The stack is immutable, so that a state can be kept
+    without a copy.
+    """
 
     mark: str
     values: bool = False
+    outer: Bracket | None = None
+    depth: int = 0
+    braces: int = 0
+    templates: int = 0
 
 
 class Spacing:
@@ -54,8 +62,8 @@ class Spacing:
 
     def __init__(self, language: Language) -> None:
         self._idl = language is Language.IDL
-        self._base = Bracket("")
-        self.brackets: list[Bracket] = []
+        self.inside = Bracket("")
+        """The innermost open bracket; outside of all, one without a character."""
         self._last: Token | None = None
         self._after_sign = False
         self._module = False
@@ -63,24 +71,22 @@ class Spacing:
 
     def copy(self) -> Spacing:
         """Return a copy of the state, for lookahead."""
-        other = copy(self)
-        other._base = copy(self._base)
-        other.brackets = [copy(each) for each in self.brackets]
-        return other
+        return copy(self)
 
     @property
     def depth(self) -> int:
         """Number of open brackets."""
-        return len(self.brackets)
+        return self.inside.depth
 
     @property
     def innermost(self) -> str:
         """The innermost open bracket, or an empty text."""
-        return self._inside.mark
+        return self.inside.mark
 
-    @property
-    def _inside(self) -> Bracket:
-        return self.brackets[-1] if self.brackets else self._base
+    def close_all(self) -> None:
+        """Close all brackets, as the end of a statement does."""
+        while self.inside.outer is not None:
+            self.inside = self.inside.outer
 
     def space(
         self, token: Token, *, closes_templates: bool = False, is_block: bool = False
@@ -95,7 +101,7 @@ class Spacing:
         sign = is_mark and token.text in _SIGNS and not self._is_operand(last)
         if is_mark:
             self._enter(token.text, closes_templates, is_block)
-        elif token.kind is Kind.WORD and not self.brackets:
+        elif token.kind is Kind.WORD and not self.depth:
             self._module = self._module or token.text == "module"
             self._label = self._label or token.text in LABELS
         self._after_sign = sign
@@ -104,30 +110,40 @@ class Spacing:
 
     def _enter(self, text: str, closes_templates: bool, is_block: bool) -> None:
         if is_block:
-            self.brackets.append(Bracket(BLOCK))
+            self._open(BLOCK)
         elif text in _OPENERS:
             mark = text
             if text == "[" and not self._idl and not self._is_operand(self._last):
                 mark = SPECIFIERS
             values = mark in ("[", "{") or (
-                mark == "(" and (self.innermost == SPECIFIERS or self._inside.values)
+                mark == "(" and (self.innermost == SPECIFIERS or self.inside.values)
             )
-            self.brackets.append(Bracket(mark, values))
+            self._open(mark, values)
         elif text in _CLOSERS:
             while self.innermost == "<":
-                self.brackets.pop()
-            if self.brackets:
-                self.brackets.pop()
+                self._close()
+            self._close()
         elif text == "<" and self._opens_template():
-            self.brackets.append(Bracket("<", True))
+            self._open("<", values=True)
         elif text == ">" and self.innermost == "<":
-            self.brackets.pop()
+            self._close()
         elif text == ">>" and closes_templates:
-            del self.brackets[-2:]
+            self._close()
+            self._close()
         elif text in ("=", ",", ";") and self.innermost in ("", BLOCK):
-            self._inside.values = text == "="
+            self.inside = self.inside._replace(values=text == "=")
         elif text == ":":
             self._label = False
+
+    def _open(self, mark: str, values: bool = False) -> None:
+        outer = self.inside
+        braces = outer.braces + (mark == "{")
+        templates = outer.templates + (mark == "<")
+        self.inside = Bracket(mark, values, outer, outer.depth + 1, braces, templates)
+
+    def _close(self) -> None:
+        if self.inside.outer is not None:
+            self.inside = self.inside.outer
 
     def _opens_template(self) -> bool:
         if not self._idl:
@@ -196,7 +212,7 @@ class Spacing:
             return False
         if new in _SIGNS and not self._is_operand(last):
             return self._after_mark(old) if mark else True
-        if new in ("*", "&") and not self._idl and not self._inside.values:
+        if new in ("*", "&") and not self._idl and not self.inside.values:
             return not (mark and old == "*")
         return True
 
@@ -209,4 +225,4 @@ class Spacing:
             return False
         if old in _SIGNS and self._after_sign:
             return False
-        return old != "*" or self._idl or self._inside.values
+        return old != "*" or self._idl or self.inside.values

@@ -7,6 +7,7 @@ line is one token, and so is the text that `#if 0` skips. OMG IDL 4.2, 7.2; CDL 
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum, auto
 
@@ -33,6 +34,10 @@ class Kind(Enum):
     END = auto()
 
 
+CHECKED = 1_000
+"""Number of tokens after which it is checked whether the work is still wanted."""
+MAX_TOKENS = 1_000 * CHECKED
+"""Maximum number of tokens of a file; each takes some hundred octets of memory."""
 COMMENTS = (Kind.LINE_COMMENT, Kind.BLOCK_COMMENT)
 
 
@@ -92,13 +97,13 @@ def _scanner(language: Language) -> re.Pattern[str]:
         "NUMBER": _NUMBER,
         "WORD": r"\w++(?:(?:\\\n)++\w++)*+" if idl else r"\w++",
         "ANNOTATION": r"@[ \t\n]*(?:::)?[A-Za-z_]\w*(?:::\w+)*" if idl else r"(?!)",
-        "VERBATIM": r"(?!)" if idl else r"<(?:[^>\\\n]|\\[^\n])*>",
         "MARK": _MARKS[language],
     }
     text = "|".join(f"(?P<{name}>{pattern})" for name, pattern in parts.items())
     return re.compile(text, re.DOTALL)
 
 
+_ANGLE_STRING = re.compile(r"<(?:[^>\\\n]|\\[^\n])*+(?P<closed>>)?")
 _SCANNERS = {language: _scanner(language) for language in Language}
 _DIRECTIVES = {
     language: re.compile(
@@ -117,16 +122,29 @@ _EDITOR = ("__tool_info__", "__location_information__")
 _BRACES = re.compile(r'"(?:[^"\\\n]|\\.)*+"|//[^\n]*+|/\*.*?\*/|[{}]', re.DOTALL)
 
 
-def tokens(text: str, language: Language) -> list[Token]:
-    """Return the tokens of a text, and one for its end. Raises LexicalError."""
+def tokens(
+    text: str, language: Language, check: Callable[[], None] = lambda: None
+) -> list[Token]:
+    """Return the tokens of a text, and one for its end. Raises LexicalError.
+
+    `check` is called now and then, and can end the work by an exception.
+    """
     found: list[Token] = []
     scan = _SCANNERS[language].match
     position = breaks = 0
     fresh = True  # only comments since the start of the line
     spliced = False  # only the mark of a continued line since the last token
+    barren = 0  # offset up to which no angle string ends
     while position < len(text):
         if text[position] == "#" and fresh:
             token = _directive(text, position, breaks, language)
+        elif text[position] == "<" and language is Language.CDL and position >= barren:
+            match = _ANGLE_STRING.match(text, position)
+            assert match is not None
+            if match["closed"] is None:
+                barren = match.end()
+                continue
+            token = Token(Kind.VERBATIM, match[0], position, breaks)
         else:
             match = scan(text, position)
             if match is None:
@@ -148,6 +166,12 @@ def tokens(text: str, language: Language) -> list[Token]:
             token = Token(kind, match[0], position, breaks)
             if kind is Kind.WORD and token.text in _EDITOR and language is Language.CDL:
                 token = _editors(text, token)
+        if not len(found) % CHECKED:
+            check()
+            if len(found) == MAX_TOKENS:
+                message = f"the file has more than {MAX_TOKENS:,} tokens"
+                hint = "divide it into several"
+                raise LexicalError(message, token.start, token.end, hint)
         found.append(token)
         position = token.end
         breaks = 0

@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import sysconfig
 import tempfile
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -34,7 +35,9 @@ trailing-comment-alignment = true
 [schema]
 enabled = false
 """
-_SECONDS = 30
+_SECONDS = 10
+_MAX_COMPARED = 4_000_000
+"""Maximum product of the numbers of lines that are compared, line by line."""
 
 
 def is_available() -> bool:
@@ -92,8 +95,8 @@ def _formatted(text: str, name: str, options: Options) -> str:
         except (OSError, subprocess.TimeoutExpired) as error:
             raise ToolError(f"tombi cannot format {name}: {error}") from error
     if done.returncode != 0:
-        why = done.stderr.decode(errors="replace").strip() or "it does not say why"
-        raise ToolError(f"tombi cannot format {name}: {why}")
+        why = " ".join(done.stderr.decode(errors="replace").split())
+        raise ToolError(f"tombi cannot format {name}: {why or 'it does not say why'}")
     return done.stdout.decode()
 
 
@@ -108,10 +111,28 @@ def _program() -> str | None:
 def _within(text: str, new: str, lines: tuple[int, int]) -> str:
     """Apply those hunks of a change that start or end within the lines."""
     old_lines, new_lines = text.splitlines(True), new.splitlines(True)
-    matcher = difflib.SequenceMatcher(None, old_lines, new_lines, autojunk=False)
     parts: list[str] = []
     first, last = lines[0] - 1, lines[1]
-    for tag, start, end, new_start, new_end in matcher.get_opcodes():
+    for tag, start, end, new_start, new_end in _hunks(old_lines, new_lines):
         inside = tag != "equal" and start < last and max(end, start + 1) > first
         parts += new_lines[new_start:new_end] if inside else old_lines[start:end]
     return "".join(parts)
+
+
+def _hunks(old: list[str], new: list[str]) -> Sequence[tuple[str, int, int, int, int]]:
+    """Return the differences as `difflib` does; as one if there are too many lines to compare."""
+    if len(old) * len(new) <= _MAX_COMPARED:
+        return difflib.SequenceMatcher(None, old, new, autojunk=False).get_opcodes()
+    pairs = zip(old, new, strict=False)
+    head = next(
+        (i for i, (a, b) in enumerate(pairs) if a != b), min(map(len, (old, new)))
+    )
+    pairs = zip(reversed(old[head:]), reversed(new[head:]), strict=False)
+    rest = min(len(old), len(new)) - head
+    tail = next((i for i, (a, b) in enumerate(pairs) if a != b), rest)
+    old_end, new_end = len(old) - tail, len(new) - tail
+    return [
+        ("equal", 0, head, 0, head),
+        ("replace", head, old_end, head, new_end),
+        ("equal", old_end, len(old), new_end, len(new)),
+    ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 LAST_RESORT = 100
 """Priority of a break directly after an opening bracket."""
@@ -37,10 +38,16 @@ class Frame:
     step: int
 
 
-@dataclass(slots=True)
-class _Open:
+class _Open(NamedTuple):
+    """An open bracket, inside of `outer`; `braces`: the number of `{` up to it.
+
+    The stack is immutable, so that a state can be kept without a copy.
+    """
+
     mark: str
     column: int | None
+    outer: _Open | None
+    braces: int
 
 
 @dataclass(slots=True)
@@ -50,7 +57,7 @@ class _Point:
     may: int
     piece: int
     parts: int
-    opened: list[_Open]
+    opened: _Open | None
 
 
 class _Wrapping:
@@ -59,7 +66,7 @@ class _Wrapping:
         self._indent = indent
         self._frame = frame
         self._lines: list[str] = []
-        self._open: list[_Open] = []
+        self._open: _Open | None = None
         self._points: list[_Point] = []
         self._parts: list[str] = []
         self._column = 0
@@ -96,8 +103,7 @@ class _Wrapping:
 
     def _mark(self, index: int, piece: Piece) -> None:
         if piece.may is not None:
-            opened = [_Open(each.mark, each.column) for each in self._open]
-            point = _Point(piece.may, index, len(self._parts), opened)
+            point = _Point(piece.may, index, len(self._parts), self._open)
             while self._points and self._points[-1].may >= piece.may:
                 self._points.pop()
             self._points.append(point)
@@ -112,18 +118,18 @@ class _Wrapping:
 
     def _end_line(self, index: int) -> None:
         self._lines.append("".join(self._parts))
-        if index and self._pieces[index - 1].opens and self._open:
-            self._open[-1].column = None
+        if index and self._pieces[index - 1].opens and self._open is not None:
+            self._open = self._open._replace(column=None)
         self._start(self._continuation(self._pieces[index]))
 
     def _continuation(self, piece: Piece) -> int:
         step = self._frame.step
         if piece.restarts:
             return self._indent
-        braces = sum(each.mark == "{" for each in self._open)
-        if braces and self._open[-1].mark == "{":
-            return self._indent + step * (braces - (piece.closes == "{"))
-        column = self._open[-1].column if self._open else None
+        inside = self._open
+        if inside is not None and inside.mark == "{":
+            return self._indent + step * (inside.braces - (piece.closes == "{"))
+        column = None if inside is None else inside.column
         if column is not None and column <= self._frame.width // 2:
             return column
         return self._indent + 2 * step
@@ -139,13 +145,18 @@ class _Wrapping:
         _, newline, last = text.rpartition("\n")
         self._column = len(last) if newline else self._column + len(last)
         if piece.opens:
-            self._open.append(_Open(piece.opens, self._column))
+            braces = 0 if self._open is None else self._open.braces
+            braces += piece.opens == "{"
+            self._open = _Open(piece.opens, self._column, self._open, braces)
         elif piece.closes:
             for _ in piece.text if piece.closes == "<" else "}":
-                while self._open and self._open[-1].mark != piece.closes:
-                    self._open.pop()
-                if self._open:
-                    self._open.pop()
+                self._close(piece.closes)
+
+    def _close(self, mark: str) -> None:
+        while self._open is not None:
+            found, self._open = self._open.mark, self._open.outer
+            if found == mark:
+                return
 
 
 def wrapped(

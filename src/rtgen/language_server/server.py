@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import gc
 import logging
+import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -104,6 +105,8 @@ class Server(LanguageServer):
         self._wanted: dict[ProjectKey, int] = {}
         self._took: dict[ProjectKey, float] = {}
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="analysis")
+        self._formatter = ThreadPoolExecutor(1, thread_name_prefix="formatting")
+        self._formatting: set[threading.Event] = set()
         self._published: dict[ProjectKey, set[str]] = {}
 
     def report_server_error(self, error: Exception, source: Any) -> None:
@@ -131,8 +134,10 @@ class Server(LanguageServer):
         loop = asyncio.get_running_loop()
         self._timers[key] = loop.call_later(delay, self._start, key)
 
-    def abort_analyses(self) -> None:
-        """Abort the running analysis, and those that are scheduled."""
+    def abort(self) -> None:
+        """Abort the running analysis, those that are scheduled, and formatting."""
+        for ended in self._formatting:
+            ended.set()
         for key, timer in self._timers.items():
             timer.cancel()
             self._wanted[key] += 1
@@ -234,6 +239,36 @@ class Server(LanguageServer):
             self.files.forget_projects()
         self.schedule(self.files.key_of(document.path))
 
+    async def formatted(
+        self, document: types.TextDocumentIdentifier, range_: types.Range | None
+    ) -> list[types.TextEdit]:
+        """Return the edits that format a document, which are made in a thread.
+
+        They end when the request is cancelled, the document is edited or the server is shut down.
+        """
+        view = self.view(document)
+        if view is None:
+            return []
+        ended = threading.Event()
+        self._formatting.add(ended)
+
+        def check() -> None:
+            current = self.files.documents.at(view.document.path)
+            if ended.is_set() or current is not view.document:
+                raise SupersededError
+
+        loop = asyncio.get_running_loop()
+        try:
+            return await loop.run_in_executor(
+                self._formatter, formatting, view, range_, check
+            )
+        except SupersededError:
+            code = types.LSPErrorCodes.ContentModified.value
+            raise JsonRpcException("the document was changed", code) from None
+        finally:
+            self._formatting.remove(ended)
+            ended.set()
+
     def view(self, document: types.TextDocumentIdentifier) -> View | None:
         """Return a document and its analysis."""
         return self.files.view(document.uri)
@@ -288,11 +323,11 @@ def _add_documents(server: Server) -> None:
     # A client that shuts the server down accepts no more diagnostics.
     @server.feature(types.SHUTDOWN)
     def shut_down(_: None) -> None:
-        server.abort_analyses()
+        server.abort()
 
     @server.feature(types.EXIT)
     def exited(_: None) -> None:
-        server.abort_analyses()
+        server.abort()
 
     @server.feature(types.TEXT_DOCUMENT_DID_OPEN)
     def opened(params: types.DidOpenTextDocumentParams) -> None:
@@ -447,13 +482,11 @@ def _add_outlines(server: Server) -> None:
         return [a for a in found if only is None or a.kind in only]
 
     @server.feature(types.TEXT_DOCUMENT_FORMATTING)
-    def formatted(params: types.DocumentFormattingParams) -> list[types.TextEdit]:
-        view = server.view(params.text_document)
-        return [] if view is None else formatting(view)
+    async def formatted(params: types.DocumentFormattingParams) -> list[types.TextEdit]:
+        return await server.formatted(params.text_document, None)
 
     @server.feature(types.TEXT_DOCUMENT_RANGE_FORMATTING)
-    def range_formatted(
+    async def range_formatted(
         params: types.DocumentRangeFormattingParams,
     ) -> list[types.TextEdit]:
-        view = server.view(params.text_document)
-        return [] if view is None else formatting(view, params.range)
+        return await server.formatted(params.text_document, params.range)

@@ -11,7 +11,7 @@ import pytest
 from seeds import cases
 
 from rtgen.cli import run
-from rtgen.diagnostics import InputError
+from rtgen.diagnostics import InputError, ToolError
 from rtgen.formatting import DEFAULT, Options, toml
 from rtgen.formatting.files import format_bytes
 
@@ -116,6 +116,20 @@ def test_a_range_changes_hunks_within_it() -> None:
     assert toml.changed_text(text, "bus.toml", DEFAULT, (1, 1)) == "a = 1\nb = 2\nc=3\n"
     assert toml.changed_text(text, "bus.toml", DEFAULT, (2, 3)) == "a=1\nb = 2\nc = 3\n"
     assert toml.changed_text(text, "bus.toml", DEFAULT, (2, 2)) == text
+
+
+def test_a_range_of_many_lines() -> None:
+    """Line by line, a comparison would take minutes."""
+    text = "a = [\n" + "1,\n" * 50_000 + "]\nb=1\nc=1\n"
+    new = toml.changed_text(text, "bus.toml", DEFAULT, (2, 2))
+    assert new == formatted(text)
+    assert toml.changed_text(text + "d=1\n", "bus.toml", DEFAULT, (1, 1)) != text
+
+
+def test_what_tombi_refuses_is_one_line() -> None:
+    with pytest.raises(ToolError, match=r"tombi cannot format bus\.toml") as raised:
+        formatted(f"a = {'[' * 200}{']' * 200}\n")
+    assert "\n" not in raised.value.message
 
 
 def test_settings_of_other_files_do_not_count(

@@ -18,17 +18,17 @@ from rtgen.frontends.cdl.passes import prelude as kernel
 from rtgen.frontends.cdl.passes.analysis import Analysis
 from rtgen.frontends.cdl.reader import Reader
 from rtgen.frontends.cdl.rules import cells, celltypes, files
-from rtgen.frontends.cdl.syntax import parser
 from rtgen.frontends.cdl.syntax.unit import Unit
 from rtgen.frontends.cdl.text.source import Source
 from rtgen.frontends.kit.findings import Findings
 from rtgen.frontends.kit.library import Library, absolute_path
 from rtgen.frontends.kit.main_files import open_main
 from rtgen.frontends.kit.memo import Memo
+from rtgen.limits import MAX_NESTING
 from rtgen.model import Model, SourceFile
 from rtgen.model.tecs import TecsUnit
 
-_FRAMES = 12 * parser.MAX_NESTING
+_FRAMES = 12 * MAX_NESTING
 """Recursion limit for the deepest permitted nesting."""
 
 _ABSENCES = frozenset(

@@ -9,11 +9,10 @@ from pathlib import Path
 from rtgen.diagnostics import Diagnostic, Related, in_order
 from rtgen.frontends import Dependency, FrontendResult
 from rtgen.frontends.idl.names.structural_equality import structurally_equal
-from rtgen.frontends.idl.names.tables import MAX_DEPTH, Tables
+from rtgen.frontends.idl.names.tables import Tables
 from rtgen.frontends.idl.rules import lexical, names, syntax
 from rtgen.frontends.idl.text.macros import ExpansionError, Macro
 from rtgen.frontends.idl.text.predefined import predefined
-from rtgen.frontends.idl.text.preprocessor import MAX_DEPTH as MAX_INCLUDE_DEPTH
 from rtgen.frontends.idl.text.source import Library, Source
 from rtgen.frontends.idl.text.unit import Inclusion
 from rtgen.frontends.idl.translation import Translation, Translator
@@ -21,6 +20,7 @@ from rtgen.frontends.kit.findings import Findings
 from rtgen.frontends.kit.library import VirtualFile, absolute_path
 from rtgen.frontends.kit.main_files import open_main
 from rtgen.frontends.kit.memo import Memo
+from rtgen.limits import MAX_NESTING
 from rtgen.model import (
     Declaration,
     Interface,
@@ -30,7 +30,7 @@ from rtgen.model import (
     Valuetype,
 )
 
-_FRAMES = 12 * max(MAX_DEPTH, MAX_INCLUDE_DEPTH)
+_FRAMES = 12 * MAX_NESTING
 """Recursion limit sufficient for the deepest nesting allowed."""
 
 

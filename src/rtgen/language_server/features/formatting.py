@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from lsprotocol.types import Range, TextEdit
 
 from rtgen.diagnostics import InputError, ToolError
@@ -15,8 +17,13 @@ _FORMS = {Language.IDL: Form.IDL, Language.CDL: Form.CDL}
 _TOML = (Language.BUS, Language.PROJECT)
 
 
-def formatting(view: View, range_: Range | None = None) -> list[TextEdit]:
-    """Return the edits that format a document; none if it cannot be formatted."""
+def formatting(
+    view: View, range_: Range | None = None, check: Callable[[], None] = lambda: None
+) -> list[TextEdit]:
+    """Return the edits that format a document; none if it cannot be formatted.
+
+    `check` is called now and then, and can end the work by an exception.
+    """
     form = _FORMS.get(view.language)
     if form is None and not (view.language in _TOML and toml.is_available()):
         return []
@@ -30,13 +37,13 @@ def formatting(view: View, range_: Range | None = None) -> list[TextEdit]:
         if form is not None and "\r" not in source:
             return [
                 TextEdit(view.range(edit.start, edit.end), edit.text)
-                for edit in edits(source, form, options, lines)
+                for edit in edits(source, form, options, lines, check)
             ]
         plain = source.replace("\r\n", "\n")
         if form is None:
             made = toml.changed_text(plain, view.document.path, options, lines)
         else:
-            made = changed_text(plain, form, options, lines)
+            made = changed_text(plain, form, options, lines, check)
     except (LexicalError, InputError, ToolError):
         return []
     new = made.replace("\n", "\r\n") if "\r" in source else made

@@ -26,6 +26,7 @@ from rtgen.frontends.kit.recovery import (
     end_of_declaration,
     resumption,
 )
+from rtgen.limits import MAX_NESTING
 from rtgen.model.types import ScopedName
 
 if TYPE_CHECKING:
@@ -34,9 +35,6 @@ if TYPE_CHECKING:
 
 MAX_ERRORS = 50
 """After this many syntax errors the rest of a file is skipped."""
-
-MAX_NESTING = 200
-"""The largest depth of the parser's stack, which bounds all walks over the tree."""
 
 _MARKS = re.compile(r'"(?:[^"\\\n]|\\.)*"|[{};]', re.DOTALL)
 _DECLARED = re.compile(r"\b([A-Za-z_]\w*)(?=\s*[;,{(\[=}])")

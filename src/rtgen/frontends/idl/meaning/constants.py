@@ -30,13 +30,13 @@ from rtgen.frontends.idl.meaning.operands import (
 )
 from rtgen.frontends.idl.meaning.type_lookup import TypeLookup
 from rtgen.frontends.idl.names.scopes import Entity, Kind
-from rtgen.frontends.idl.names.tables import MAX_DEPTH
 from rtgen.frontends.idl.rules import constants as rules
 from rtgen.frontends.idl.rules import names as name_rules
 from rtgen.frontends.idl.rules import syntax
 from rtgen.frontends.idl.rules import types as type_rules
 from rtgen.frontends.idl.syntax import literals, tree
 from rtgen.frontends.idl.text.unit import Unit
+from rtgen.limits import MAX_NESTING
 from rtgen.model import (
     ConstantValue,
     EnumeratorName,
@@ -160,7 +160,7 @@ class Constants:
     def _evaluate(
         self, node: tree.Expression, wanted: OperandClass, depth: int
     ) -> ConstantValue:
-        if depth > MAX_DEPTH:
+        if depth > MAX_NESTING:
             self._fail(syntax.TOO_DEEP, node, "this expression is nested too deeply")
         match node:
             case tree.Group(inner):

@@ -8,10 +8,11 @@ from rtgen.diagnostics import Diagnostic
 from rtgen.facts.primitives import INTEGER_RANGES
 from rtgen.frontends.idl.meaning.constants import Constants
 from rtgen.frontends.idl.names.scopes import Entity, Kind
-from rtgen.frontends.idl.names.tables import MAX_DEPTH, Tables
+from rtgen.frontends.idl.names.tables import Tables
 from rtgen.frontends.idl.rules import types as rules
 from rtgen.frontends.idl.syntax import tree
 from rtgen.frontends.idl.text.unit import Unit
+from rtgen.limits import MAX_NESTING
 from rtgen.model import (
     ArrayType,
     FixedType,
@@ -139,7 +140,7 @@ class Types:
         if node not in self._known:
             self._depth += 1
             self._known[node] = (
-                self._make(node, unit) if self._depth <= MAX_DEPTH else None
+                self._make(node, unit) if self._depth <= MAX_NESTING else None
             )
             self._depth -= 1
         return self._known[node]

@@ -10,12 +10,13 @@ from rtgen.frontends.idl.names.annotation_definitions import DEFINITIONS, WORD
 from rtgen.frontends.idl.names.lookup import Lookup, called, kind_of
 from rtgen.frontends.idl.names.repository import repository_id
 from rtgen.frontends.idl.names.scopes import TYPES, Entity, Kind, Scope
-from rtgen.frontends.idl.names.tables import CORBA_TYPES, IDL_4_TYPES, MAX_DEPTH, Tables
+from rtgen.frontends.idl.names.tables import CORBA_TYPES, IDL_4_TYPES, Tables
 from rtgen.frontends.idl.rules import names as rules
 from rtgen.frontends.idl.rules import syntax
 from rtgen.frontends.idl.rules import types as type_rules
 from rtgen.frontends.idl.syntax import tree
 from rtgen.frontends.idl.text.unit import Unit
+from rtgen.limits import MAX_NESTING
 from rtgen.model import Primitive
 
 FORWARDS = {
@@ -193,7 +194,7 @@ class Naming(ABC):
         """
         if isinstance(node, tree.BasicType):
             return
-        if depth > MAX_DEPTH:
+        if depth >= MAX_NESTING:
             span = self._unit.span(node.start, node.start + 1)
             self._report(syntax.TOO_DEEP.at(span, "this type is nested too deeply"))
             return
@@ -279,7 +280,7 @@ class Naming(ABC):
     def _open_type(self, entity: Entity) -> Entity | None:
         """Return the incomplete struct or union in typedefs and sequences."""
         seen = 0
-        while not entity.complete and seen < MAX_DEPTH:
+        while not entity.complete and seen < MAX_NESTING:
             seen += 1
             if entity.kind in (Kind.STRUCT, Kind.UNION, Kind.BITSET):
                 return entity

@@ -10,7 +10,7 @@ from rtgen.frontends.idl.names.lookup import MAX_ELSEWHERE, called
 from rtgen.frontends.idl.names.naming import FORWARDS
 from rtgen.frontends.idl.names.repository import Identities, below
 from rtgen.frontends.idl.names.scopes import Entity, Kind, Scope
-from rtgen.frontends.idl.names.tables import MAX_DEPTH, Tables
+from rtgen.frontends.idl.names.tables import Tables
 from rtgen.frontends.idl.names.type_names import TypeNames
 from rtgen.frontends.idl.rules import annotations as annotation_rules
 from rtgen.frontends.idl.rules import lexical, syntax
@@ -19,6 +19,7 @@ from rtgen.frontends.idl.rules import types as type_rules
 from rtgen.frontends.idl.syntax import tree
 from rtgen.frontends.idl.text.source import Source
 from rtgen.frontends.idl.text.unit import Boundary, Inclusion, Pragma, Unit
+from rtgen.limits import MAX_NESTING
 
 
 class Resolver(TypeNames):
@@ -173,7 +174,7 @@ class Resolver(TypeNames):
         """Walk the body of an entity in its scope."""
         assert entity.inner is not None
         self._depth += 1
-        if self._depth > MAX_DEPTH:
+        if self._depth > MAX_NESTING:
             message = "declarations are nested too deeply here"
             self._report(syntax.TOO_DEEP.at(entity.span, message))
             entity.poisoned = True

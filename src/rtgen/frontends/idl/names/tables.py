@@ -10,9 +10,6 @@ from rtgen.frontends.idl.syntax import tree
 from rtgen.frontends.idl.text.unit import Unit
 from rtgen.model import Primitive, ScopedName
 
-MAX_DEPTH = 256
-"""Maximum nesting of scopes, types and expressions."""
-
 IDL_4_TYPES = {
     "int8": Primitive.INT8,
     "uint8": Primitive.UINT8,

@@ -27,9 +27,7 @@ from rtgen.frontends.idl.text.predefined import PLACES, TIMES
 from rtgen.frontends.idl.text.source import Library, Source
 from rtgen.frontends.idl.text.unit import Boundary, Inclusion, Pragma, TextBuilder, Unit
 from rtgen.frontends.kit.suggestions import nearest
-
-MAX_DEPTH = 256
-"""Maximum nesting of includes."""
+from rtgen.limits import MAX_NESTING
 
 MAX_SELF_INCLUDES = 32
 """Maximum nesting of a file within itself; more is a cycle."""
@@ -154,7 +152,7 @@ class Preprocessor:
         if once in file.macros:
             return
         if (
-            len(self._stack) >= MAX_DEPTH
+            len(self._stack) >= MAX_NESTING
             or self._stack.count(source) >= MAX_SELF_INCLUDES
             or self._included >= MAX_INCLUDES
         ):
