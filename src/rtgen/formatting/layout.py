@@ -7,7 +7,14 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from rtgen.formatting.spacing import BINARY, LABELS, Spacing
-from rtgen.formatting.tokens import CHECKED, COMMENTS, Kind, Language, LexicalError, Token
+from rtgen.formatting.tokens import (
+    CHECKED,
+    COMMENTS,
+    Kind,
+    Language,
+    LexicalError,
+    Token,
+)
 from rtgen.formatting.wrapping import LAST_RESORT, Frame, Piece, moved, wrapped
 from rtgen.limits import MAX_NESTING
 

@@ -381,7 +381,9 @@ def _check_hiding(project: Project, absent: Iterable[Artifact]) -> Iterator[Diag
         base = _BASE_IMPORT.search(artifact.text)
         if behaviour == place or base is None or not behaviour.is_file():
             continue
-        if base[0] in behaviour.read_text(encoding="utf-8", errors="replace"):
+        with _disk_failures():
+            content = read_start(behaviour, MAX_BYTES)
+        if base[0].encode() in content:
             yield SHADOWS.at(
                 None,
                 f"{shown(behaviour)} would hide another module called {behaviour.stem!r}",

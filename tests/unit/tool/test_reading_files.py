@@ -69,6 +69,7 @@ WRITERS = {
     "project/output.py _write_whole",
     "recording/mcap_writer.py _File.__init__",
     "runtime/canopen/node/parameter_file.py ParameterFile.write",
+    "runtime/corba/rt_objects/activation.py Activations._write",
     "runtime/rtc/checkpoints.py CheckpointFile.__init__",
     "scaffold/writing.py added",
 }

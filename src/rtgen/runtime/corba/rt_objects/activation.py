@@ -11,6 +11,7 @@ from typing import Any, Final
 
 from omniORB import CORBA
 
+from rtgen.files import read_file
 from rtgen.runtime.corba.faults import is_silent, is_timeout
 from rtgen.runtime.corba.rt_objects.objects import Exported
 from rtgen.runtime.corba.rt_objects.remote import FAULTS, RemoteRtc
@@ -153,7 +154,7 @@ def release_file(file: Path, exported: Exported) -> list[tuple[str, str]]:
     Returns their names, each with its problem or an empty text.
     """
     found = []
-    for line in reversed(file.read_text(encoding="utf-8").splitlines()):
+    for line in reversed(read_file(file).decode("utf-8").splitlines()):
         pending, ior, context_ior, name = line.split(" ", 3)
         reference, context = map(exported.reference, (ior, context_ior))
         known = _Activated(RemoteRtc(reference, exported), context, pending == "1")
