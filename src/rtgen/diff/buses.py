@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 
 from rtgen.diagnostics import Span
 from rtgen.diff.changes import Change, Kind, change
-from rtgen.diff.devices import shown
+from rtgen.diff.devices import compare_device, shown
 from rtgen.diff.kinds import devices as kinds
 from rtgen.diff.matching import matching
 from rtgen.diff.versions import Version
-from rtgen.model.can_bus import Bus, BusNode, DeviceKind
+from rtgen.model.can_bus import Bus, BusNode, DeviceKind, PdoLink
 
 
 def compare_buses(old: Version, new: Version) -> Iterator[Change]:
@@ -56,8 +56,13 @@ def _bus(old: Bus, new: Bus) -> Iterator[Change]:
     for first, second in device_kinds.pairs:
         yield from _kind(first, second, f"{new.name}.{second.name}")
     nodes = matching(
-        {n.name: n for n in old.nodes}, {n.name: n for n in new.nodes}, lambda _: None
+        {n.name: n for n in old.nodes}, {n.name: n for n in new.nodes}, lambda n: n.id
     )
+    names = {a.name: b.name for a, b in nodes.renamed}
+    for before, after in nodes.renamed:
+        name = f"{new.name}.{after.name}"
+        text = f"node {name} was called {before.name}"
+        yield change(kinds.NODE_RENAMED, name, text, before.span, after.span)
     for node in nodes.removed:
         name = f"{new.name}.{node.name}"
         text = f"node {name} is removed"
@@ -66,9 +71,11 @@ def _bus(old: Bus, new: Bus) -> Iterator[Change]:
         name = f"{new.name}.{node.name}"
         text = f"node {name} is added"
         yield change(kinds.NODE_ADDED, name, text, _place(old), node.span)
-    for one, other in nodes.pairs:
+    for one, other in (*nodes.pairs, *nodes.renamed):
         yield from _node(one, other, f"{new.name}.{other.name}")
-    before_links, after_links = set(old.links), set(new.links)
+    before_links, after_links = {_renamed(each, names) for each in old.links}, set(
+        new.links
+    )
     for kind, links, verb in (
         (kinds.LINK_REMOVED, before_links - after_links, "removed"),
         (kinds.LINK_ADDED, after_links - before_links, "added"),
@@ -78,6 +85,12 @@ def _bus(old: Bus, new: Bus) -> Iterator[Change]:
             name = f"{new.name}.{source}.{sent}-{target}.{received}"
             text = f"link {name} is {verb}"
             yield change(kind, name, text, _place(old), _place(new))
+
+
+def _renamed(link: PdoLink, names: Mapping[str, str]) -> PdoLink:
+    """Return a link with the new names of its nodes."""
+    ends = ((names.get(node, node), pdo) for node, pdo in (link.source, link.target))
+    return PdoLink(*ends)
 
 
 def _kind(old: DeviceKind, new: DeviceKind, name: str) -> Iterator[Change]:
@@ -98,7 +111,9 @@ def _node(old: BusNode, new: BusNode, name: str) -> Iterator[Change]:
         yield change(kinds.NODE_ID, name, text, *spans)
     if old.kind.module != new.kind.module:
         text = f"node {name} is a {new.kind.module}, was a {old.kind.module}"
-        yield change(kinds.NODE_DEVICE, name, text, *spans)
+        other = any(each.wires for each in compare_device(old.device, new.device))
+        wires = None if other else ()
+        yield change(kinds.NODE_DEVICE, name, text, *spans, wires=wires)
     before, after = dict(old.values), dict(new.values)
     for key in sorted({*before, *after}):
         if before.get(key) != after.get(key):

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
-from rtgen.diff.changes import Change, change
+from rtgen.diff.changes import Change, Wire, change
 from rtgen.diff.kinds import signatures as kinds
 from rtgen.diff.matching import matching
-from rtgen.diff.signatures import declared
+from rtgen.diff.signatures import TecsSides, declared
 from rtgen.diff.versions import Version
-from rtgen.lowering.tecs.options import TECSGEN_OPTIONS
+from rtgen.lowering.tecs.options import TECSGEN_OPTIONS, read_options
+from rtgen.lowering.tecs.plan import PLUGIN
 from rtgen.model.tecs import (
     Cell,
     Celltype,
@@ -22,7 +24,7 @@ from rtgen.model.tecs import (
 )
 
 
-def compare_cells(old: Version, new: Version) -> Iterator[Change]:
+def compare_cells(old: Version, new: Version, sides: TecsSides) -> Iterator[Change]:
     """Yield the changes of celltypes, composites, cells and regions."""
     before: dict[tuple[str, ...], Celltype | Composite] = {
         **declared(old, Celltype),
@@ -40,7 +42,7 @@ def compare_cells(old: Version, new: Version) -> Iterator[Change]:
         text = f"celltype {come.scoped} is added"
         yield change(kinds.CELLTYPE_ADDED, come.scoped, text, None, come.span)
     for one, other in types.pairs:
-        yield from _celltype(one, other)
+        yield from _celltype(one, other, sides)
     cells = matching(declared(old, Cell), declared(new, Cell), _cell_shape)
     for cell in cells.removed:
         text = f"cell {cell.scoped} is removed"
@@ -62,7 +64,9 @@ def _cell_shape(cell: Cell) -> object:
     return (cell.celltype, cell.region, tuple(joins)) if cell.joins else None
 
 
-def _celltype(old: Celltype | Composite, new: Celltype | Composite) -> Iterator[Change]:
+def _celltype(
+    old: Celltype | Composite, new: Celltype | Composite, sides: TecsSides
+) -> Iterator[Change]:
     name = new.scoped
     facts = [
         (c.singleton, c.active, getattr(c, "idx_is_id", False)) for c in (old, new)
@@ -83,7 +87,7 @@ def _celltype(old: Celltype | Composite, new: Celltype | Composite) -> Iterator[
         text = f"{port.kind} port {name}.{port.name} is added"
         yield change(kind, f"{name}.{port.name}", text, old.span, port.span)
     for one, other in ports.pairs:
-        yield from _port(one, other, f"{name}.{other.name}")
+        yield from _port(one, other, f"{name}.{other.name}", sides)
     before = {v.name: v for v in (*old.attributes, *_variables(old))}
     after = {v.name: v for v in (*new.attributes, *_variables(new))}
     for key in dict.fromkeys((*before, *after)):
@@ -116,12 +120,16 @@ def _shown(variable: TecsVariable | None) -> str:
     return f"{variable.type}{initial}"
 
 
-def _port(old: TecsPort, new: TecsPort, name: str) -> Iterator[Change]:
+def _port(
+    old: TecsPort, new: TecsPort, name: str, sides: TecsSides
+) -> Iterator[Change]:
     spans = (old.span, new.span)
     if (old.kind, old.signature) != (new.kind, new.signature):
         now, was = (f"{p.kind} {'::'.join(p.signature)}" for p in (new, old))
         text = f"port {name} is {now}, was {was}"
-        yield change(kinds.CELLTYPE_PORT_SIGNATURE, name, text, *spans)
+        same = old.kind == new.kind and sides.same(old.signature, new.signature)
+        wires = () if same else None
+        yield change(kinds.CELLTYPE_PORT_SIGNATURE, name, text, *spans, wires=wires)
     if (old.array, old.size) != (new.array, new.size):
         text = f"port {name} has another array"
         yield change(kinds.CELLTYPE_PORT_ARRAY, name, text, *spans)
@@ -186,17 +194,27 @@ def _join(old: Join, new: Join, name: str, names: Names) -> Iterator[Change]:
                 f"join {name}: {other.plugin} has the argument "
                 f'"{other.argument.text}", had "{one.argument.text}"'
             )
-            wires = None if _on_the_wire(one, other) else ()
+            wires = _wires_of_options(one, other)
             spans = one.span, other.span
             yield change(kinds.JOIN_OPTIONS, name, text, *spans, wires=wires)
 
 
-def _on_the_wire(old: Through, new: Through) -> bool:
-    """Return whether an option changed other than those of tecsgen's half."""
-    options = ({o.name: o.value for o in t.options} for t in (old, new))
-    before, after = options
-    changed = (k for k in {**before, **after} if before.get(k) != after.get(k))
-    return any(key not in TECSGEN_OPTIONS for key in changed)
+def _wires_of_options(old: Through, new: Through) -> tuple[Wire, ...]:
+    """Return what a change of options breaks: octets and transport, or the calls over CORBA.
+
+    Options of tecsgen's half, default values, time-outs and names do not concern the peer.
+    """
+    if new.plugin != PLUGIN:
+        before, after = ({o.name: o.value for o in t.options} for t in (old, new))
+        changed = (k for k in {**before, **after} if before.get(k) != after.get(k))
+        return (Wire.TDR,) * any(key not in TECSGEN_OPTIONS for key in changed)
+    one, other = (replace(read_options(t)[0], timeout=0.0, name="") for t in (old, new))
+    octets = [
+        (replace(o, long_bits=None, intptr_bits=None, array=""), o.widths)
+        for o in (one, other)
+    ]
+    in_calls = (Wire.GIOP,) * (one.array != other.array)
+    return (Wire.TDR,) * (octets[0] != octets[1]) + in_calls
 
 
 def _regions(old: Version, new: Version) -> Iterator[Change]:

@@ -12,7 +12,7 @@ from rtgen.diff.declarations import compare_declarations
 from rtgen.diff.devices import compare_devices
 from rtgen.diff.interfaces import compare_interfaces
 from rtgen.diff.project_settings import compare_settings
-from rtgen.diff.signatures import compare_signatures
+from rtgen.diff.signatures import TecsSides, compare_signatures
 from rtgen.diff.systems import compare_systems
 from rtgen.diff.users import users_of, with_users
 from rtgen.diff.versions import Version
@@ -22,13 +22,12 @@ def compare(old: Version, new: Version) -> list[Change]:
     """Return the changes between two versions, by code and subject."""
     types = compare_declarations(old, new)
     found = [*types.changes]
-    found += compare_interfaces(old, new, types.names)
+    found += compare_interfaces(old, new, types)
     found += compare_components(old, new, types.names)
-    found += compare_signatures(old, new)
-    for compared in (
-        *(compare_cells, compare_devices, compare_buses),
-        *(compare_systems, compare_settings),
-    ):
+    sides = TecsSides(old, new)
+    found += compare_signatures(old, new, sides)
+    found += compare_cells(old, new, sides)
+    for compared in (compare_devices, compare_buses, compare_systems, compare_settings):
         found += compared(old, new)
     users = users_of((old, new))
     return sorted(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 from rtgen.diff.changes import Change, Kind, User, Wire, change, in_wire_order
@@ -45,11 +45,15 @@ Broken = Mapping[ScopedName, frozenset[Wire]]
 
 @dataclass(slots=True)
 class TypeChanges:
-    """The changes of types; `names` maps old declarations to new ones, `broken` is their sum."""
+    """The changes of types; `names` maps old declarations to new ones, `broken` is their sum.
+
+    `between` returns what breaks if a value of one declaration is read as one of another.
+    """
 
     changes: list[Change] = field(default_factory=list)
     names: dict[ScopedName, ScopedName] = field(default_factory=dict)
     broken: dict[ScopedName, frozenset[Wire]] = field(default_factory=dict)
+    between: Callable[[Pair], frozenset[Wire]] = field(default=lambda _: NO_WIRES)
 
 
 def compare_declarations(old: Version, new: Version) -> TypeChanges:
@@ -74,6 +78,12 @@ class _Declarations:
             elif type(old) is type(new):
                 self._other(old, new, types)
         _Assembly(self._old, self._new, self._compared, self._result).run()
+
+        def between(pair: Pair) -> frozenset[Wire]:
+            self._ensure(pair, types)
+            return self._total(pair)
+
+        self._result.between = between
         return self._result
 
     def _match(self) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 
 from rtgen.diff.changes import Kind, Wire
 from rtgen.diff.kinds import types as kinds
@@ -27,7 +27,7 @@ def compare_enums(old: Enum, new: Enum) -> Compared:
     if old.bound != new.bound:
         wires = XCDR if _octets(old.bound) != _octets(new.bound) else NO_WIRES
         result.found.append(_bound(old, new, wires))
-    renamed = _renamed(old, new)
+    renamed = renamed_members(old, new)
     after = {m.name: m for m in new.members}
     before = {renamed.get(m.name, m.name): m for m in old.members}
     for key, member in before.items():
@@ -66,7 +66,7 @@ def compare_bitmasks(old: Bitmask, new: Bitmask) -> Compared:
     result = Compared()
     if old.bound != new.bound:
         result.found.append(_bound(old, new, ENCODINGS))
-    renamed = _renamed(old, new)
+    renamed = renamed_members(old, new)
     after = {m.name: m for m in new.members}
     before = {renamed.get(m.name, m.name): m for m in old.members}
     taken = {m.value for m in after.values()}
@@ -108,6 +108,12 @@ def compare_bitsets(old: Bitset, new: Bitset, before: Model, after: Model) -> Co
     result = Compared()
     first, second = fields_of(old, before), fields_of(new, after)
     if first != second:
+        # Values hold no names, but a field that moves is found at its old place.
+        moved = {name for name, *_ in first} & {name for name, *_ in second} - {None}
+        same = [f[1:] for f in first] == [f[1:] for f in second]
+        wires = ENCODINGS
+        if same and _places(first, moved) == _places(second, moved):
+            wires = NO_WIRES
         text = f"{new.scoped} has the fields {_shown(second)}, had {_shown(first)}"
         result.found.append(
             Found(
@@ -116,8 +122,8 @@ def compare_bitsets(old: Bitset, new: Bitset, before: Model, after: Model) -> Co
                 message=text,
                 old=old.span,
                 new=new.span,
-                top=ENCODINGS,
-                nested=ENCODINGS,
+                top=wires,
+                nested=wires,
             )
         )
     fields = {field.name: field for field in old.members if field.name}
@@ -147,6 +153,13 @@ def fields_of(bitset: Bitset, model: Model) -> list[tuple[str | None, int, bool]
     return found
 
 
+def _places(
+    fields: list[tuple[str | None, int, bool]], names: Container[str | None]
+) -> list[str | None]:
+    """Return the fields with these names, in the places of all."""
+    return [name if name in names else None for name, *_ in fields]
+
+
 _SIGNED = (Primitive.INT8, Primitive.SHORT, Primitive.LONG, Primitive.LONG_LONG)
 
 
@@ -154,7 +167,7 @@ def _shown(fields: list[tuple[str | None, int, bool]]) -> str:
     return ", ".join(f"{name or 'a gap'}:{bits}" for name, bits, _ in fields)
 
 
-def _renamed(old: Enum | Bitmask, new: Enum | Bitmask) -> dict[str, str]:
+def renamed_members(old: Enum | Bitmask, new: Enum | Bitmask) -> dict[str, str]:
     """Return the new names of members whose number is unchanged, by old name."""
     gone = {m.name for m in old.members} - {m.name for m in new.members}
     come = {m.value: m.name for m in _come(old, new)}

@@ -7,6 +7,7 @@ from typing import TypeVar
 
 from rtgen.diagnostics import Span
 from rtgen.diff.changes import Change, Kind, change
+from rtgen.diff.declarations import TypeChanges
 from rtgen.diff.kinds import interfaces as kinds
 from rtgen.diff.kinds import types as type_kinds
 from rtgen.diff.matching import matching
@@ -29,8 +30,11 @@ Names = dict[ScopedName, ScopedName]
 _Item = TypeVar("_Item", Operation, Attribute, Parameter)
 
 
-def compare_interfaces(old: Version, new: Version, names: Names) -> Iterator[Change]:
-    """Yield the changes of interfaces and valuetypes; adds renamed ones to `names`."""
+def compare_interfaces(
+    old: Version, new: Version, changes: TypeChanges
+) -> Iterator[Change]:
+    """Yield the changes of interfaces and valuetypes; adds renamed ones to the `names`."""
+    names = changes.names
     before = {n: d for n, d in old.written.items() if isinstance(d, Interface)}
     after = {n: d for n, d in new.written.items() if isinstance(d, Interface)}
     found = matching(before, after, _shape)
@@ -46,7 +50,7 @@ def compare_interfaces(old: Version, new: Version, names: Names) -> Iterator[Cha
         yield change(kinds.INTERFACE_ADDED, each.scoped, text, None, each.span)
     types = TypeExpressions(old.model, new.model, names)
     for one, other in (*found.pairs, *found.renamed):
-        yield from _Interfaces(one, other, types, names).compare()
+        yield from _Interfaces(one, other, types, changes).compare()
     yield from _valuetypes(old, new, types, names)
 
 
@@ -79,10 +83,11 @@ class _Interfaces:
         old: Interface,
         new: Interface,
         types: TypeExpressions,
-        names: Names,
+        changes: TypeChanges,
     ) -> None:
         self._old, self._new = old, new
-        self._types, self._names = types, names
+        self._types, self._names = types, changes.names
+        self._between = changes.between
 
     def compare(self) -> Iterator[Change]:
         old, new, name = self._old, self._new, self._new.scoped
@@ -162,7 +167,7 @@ class _Interfaces:
             for a, b in zip(old.parameters, new.parameters, strict=False)
             if a.name not in names
             and b.name not in names
-            and self._types.compare(a.type, b.type).kind is None
+            and self._types.compare(a.type, b.type).keeps_octets
             and a.direction is b.direction
         }
         before = {renamed.get(p.name, p.name): p for p in old.parameters}
@@ -254,7 +259,11 @@ class _Interfaces:
             return
         if verdict.kind is type_kinds.MEMBER_ALIAS:
             kind = kinds.PARAMETER_ALIAS
-        yield change(kind, name, f"{words} {new}, was {old}", *spans)
+        broken = verdict.wires
+        if verdict.replaced is not None:
+            broken |= self._between(verdict.replaced)
+        text = f"{words} {new}, was {old}"
+        yield change(kind, name, text, *spans, wires=None if broken else ())
 
     def _came_and_went(
         self,

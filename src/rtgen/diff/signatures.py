@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TypeVar
 
 from rtgen.diagnostics import Span
-from rtgen.diff.c_types import c_shape, c_text, length_text
+from rtgen.diff.c_types import Octets, c_text, length_text, named, structs_in
 from rtgen.diff.changes import Change, Kind, change
 from rtgen.diff.kinds import signatures as kinds
 from rtgen.diff.matching import matching
 from rtgen.diff.versions import Version
+from rtgen.layouts.signature_digest import signature_text
 from rtgen.layouts.tdr_messages import is_error_code
 from rtgen.model.c_types import CType
 from rtgen.model.tecs import (
@@ -24,6 +26,7 @@ from rtgen.model.tecs import (
     TecsParameter,
     TecsStruct,
     TecsTypedef,
+    TecsUnit,
 )
 from rtgen.model.types import ScopedName
 
@@ -41,12 +44,112 @@ def declared(version: Version, kind: type[Declared]) -> dict[ScopedName, Declare
     }
 
 
-def compare_signatures(old: Version, new: Version) -> Iterator[Change]:
+class TecsSide:
+    """The signatures of one version, and the octets of their types.
+
+    `numbers` is the same dictionary for both versions (`Octets`).
+    """
+
+    def __init__(self, version: Version, numbers: dict[object, int]) -> None:
+        self.signatures: dict[ScopedName, Signature] = {}
+        self.structs: dict[ScopedName, TecsStruct] = declared(version, TecsStruct)
+        self._octets: dict[ScopedName, Octets] = {}
+        self._units: dict[ScopedName, TecsUnit] = {}
+        everywhere: dict[ScopedName, TecsStruct] = {}
+        for unit in version.model.tecs:
+            known = {d.name: d for d in unit.declarations if isinstance(d, TecsStruct)}
+            octets = Octets(known, numbers)
+            everywhere.update(known)
+            for each in unit.declarations:
+                if isinstance(each, Signature) and each.name not in self.signatures:
+                    self.signatures[each.name] = each
+                    self._octets[each.name] = octets
+                    self._units[each.name] = unit
+                    # Those of C headers count if they travel.
+                    types = (type_ for f in each.functions for type_ in _types_of(f))
+                    names = (n for type_ in types for n in structs_in(type_, known))
+                    self.structs.update((name, known[name]) for name in names)
+        self.everywhere = Octets(everywhere, numbers)
+
+    def members(self, struct: TecsStruct) -> object:
+        """Return the names and octets of a struct's members."""
+        octets = self.everywhere
+        return tuple((m.name, octets.of(m.type), m.sizes) for m in struct.members)
+
+    def octets(self, signature: Signature) -> Octets:
+        """Return the octets of a signature's types."""
+        return self._octets[signature.name]
+
+    def digest(self, signature: Signature) -> str:
+        """Return the text of the digest by which peers compare their signatures."""
+        return signature_text(self._units[signature.name], signature)
+
+    def messages(self, signature: Signature) -> object:
+        """Return the names of a signature's functions, and what determines their messages."""
+        octets = self.octets(signature)
+        return tuple((each.name, octets.function(each)) for each in signature.functions)
+
+
+class TecsSides:
+    """The signatures of two versions; `renamed` are those with other names."""
+
+    def __init__(self, old: Version, new: Version) -> None:
+        numbers: dict[object, int] = {}
+        self.old, self.new = TecsSide(old, numbers), TecsSide(new, numbers)
+        self.found = matching(
+            self.old.signatures,
+            self.new.signatures,
+            self.old.messages,
+            self.new.messages,
+        )
+        self.renamed = {a.name: b.name for a, b in self.found.renamed}
+
+    def same(self, old: ScopedName, new: ScopedName) -> bool:
+        """Return whether a signature has another name only, or another one its digest."""
+        one, other = self.old.signatures.get(old), self.new.signatures.get(new)
+        if self.renamed.get(old, old) == new or one is None or other is None:
+            return self.renamed.get(old, old) == new
+        return self.old.digest(one) == self.new.digest(other)
+
+
+def _types_of(function: TecsFunction) -> Iterator[CType]:
+    yield function.returns
+    for parameter in function.parameters:
+        yield parameter.type
+
+
+@dataclass(frozen=True, slots=True)
+class _Types:
+    """Compares types; `names` are new names of structs, `reported` new structs with changes.
+
+    If `reported` is None, changes of structs are reported elsewhere.
+    """
+
+    old: Octets
+    new: Octets
+    names: Names
+    reported: frozenset[ScopedName] | None = None
+
+    def alike(self, old: CType, new: CType) -> bool:
+        """Return whether values have equal octets, or their structs' changes are reported."""
+        if self.old.of(old) == self.new.of(new):
+            return True
+        if named(old, self.names) != named(new, {}):
+            return False
+        return self.reported is None or not self.reported.isdisjoint(
+            structs_in(new, self.new.structs)
+        )
+
+
+def compare_signatures(
+    old: Version, new: Version, sides: TecsSides | None = None
+) -> Iterator[Change]:
     """Yield the changes of signatures, structs, typedefs, enums and constants."""
-    structs = matching(
-        declared(old, TecsStruct), declared(new, TecsStruct), _struct_shape
-    )
+    sides = sides or TecsSides(old, new)
+    before, after = sides.old, sides.new
+    structs = matching(before.structs, after.structs, before.members, after.members)
     names = {a.name: b.name for a, b in (*structs.pairs, *structs.renamed)}
+    types = _Types(before.everywhere, after.everywhere, names)
     for struct in structs.removed:
         text = f"struct {struct.scoped} is removed"
         yield change(kinds.STRUCT_REMOVED, struct.scoped, text, struct.span, None)
@@ -56,51 +159,42 @@ def compare_signatures(old: Version, new: Version) -> Iterator[Change]:
     for one, other in structs.renamed:
         text = f"struct {other.scoped} was called {one.scoped}"
         yield change(kinds.STRUCT_RENAMED, other.scoped, text, one.span, other.span)
+    reported: set[ScopedName] = set()
     for one, other in (*structs.pairs, *structs.renamed):
-        yield from _struct(one, other, names)
-    yield from _types(old, new, names)
-    found = matching(
-        declared(old, Signature), declared(new, Signature), _signature_shape
-    )
-    for signature in found.removed:
+        for each in _struct(one, other, types):
+            if each.wires:
+                reported.add(other.name)
+            yield each
+    yield from _types(old, new, types)
+    digests = {after.digest(each) for each in sides.found.added}
+    for signature in sides.found.removed:
         text = f"signature {signature.scoped} is removed"
+        wires = () if before.digest(signature) in digests else None
         yield change(
-            kinds.SIGNATURE_REMOVED, signature.scoped, text, signature.span, None
+            *(kinds.SIGNATURE_REMOVED, signature.scoped, text, signature.span, None),
+            wires=wires,
         )
-    for signature in found.added:
+    for signature in sides.found.added:
         text = f"signature {signature.scoped} is added"
         yield change(
             kinds.SIGNATURE_ADDED, signature.scoped, text, None, signature.span
         )
-    for before, after in found.renamed:
-        text = f"signature {after.scoped} was called {before.scoped}"
-        yield change(
-            kinds.SIGNATURE_RENAMED, after.scoped, text, before.span, after.span
-        )
-    for before, after in (*found.pairs, *found.renamed):
-        yield from _Signatures(before, after, names).compare()
+    for gone, come in sides.found.renamed:
+        text = f"signature {come.scoped} was called {gone.scoped}"
+        yield change(kinds.SIGNATURE_RENAMED, come.scoped, text, gone.span, come.span)
+    for gone, come in (*sides.found.pairs, *sides.found.renamed):
+        octets = before.octets(gone), after.octets(come)
+        compared = _Types(*octets, names, frozenset(reported))
+        yield from _Signatures(gone, come, compared).compare()
 
 
-def _struct_shape(struct: TecsStruct) -> object:
-    return tuple((m.name, str(m.type), m.sizes) for m in struct.members)
-
-
-def _signature_shape(signature: Signature) -> object:
-    return tuple((f.name, _function_shape(f)) for f in signature.functions)
-
-
-def _function_shape(function: TecsFunction) -> object:
-    parameters = ((p.direction, str(p.type), p.name) for p in function.parameters)
-    return (str(function.returns), tuple(parameters), function.oneway)
-
-
-def _types(old: Version, new: Version, names: Names) -> Iterator[Change]:
+def _types(old: Version, new: Version, types: _Types) -> Iterator[Change]:
     """Yield the changes of typedefs, enums and constants."""
     typedefs = matching(
         declared(old, TecsTypedef), declared(new, TecsTypedef), lambda _: None
     )
     for one, other in typedefs.pairs:
-        if c_shape(one.type, names) != c_shape(other.type, {}):
+        if not types.alike(one.type, other.type):
             text = f"typedef {other.scoped} is {c_text(other.type)}, was {c_text(one.type)}"
             yield change(kinds.TYPEDEF, other.scoped, text, one.span, other.span)
     enums = matching(declared(old, TecsEnum), declared(new, TecsEnum), lambda _: None)
@@ -112,8 +206,7 @@ def _types(old: Version, new: Version, names: Names) -> Iterator[Change]:
         declared(old, TecsConst), declared(new, TecsConst), lambda _: None
     )
     for first, second in constants.pairs:
-        types = c_shape(first.type, names), c_shape(second.type, {})
-        if first.value != second.value or types[0] != types[1]:
+        if first.value != second.value or not types.alike(first.type, second.type):
             text = f"constant {second.scoped} is {second.value}, was {first.value}"
             yield change(kinds.CONST, second.scoped, text, first.span, second.span)
     for gone in (*typedefs.removed, *enums.removed, *constants.removed):
@@ -128,16 +221,14 @@ _Part = TypeVar("_Part", TecsMember, TecsParameter)
 
 
 def _renamed(
-    old: Sequence[_Part], new: Sequence[_Part], names: Names
+    old: Sequence[_Part], new: Sequence[_Part], types: _Types
 ) -> dict[str, str]:
     """Return the new names of parts with unchanged place and type, by old name."""
     before, after = {p.name for p in old}, {p.name for p in new}
     return {
         a.name: b.name
         for a, b in zip(old, new, strict=False)
-        if a.name not in after
-        and b.name not in before
-        and c_shape(a.type, names) == c_shape(b.type, {})
+        if a.name not in after and b.name not in before and types.alike(a.type, b.type)
     }
 
 
@@ -145,8 +236,8 @@ def _reordered(old: Sequence[str], new: Sequence[str]) -> bool:
     return [n for n in old if n in new] != [n for n in new if n in old]
 
 
-def _struct(old: TecsStruct, new: TecsStruct, names: Names) -> Iterator[Change]:
-    renamed = _renamed(old.members, new.members, names)
+def _struct(old: TecsStruct, new: TecsStruct, types: _Types) -> Iterator[Change]:
+    renamed = _renamed(old.members, new.members, types)
     before = {renamed.get(m.name, m.name): m for m in old.members}
     after = {m.name: m for m in new.members}
     for key, member in before.items():
@@ -165,7 +256,7 @@ def _struct(old: TecsStruct, new: TecsStruct, names: Names) -> Iterator[Change]:
         if one.name != key:
             text = f"member {name} was called {one.name}"
             yield change(kinds.STRUCT_MEMBER_RENAMED, name, text, *spans)
-        if c_shape(one.type, names) != c_shape(member.type, {}):
+        if not types.alike(one.type, member.type):
             text = f"member {name} has the type {c_text(member.type)}, had {c_text(one.type)}"
             yield change(kinds.STRUCT_MEMBER_TYPE, name, text, *spans)
         if _sizes_text(one.sizes, renamed) != _sizes_text(member.sizes, {}):
@@ -186,8 +277,8 @@ def _sizes_text(sizes: Sizes, renamed: Mapping[str, str]) -> tuple[object, ...]:
 
 
 class _Signatures:
-    def __init__(self, old: Signature, new: Signature, names: Names) -> None:
-        self._old, self._new, self._names = old, new, names
+    def __init__(self, old: Signature, new: Signature, types: _Types) -> None:
+        self._old, self._new, self._types = old, new, types
 
     def compare(self) -> Iterator[Change]:
         old, new = self._old, self._new
@@ -200,7 +291,8 @@ class _Signatures:
         found = matching(
             {f.name: f for f in old.functions},
             {f.name: f for f in new.functions},
-            lambda f: (f.id, _function_shape(f)),
+            self._types.old.function,
+            self._types.new.function,
         )
         last = max((b.id for _, b in (*found.pairs, *found.renamed)), default=0)
         for function in found.removed:
@@ -229,13 +321,15 @@ class _Signatures:
         if old.oneway != new.oneway:
             text = f"function {name} is {'oneway' if new.oneway else 'twoway'} now"
             yield change(kinds.FUNCTION_ONEWAY, name, text, *spans)
-        if self._result(old.returns, self._names) != self._result(new.returns, {}):
+        # An error code as result omits the outs.
+        errors = is_error_code(old.returns), is_error_code(new.returns)
+        if errors[0] != errors[1] or not self._types.alike(old.returns, new.returns):
             text = f"function {name} returns {c_text(new.returns)}, did {c_text(old.returns)}"
             yield change(kinds.FUNCTION_RESULT, name, text, *spans)
         elif str(old.returns) != str(new.returns):
             text = f"function {name} returns {c_text(new.returns)}, did {c_text(old.returns)}"
             yield change(kinds.PARAMETER_ALIAS, name, text, *spans)
-        renamed = _renamed(old.parameters, new.parameters, self._names)
+        renamed = _renamed(old.parameters, new.parameters, self._types)
         before = {renamed.get(p.name, p.name): p for p in old.parameters}
         after = {p.name: p for p in new.parameters}
         for key, parameter in before.items():
@@ -258,11 +352,6 @@ class _Signatures:
             text = f"the parameters of {name} are in another order"
             yield change(kinds.PARAMETERS_REORDERED, name, text, *spans)
 
-    @staticmethod
-    def _result(type_: CType, names: Names) -> tuple[str, bool]:
-        """Return the octets of a result, and whether an E_RPC as result omits the outs."""
-        return c_shape(type_, names), is_error_code(type_)
-
     def _parameter(
         self,
         old: TecsParameter,
@@ -278,7 +367,7 @@ class _Signatures:
             text = f"parameter {name} is {new.direction}, was {old.direction}"
             yield change(kinds.PARAMETER_DIRECTION, name, text, *spans)
         types = f"{c_text(new.type)}, had {c_text(old.type)}"
-        if c_shape(old.type, self._names) != c_shape(new.type, {}):
+        if not self._types.alike(old.type, new.type):
             text = f"parameter {name} has the type {types}"
             yield change(kinds.PARAMETER_TYPE, name, text, *spans)
         elif str(old.type) != str(new.type):

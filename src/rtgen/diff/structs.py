@@ -150,7 +150,7 @@ class _Structs:
 
     def _alike(self, old: Field, new: Field) -> bool:
         verdict = self._types.compare(old.type, new.type)
-        return verdict.kind is None and old.optional == new.optional
+        return verdict.keeps_octets and old.optional == new.optional
 
     def _unpaired(
         self,

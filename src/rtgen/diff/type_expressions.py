@@ -56,6 +56,11 @@ class Verdict:
     pairs: frozenset[Pair] = frozenset()
     replaced: Pair | None = None
 
+    @property
+    def keeps_octets(self) -> bool:
+        """Whether the expression itself breaks nothing: at most names in it changed."""
+        return not self.wires
+
 
 _SAME = Verdict()
 _OTHER = Verdict(kinds.MEMBER_TYPE, ENCODINGS)
@@ -121,6 +126,16 @@ class TypeExpressions:
                 return self._named(a_name, b_name)
         return _OTHER
 
+    def enums(self, old: Type, new: Type) -> tuple[Enum, Enum] | None:
+        """Return the enums that two types stand for, if they are some."""
+        before, after = self._old.unalias(old), self._new.unalias(new)
+        if not isinstance(before, NamedType) or not isinstance(after, NamedType):
+            return None
+        one, other = self._old.find(before.name), self._new.find(after.name)
+        if isinstance(one, Enum) and isinstance(other, Enum):
+            return one, other
+        return None
+
     def _inner(self, old: Type, new: Type) -> Verdict:
         return self._compare(self._old.unalias(old), self._new.unalias(new))
 
@@ -138,9 +153,11 @@ class TypeExpressions:
             return _OTHER
         if same:
             return _SAME
-        references = isinstance(before, Interface | Native)
+        if isinstance(before, Native):
+            return Verdict(kinds.MEMBER_TYPE)  # which is never sent
+        is_reference = isinstance(before, Interface)
         return Verdict(
-            kinds.MEMBER_TYPE, frozenset((Wire.GIOP,)) if references else ENCODINGS
+            kinds.MEMBER_TYPE, frozenset((Wire.GIOP,)) if is_reference else ENCODINGS
         )
 
 

@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from msgspec.structs import replace
+
 from rtgen.diagnostics import Span
 from rtgen.diff.changes import Kind, Wire
+from rtgen.diff.enums import renamed_members
 from rtgen.diff.kinds import types as kinds
 from rtgen.diff.member_facts import member_facts, value_text
 from rtgen.diff.structs import XCDR, Compared, Found
@@ -91,8 +94,36 @@ def compare_unions(old: UnionSide, new: UnionSide, types: TypeExpressions) -> Co
     return _Unions(old, new, types).compare()
 
 
+def _with_labels_of(
+    old: UnionSide, new: UnionSide, types: TypeExpressions
+) -> UnionSide:
+    """Return the old union with the new names of renamed enumerators in its labels."""
+    enums = types.enums(old.union.switch, new.union.switch)
+    names = renamed_members(*enums) if enums else {}
+    if not names:
+        return old
+
+    def named(label: ConstantValue) -> ConstantValue:
+        if not isinstance(label, EnumeratorName):
+            return label
+        last = label.name[-1]
+        return EnumeratorName((*label.name[:-1], names.get(last, last)))
+
+    cases = {
+        c.name: replace(c, labels=tuple(map(named, c.labels))) for c in old.union.cases
+    }
+    return UnionSide(
+        replace(old.union, cases=tuple(cases.values())),
+        old.extensibility,
+        {_plain(each): c for c in cases.values() for each in c.labels},
+        None if old.default is None else cases[old.default.name],
+        old.ids,
+    )
+
+
 class _Unions:
     def __init__(self, old: UnionSide, new: UnionSide, types: TypeExpressions) -> None:
+        old = _with_labels_of(old, new, types)
         self._old, self._new, self._types = old, new, types
         self._name = new.union.scoped
         self._result = Compared()
@@ -165,7 +196,7 @@ class _Unions:
                     and case.default == other.default
                     and (not self._mutable or old.ids[case.name] == new.ids[other.name])
                 )
-                if same and self._types.compare(case.type, other.type).kind is None:
+                if same and self._types.compare(case.type, other.type).keeps_octets:
                     found[case.name] = other.name
         return found
 

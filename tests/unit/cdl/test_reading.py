@@ -356,11 +356,12 @@ def test_a_header_uses_typedefs_of_headers_imported_before_it(
         "typedef struct { uint_t other; } OTHER;\ntypedef unsigned int uint_t;\n",
     )
     assert _codes(result) == []
-    declared = _named(result, "T")
+    (unit,) = result.model.tecs
+    declared = unit.find(("T",), TecsTypedef)
     assert isinstance(declared, TecsTypedef)
     tag = resolve(declared.type)
-    (unit,) = result.model.tecs
     assert isinstance(tag, CStructType)
+    assert tag.tag == ("T",)
     struct = unit.find(tag.tag, TecsStruct)
     assert isinstance(struct, TecsStruct)
     assert [str(member.type) for member in struct.members] == ["uint_t", "POINT[4]"]

@@ -168,8 +168,7 @@ PDO_APPENDED = Kind(
     "DIF0532",
     "object mapped at the end of a PDO",
     _SOURCE,
-    "a longer PDO is truncated by old receivers, but a shorter one is dropped by "
-    "new ones",
+    "a longer PDO is truncated by old receivers, but a shorter one is dropped by new ones",
     (Wire.PDO,),
 )
 PDO_MAPPING = Kind(
@@ -287,6 +286,12 @@ NODE_REMOVED = Kind(
     "proxies and systems of the node are gone",
     (Wire.NODE,),
 )
+NODE_RENAMED = Kind(
+    "DIF0570",
+    "node renamed",
+    _BOTH,
+    "frames hold the node-id, but systems and code name the node",
+)
 NODE_ID = Kind(
     "DIF0562",
     "node-id changed",
@@ -383,6 +388,7 @@ KINDS = (
     BUS_SETTING,
     NODE_ADDED,
     NODE_REMOVED,
+    NODE_RENAMED,
     NODE_ID,
     NODE_DEVICE,
     NODE_VALUE,

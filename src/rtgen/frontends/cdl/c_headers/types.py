@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from msgspec.structs import replace
@@ -64,6 +64,8 @@ _BUILT_IN = frozenset(
 )
 _PLACE = re.compile(r"(?:.*:)?(\d+):(\d+)(?::\d+)?:?\s*(.*)", re.DOTALL)
 _LARGE = 1 << 40
+_Place = tuple[str, str, int, int]
+"""File, text of the declaration, line and column of a struct or enum without a tag."""
 
 
 class NotCError(Exception):
@@ -92,9 +94,13 @@ class Declarations:
         self._typedefs: dict[str, CType] = {}
         self._values: dict[str, int] = {}
         self._declared: set[str] = set()
-        self._tags: dict[tuple[str, int, int], str] = {}
+        self._untagged: dict[_Place, str] = {}
+        self._titles: dict[_Place, str] = {}
+        self._tags: dict[str, str] = {}
+        self._taken: set[str] = set()
         self._file = ""
         self._line = 1
+        self._text = ""
         self._found: list[TecsDeclaration] = []
 
     def enter(self, names: Mapping[str, str]) -> None:
@@ -104,7 +110,7 @@ class Declarations:
 
     def read(self, text: str, file: str, line: int) -> Iterator[TecsDeclaration]:
         """Yield the entities of a declaration. Raises NotCError."""
-        self._file, self._line = file, line
+        self._file, self._line, self._text = file, line, text
         used = dict.fromkeys(re.findall(r"[A-Za-z_]\w*", text))
         known = [name for name in used if name in self._typedefs or name in _BUILT_IN]
         prefix = "".join(f"typedef int {name};" for name in known)
@@ -118,7 +124,9 @@ class Declarations:
         except (AssertionError, RecursionError) as error:
             raise NotCError("this is not understood", line) from error
         self._found = []
-        for node in tree.ext[len(known) :]:
+        nodes = tree.ext[len(known) :]
+        self._name_untagged(nodes)
+        for node in nodes:
             self._declare(node)
         yield from self._found
 
@@ -207,9 +215,10 @@ class Declarations:
         return CScalarType(kind, plain="char" in words)
 
     def _struct(self, node: Any) -> CType:
-        tag = node.name or self._internal(node.coord)
+        tag = self._tag(node)
         if node.decls is None:
             return CStructType((tag,))
+        self._name_untagged(node.decls, f"{tag}_")
         members = []
         for member in node.decls:
             if not isinstance(member, c_ast.Decl):
@@ -237,7 +246,7 @@ class Declarations:
         return CStructType((tag,))
 
     def _enum(self, node: Any) -> CType:
-        tag = node.name or self._internal(node.coord)
+        tag = self._tag(node)
         if node.values is None:
             return CEnumType((tag,))
         members = []
@@ -258,11 +267,52 @@ class Declarations:
         )
         return CEnumType((tag,))
 
-    def _internal(self, coord: Any) -> str:
-        """Return a tag for a struct or enum without one, reproducible for each header."""
-        span = self._span(coord)
-        place = (self._file, span.line, span.column)
-        return self._tags.setdefault(place, f"C_TAG__{len(self._tags)}__")
+    def _name_untagged(self, nodes: Iterable[Any], prefix: str = "") -> None:
+        """Choose the names of structs and enums without a tag, from what is declared with them.
+
+        It is that of the first declarator of the type itself, as in C++; if all are pointers or
+        arrays, the first one's, of a typedef with `_type`, since it needs the name itself.
+        """
+        titles: dict[_Place, tuple[bool, str]] = {}
+        for node in nodes:
+            if not isinstance(node, c_ast.Typedef | c_ast.Decl) or not node.name:
+                continue
+            inner = node.type
+            plain = isinstance(inner, c_ast.TypeDecl)
+            while isinstance(inner, c_ast.PtrDecl | c_ast.ArrayDecl | c_ast.FuncDecl):
+                inner = inner.type
+            specified = getattr(inner, "type", None)
+            if isinstance(specified, c_ast.Struct | c_ast.Enum) and not specified.name:
+                alone = isinstance(node, c_ast.Typedef) and not plain
+                title = f"{prefix}{node.name}{'_type' * alone}"
+                known = titles.setdefault(self._place(specified), (plain, title))
+                if plain and not known[0]:
+                    titles[self._place(specified)] = (plain, title)
+        self._titles.update({place: title for place, (_, title) in titles.items()})
+
+    def _tag(self, node: Any) -> str:
+        """Return the name of a struct or enum: its tag, or one that no other has."""
+        if node.name:
+            name = self._tags.get(node.name)
+            if name is None:
+                name = self._tags[node.name] = self._free(node.name)
+            return name
+        place = self._place(node)
+        name = self._untagged.get(place)
+        if name is None:
+            name = self._free(self._titles.get(place, "untagged"))
+            self._untagged[place] = name
+        return name
+
+    def _free(self, name: str) -> str:
+        while name in self._taken:
+            name += "_"
+        self._taken.add(name)
+        return name
+
+    def _place(self, node: Any) -> _Place:
+        span = self._span(node.coord)
+        return (self._file, self._text, span.line, span.column)
 
     def _value(self, node: Any) -> int:
         """Return the value of a constant expression. Raises _UnknownError."""

@@ -59,8 +59,8 @@ class Entity(msgspec.Struct, eq=False):
 class Scope(msgspec.Struct, eq=False):
     """A name space or region; the root has no name.
 
-    Name spaces and regions are scopes, not entities. Tags of structs and enums have a separate
-    table.
+    Name spaces and regions are scopes, not entities. Structs and enums have tables of their own:
+    `tags` those with a tag, by tag, `structs` all, by the last part of their names.
     """
 
     name: ScopedName
@@ -70,6 +70,7 @@ class Scope(msgspec.Struct, eq=False):
     scopes: dict[str, Scope] = msgspec.field(default_factory=dict)
     entities: dict[str, Entity] = msgspec.field(default_factory=dict)
     tags: dict[str, Entity] = msgspec.field(default_factory=dict)
+    structs: dict[str, Entity] = msgspec.field(default_factory=dict)
 
     def outwards(self) -> Iterator[Scope]:
         """Yield this scope and the enclosing ones."""

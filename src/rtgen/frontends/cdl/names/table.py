@@ -97,7 +97,7 @@ class Table:
         scope: Scope | None = self.root
         for part in name[:-1]:
             scope = scope.scopes.get(part) if scope is not None else None
-        return scope.tags.get(name[-1]) if scope is not None else None
+        return scope.structs.get(name[-1]) if scope is not None else None
 
     def find(
         self,

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from msgspec.structs import replace
+
 from rtgen.diagnostics import Related
 from rtgen.frontends.cdl.names.entities import Place
 from rtgen.frontends.cdl.names.scopes import Entity, Kind, Scope
@@ -16,13 +18,13 @@ from rtgen.frontends.cdl.names.table import Table
 from rtgen.frontends.cdl.passes.components import Components
 from rtgen.frontends.cdl.passes.constants import Constants
 from rtgen.frontends.cdl.passes.signatures import Signatures
-from rtgen.frontends.cdl.passes.types import Types
+from rtgen.frontends.cdl.passes.types import Types, is_plain, name_of_untagged
 from rtgen.frontends.cdl.passes.values import DeclaredValues
 from rtgen.frontends.cdl.rules import headers as header_rules
 from rtgen.frontends.cdl.rules import syntax
 from rtgen.frontends.cdl.syntax import statements, tree
 from rtgen.frontends.cdl.syntax.unit import Header, Unit
-from rtgen.model.c_types import resolve
+from rtgen.model.c_types import CStructType, CType, resolve
 from rtgen.model.tecs import TecsDeclaration, TecsEnum, TecsStruct, TecsTypedef
 
 _OF_SIGNATURES = frozenset(("context", "callback", "deviate", "generate"))
@@ -131,7 +133,12 @@ class Analysis:
                 span = unit.span(specifier.start, specifier.end)
                 message = f"'{specifier.word}' is not allowed in a typedef"
                 self._report(syntax.MISPLACED_SPECIFIER.at(span, message))
-        base = self._types.of(node.type, unit, scope)
+        untagged = name_of_untagged(node.declarators)
+        if not any(map(is_plain, node.declarators)):
+            untagged = f"{untagged}_type"  # the name itself is a pointer or array
+        base = self._types.of(node.type, unit, scope, untagged)
+        doc = self._table.doc(unit, item.start, item.end)
+        self._describe(node.type, base, doc)
         for declarator in node.declarators:
             name = declarator.name
             assert name is not None
@@ -144,10 +151,20 @@ class Analysis:
                     name=entity.name,
                     file=unit.source.name,
                     span=entity.place,
-                    doc=self._table.doc(unit, item.start, item.end),
+                    doc=doc,
                     type=type_,
                 )
                 self._table.declared(entity)
+
+    def _describe(
+        self, written: tree.QualifiedType, type_: CType | None, doc: str
+    ) -> None:
+        """Give the doc comment of a typedef to the struct in it, if that has none."""
+        if isinstance(type_, CStructType) and getattr(written.type, "members", None):
+            entity = self._table.tag(type_.tag)
+            found = entity.declaration if entity is not None else None
+            if entity is not None and found is not None and not found.doc:
+                entity.declaration = replace(found, doc=doc)
 
     def _signature(
         self,
@@ -172,17 +189,16 @@ class Analysis:
         for declaration in header.declarations:
             name = declaration.name[-1]
             kind = _KINDS[type(declaration)]
-            table = (
-                self._table.root.entities
-                if kind is Kind.TYPEDEF
-                else self._table.root.tags
-            )
+            root = self._table.root
+            table = root.entities if kind is Kind.TYPEDEF else root.structs
             known = table.get(name)
             if known is None:
                 entity = Entity(
                     kind, declaration.name, None, None, declaration.span, declaration
                 )
                 table[name] = entity
+                if kind is not Kind.TYPEDEF:
+                    root.tags.setdefault(name, entity)
                 self._table.declared(entity)
             elif known.declaration is None or not _same(known.declaration, declaration):
                 message = f"'{name}' is declared differently before"

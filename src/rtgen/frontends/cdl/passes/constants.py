@@ -13,7 +13,7 @@ from rtgen.frontends.cdl.names.scopes import Kind, Scope
 from rtgen.frontends.cdl.names.table import Table
 from rtgen.frontends.cdl.passes.arithmetic import limits, width
 from rtgen.frontends.cdl.passes.expressions import Expressions
-from rtgen.frontends.cdl.passes.types import Types
+from rtgen.frontends.cdl.passes.types import Types, name_of_untagged
 from rtgen.frontends.cdl.rules import constants as rules
 from rtgen.frontends.cdl.syntax import statements, tree
 from rtgen.frontends.cdl.syntax.unit import Unit
@@ -46,7 +46,8 @@ class Constants:
         self, item: statements.Item, node: tree.Declaration, unit: Unit, scope: Scope
     ) -> None:
         """Declare the constants of a statement."""
-        base = self._types.of(node.type, unit, scope)
+        untagged = name_of_untagged(each.declarator for each in node.declarators)
+        base = self._types.of(node.type, unit, scope, untagged)
         for declarator in node.declarators:
             name = declarator.declarator.name
             assert name is not None

@@ -9,7 +9,7 @@ from rtgen.frontends.cdl.names.operands import Operand, OperandClass
 from rtgen.frontends.cdl.names.scopes import Entity, Kind, Scope
 from rtgen.frontends.cdl.names.table import Table
 from rtgen.frontends.cdl.passes.arithmetic import whole_number
-from rtgen.frontends.cdl.passes.types import Types
+from rtgen.frontends.cdl.passes.types import Types, name_of_untagged
 from rtgen.frontends.cdl.rules import signatures as rules
 from rtgen.frontends.cdl.rules import syntax
 from rtgen.frontends.cdl.rules import types as type_rules
@@ -142,7 +142,8 @@ class ParameterAnalysis(SignatureAnalysis):
             message = "a parameter has one qualifier at most"
             self._report(syntax.QUALIFIER, item.type.qualifiers[1], message)
             return None
-        base = self._types.of(item.type, self._unit, self._scope)
+        untagged = name_of_untagged((item.declarator,))
+        base = self._types.of(item.type, self._unit, self._scope, untagged)
         type_ = self._types.declared(base, item.declarator, self._unit, self._scope)
         if name is None:
             if type_ is not None and is_void(type_) and item.declarator is None:

@@ -128,7 +128,7 @@ class _Signature(SignatureAnalysis):
             )
             return None
         types = self._types
-        base = types.of(node.type, self._unit, self._scope)
+        base = types.of(node.type, self._unit, self._scope, name.text)
         returned = tree.Declarator(
             node.declarator.pointers, None, (), node.start, node.end
         )

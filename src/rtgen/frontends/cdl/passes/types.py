@@ -37,7 +37,10 @@ from rtgen.model.c_types import (
     resolve,
 )
 from rtgen.model.tecs import Sizes, TecsEnum, TecsMember, TecsStruct, TecsTypedef
+from rtgen.model.types import ScopedName
 
+UNTAGGED = "untagged"
+"""Name of a struct or enum without a tag, with which nothing is declared."""
 _SCALARS = {kind: CScalarType(kind) for kind in Scalar}
 _CHAR = CScalarType(Scalar.CHAR, plain=True)
 _SIGNED = {
@@ -62,6 +65,48 @@ def _same(one: tuple[TecsMember, ...], other: tuple[TecsMember, ...]) -> bool:
     ]
 
 
+def name_of_untagged(declarators: Iterable[tree.Declarator | None]) -> str:
+    """Return the name of a struct or enum without a tag, from what is declared with it.
+
+    It is that of the first declarator of the type itself, as in C++, else of the first one.
+    """
+    named = [(d, d.name.text) for d in declarators if d is not None and d.name]
+    plain = (name for each, name in named if is_plain(each))
+    return next(plain, named[0][1] if named else UNTAGGED)
+
+
+def is_plain(declarator: tree.Declarator) -> bool:
+    """Return whether what is declared has the type itself, not a pointer or array of it."""
+    return not (
+        declarator.pointers
+        or declarator.suffixes
+        or isinstance(declarator.inner, tree.Declarator)
+    )
+
+
+def _entity(
+    kind: Kind,
+    written: tree.StructSpecifier | tree.EnumSpecifier,
+    unit: Unit,
+    scope: Scope,
+    name: str,
+) -> Entity:
+    """Return the entity of a struct or enum, with an unused name: its tag, else `name`."""
+    keyword = "struct" if isinstance(written, tree.StructSpecifier) else written.keyword
+    place = unit.span(written.start, written.start + len(keyword))
+    if written.tag is not None:
+        name, place = written.tag.text, unit.place(written.tag)
+    while name in scope.structs:
+        name += "_"
+    return Entity(kind, (*scope.name, name), unit, written, place)
+
+
+def _referred(tag: tree.Name, scope: Scope) -> ScopedName:
+    """Return the name of the struct or enum with a tag, which may be declared later."""
+    entity = scope.find_tag(tag.text)
+    return entity.name if entity else (*scope.name, tag.text)
+
+
 class Types:
     """Lowers types from the syntax tree, and declares the structs and enums defined in them."""
 
@@ -69,12 +114,20 @@ class Types:
         self._table = table
         self._report = table.report
         self.expressions = Expressions(table, self.of_name)
-        self._anonymous = 0
         self._later: list[tuple[tree.ScopedName, Unit, Scope]] = []
 
-    def of(self, written: tree.QualifiedType, unit: Unit, scope: Scope) -> CType | None:
-        """Return the type with its qualifiers; None, after a diagnostic, if it has errors."""
-        found = self._specified(written.type, unit, scope)
+    def of(
+        self,
+        written: tree.QualifiedType,
+        unit: Unit,
+        scope: Scope,
+        name: str = UNTAGGED,
+    ) -> CType | None:
+        """Return the type with its qualifiers; None, after a diagnostic, if it has errors.
+
+        `name` is that of a struct or enum without a tag (`name_of_untagged`).
+        """
+        found = self._specified(written.type, unit, scope, name)
         if found is None or isinstance(
             found, CArrayType | CFunctionType | DescriptorType
         ):
@@ -94,16 +147,16 @@ class Types:
         return self.declared(base, written.declarator, unit, scope)
 
     def _specified(
-        self, written: tree.TypeSpecifier, unit: Unit, scope: Scope
+        self, written: tree.TypeSpecifier, unit: Unit, scope: Scope, name: str
     ) -> CType | None:
         if isinstance(written, tree.BasicType):
             return self._basic(written, unit)
         if isinstance(written, tree.TypedefName):
             return self._typedef(written, unit, scope)
         if isinstance(written, tree.StructSpecifier):
-            return self._struct(written, unit, scope)
+            return self._struct(written, unit, scope, name)
         if isinstance(written, tree.EnumSpecifier):
-            return self._enum(written, unit, scope)
+            return self._enum(written, unit, scope, name)
         return self._descriptor(written.signature, unit, scope)
 
     def _descriptor(
@@ -162,62 +215,55 @@ class Types:
         return None  # reported by the parser
 
     def _struct(
-        self, written: tree.StructSpecifier, unit: Unit, scope: Scope
+        self, written: tree.StructSpecifier, unit: Unit, scope: Scope, name: str
     ) -> CType | None:
         if written.members is None:
             assert written.tag is not None
-            entity = scope.find_tag(written.tag.text)
-            name = entity.name if entity else (*scope.name, written.tag.text)
-            return CStructType(name)
-        if written.tag is None:
-            tag = f"TAG__{self._anonymous}__"
-            self._anonymous += 1
-            place = unit.span(written.start, written.start + len("struct"))
-        else:
-            tag = written.tag.text
-            place = unit.place(written.tag)
-        entity = Entity(Kind.STRUCT, (*scope.name, tag), unit, written, place)
-        known = scope.tags.get(tag)
+            return CStructType(_referred(written.tag, scope))
+        known = scope.tags.get(written.tag.text) if written.tag else None
         if known is not None and isinstance(known.declaration, TecsStruct):
-            members = self._members(written.members, unit, scope)
+            members = self._members(written.members, unit, scope, known.name[-1])
             if members is not None and _same(members, known.declaration.members):
                 return CStructType(known.name)
-        if not self._declare_tag(scope, tag, entity):
+        entity = _entity(Kind.STRUCT, written, unit, scope, name)
+        if not self._declare_tag(scope, written.tag, entity):
             return None
-        members = self._members(written.members, unit, scope)
+        members = self._members(written.members, unit, scope, entity.name[-1])
         if members is None:
             entity.broken = True
             return None
         entity.declaration = TecsStruct(
             name=entity.name,
             file=unit.source.name,
-            span=place,
+            span=entity.place,
             doc=self._table.doc(unit, written.start, written.end),
             members=members,
         )
         self._table.declared(entity)
         return CStructType(entity.name)
 
-    def _declare_tag(self, scope: Scope, tag: str, entity: Entity) -> bool:
-        known = scope.tags.setdefault(tag, entity)
+    def _declare_tag(self, scope: Scope, tag: tree.Name | None, entity: Entity) -> bool:
+        known = scope.tags.setdefault(tag.text, entity) if tag else entity
         if known is entity:
+            scope.structs[entity.name[-1]] = entity
             return True
         self._report(
             rules.DECLARED_TWICE.at(
                 entity.place,
-                f"the {entity.kind} '{tag}' is declared already",
+                f"the {entity.kind} '{known.name[-1]}' is declared already",
                 related=[Related(known.place, "first declared here")],
             )
         )
         return False
 
     def _members(
-        self, items: Iterable[tree.MemberItem], unit: Unit, scope: Scope
+        self, items: Iterable[tree.MemberItem], unit: Unit, scope: Scope, tag: str
     ) -> tuple[TecsMember, ...] | None:
         found: dict[str, tuple[tree.MemberItem, tree.Name, CType]] = {}
         good = True
         for item in items:
-            base = self.of(item.type, unit, scope)
+            name_of_type = f"{tag}_{name_of_untagged(item.declarators)}"
+            base = self.of(item.type, unit, scope, name_of_type)
             for declarator in item.declarators:
                 type_ = self.declared(base, declarator, unit, scope)
                 name = declarator.name
@@ -309,14 +355,12 @@ class Types:
         )
 
     def _enum(
-        self, written: tree.EnumSpecifier, unit: Unit, scope: Scope
+        self, written: tree.EnumSpecifier, unit: Unit, scope: Scope, name: str
     ) -> CType | None:
         bits = int(written.keyword.removeprefix("enum") or 0) or None
         if written.enumerators is None:
             assert written.tag is not None
-            entity = scope.find_tag(written.tag.text)
-            name = entity.name if entity else (*scope.name, written.tag.text)
-            return CEnumType(name, bits)
+            return CEnumType(_referred(written.tag, scope), bits)
         members: list[tuple[str, int]] = []
         value = -1
         for enumerator in written.enumerators:
@@ -328,20 +372,13 @@ class Types:
             else:
                 value += 1
             members.append((enumerator.name.text, value))
-        if written.tag is None:
-            tag = f"TAG__{self._anonymous}__"
-            self._anonymous += 1
-            place = unit.span(written.start, written.start + len(written.keyword))
-        else:
-            tag = written.tag.text
-            place = unit.place(written.tag)
-        entity = Entity(Kind.ENUM, (*scope.name, tag), unit, written, place)
-        if not self._declare_tag(scope, tag, entity):
+        entity = _entity(Kind.ENUM, written, unit, scope, name)
+        if not self._declare_tag(scope, written.tag, entity):
             return None
         entity.declaration = TecsEnum(
             name=entity.name,
             file=unit.source.name,
-            span=place,
+            span=entity.place,
             doc=self._table.doc(unit, written.start, written.end),
             members=tuple(members),
             bits=bits,

@@ -10,7 +10,7 @@ from rtgen.frontends.cdl.names.operands import ExpressionError, Operand
 from rtgen.frontends.cdl.names.table import Table
 from rtgen.frontends.cdl.passes.constants import Constants
 from rtgen.frontends.cdl.passes.expressions import ExpressionAnalysis, Expressions
-from rtgen.frontends.cdl.passes.types import Types
+from rtgen.frontends.cdl.passes.types import Types, name_of_untagged
 from rtgen.frontends.cdl.syntax import tree
 from rtgen.model.c_types import CType, Expression
 
@@ -34,7 +34,8 @@ class DeclaredValues:
     def declare(self, declaration: tree.Declaration, place: Place) -> list[Declared]:
         """Return the names declared by attributes or variables; reports errors."""
         types, unit, scope = self._types, place.unit, place.scope
-        base = types.of(declaration.type, unit, scope)
+        untagged = name_of_untagged(part.declarator for part in declaration.declarators)
+        base = types.of(declaration.type, unit, scope, untagged)
         found = []
         for part in declaration.declarators:
             name = part.declarator.name
