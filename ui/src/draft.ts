@@ -46,35 +46,58 @@ function node(table: TypeTable, type: number): TypeNode {
 
 /** The initial value of a form. Throws DraftError if a form does not support the type. */
 export function draft(table: TypeTable, type: number): Draft {
+  checkLengths(table, type);
+  return drafted(table, type, table.codec(type).initial());
+}
+
+/** Throws DraftError for a type with an array that is too long for a form. */
+function checkLengths(table: TypeTable, type: number): void {
+  const each = node(table, type);
+  const length = each.dimensions.reduce((product, one) => product * one, 1);
+  if (length > MAX_ELEMENTS) throw new DraftError(`an array of ${length} elements is too long for a form`);
+  if (each.kind === "TYPE_ARRAY") checkLengths(table, each.element);
+  if (each.kind === "TYPE_STRUCT") each.members.forEach((one) => one.optional || checkLengths(table, one.type));
+}
+
+/** Converts a value to a draft. */
+function drafted(table: TypeTable, type: number, value: unknown): Draft {
   const each = node(table, type);
   switch (each.kind) {
     case "TYPE_BOOLEAN":
-      return false;
-    case "TYPE_ENUM":
-      return each.members[0]?.name ?? "";
+      return value === true;
     case "TYPE_CHAR":
     case "TYPE_WCHAR":
-      return " ";
-    case "TYPE_STRING":
-    case "TYPE_WSTRING":
-      return "";
+      return value === "\0" ? " " : String(value);
     case "TYPE_SEQUENCE":
+    case "TYPE_ARRAY":
+      return items(value, each.dimensions.length).map((one) => drafted(table, each.element, one));
     case "TYPE_MAP":
-      return [];
-    case "TYPE_ARRAY": {
-      const length = each.dimensions.reduce((product, one) => product * one, 1);
-      if (length > MAX_ELEMENTS) throw new DraftError(`an array of ${length} elements is too long for a form`);
-      return Array.from({ length }, () => draft(table, each.element));
+      return [...(value as Map<unknown, unknown>)].map(([k, v]) => [drafted(table, each.key, k), drafted(table, each.element, v)]);
+    case "TYPE_STRUCT": {
+      const parts = value as Record<string, unknown>;
+      return Object.fromEntries(
+        each.members.map((one) => {
+          const part = parts[one.name];
+          return [one.name, one.optional && part === null ? null : drafted(table, one.type, part)];
+        }),
+      );
     }
-    case "TYPE_STRUCT":
-      return Object.fromEntries(each.members.map((one) => [one.name, one.optional ? null : draft(table, one.type)]));
     case "TYPE_UNION": {
+      const { case: branch, value: part } = value as { case: string | null; value: unknown };
+      const member = each.members.find((one) => one.name === branch);
+      if (member) return { branch: member.name, value: drafted(table, member.type, part) };
       const first = each.members[0];
       return { branch: first?.name ?? "", value: first ? draft(table, first.type) : null };
     }
     default:
-      return "0";
+      return String(value);
   }
+}
+
+/** The elements of a list, octets or characters; those of all dimensions in a row. */
+function items(value: unknown, dimensions: number): unknown[] {
+  const list = [...(value as Iterable<unknown>)];
+  return dimensions > 1 ? list.flatMap((one) => items(one, dimensions - 1)) : list;
 }
 
 /** Converts a draft to a value. Throws DraftError, whose message begins with the path. */

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from typing import Any, Final
 
+from rtgen.runtime.marshalling.compiler import compiled
 from rtgen.runtime.marshalling.descriptors import (
+    AliasDescriptor,
     ArrayDescriptor,
     Descriptor,
     EnumDescriptor,
     ExceptionDescriptor,
     FlagsDescriptor,
     MapDescriptor,
+    MemberDescriptor,
     PrimitiveDescriptor,
     SequenceDescriptor,
     StringDescriptor,
@@ -18,6 +21,9 @@ from rtgen.runtime.marshalling.descriptors import (
     UnionDescriptor,
     plain,
 )
+from rtgen.runtime.marshalling.dynamic.initial import initial_value
+from rtgen.runtime.marshalling.equality import same
+from rtgen.runtime.marshalling.layouts.formats import Format
 from rtgen.ui.protocol.ui import TypeKind, TypeMember, TypeNode
 
 NO_TYPE: Final = -1
@@ -66,12 +72,17 @@ class TypeTable:
             self._refused.add(id(descriptor))
             return NO_TYPE
 
-    def _number(self, descriptor: Descriptor) -> int:
+    def _number(self, descriptor: Descriptor, default: Any = None) -> int:
+        """Return the number of a type; one with a default has a node of its own."""
         target: Any = plain(descriptor)
-        if target in self._numbers:
-            return self._numbers[target]
-        number = self._numbers[target] = len(self.nodes)
-        node = TypeNode()
+        if default is None and _has_default(descriptor):
+            default = initial_value(descriptor)
+        octets = b"" if default is None else _encoded(target, default)
+        key = target, octets
+        if key in self._numbers:
+            return self._numbers[key]
+        number = self._numbers[key] = len(self.nodes)
+        node = TypeNode(initial=octets)
         self.nodes.append(node)
         self._fill(node, target)
         return number
@@ -91,9 +102,9 @@ class TypeTable:
                 node.kind = TypeKind.TYPE_ARRAY
                 inner: Any = target
                 dimensions: list[int] = []
-                while isinstance(inner, ArrayDescriptor):
-                    dimensions += inner.dimensions
-                    inner = plain(inner.element)
+                while isinstance(array := plain(inner), ArrayDescriptor):
+                    dimensions += array.dimensions
+                    inner = array.element
                 node.dimensions = dimensions
                 node.element = self._number(inner)
             case MapDescriptor(key, value, bound):
@@ -119,10 +130,11 @@ class TypeTable:
     ) -> None:
         node.kind, node.name = TypeKind.TYPE_STRUCT, target.name
         node.appendable = _is_appendable(target)
+        started = None if target.class_ is None else target.class_()
         node.members = [
             TypeMember(
                 name=member.name,
-                type=self._number(member.type),
+                type=self._number(member.type, _own_default(started, member)),
                 optional=member.optional,
             )
             for member in target.members
@@ -135,12 +147,42 @@ class TypeTable:
         node.members = [
             TypeMember(
                 name=branch.name,
-                type=self._number(branch.type),
+                type=self._number(
+                    branch.type,
+                    branch.initial and initial_value(branch.type, branch.initial),
+                ),
                 labels=[_label(label) for label in branch.labels],
                 is_default=branch.default,
             )
             for branch in target.branches
         ]
+
+
+def _has_default(descriptor: Descriptor) -> bool:
+    """Return whether a typedef or an enum has a default, or an array inside an array."""
+    while isinstance(descriptor, AliasDescriptor):
+        if descriptor.initial is not None:
+            return True
+        descriptor = descriptor.target
+    if isinstance(descriptor, ArrayDescriptor):
+        inner = isinstance(plain(descriptor.element), ArrayDescriptor)
+        return inner and _has_default(descriptor.element)
+    return isinstance(descriptor, EnumDescriptor) and descriptor.initial is not None
+
+
+def _own_default(struct: Any, member: MemberDescriptor) -> Any:
+    """Return the value of a member in a new struct, if it is not that of its type."""
+    value = getattr(struct, member.attribute, None)
+    if value is None or same(value, initial_value(member.type)):
+        return None
+    return value
+
+
+def _encoded(target: Any, value: Any) -> bytes:
+    """Return a value of any type as a body in XCDR2."""
+    encode = compiled("to_cdr", AliasDescriptor("", "", target), Format(2))
+    octets: bytes = encode(value, True)
+    return octets
 
 
 def _enumerator(name: str, number: int) -> TypeMember:

@@ -44,6 +44,7 @@ class Kind:
     character: bool = False
     portable: bool = True
     basic: bool = True
+    named_list: bool = False
 
 
 @dataclass(frozen=True)
@@ -187,7 +188,9 @@ class Definitions:
     def _composite(self) -> Kind:
         """A list of structs, an array of lists, a map, or a struct itself."""
         draw = self.random
-        known = [kind for kind in self._kinds if not kind.dimensions]
+        known = self._kinds
+        if draw.random() < 0.3:
+            known = [kind for kind in known if kind.named_list]
         if not known:
             return self._list()
         element = draw.choice(known)
@@ -258,6 +261,7 @@ class Definitions:
                 character=kind.character,
                 portable=kind.portable,
                 basic=kind.basic and kind.literal is not None,
+                named_list=not kind.basic and kind.literal is not None,
             )
         )
 

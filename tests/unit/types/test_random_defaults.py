@@ -28,10 +28,13 @@ from rtgen.runtime.marshalling.descriptors import (
     StructDescriptor,
     UnionDescriptor,
 )
+from rtgen.ui.protocol import ui
+from rtgen.ui.type_table import NO_TYPE, TypeTable
 
 pytestmark = pytest.mark.random
 
 HERE = Path(__file__).parent
+PAGE = HERE.parents[2] / "ui/src"
 TYPES = 30
 """Structs in one file, with as many other types."""
 
@@ -233,6 +236,37 @@ def test_typescript(
         initial, decoded = _of_typescript(json.loads(line))
         assert initial == struct.initial, struct.name
         assert decoded == value or (decoded is None and version == 1), struct.name
+
+
+def test_forms_of_the_page(drawn: Definitions, classes: dict[str, Any]) -> None:
+    table = TypeTable()
+    structs = [struct for struct in drawn.structs if struct.portable]
+    types = [classes[f"R::{struct.name}"]._descriptor_ for struct in structs]
+    numbers = [table.number(type_) for type_ in types]
+    assert NO_TYPE not in numbers
+    added = ui.AddedTypes(first=0, nodes=table.nodes).to_cdr().hex()
+    answers = node(
+        HERE / "forms_peer.mjs", "\n".join([added, *map(str, numbers)]), str(PAGE)
+    )
+    for line, struct in zip(answers.splitlines(), structs, strict=True):
+        initial, form = json.loads(line)
+        assert _of_typescript(initial) == struct.initial, struct.name
+        # A form shows a character that cannot be seen as a space, and always a branch.
+        if not re.search(r'\\u0000|"case":null', line):
+            assert form == _without_discriminators(initial), struct.name
+
+
+def _without_discriminators(value: Any) -> Any:
+    """Return a value as a form gives it: the branch stands for its first label."""
+    if isinstance(value, dict):
+        return {
+            name: _without_discriminators(part)
+            for name, part in value.items()
+            if name != "discriminator" or "case" not in value
+        }
+    if isinstance(value, list):
+        return [_without_discriminators(part) for part in value]
+    return value
 
 
 def _of_typescript(value: Any) -> Any:

@@ -44,7 +44,9 @@ export class TypeTable {
     if (this.building.has(number)) return cdr.lazy(node.name, () => this.codec(number));
     this.building.add(number);
     try {
-      const made = this.make(node);
+      const type = this.make(node);
+      const { initial } = node;
+      const made = initial.length ? cdr.initially(type, () => cdr.decode(type, initial, true, 2)) : type;
       this.codecs.set(number, made);
       return made;
     } finally {

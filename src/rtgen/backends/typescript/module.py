@@ -17,7 +17,6 @@ from rtgen.model import (
     Enum,
     Enumerator,
     ExceptionDecl,
-    InitialValue,
     Member,
     Model,
     NamedType,
@@ -93,12 +92,13 @@ class TypesModule:
                 yield from self._enum(declaration)
             case Bitmask():
                 yield from self._bitmask(declaration)
-            case Typedef(type=type_, initial=initial):
+            case Typedef(type=type_):
                 yield from quoting.comment(declaration.doc)
                 yield f"export type {name} = {self._value(type_)};"
                 codec = self._codec(type_)
+                initial = self._types.initial(type_, declaration.initial)
                 if initial is not None:
-                    codec = f"initially({codec}, {self._initial(type_, initial)})"
+                    codec = f"initially({codec}, () => {initial})"
                 yield self._constant(name, codec)
             case Const(type=type_, value=value):
                 yield from quoting.comment(declaration.doc)
@@ -122,14 +122,11 @@ class TypesModule:
 
     def _field(self, member: Member) -> str:
         codec = self._codec(member.type)
+        initial = self._types.initial(member.type, member.initial)
         more = ", true" * member.optional
-        if member.initial is not None and not member.optional:
-            more = f", false, {self._initial(member.type, member.initial)}"
+        if initial is not None and not member.optional:
+            more = f", false, () => {initial}"
         return f"field({quoting.string(member.name)}, {codec}{more})"
-
-    def _initial(self, type_: Type, value: InitialValue) -> str:
-        """Return the function that makes a default."""
-        return f"() => {self._types.initial(type_, value)}"
 
     def _members(self, struct: Struct) -> list[Member]:
         """Return all members, inherited ones first."""
@@ -175,9 +172,9 @@ class TypesModule:
     def _branch(self, union: Union, case: Case) -> str:
         labels = ", ".join(self._literal(union.switch, each) for each in case.labels)
         default = ", true" if case.default else ""
-        if case.initial is not None:
-            default = f", {str(case.default).lower()}, "
-            default += self._initial(case.type, case.initial)
+        initial = self._types.initial(case.type, case.initial)
+        if initial is not None:
+            default = f", {str(case.default).lower()}, () => {initial}"
         codec = self._codec(case.type)
         return f"branch({quoting.string(case.name)}, {codec}, [{labels}]{default})"
 

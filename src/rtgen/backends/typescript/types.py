@@ -31,6 +31,7 @@ from rtgen.model import (
     Typedef,
     Union,
 )
+from rtgen.model.initial import default_of
 
 _BASIC: Final = {
     Primitive.BOOLEAN: ("boolean", "boolean"),
@@ -186,7 +187,25 @@ class Types:
             big = isinstance(declared, Bitmask) and declared.bound > 32
         return quoting.constant(value, is_64_bit=big)
 
-    def initial(self, type_: Type, value: InitialValue) -> str:
+    def initial(self, type_: Type, own: InitialValue | None) -> str | None:
+        """Return the expression of a default, if a codec does not start with it by itself.
+
+        `own` is the default of the member. The codec of an array of arrays does not know a default
+        of the inner ones, since it has all dimensions.
+        """
+        if own is not None:
+            return self._default(type_, own)
+        if not isinstance(type_, ArrayType):
+            return None
+        inner = self._model.unalias(type_.element)
+        if not isinstance(inner, ArrayType):
+            return None
+        found = self.initial(inner, default_of(self._model, type_.element))
+        for length in reversed(type_.dimensions) if found is not None else ():
+            found = f"Array.from({{ length: {length} }}, () => {found})"
+        return found
+
+    def _default(self, type_: Type, value: InitialValue) -> str:
         """Return the expression of a default: a literal, or a list with its items."""
         plain = self._model.unalias(type_)
         if not isinstance(value, tuple):

@@ -52,6 +52,8 @@ export interface Ui$TypeNode {
   key: number;
   appendable: boolean;
   members: Ui$TypeMember[];
+  /** Value that members start with, in XCDR2; empty: the implicit one. */
+  initial: Ui$Octets;
 }
 export const Ui$TypeNode: CdrType<Ui$TypeNode> = struct("Ui::TypeNode", [
   field("kind", Ui$TypeKind),
@@ -62,6 +64,7 @@ export const Ui$TypeNode: CdrType<Ui$TypeNode> = struct("Ui::TypeNode", [
   field("key", long),
   field("appendable", boolean),
   field("members", sequence(Ui$TypeMember)),
+  field("initial", Ui$Octets),
 ]);
 
 export type Ui$TypeNodes = Ui$TypeNode[];

@@ -98,6 +98,7 @@ class TypeNode(Aggregated):
         key=idl.LONG,
         appendable=idl.BOOLEAN,
         members=idl.sequence(TypeMember),
+        initial=_Octets_alias,
     )
 
     kind: TypeKind = TypeKind.TYPE_BOOLEAN
@@ -113,6 +114,8 @@ class TypeNode(Aggregated):
     """Key of a map; -1: none."""
     appendable: bool = False
     members: list[TypeMember] = field(default_factory=list)
+    initial: Octets = b""
+    """Value that members start with, in XCDR2; empty: the implicit one."""
 
 
 TypeNodes: TypeAlias = list[TypeNode]
