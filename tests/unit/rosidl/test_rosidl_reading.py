@@ -286,3 +286,49 @@ def test_any_text_gives_a_model_or_errors(folder: Path, text: str, kind: str) ->
     for found in result.diagnostics:
         assert found.span is not None
         assert found.span.line <= text.count("\n") + 1
+
+
+@pytest.mark.parametrize(
+    ("line", "value"),
+    [
+        (r'string A="a\tb"', "a\tb"),
+        (r"string A=\x41\101\u0041", "AAA"),
+        (r"string A=\303\244", "ä"),
+        (r'string A="a\\nb"', "a\nb"),
+        (r"string A=C:\dir", r"C:\dir"),
+        (r"string A='it\'s'", "it's"),
+        (r"string A=a\"b", 'a"b'),
+        ('string A="a\tb"', "a b"),
+        ("string A==b=", "=b="),
+        ("string A=  ", ""),
+        ("string A=表", "表"),
+        (r"string A=\x23 # \x23", "#"),
+        ("int32 A=012", 12),
+        ("int32 A=-0x1F", -31),
+        ("int32 A=0b11", 3),
+        ("int32 A=1_000", 1000),
+        ("uint8 A=+7", 7),
+        ("float32 A=1e3", 1000.0),
+        ("float64 A=.5", 0.5),
+        ("bool A=TRUE", True),
+        ("int32[2] a [01, 0x2]", (1, 2)),
+        ("int32[<=+3] a []", ()),
+        (r"""string[] a ["a\tb", 'c,d', e f ,]""", ("a\tb", "c,d", "e f")),
+        (r'string[] a ["it\"s"]', ('it"s',)),
+        ("string<=3[02] a [abc, '']", ("abc", "")),
+    ],
+)
+def test_values_as_rosidl_reads_them(tmp_path: Path, line: str, value: object) -> None:
+    """Compared with rosidl itself by `tests/ros2/test_rosidl_values.py`."""
+    model = read(tmp_path, msg_Values=line)
+    constants = [d.value for d in model.declarations if isinstance(d, Const)]
+    [member] = struct(model, "lab", "msg", "Values").members
+    assert (constants or [member.initial]) == [value]
+
+
+def test_a_long_text_is_read_in_time(tmp_path: Path) -> None:
+    """Its parts are looked at a bounded number of times."""
+    inner = r"\\" * 50_000 + r"\"" * 50_000 + "ab," * 50_000
+    for line in (f'string A="{inner}"', f'string[] a ["{inner}", {inner}]'):
+        path = write(tmp_path, {"lab/msg/Long.msg": line})
+        load(path, root=tmp_path)

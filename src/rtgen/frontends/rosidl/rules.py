@@ -15,6 +15,7 @@ DUPLICATE = Rule("ROS0107", "name given twice", Severity.ERROR)
 SECTIONS = Rule("ROS0108", "wrong number of parts", Severity.ERROR)
 RECURSIVE = Rule("ROS0109", "message that contains itself", Severity.ERROR)
 TOO_MANY = Rule("ROS0110", "too many findings", Severity.ERROR)
+OPEN_QUOTE = Rule("ROS0111", "text with a quote that is not closed", Severity.WARNING)
 
 RULES = (
     MISSING_FILE,
@@ -28,4 +29,5 @@ RULES = (
     SECTIONS,
     RECURSIVE,
     TOO_MANY,
+    OPEN_QUOTE,
 )
