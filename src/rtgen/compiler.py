@@ -14,6 +14,7 @@ from rtgen.frontends import FrontendResult, together
 from rtgen.frontends import stage as frontends
 from rtgen.frontends.kit.memo import Memo
 from rtgen.lowering import stage as lowering
+from rtgen.model import Model
 from rtgen.project import Project
 from rtgen.project.compilation import Compilation, compilation_of
 
@@ -33,7 +34,8 @@ def read(
     given the names of the definitions. `memo` caches the results of earlier runs.
     """
     settings = replace(project.reading, observer=observer, memo=memo)
-    others = together([*also, *frontends.read(project.sources, settings)])
+    doubts = FrontendResult(Model(), project.problems, {}, ())
+    others = together([doubts, *also, *frontends.read(project.sources, settings)])
     of_idl = frontends.read_idl(
         project.sources,
         settings,

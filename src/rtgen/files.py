@@ -115,7 +115,7 @@ def read_start(path: Path, limit: int) -> bytes:
     """Return up to `limit` bytes from the start of a file. Raises OSError, as `open_file`."""
     data = _unsaved(path)
     if data is not None:
-        return data[:limit]
+        return data if len(data) <= limit else data[:limit]
     with open_file(path) as stream:
         # As many octets as there are: `read` allocates what is requested.
         most = max(os.fstat(stream.fileno()).st_size, _PIECE)

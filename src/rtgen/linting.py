@@ -15,7 +15,7 @@ from rtgen.project import Project, shown
 from rtgen.project.rules import UNKNOWN_CODE
 from rtgen.systems.checks import RULES as SYSTEM_RULES
 
-_PREFIXES = ("IDL", "CDL0", "EDS", "LINT")
+_PREFIXES = ("IDL", "CDL0", "EDS", "LINT", "TXT")
 """Prefixes of the codes that `rtgen lint` reports."""
 _SYSTEM_CODES = frozenset(rule.code for rule in SYSTEM_RULES)
 """The codes of diagnostics about systems."""

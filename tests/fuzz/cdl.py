@@ -76,7 +76,7 @@ class CdlTarget:
             root=self._folder,
             include=[self._folder],
             prelude=number % 5 > 0,
-            kcode=("auto", "auto", "sjis", "none")[number % 4],
+            encoding=("auto", "auto", "sjis", "none")[number % 4],
         )
         lines = {name: text.split("\n") for name, text in result.sources.items()}
         _hold(result.diagnostics, lines)

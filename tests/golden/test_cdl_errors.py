@@ -57,7 +57,7 @@ def findings(
         [Path(file) for file in settings.get("files", ["input.cdl"])],
         root=folder,
         include=[Path(folder) for folder in settings.get("include", [])],
-        kcode=settings.get("kcode", "auto"),
+        encoding=settings.get("kcode", "auto"),
         prelude=settings.get("prelude", True),
     )
     only = settings.get("only", rules())

@@ -57,16 +57,22 @@ def check(
     found = behaviours.check(project, run.artifacts)
     console.findings(found)
     strays = (*planned.strays, *planned.leftovers)
-    if not planned.changes and not strays:
+    apart = (change.without_line_ends() for change in planned.changes)
+    changes = [change for change in apart if change is not None]
+    where = shown(project.output)
+    if converted := len(planned.changes) - len(changes):
+        console.say(
+            f"{where}: {counted(converted, 'file')} with other line ends, which do not"
+            f" count; `{where}/** -text` in .gitattributes keeps git from converting them"
+        )
+    if not changes and not strays:
         return NO if found else OK
     from rtgen.cli.compiling.diffs import diff
 
     write_out(
-        diff(planned.changes)
-        + "".join(f"Only in the tree: {shown(s)}\n" for s in strays)
+        diff(changes) + "".join(f"Only in the tree: {shown(s)}\n" for s in strays)
     )
-    where = shown(project.output)
-    stale = len(planned.changes) + len(planned.leftovers)
+    stale = len(changes) + len(planned.leftovers)
     if stale:
         console.say(
             f"{where}: {counted(stale, 'file')} differ{'s' * (stale == 1)} from the"

@@ -16,8 +16,8 @@ import msgspec
 from rtgen import stages
 from rtgen.diagnostics import Diagnostic, InputError, ToolError
 from rtgen.diagnostics.printable import printable
+from rtgen.facts.encodings import NAMES
 from rtgen.project import (
-    KCODES,
     PRELUDES,
     TARGETS,
     Project,
@@ -228,7 +228,7 @@ class Definitions(msgspec.Struct, frozen=True, kw_only=True):
     define: tuple[tuple[str, str], ...]
     ignore_case_clashes: bool
     prelude: str | None
-    kcode: str | None
+    encoding: str | None
 
 
 def with_definitions(command: Callable[..., int]) -> Callable[..., int]:
@@ -245,11 +245,7 @@ def with_definitions(command: Callable[..., int]) -> Callable[..., int]:
 
     function = _without_garbage_collection(wrapped)
     for decorate in (
-        click.option(
-            "--kcode",
-            type=click.Choice(KCODES),
-            help="Encoding of CDL files; default: from rtgen.toml, else auto.",
-        ),
+        with_encoding,
         click.option(
             "--prelude",
             type=click.Choice(PRELUDES),
@@ -279,6 +275,16 @@ def with_definitions(command: Callable[..., int]) -> Callable[..., int]:
     ):
         function = decorate(function)
     return function
+
+
+def with_encoding(function: Callable[..., int]) -> Callable[..., int]:
+    """Add --encoding; the function gets `encoding`."""
+    return click.option(
+        "--encoding",
+        "--kcode",
+        type=click.Choice(NAMES),
+        help="Encoding of files that do not tell theirs; default: from rtgen.toml, else auto.",
+    )(function)
 
 
 def _without_garbage_collection(function: Callable[P, int]) -> Callable[P, int]:
@@ -356,7 +362,7 @@ def project_of(
             define=definitions.define,
             ignore_case_clashes=definitions.ignore_case_clashes,
             prelude=definitions.prelude,
-            kcode=definitions.kcode,
+            encoding=definitions.encoding,
             output=output,
             add=add,
             node_id=node_id,

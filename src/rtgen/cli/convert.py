@@ -8,7 +8,7 @@ import click
 
 from rtgen.cli.common import BAD_INPUT, OK, Console, with_console, write_out
 from rtgen.cli.components.chosen_component import chosen
-from rtgen.diagnostics import InputError, ToolError, has_errors, in_order
+from rtgen.diagnostics import Diagnostic, InputError, ToolError, has_errors, in_order
 from rtgen.files import UnreadableError, read_file
 from rtgen.frontends.profile_yaml import YAML_SUFFIXES
 from rtgen.model import Component, Model
@@ -99,7 +99,8 @@ def _system(console: Console, path: Path, form: str) -> int:
     if is_yaml is form.endswith("yaml"):
         write_out(data)
     elif is_yaml:
-        write_out(profile_yaml.to_xml(data.decode("utf-8", "replace"), shown))
+        text = profile_tree.text_of(data, shown, found.append)
+        write_out(profile_yaml.to_xml(text, shown))
     else:
         root, _ = profile_tree.parse(data, shown, found.append)
         assert root is not None
@@ -144,7 +145,7 @@ def _profile(
     path: Path, form: str, model: Model, component: Component, project: Project
 ) -> str | bytes:
     from rtgen.cli.components.component_text import component_profile
-    from rtgen.frontends import profile_yaml
+    from rtgen.frontends import profile_tree, profile_yaml
     from rtgen.frontends.kit import located_xml
 
     shown = path.as_posix()
@@ -154,10 +155,11 @@ def _profile(
         data = _content(path)
         if (path.suffix.lower() in YAML_SUFFIXES) is form.endswith("yaml"):
             return data
-        text = data.decode("utf-8", "replace")
+        reported: list[Diagnostic] = []
+        text = profile_tree.text_of(data, shown, reported.append, project.encoding)
         if form == "rtc-xml":
             return profile_yaml.to_xml(text, shown)
-        xml = located_xml.decode(data, shown)
+        xml = text
     if form == "rtc-xml":
         return xml
     return profile_yaml.to_yaml(located_xml.parse(xml, shown))

@@ -11,7 +11,15 @@ from pathlib import Path
 import click
 
 from rtgen.cli.can.common import counted
-from rtgen.cli.common import BAD_INPUT, NO, OK, Console, with_console, write_out
+from rtgen.cli.common import (
+    BAD_INPUT,
+    NO,
+    OK,
+    Console,
+    with_console,
+    with_encoding,
+    write_out,
+)
 from rtgen.diagnostics import Diagnostic, InputError, has_errors
 from rtgen.files import UnreadableError, read_file
 from rtgen.formatting import Options, toml
@@ -56,6 +64,7 @@ def _lines(
     show_default=True,
     help="File name of standard input: selects the format, and appears in diagnostics.",
 )
+@with_encoding
 @with_console
 def fmt(
     console: Console,
@@ -64,6 +73,7 @@ def fmt(
     as_diff: bool,
     lines: tuple[int, int] | None,
     stdin_filename: str,
+    encoding: str | None,
 ) -> int:
     """Format IDL, CDL and bus files: indentation, spaces, line ends.
 
@@ -74,7 +84,7 @@ def fmt(
     """
     project = load()
     options = Options(**{k.replace("-", "_"): v for k, v in project.form.items()})
-    form = _Form(options, project.kcode, lines)
+    form = _Form(options, encoding or project.encoding, lines)
     if _STANDARD_INPUT in paths:
         if len(paths) > 1:
             raise click.UsageError("standard input is formatted alone")
@@ -123,13 +133,17 @@ class _Form:
     """How files are formatted."""
 
     options: Options
-    kcode: str
+    encoding: str
     lines: tuple[int, int] | None
 
     def change(self, path: Path, data: bytes) -> Change:
         """Return a file with its formatted content. Raises InputError."""
         new = format_bytes(
-            data, path.as_posix(), self.options, kcode=self.kcode, lines=self.lines
+            data,
+            path.as_posix(),
+            self.options,
+            encoding=self.encoding,
+            lines=self.lines,
         )
         return Change(path, data, new)
 

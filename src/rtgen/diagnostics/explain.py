@@ -25,6 +25,7 @@ MODULES = (
     "rtgen.frontends.cdl.rules",
     "rtgen.frontends.eds.rules",
     "rtgen.frontends.idl.rules",
+    "rtgen.frontends.kit.characters",
     "rtgen.frontends.openrtm_python.rules",
     "rtgen.frontends.rosidl.rules",
     "rtgen.typemap.profiles.rules",

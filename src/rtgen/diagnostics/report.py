@@ -14,6 +14,7 @@ from urllib.parse import quote
 
 from rtgen.diagnostics import Diagnostic, Fix, Rule, Severity, Span, in_order
 from rtgen.diagnostics.printable import printable
+from rtgen.facts.encodings import decode
 from rtgen.facts.version import __version__
 from rtgen.files import MAX_BYTES, read_start
 
@@ -122,7 +123,7 @@ class _Texts:
             return self._sources[file]
         path = Path(file)
         try:
-            return read_start(path, MAX_BYTES).decode("utf-8", "replace")
+            return decode(read_start(path, MAX_BYTES)).normal
         except OSError:
             return ""
 

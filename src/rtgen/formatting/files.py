@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import codecs
 from dataclasses import dataclass
 from pathlib import PurePath
 
 from rtgen.diagnostics import InputError
+from rtgen.facts import encodings
+from rtgen.facts.encodings import Decoded, NotEncodableError
 from rtgen.formatting import DEFAULT, Options, changed_text, toml
 from rtgen.formatting.rules import NO_TOKENS, OTHER_FILE
 from rtgen.formatting.tokens import Language, LexicalError
-from rtgen.frontends.cdl.text import encodings
 from rtgen.frontends.kit.library import MAX_BYTES
 from rtgen.frontends.kit.lines import LineTable
 
@@ -20,21 +20,18 @@ LANGUAGES = {".idl": Language.IDL, ".cdl": Language.CDL}
 SUFFIXES = (*LANGUAGES, toml.SUFFIX)
 """Suffixes of files that can be formatted."""
 
-_BYTES = "latin-1"
-
 
 @dataclass(frozen=True, slots=True)
 class Content:
     """A decoded file, with what is needed to encode it again."""
 
     text: str
-    codec: str
-    mark: bytes
+    decoded: Decoded
     line_end: str
 
     def encoded(self, text: str) -> bytes:
-        """Encode another text in the same way."""
-        return self.mark + text.replace("\n", self.line_end).encode(self.codec)
+        """Encode another text in the same way. Raises NotEncodableError."""
+        return self.decoded.encode(text.replace("\n", self.line_end))
 
 
 def check_name(name: str) -> None:
@@ -45,25 +42,12 @@ def check_name(name: str) -> None:
         raise InputError([OTHER_FILE.at(None, message, hint=f"it knows {known}")])
 
 
-def content(data: bytes, language: Language | None, kcode: str = "auto") -> Content:
-    """Decode a file; `kcode` is the encoding of CDL files."""
-    mark = codecs.BOM_UTF8 if data.startswith(codecs.BOM_UTF8) else b""
-    body = data.removeprefix(mark)
-    is_cdl = language is Language.CDL
-    wanted = encodings.codec(data, kcode) if is_cdl else "utf-8"
-    codec = next((c for c in (wanted, "utf-8") if _is_kept(body, c)), _BYTES)
-    text = body.decode(codec)
-    windows = text.count("\r\n")
-    line_end = "\r\n" if 2 * windows > text.count("\n") else "\n"
-    return Content(text.replace("\r\n", "\n"), codec, mark, line_end)
-
-
-def _is_kept(data: bytes, codec: str) -> bool:
-    """Return whether decoding and encoding gives the same bytes."""
-    try:
-        return data.decode(codec).encode(codec) == data
-    except UnicodeError:
-        return False
+def content(data: bytes, language: Language | None, encoding: str = "auto") -> Content:
+    """Decode a file; `encoding`, of `encodings.NAMES`, is the one asked for."""
+    decoded = encodings.decode(data, encoding, standard=language is None)
+    windows = decoded.text.count("\r\n")
+    line_end = "\r\n" if 2 * windows > decoded.text.count("\n") else "\n"
+    return Content(decoded.normal, decoded, line_end)
 
 
 def format_bytes(
@@ -71,7 +55,7 @@ def format_bytes(
     name: str,
     options: Options = DEFAULT,
     *,
-    kcode: str = "auto",
+    encoding: str = "auto",
     lines: tuple[int, int] | None = None,
 ) -> bytes:
     """Return the formatted content of the file `name`; `lines` limits the changes to a range.
@@ -84,11 +68,17 @@ def format_bytes(
     if len(data) > MAX_BYTES:
         message = f"{name} is larger than {MAX_BYTES:,} bytes"
         raise InputError([OTHER_FILE.at(None, message)])
-    read = content(data, language, kcode)
-    if language is None:
-        return read.encoded(toml.changed_text(read.text, name, options, lines))
+    read = content(data, language, encoding)
     try:
-        return read.encoded(changed_text(read.text, language, options, lines))
+        if language is None:
+            new = toml.changed_text(read.text, name, options, lines)
+        else:
+            new = changed_text(read.text, language, options, lines)
+        return read.encoded(new)
+    except NotEncodableError as error:
+        message = f"{name} cannot be written in its encoding: {error}"
+        hint = "convert the file to UTF-8 first"
+        raise InputError([OTHER_FILE.at(None, message, hint=hint)]) from None
     except LexicalError as error:
         span = LineTable(name, read.text).span(error.start, error.end)
         found = NO_TOKENS.at(span, error.message, hint=error.hint)

@@ -67,7 +67,7 @@ class LexicalError(Exception):
         self.hint = hint
 
 
-_SPLICE = r"(?<![\x80-\xff])\\\n"
+_SPLICE = r"\\\n"
 _LINE_COMMENT = {
     Language.IDL: rf"//(?:{_SPLICE}|[^\n])*+",
     Language.CDL: r"//[^\n]*+",

@@ -8,9 +8,10 @@ from typing import NamedTuple
 
 from rtgen import files
 from rtgen.diagnostics import Diagnostic, InputError, Rule, Severity
+from rtgen.facts.encodings import decode, with_line_feeds
 from rtgen.files import UnreadableError
 from rtgen.frontends import profile_yaml
-from rtgen.frontends.kit import located_xml
+from rtgen.frontends.kit import characters, located_xml
 from rtgen.frontends.kit.findings import Findings
 from rtgen.frontends.kit.located_xml import Element
 from rtgen.frontends.profile_yaml import YAML_SUFFIXES
@@ -44,15 +45,38 @@ def read(path: Path, file: str, report: Callable[[Diagnostic], None]) -> bytes |
         return None
 
 
-def parse(data: bytes, file: str, report: Callable[[Diagnostic], None]) -> ProfileTree:
-    """Parse a profile; `file` is the path in diagnostics."""
-    text = data.decode("utf-8", errors="replace")
+def text_of(
+    data: bytes,
+    file: str,
+    report: Callable[[Diagnostic], None],
+    encoding: str = "auto",
+) -> str:
+    """Return the text of a profile, with a line feed as its line end. Raises InputError."""
+    if not file.lower().endswith(YAML_SUFFIXES):
+        return with_line_feeds(located_xml.decode(data, file))
+    read = characters.read(data, file, encoding, standard="YAML")
+    for problem in read.problems:
+        report(problem)
+    return read.text
+
+
+def parse(
+    data: bytes,
+    file: str,
+    report: Callable[[Diagnostic], None],
+    encoding: str = "auto",
+) -> ProfileTree:
+    """Parse a profile.
+
+    `file` is the path in diagnostics, `encoding` that of YAML that is not UTF-8.
+    """
+    text = None
     try:
+        text = text_of(data, file, report, encoding)
         if file.lower().endswith(YAML_SUFFIXES):
             return ProfileTree(profile_yaml.parse(text, file), text)
-        text = located_xml.decode(data, file)
         return ProfileTree(located_xml.parse(text, file), text)
     except InputError as error:
         for diagnostic in error.diagnostics:
             report(diagnostic)
-        return ProfileTree(None, text)
+        return ProfileTree(None, decode(data).normal if text is None else text)

@@ -59,23 +59,26 @@ class SystemResult(NamedTuple):
     sources: Mapping[str, str]
 
 
-def load(path: Path, *, display: str | None = None) -> SystemResult:
+def load(
+    path: Path, *, display: str | None = None, encoding: str = "auto"
+) -> SystemResult:
     """Read a system. All errors of the input are among the diagnostics.
 
-    `display` is the path in diagnostics, by default `path`.
+    `display` is the path in diagnostics, by default `path`; `encoding` that of YAML that is not
+    UTF-8.
     """
     file = display if display is not None else path.as_posix()
     findings = profile_tree.sink()
     data = profile_tree.read(path, file, findings.report)
     if data is None:
         return SystemResult(None, findings.diagnostics, {})
-    return load_bytes(data, file)
+    return load_bytes(data, file, encoding)
 
 
-def load_bytes(data: bytes, file: str) -> SystemResult:
+def load_bytes(data: bytes, file: str, encoding: str = "auto") -> SystemResult:
     """Read a system from the bytes of a file; `file` is the path in diagnostics."""
     findings = profile_tree.sink()
-    root, text = profile_tree.parse(data, file, findings.report)
+    root, text = profile_tree.parse(data, file, findings.report, encoding)
     system = None if root is None else _Reader(file, findings).system(root)
     return SystemResult(
         None if findings.errors else system, findings.diagnostics, {file: text}

@@ -38,10 +38,11 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
 
     `root` is the project's folder, to which keys of files are relative. `include` are the folders
     of `#include` and `import`, `tecs_path` those searched for imports of CDL after them; `define`
-    are macros. `kcode` is the encoding of CDL files; with `prelude` the scalar types of TOPPERS
-    kernels are known in them. `node_id` is the node that devices are read for. `plugins` has the
-    table `[plugin.NAME]` of rtgen.toml for each name. `observer` is given the resolved names.
-    `memo` caches the results of earlier runs, which are used if no file has changed.
+    are macros. `encoding`, of `encodings.NAMES`, is that of files that do not tell theirs; with
+    `prelude` the scalar types of TOPPERS kernels are known in CDL. `node_id` is the node that
+    devices are read for. `plugins` has the table `[plugin.NAME]` of rtgen.toml for each name.
+    `observer` is given the resolved names. `memo` caches the results of earlier runs, which are
+    used if no file has changed.
     """
 
     root: Path
@@ -49,7 +50,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
     define: Mapping[str, str] = msgspec.field(default_factory=dict)
     ignore_case_clashes: bool = False
     tecs_path: tuple[Path, ...] = ()
-    kcode: str = "auto"
+    encoding: str = "auto"
     prelude: bool = True
     node_id: int | None = None
     plugins: Mapping[str, Mapping[str, Any]] = msgspec.field(default_factory=dict)
@@ -93,18 +94,29 @@ def _profiles(paths: Sequence[Path], settings: Settings) -> FrontendResult:
     from rtgen.frontends import rtc_profile
 
     def profile(path: Path) -> FrontendResult:
-        return rtc_profile.load([path], root=settings.root, include=settings.include)
+        return rtc_profile.load(
+            [path],
+            root=settings.root,
+            include=settings.include,
+            encoding=settings.encoding,
+        )
 
-    return _each(paths, settings, profile, settings.include)
+    return _each(paths, settings, profile, settings.include, settings.encoding)
 
 
 def _devices(paths: Sequence[Path], settings: Settings) -> FrontendResult:
     from rtgen.frontends import eds
 
     def device(path: Path) -> FrontendResult:
-        return eds.load([path], root=settings.root, node_id=settings.node_id)
+        return eds.load(
+            [path],
+            root=settings.root,
+            node_id=settings.node_id,
+            encoding=settings.encoding,
+        )
 
-    return _each(paths, settings, device, settings.node_id, fits=_is_found)
+    given = (settings.node_id, settings.encoding)
+    return _each(paths, settings, device, *given, fits=_is_found)
 
 
 def _buses(paths: Sequence[Path], settings: Settings) -> FrontendResult:
@@ -112,7 +124,7 @@ def _buses(paths: Sequence[Path], settings: Settings) -> FrontendResult:
 
     def network(path: Path) -> FrontendResult:
         stages.file(path.as_posix())
-        found = bus.load(path, root=settings.root)
+        found = bus.load(path, root=settings.root, encoding=settings.encoding)
         return FrontendResult(
             Model(buses=() if found.bus is None else (found.bus,)),
             found.diagnostics,
@@ -120,7 +132,7 @@ def _buses(paths: Sequence[Path], settings: Settings) -> FrontendResult:
             found.dependencies,
         )
 
-    return _each(paths, settings, network, fits=_is_found)
+    return _each(paths, settings, network, settings.encoding, fits=_is_found)
 
 
 def _boards(paths: Sequence[Path], settings: Settings) -> FrontendResult:
@@ -131,7 +143,7 @@ def _boards(paths: Sequence[Path], settings: Settings) -> FrontendResult:
         root=settings.root,
         include=(*settings.include, *settings.tecs_path),
         define=settings.define,
-        kcode=settings.kcode,
+        encoding=settings.encoding,
         prelude=settings.prelude,
         observe=None if settings.observer is None else settings.observer.cdl,
         memo=settings.memo,
@@ -141,7 +153,12 @@ def _boards(paths: Sequence[Path], settings: Settings) -> FrontendResult:
 def _interfaces(paths: Sequence[Path], settings: Settings) -> FrontendResult:
     from rtgen.frontends import rosidl
 
-    return rosidl.load(paths, root=settings.root, include=settings.include)
+    return rosidl.load(
+        paths,
+        root=settings.root,
+        include=settings.include,
+        encoding=settings.encoding,
+    )
 
 
 FRONTENDS: Final[tuple[tuple[str, tuple[str, ...], Read], ...]] = (
@@ -213,6 +230,7 @@ def read_idl(
             virtual=virtual,
             observe=None if settings.observer is None else settings.observer.idl,
             memo=settings.memo,
+            encoding=settings.encoding,
         )
     shipped = library.dependencies(found.model.files)
     return replace(found, dependencies=(*found.dependencies, *shipped))

@@ -17,6 +17,7 @@ from rtgen.diagnostics import (
     has_errors,
     in_order,
 )
+from rtgen.facts.encodings import decode
 from rtgen.files import absolute_path, overlaid, read_start
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.cdl.names.table import Table
@@ -131,7 +132,7 @@ def analyse(
                 project, result, of_systems=of_systems, whole=whole
             )
         texts = _texts(project, result, before, snapshot)
-        _add_unread(collector, texts)
+        _add_unread(collector, texts, project.encoding)
     _add_others(collector, project, result.model, texts)
     files = {file.path: file for file in collector.indexes(texts)}
     for path, kept in (before.index.files if before is not None else {}).items():
@@ -211,18 +212,18 @@ def _texts(
     sources = dict(result.sources)
     if project.file is not None:
         data = read_start(project.file, _MAX_SETTINGS_BYTES)
-        sources[shown(project.file)] = data.decode("utf-8", "replace")
+        sources[shown(project.file)] = decode(data, standard=True).normal
     texts = {}
     for name, source in sources.items():
         known = snapshot.texts.get(absolute_path(name))
         if known is None and before is not None:
             known = before.texts.get(name)
-        same = known is not None and known.source == source
+        same = known is not None and known.normal == source
         texts[name] = known if known is not None and same else Text(source)
     return texts
 
 
-def _add_unread(collector: Collector, texts: dict[str, Text]) -> None:
+def _add_unread(collector: Collector, texts: dict[str, Text], encoding: str) -> None:
     """Add the texts of C headers, which are not sources of diagnostics."""
     for file in collector.files:
         if file not in texts:
@@ -230,7 +231,7 @@ def _add_unread(collector: Collector, texts: dict[str, Text]) -> None:
                 data = read_start(Path(file), _MAX_HEADER_BYTES)
             except OSError:
                 continue
-            texts[file] = Text(data.decode("utf-8", "replace"))
+            texts[file] = Text(decode(data, encoding).normal)
 
 
 def _add_others(

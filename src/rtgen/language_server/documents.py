@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
@@ -15,7 +15,8 @@ from lsprotocol.types import (
 )
 from pygls.uris import from_fs_path, to_fs_path
 
-from rtgen.files import absolute_path
+from rtgen.facts.encodings import Encoded, decode, encoded
+from rtgen.files import UnreadableError, absolute_path, read_file
 from rtgen.language_server.text import UTF_16, Shift, Shifts, Text
 from rtgen.project import FILE_NAME
 
@@ -45,9 +46,6 @@ _SUFFIXES = {
     ".yaml": Language.PROFILE,
     ".yml": Language.PROFILE,
 }
-_DECLARED = re.compile(
-    r"""<\?xml[^>]{0,200}?encoding\s*=\s*["']([A-Za-z][\w.-]*)["']"""
-)
 
 
 def language_of(path: str) -> Language | None:
@@ -72,13 +70,27 @@ def uri_of(path: str) -> str:
     return uri
 
 
+def _encoding(path: str, text: Text) -> str:
+    """Return the encoding of a file, if an editor reads the same text from it; else UTF-8."""
+    if text.source.isascii():
+        return "utf8"
+    try:
+        read = decode(read_file(Path(path)))
+    except UnreadableError:
+        return "utf8"
+    return read.encoding if read.normal == text.normal else "utf8"
+
+
 MAX_EDITS = 64
 """Maximum number of edits that are kept separately; earlier ones are merged."""
 
 
 @dataclass(frozen=True, slots=True)
 class Document:
-    """An open document at a version; `edits` are the last ones, each with the text before it."""
+    """An open document at a version; `edits` are the last ones, each with the text before it.
+
+    `encoding`, a key of `encodings.TITLES`, is that of its file.
+    """
 
     uri: str
     path: str
@@ -86,6 +98,7 @@ class Document:
     version: int
     text: Text
     edits: tuple[tuple[Text, Shift], ...] = ()
+    encoding: str = "utf8"
 
     def shift_from(self, text: Text) -> Shift | Shifts:
         """Return the edits since the document had the text, or their sum."""
@@ -98,16 +111,12 @@ class Document:
 
     @property
     def data(self) -> bytes:
-        """The text in the encoding of the front end."""
-        source = self.text.source
-        if self.language is Language.PROFILE:
-            declared = _DECLARED.match(source)
-            if declared is not None:
-                try:
-                    return source.encode(declared[1])
-                except (LookupError, UnicodeError):
-                    pass  # the front end reports characters that cannot be encoded
-        return source.encode("utf-8", "replace")
+        """The text in the encoding of its file, if the file has that text's characters."""
+        source = self.text.source.removeprefix("\ufeff")
+        if self.encoding != "utf8":
+            with suppress(UnicodeEncodeError):
+                return Encoded(encoded(source, self.encoding), self.encoding)
+        return Encoded(source.encode("utf-8", "replace"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,7 +140,9 @@ class Documents:
         language = None if path is None else language_of(path)
         if path is None or language is None or len(source) > MAX_CHARACTERS:
             return None
-        document = Document(uri, path, language, version, Text(source))
+        text = Text(source)
+        encoding = _encoding(path, text)
+        document = Document(uri, path, language, version, text, encoding=encoding)
         self._open[path] = document
         return document
 

@@ -11,9 +11,10 @@ from functools import cached_property
 from lsprotocol.types import Position, PositionEncodingKind, Range
 
 from rtgen.diagnostics import Span
+from rtgen.facts.encodings import with_line_feeds
 
 _LINE_END = re.compile(r"\r\n|\n|\r")
-_LINE_FEED = re.compile("\n")
+_MARK = "\ufeff"
 
 UTF_8 = PositionEncodingKind.Utf8
 UTF_16 = PositionEncodingKind.Utf16
@@ -39,11 +40,13 @@ class Text:
 
     @cached_property
     def _rows(self) -> list[int]:
-        """The starts of lines as front ends count them: by line feeds, after a byte-order mark."""
-        first = int(self.source.startswith("\ufeff"))
-        if "\r" not in self.source and not first:
-            return self._starts
-        return [first, *(match.end() for match in _LINE_FEED.finditer(self.source))]
+        """The starts of lines as front ends count them: without a byte-order mark."""
+        return [int(self.source.startswith(_MARK)), *self._starts[1:]]
+
+    @cached_property
+    def normal(self) -> str:
+        """The text as front ends have it: with line feeds, without a byte-order mark."""
+        return with_line_feeds(self.source.removeprefix(_MARK))
 
     @cached_property
     def _ascii(self) -> bool:

@@ -13,7 +13,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from msgspec.structs import replace
 
 from rtgen.diagnostics import Diagnostic, Edit, Fix, Span
+from rtgen.facts.encodings import with_line_feeds
 
+_LINE_END = re.compile(r"\r\n?|\n")
 _ESCAPE = re.compile(r"\\([^ntvbrfa\\?'\"0-7xu\n])", re.ASCII)
 _BEFORE = re.compile(r",[ \t]*\Z")
 _AFTER = re.compile(r"[ \t]*,[ \t]*")
@@ -27,11 +29,11 @@ Replacement = tuple[int, int, str]
 
 
 class Text:
-    """A text with the offsets of its lines."""
+    """A text with the offsets of its lines, whatever their ends."""
 
     def __init__(self, text: str) -> None:
         self.text = text
-        self._starts = [0, *(m.end() for m in re.finditer("\n", text))]
+        self._starts = [0, *(m.end() for m in _LINE_END.finditer(text))]
 
     def offset(self, line: int, column: int) -> int:
         """Return the offset of a line and column, both 1-based; beyond the text, its end."""
@@ -117,6 +119,10 @@ def _comment(text: str, start: int, end: int, d: Diagnostic) -> Replacement | No
     return (start, start + 1, ";") if text[start:end].startswith("#") else None
 
 
+def _full_stop(text: str, start: int, end: int, d: Diagnostic) -> Replacement | None:
+    return end, end, "."
+
+
 def _include(text: str, start: int, end: int, d: Diagnostic) -> Replacement | None:
     lines = Text(text)
     first, last = lines.line(start)
@@ -160,6 +166,7 @@ _FIXES: Mapping[
     "IDL0606": ("remove the second name", _item),
     "LINT0001": ("remove the #include", _include),
     "LINT0015": ("remove the comment", _suppression),
+    "TXT0002": ("write a full stop behind it", _full_stop),
 }
 """Title of the fix and function that finds the edit, by code."""
 
@@ -196,14 +203,18 @@ def _with_fix(d: Diagnostic, text: Text) -> Diagnostic:
 
 
 def applied(text: str, edits: Sequence[Edit]) -> str:
-    """Apply edits to a text, except those that overlap an earlier one or do not match."""
+    """Apply edits to a text, except those that overlap an earlier one or do not match.
+
+    Edits have line feeds; the text keeps its own line ends.
+    """
     lines = Text(text)
+    line_end = "\r\n" if "\r\n" in text else "\n"
     parts: list[str] = []
     done = 0
     for edit in sorted(set(edits), key=lambda e: (e.span, e.new)):
         start, end = lines.range(edit.span)
-        if start < done or text[start:end] != edit.old:
+        if start < done or with_line_feeds(text[start:end]) != edit.old:
             continue
-        parts += text[done:start], edit.new
+        parts += text[done:start], edit.new.replace("\n", line_end)
         done = end
     return "".join([*parts, text[done:]])

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from rtgen.facts.encodings import decode
 from rtgen.files import read_file
 from rtgen.model.rtc_profile import RtcProfile
 from rtgen.resources import IDL_FILES, OPENRTM_IDL, idl_source
@@ -48,6 +49,6 @@ def _types(profile: RtcProfile) -> Iterator[str]:
 def declared_in(path: Path) -> set[str]:
     """Return the types and interfaces that an IDL file likely declares; none if unreadable."""
     try:
-        return set(_DECLARED.findall(read_file(path).decode("utf-8", "replace")))
+        return set(_DECLARED.findall(decode(read_file(path)).text))
     except OSError:
         return set()

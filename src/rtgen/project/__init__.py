@@ -2,7 +2,7 @@
 
 from rtgen.project.kinds import FILE_NAME, is_bus_file, is_component_profile, is_system
 from rtgen.project.loading import (
-    KCODES,
+    OUTPUT,
     PRELUDES,
     SYSTEMS_TARGET,
     TARGETS,
@@ -18,7 +18,7 @@ from rtgen.project.loading import (
 
 __all__ = [
     "FILE_NAME",
-    "KCODES",
+    "OUTPUT",
     "PRELUDES",
     "SYSTEMS_TARGET",
     "TARGETS",

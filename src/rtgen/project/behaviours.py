@@ -9,6 +9,7 @@ from pathlib import Path, PurePosixPath
 from rtgen import stages
 from rtgen.backends import Artifact, Owner
 from rtgen.diagnostics import Diagnostic, Span, ToolError
+from rtgen.facts.encodings import decode
 from rtgen.files import UnreadableError, is_file, read_file
 from rtgen.project import Project, shown
 from rtgen.project.rules import LEFTOVER_SKELETON, UNKNOWN_PORT
@@ -71,7 +72,7 @@ def _modules(project: Project, artifacts: Sequence[Artifact]) -> Mapping[str, st
 
 def _text(file: Path) -> str:
     try:
-        return read_file(file).decode("utf-8", "replace")
+        return decode(read_file(file), standard=True).normal
     except UnreadableError as error:
         raise ToolError(f"cannot read {shown(file)}: {error}") from error
 

@@ -91,7 +91,8 @@ class Cache:
             project.define,
             project.ignore_case_clashes,
             project.prelude,
-            project.kcode,
+            project.encoding,
+            [problem.message for problem in project.problems],
             list(map(str, project.tecs_path)),
             project.node_id,
             [

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import keyword
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
@@ -13,6 +13,7 @@ from typing import Any
 
 from rtgen.diagnostics import Diagnostic, InputError, Span, ToolError
 from rtgen.facts import ros_names
+from rtgen.facts.encodings import NAMES, decode
 from rtgen.facts.numeric import FORMS
 from rtgen.facts.ros_marshaling import parse as parse_marshaling
 from rtgen.facts.ros_qos import PROFILES
@@ -239,7 +240,8 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
         "define": _macros,
         "ignore_case_clashes": _flag,
         "prelude": _one_of("kernel", "none"),
-        "kcode": _one_of("auto", "euc", "sjis", "utf8", "none"),
+        "encoding": _one_of(*NAMES),
+        "kcode": _one_of(*NAMES),
     },
     "output": {
         "dir": _text,
@@ -276,11 +278,12 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """The validated content of an rtgen.toml, with its text."""
+    """The validated content of an rtgen.toml, with its text and the doubts about that."""
 
     name: str
     source: str
     content: dict[str, Any]
+    problems: tuple[Diagnostic, ...] = ()
 
     def text(self, section: str, key: str, default: str) -> str:
         """Return a string, or the default."""
@@ -387,19 +390,18 @@ def read(file: Path, name: str) -> Settings:
         data = read_file(file, _MAX_BYTES)
     except UnreadableError as error:
         raise ToolError(f"cannot read {name}: {error}") from error
+    decoded = decode(data, standard=True)
     try:
-        source = data.decode("utf-8")
-    except UnicodeDecodeError as error:
-        before = data[: error.start]
-        line = before.count(b"\n") + 1
-        column = len(before.rpartition(b"\n")[2].decode("utf-8", "replace")) + 1
-        span = Span(name, line, column, line, column + 1)
-        raise InputError([FILE_UNREADABLE.at(span, "not UTF-8")]) from None
-    try:
-        content = parse(source, name)
+        content = parse(decoded.normal, name)
     except TomlError as error:
         raise InputError([FILE_UNREADABLE.at(error.span, str(error))]) from None
-    settings = Settings(name, source, content)
+    problems: Sequence[Diagnostic] = ()
+    if decoded.encoding != "utf8" or decoded.doubt is not None:
+        # Front ends are imported only if they are needed.
+        from rtgen.frontends.kit import characters
+
+        problems = characters.read(data, name, standard="TOML").problems
+    settings = Settings(name, decoded.normal, content, tuple(problems))
     findings = [*_check(settings)]
     if findings:
         raise InputError(findings)

@@ -35,14 +35,14 @@ if TYPE_CHECKING:
 TARGETS = ("embedded", "openrtm", "small", "typescript")
 """Where components can run."""
 
+OUTPUT = "generated"
+"""The output folder without `[output] dir`."""
+
 SYSTEMS_TARGET = "openrtm"
 """The target that generates files for systems."""
 
 PRELUDES = ("kernel", "none")
 """Declarations that CDL files can use without an import: TOPPERS' scalar types, or none."""
-
-KCODES = ("auto", "euc", "sjis", "utf8", "none")
-"""The encodings of CDL files."""
 
 
 class Project(msgspec.Struct, frozen=True, kw_only=True):
@@ -55,8 +55,9 @@ class Project(msgspec.Struct, frozen=True, kw_only=True):
     services of TECS boards can be called over CORBA. `node_id` is the node that devices are read
     for. `systems` are the RtsProfiles among the sources, which are not definitions.
     `ignored_in_files` has pattern, code and place of each entry of `[lint] per-file-ignores`; its
-    patterns are relative to `root`. `form` is `[fmt]`; `plugins` has the options of plug-ins,
-    `[plugin.NAME]`.
+    patterns are relative to `root`. `encoding`, of `encodings.NAMES`, is that of sources that do
+    not tell theirs. `problems` are doubts about rtgen.toml itself. `form` is `[fmt]`; `plugins` has
+    the options of plug-ins, `[plugin.NAME]`.
     """
 
     root: Path
@@ -70,7 +71,7 @@ class Project(msgspec.Struct, frozen=True, kw_only=True):
     define: tuple[tuple[str, str], ...] = ()
     ignore_case_clashes: bool = False
     prelude: str = "kernel"
-    kcode: str = "auto"
+    encoding: str = "auto"
     tecs_path: tuple[Path, ...] = ()
     tecs_corba: bool = False
     package: str = "robots"
@@ -87,6 +88,7 @@ class Project(msgspec.Struct, frozen=True, kw_only=True):
     ignored_in_files: tuple[tuple[str, str, Span], ...] = ()
     plugins: Mapping[str, Mapping[str, Any]] = msgspec.field(default_factory=dict)
     node_id: int | None = None
+    problems: tuple[Diagnostic, ...] = ()
 
     @property
     def reading(self) -> FrontendSettings:
@@ -99,7 +101,7 @@ class Project(msgspec.Struct, frozen=True, kw_only=True):
             define=dict(self.define),
             ignore_case_clashes=self.ignore_case_clashes,
             tecs_path=self.tecs_path,
-            kcode=self.kcode,
+            encoding=self.encoding,
             prelude=self.prelude == "kernel",
             node_id=self.node_id,
             plugins=self.plugins,
@@ -183,7 +185,7 @@ def load(start: Path | None = None) -> Project:
         return Project(
             root=folder,
             base=folder,
-            output=folder / "generated",
+            output=folder / OUTPUT,
             skeletons=folder / "src",
             tecs_path=_tecs_path(),
         )
@@ -194,7 +196,7 @@ def load(start: Path | None = None) -> Project:
     project = Project(
         root=root,
         base=root,
-        output=_normal(root / settings.text("output", "dir", "generated")),
+        output=_normal(root / settings.text("output", "dir", OUTPUT)),
         skeletons=_normal(root / settings.text("output", "skeletons", "src")),
         file=file,
         include=tuple(
@@ -203,7 +205,10 @@ def load(start: Path | None = None) -> Project:
         define=tuple(sorted(settings.macros().items())),
         ignore_case_clashes=settings.flag("sources", "ignore_case_clashes"),
         prelude=settings.text("sources", "prelude", "kernel"),
-        kcode=settings.text("sources", "kcode", "auto"),
+        encoding=settings.text(
+            "sources", "encoding", settings.text("sources", "kcode", "auto")
+        ),
+        problems=settings.problems,
         tecs_path=_tecs_path(),
         tecs_corba=settings.flag("tecs", "corba"),
         package=settings.text("output", "package", "robots"),
@@ -270,7 +275,7 @@ def with_arguments(
     define: Sequence[tuple[str, str]] = (),
     ignore_case_clashes: bool = False,
     prelude: str | None = None,
-    kcode: str | None = None,
+    encoding: str | None = None,
     output: str | None = None,
     add: bool = False,
     node_id: int | None = None,
@@ -289,9 +294,7 @@ def with_arguments(
         skeletons = base / "src"
         if project.skeleton_package:
             skeletons /= project.skeleton_package
-        changes = replace(
-            changes, base=base, output=base / "generated", skeletons=skeletons
-        )
+        changes = replace(changes, base=base, output=base / OUTPUT, skeletons=skeletons)
     if paths:
         named = [Path(p) for p in paths]
         target_of_it = target or project.target
@@ -310,7 +313,7 @@ def with_arguments(
         define=tuple(sorted({**dict(project.define), **dict(define)}.items())),
         ignore_case_clashes=project.ignore_case_clashes or ignore_case_clashes,
         prelude=prelude or project.prelude,
-        kcode=kcode or project.kcode,
+        encoding=encoding or project.encoding,
         node_id=node_id,
         target=target or project.target,
     )
@@ -457,8 +460,7 @@ def _check_names(
         elif key == "skeletons" and parts[0] == root:
             yield PROJECT_NAME.at(
                 where,
-                "the skeletons' package and the generated one are both called "
-                f"{root!r}",
+                f"the skeletons' package and the generated one are both called {root!r}",
             )
 
 

@@ -65,6 +65,15 @@ class Change(msgspec.Struct, frozen=True):
     new: bytes | None
     obstacle: bool = False
 
+    def without_line_ends(self) -> Change | None:
+        """Return the change apart from that of line ends, which git may convert; None if that is
+        all.
+        """
+        if self.old is None or self.new is None:
+            return self
+        old = self.old.replace(b"\r\n", b"\n")
+        return None if old == self.new else msgspec.structs.replace(self, old=old)
+
 
 class Plan(msgspec.Struct, frozen=True):
     """The changes that a run would make to the disk.

@@ -11,7 +11,7 @@ from rtgen.backends.kit.rendering import render
 from rtgen.backends.rts_profile import system_text
 from rtgen.diagnostics import InputError
 from rtgen.model import Model
-from rtgen.project import FILE_NAME, Project
+from rtgen.project import FILE_NAME, OUTPUT, Project
 from rtgen.resources import RH3_FILES, rh3_source
 from rtgen.scaffold.names import Names, names, require_free
 from rtgen.scaffold.rules import NO_PROJECT
@@ -182,8 +182,10 @@ def project(name: Names, package: str, root: Path) -> list[File]:
             root / "pyproject.toml": "pyproject.toml",
             root / "README.md": "README.md",
             root / ".gitignore": "gitignore.txt",
+            root / ".gitattributes": "gitattributes.txt",
         },
         **place.values,
+        generated=OUTPUT,
         name=name.given,
         system=name.module,
     )
@@ -198,8 +200,10 @@ def reference(root: Path) -> list[File]:
         {
             root / "pyproject.toml": "pyproject.toml",
             root / ".gitignore": "gitignore.txt",
+            root / ".gitattributes": "gitattributes.txt",
         },
         **values,
+        generated=OUTPUT,
     )
     made += _files(
         "reference",
@@ -217,7 +221,9 @@ def reference(root: Path) -> list[File]:
 def backend(name: Names, root: Path) -> list[File]:
     """Return a package with a back end, its test, and a project to try it with."""
     package = root / "src" / name.module
-    return _files(
+    attributes = {root / ".gitattributes": "gitattributes.txt"}
+    made = _files("project", attributes, generated=f"example/{OUTPUT}")
+    return made + _files(
         "backend",
         {
             root / "pyproject.toml": "pyproject.toml",

@@ -12,6 +12,7 @@ from msgspec.structs import replace
 
 from rtgen import stages
 from rtgen.diagnostics import Diagnostic, has_errors
+from rtgen.facts.encodings import decode, digest
 from rtgen.files import read_start
 from rtgen.frontends import (
     Dependency,
@@ -38,10 +39,12 @@ class Systems:
     dependencies: list[Dependency] = field(default_factory=list)
 
 
-def read(paths: Sequence[Path], *, root: Path, output: Path) -> Systems:
+def read(
+    paths: Sequence[Path], *, root: Path, output: Path, encoding: str = "auto"
+) -> Systems:
     """Read systems, each with `<Type>.conf` and `<Instance>.conf` of its folder.
 
-    `output` is the output folder of the project.
+    `output` is the output folder of the project, `encoding` that of files that are not UTF-8.
     """
     found = Systems()
     for path in paths:
@@ -51,20 +54,22 @@ def read(paths: Sequence[Path], *, root: Path, output: Path) -> Systems:
         if data is None:
             found.dependencies.append(Dependency(path, None))
             continue
-        digest = sha256(data).hexdigest()
-        found.dependencies.append(Dependency(path, digest))
-        result = rts_profile.load_bytes(data, file)
+        found.dependencies.append(Dependency(path, sha256(data).hexdigest()))
+        result = rts_profile.load_bytes(data, file, encoding)
         found.diagnostics += result.diagnostics
         found.sources |= result.sources
         if result.system is not None:
             system = result.system
-            components = (_with_conf(c, path.parent, found) for c in system.components)
+            components = [
+                _with_conf(component, path.parent, found, encoding)
+                for component in system.components
+            ]
             found.systems.append(
                 replace(
                     system,
                     components=tuple(components),
                     key=key_of(path, root),
-                    sha256=digest,
+                    sha256=digest(data),
                     folder=_relative_folder(output, path.parent),
                 )
             )
@@ -80,18 +85,23 @@ def _relative_folder(start: Path, folder: Path) -> str:
 
 
 def read_file(
-    path: Path,
+    path: Path, encoding: str = "auto"
 ) -> tuple[System | None, Sequence[Diagnostic], Mapping[str, str]]:
     """Read an RtsProfile: the system (None if it has errors), the diagnostics, and the sources."""
-    return rts_profile.load(path, display=path.as_posix())
+    return rts_profile.load(path, display=path.as_posix(), encoding=encoding)
 
 
 def added(
-    result: FrontendResult, paths: Sequence[Path], *, root: Path, output: Path
+    result: FrontendResult,
+    paths: Sequence[Path],
+    *,
+    root: Path,
+    output: Path,
+    encoding: str = "auto",
 ) -> FrontendResult:
     """Return the result with systems, validated against its definitions; see `read`."""
     with stages.stage("systems"):
-        found = read(paths, root=root, output=output)
+        found = read(paths, root=root, output=output, encoding=encoding)
         named, diagnostics = against(found.systems, result)
     return replace(
         result,
@@ -138,7 +148,9 @@ def checked(systems: Iterable[System], models: Iterable[Model]) -> Iterator[Diag
         yield from check(system, known)
 
 
-def _with_conf(c: SystemComponent, folder: Path, found: Systems) -> SystemComponent:
+def _with_conf(
+    c: SystemComponent, folder: Path, found: Systems, encoding: str
+) -> SystemComponent:
     texts = []
     for name in dict.fromkeys((c.type, c.instance)):
         path = folder / f"{name}.conf"
@@ -150,5 +162,5 @@ def _with_conf(c: SystemComponent, folder: Path, found: Systems) -> SystemCompon
             found.dependencies.append(Dependency(path, None))
             continue
         found.dependencies.append(Dependency(path, sha256(data).hexdigest()))
-        texts.append(data.decode("utf-8", "replace"))
+        texts.append(decode(data, encoding, standard=True).normal)
     return replace(c, conf="\n".join(texts))

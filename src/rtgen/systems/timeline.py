@@ -13,6 +13,7 @@ from typing import Any, Final, TypeAlias
 from rtgen import toml_text
 from rtgen.diagnostics import Diagnostic, InputError, Span, ToolError
 from rtgen.facts.connector_properties import own_properties
+from rtgen.facts.encodings import decode
 from rtgen.files import UnreadableError, read_file
 from rtgen.model import PortReference, System
 from rtgen.systems import measures
@@ -198,7 +199,7 @@ def _chain(file: Path, system: System, most: int) -> Iterator[_Reader]:
     """Yield the readers of a timeline and of those it follows, the first one first."""
     name = file.as_posix()
     try:
-        text = read_file(file, _MAX_BYTES).decode("utf-8", "replace")
+        text = decode(read_file(file, _MAX_BYTES), standard=True).normal
     except UnreadableError as error:
         raise ToolError(f"cannot read {name}: {error}") from error
     before: list[_Reader] = []

@@ -11,7 +11,7 @@ from rtgen.diagnostics import Severity
 from rtgen.facts.tdr import Scalar
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.cdl import load, read_text
-from rtgen.frontends.cdl.text.encodings import decode
+from rtgen.frontends.kit.characters import OCTET_OF_LITERAL
 from rtgen.model.c_types import (
     CPointerType,
     CScalarType,
@@ -82,28 +82,11 @@ def test_every_construct(monkeypatch: pytest.MonkeyPatch) -> None:
     assert str(board.members[0].type) == "unsigned char[6]"
 
 
-@pytest.mark.parametrize("codec", ["utf-8", "utf-8-sig", "euc_jp", "cp932"])
-@pytest.mark.parametrize("asked", ["auto", None])
-def test_encodings(codec: str, asked: str | None) -> None:
-    asked = asked or {"euc_jp": "euc", "cp932": "sjis"}.get(codec, "utf8")
-    text, doubt = decode(JAPANESE.encode(codec), asked)
-    assert doubt is None
-    assert text.removeprefix("\ufeff") == JAPANESE
-
-
-def test_a_wrong_encoding_is_doubted() -> None:
-    text, doubt = decode(JAPANESE.encode("cp932"), "euc")
-    assert text == JAPANESE
-    assert doubt == "the file is not EUC-JP; read as Shift_JIS"
-    assert decode(b"\xff\xff", "auto")[1] is not None
-    assert decode(b"\xe9", "none") == ("é", None)
-
-
 def test_shift_jis_backslashes_end_no_string(tmp_path: Path) -> None:
     path = tmp_path / "main.cdl"
     path.write_bytes(JAPANESE.encode("cp932"))
     result = load([path], root=tmp_path)
-    assert _codes(result) == []
+    assert {*_codes(result)} == {OCTET_OF_LITERAL.code}
     text = _named(result, "A")
     assert isinstance(text, TecsConst)
     assert text.value == "能力"

@@ -8,7 +8,7 @@ from rtgen.frontends.idl.text import conditions
 from rtgen.frontends.idl.text.macros import Expander, ExpansionError, define, tokenize
 from rtgen.frontends.idl.text.predefined import predefined
 from rtgen.frontends.idl.text.preprocessor import Preprocessor
-from rtgen.frontends.idl.text.source import Library, decode
+from rtgen.frontends.idl.text.source import Library
 from rtgen.frontends.idl.text.unit import Unit
 
 
@@ -86,19 +86,6 @@ def test_macros(definitions: list[str], text: str, expected: str) -> None:
 def test_bad_definitions(text: str) -> None:
     with pytest.raises(ExpansionError):
         define(text)
-
-
-@pytest.mark.parametrize(
-    ("data", "expected"),
-    [
-        (b"\xef\xbb\xbfa", "a"),
-        ("\u3042".encode(), "\u3042"),
-        (b"\x95\x5c", "\x95\\"),
-        (b"a\xffb\xc3\xa9", "a\xffb\xe9"),
-    ],
-)
-def test_decoding(data: bytes, expected: str) -> None:
-    assert decode(data) == expected
 
 
 def test_positions_lead_back_to_the_source(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ import rtgen
 from rtgen.cli import run
 from rtgen.cli.compiling.fixing import changed_files
 from rtgen.diagnostics import Edit, Span
+from rtgen.frontends.kit.characters import OCTET_OF_COMMENT
 from rtgen.inspection.models import inspect
 from rtgen.lint.fixes import CODES, applied
 from rtgen.project.output import Change
@@ -144,8 +145,51 @@ def test_an_eds(
     assert not any(code in shown for code in ("EDS0105", "EDS0109", "EDS0110"))
 
 
+HEADER = """typedef struct {\r
+  int x;   // X座標の表  \r
+  int y;   // Y座標\r
+} Pose;\r
+"""
+BOARD = """import_C("pose.h");\r
+signature sPose {\r
+  ER get([out] Pose *pose);   // 位置の機能\r
+  ER stop(void);              // 停止
+};\r
+"""
+MEMBERS = """struct P {\r
+  long x;   // X座標の十\r
+  long y;   // 予定のソ   \r
+  long z;   /* 表\r
+  */
+};\r
+"""
+
+
+@pytest.mark.parametrize("declared", [True, False])
+def test_octets_of_backslashes_at_the_end_of_comments(
+    declared: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The fix of files in Shift_JIS adds an octet each, and changes nothing else."""
+    monkeypatch.chdir(tmp_path)
+    if declared:
+        Path("rtgen.toml").write_text('[sources]\nencoding = "sjis"\n')
+    texts = {"pose.h": HEADER, "board.cdl": BOARD, "p.idl": MEMBERS}
+    for name, text in texts.items():
+        Path(name).write_bytes(text.encode("cp932"))
+    run(["lint", "--fix", "--ignore", "LINT0005", "board.cdl", "p.idl"])
+    for name, text in texts.items():
+        fixed = text
+        for end in ("座標の表  ", "の機能", "座標の十", "のソ   "):
+            fixed = fixed.replace(end, f"{end.rstrip()}.{' ' * end.count(' ')}")
+        assert Path(name).read_bytes().decode("cp932") == fixed, name
+    assert OCTET_OF_COMMENT.code not in [
+        d.code for d in rtgen.read([*texts][1:]).diagnostics
+    ]
+
+
 def test_every_fix_is_tried() -> None:
     tried = {code for code, *_ in CASES} | {"EDS0105", "EDS0109", "EDS0110"}
+    tried.add(OCTET_OF_COMMENT.code)
     assert tried == CODES
 
 

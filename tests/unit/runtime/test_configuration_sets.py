@@ -290,9 +290,9 @@ def test_reading_a_conf_file(tmp_path: Path) -> None:
     assert read(path).sets == {"default": {"gain": "2.0"}}
     with pytest.raises(ConfFileError, match="No such file"):
         read(tmp_path / "missing.conf")
-    path.write_bytes(b"\xff\xfe")
-    with pytest.raises(ConfFileError, match="not UTF-8"):
-        read(path)
+    for codec in ("utf-8-sig", "cp932", "euc_jp", "utf-16"):
+        path.write_text("conf.default.name: 表示\n# 能\nconf.a.b: 1", encoding=codec)
+        assert read(path).sets == {"default": {"name": "表示"}, "a": {"b": "1"}}
 
 
 def test_a_component_without_configuration() -> None:

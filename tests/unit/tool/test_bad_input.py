@@ -33,7 +33,7 @@ BAD: dict[str, bytes] = {
     "binary junk": JUNK,
     "NUL": b"module M { \0 };\n",
     "invalid UTF-8": b"module M { struct S { long \xff; }; };\n",
-    "UTF-16": GOOD.decode().encode("utf-16"),
+    "UTF-16": GOOD.decode().encode("utf-16-le"),
     "400 kB line": b"module M { struct S { " + b"Nothing x; " * 36_000 + b"}; };\n",
     "1 MB word": b"module " + b"M" * 1_000_000 + b" {",
     "deep modules": b"".join(b"module M%d {" % i for i in range(1_000)),

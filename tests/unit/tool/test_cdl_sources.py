@@ -44,15 +44,22 @@ def test_a_header_is_an_input() -> None:
     assert first != second
 
 
-def test_prelude_and_kcode_come_from_the_project_file_and_the_command_line() -> None:
-    Path("b.cdl").write_bytes("// 能\nsignature s { ER f( void ); };\n".encode("cp932"))
+@pytest.mark.parametrize("key", ["encoding", "kcode"])
+def test_prelude_and_encoding_come_from_the_project_file_and_the_command_line(
+    key: str,
+) -> None:
+    Path("b.cdl").write_bytes(
+        "// 能力\nsignature s { ER f( void ); };\n".encode("cp932")
+    )
     assert [d.code for d in read(_project()).diagnostics] == ["CDL0009"]
-    Path("rtgen.toml").write_text('[sources]\nprelude = "none"\nkcode = "euc"\n')
+    Path("rtgen.toml").write_text(f'[sources]\nprelude = "none"\n{key} = "euc"\n')
     codes = {d.code for d in read(_project()).diagnostics}
     assert codes == {"CDL0005", "CDL0300"}
-    changed = with_arguments(load(), paths=["b.cdl"], prelude="kernel", kcode="sjis")
+    changed = with_arguments(load(), paths=["b.cdl"], prelude="kernel", encoding="sjis")
     assert [d.code for d in read(changed).diagnostics] == ["CDL0009"]
-    keys = {cache.default().key(replace(changed, kcode=k), ()) for k in ("sjis", "euc")}
+    keys = {
+        cache.default().key(replace(changed, encoding=k), ()) for k in ("sjis", "euc")
+    }
     assert len(keys) == 2
 
 

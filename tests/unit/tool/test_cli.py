@@ -124,11 +124,29 @@ def test_one_character_anywhere_is_drift(
     assert run(check) == 0
 
 
-def test_a_carriage_return_is_drift(pipeline: Pipeline) -> None:
+def test_line_ends_are_no_drift(
+    pipeline: Pipeline, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """A tree that git has converted (core.autocrlf) is up to date."""
     assert run(GENERATE) == 0
+    files = [path for path in Path("generated").rglob("*") if path.is_file()]
+    for file in files:
+        file.write_bytes(file.read_bytes().replace(b"\n", b"\r\n"))
+    capfd.readouterr()
+    assert run(CHECK) == 0
+    shown = capfd.readouterr()
+    assert shown.out == ""
+    assert shown.err.count("line ends") == 1
+    assert "generated/** -text" in shown.err
     file = Path("generated/robots/a.idl.txt")
-    file.write_bytes(file.read_bytes().replace(b"\n", b"\r\n"))
+    file.write_bytes(file.read_bytes() + b"more\r\n")
     assert run(CHECK) == 1
+    changed = [
+        line
+        for line in capfd.readouterr().out.splitlines()
+        if line.startswith(("+", "-")) and not line.startswith(("+++", "---"))
+    ]
+    assert changed == ["-more"]
 
 
 def test_a_missing_file_is_drift(

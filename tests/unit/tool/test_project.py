@@ -105,7 +105,6 @@ def test_the_file_is_found_upwards_and_paths_are_shown_from_here(
     [
         ("[sources\n", "PRJ0001", 1, 9, "Expected"),
         ("a = 'x", "PRJ0001", 1, 7, "Expected"),
-        (b"x = 1\ny = '\xff'", "PRJ0001", 2, 6, "UTF-8"),
         ("a = " + "[" * 20000, "PRJ0001", 1, 1, "deeply"),
         ("a = " + "1" * 20000, "PRJ0001", 1, 1, "number is too long"),
         ("\n[ouput]\n", "PRJ0002", 2, 2, "ouput"),

@@ -105,7 +105,7 @@ def test_a_text_that_is_not_given_is_read(
     (tmp_path / "a.idl").write_bytes(b"one\r\ntwo\xff\n")
     assert (
         report([finding(2)], {}).splitlines()[1]
-        == "    2 | two\N{REPLACEMENT CHARACTER}"
+        == "    2 | two\N{LATIN SMALL LETTER Y WITH DIAERESIS}"
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from difflib import unified_diff
 
+from rtgen.facts.encodings import decode
 from rtgen.project import shown
 from rtgen.project.output import Change
 
@@ -32,6 +33,6 @@ def _one(change: Change) -> str:
 
 
 def _lines(data: bytes | None) -> list[str]:
-    text = (data or b"").decode("utf-8", "backslashreplace")
+    text = decode(data or b"").text
     lines = text.split("\n")
     return [f"{line}\n" for line in lines[:-1]] + ([lines[-1]] if lines[-1] else [])

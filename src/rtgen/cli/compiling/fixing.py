@@ -8,22 +8,23 @@ from hashlib import sha256
 from pathlib import Path
 
 from rtgen.diagnostics import Diagnostic, Edit, ToolError
+from rtgen.facts.encodings import NotEncodableError, decode
 from rtgen.files import ChangedError, UnreadableError, absolute_path, read_file
-from rtgen.formatting.files import LANGUAGES, content
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.kit.library import MAX_BYTES
 from rtgen.lint.fixes import applied
 from rtgen.project import Project, shown
+from rtgen.project.kinds import is_definition
 from rtgen.project.output import Change
 
 
 def changed_files(
     project: Project, found: Sequence[Diagnostic], result: FrontendResult
 ) -> list[Change]:
-    """Return the given files changed by fixes; included files are not changed.
+    """Return the given files changed by fixes, and C headers of the project that they import.
 
-    `result` is the reading in which the diagnostics were found. Raises ToolError for a file that
-    has been changed since.
+    Other included files are not changed. `result` is the reading in which the diagnostics were
+    found. Raises ToolError for a file that has been changed since.
     """
     edits: defaultdict[str, list[Edit]] = defaultdict(list)
     for d in found:
@@ -31,16 +32,32 @@ def changed_files(
             edits[edit.span.file].append(edit)
     digests = {absolute_path(each.path): each.sha256 for each in result.dependencies}
     changes = []
-    for path in sorted(project.sources):
+    headers = [path for path in map(Path, edits) if _is_header(path, project)]
+    for path in sorted({*project.sources, *headers}):
         name = path.as_posix()
         if name in edits:
             data = _content(path, digests.get(absolute_path(path)))
-            language = LANGUAGES.get(Path(name).suffix.lower())
-            read = content(data, language, project.kcode)
-            new = read.encoded(applied(read.text, edits[name]))
+            new = _edited(path, data, edits[name], project.encoding)
             if new != data:
                 changes.append(Change(path, data, new))
     return changes
+
+
+def _is_header(path: Path, project: Project) -> bool:
+    """Return whether a file is a C header of the project, which cannot be given itself."""
+    place = Path(absolute_path(path))
+    inside = place.is_relative_to(project.root)
+    return inside and not (place.is_relative_to(project.output) or is_definition(path))
+
+
+def _edited(path: Path, data: bytes, edits: Sequence[Edit], encoding: str) -> bytes:
+    """Return the bytes of a file with edits of its text, in its encoding. Raises ToolError."""
+    read = decode(data, encoding)
+    try:
+        return read.encode(applied(read.text, edits))
+    except NotEncodableError as error:
+        message = f"cannot fix {shown(path)}: {error}"
+        raise ToolError(message, hint="convert the file to UTF-8 first") from None
 
 
 def _content(path: Path, digest: str | None) -> bytes:

@@ -15,6 +15,7 @@ from rtgen.cli.common import Refusal
 from rtgen.cli.rpc.codecs import Function, Service
 from rtgen.cli.rpc.values import Json
 from rtgen.diagnostics import InputError, has_errors
+from rtgen.facts.encodings import decode
 from rtgen.facts.opaque_rpc import TIMEOUT
 from rtgen.files import UnreadableError, read_file
 from rtgen.layouts.tdr import TransferError
@@ -132,8 +133,13 @@ def read_unit(path: Path, include: tuple[str, ...] = ()) -> TecsUnit:
 
     project = load()
     folders = [*map(Path, include), *project.include, *project.tecs_path]
-    define = dict(project.define)
-    result = cdl.load([path], root=project.root, include=folders, define=define)
+    result = cdl.load(
+        [path],
+        root=project.root,
+        include=folders,
+        define=dict(project.define),
+        encoding=project.encoding,
+    )
     if has_errors(result.diagnostics):
         raise InputError(list(result.diagnostics))
     return result.model.tecs[0]
@@ -187,13 +193,11 @@ def printed(value: Json) -> str:
 
 
 def content(path: Path) -> str:
-    """Read a text in UTF-8. Raises ClickException."""
+    """Read a text. Raises ClickException."""
     try:
-        return read_file(path).decode("utf-8")
+        return decode(read_file(path), standard=True).normal
     except UnreadableError as error:
         raise refused(f"cannot read {path}: {error}") from error
-    except UnicodeDecodeError as error:
-        raise refused(f"{path} is not UTF-8") from error
 
 
 def octets(text: str) -> bytes:

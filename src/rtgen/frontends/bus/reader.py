@@ -12,6 +12,7 @@ from typing import Any
 from msgspec.structs import replace
 
 from rtgen.diagnostics import Diagnostic, Related, Rule, Span, in_order
+from rtgen.facts.encodings import digest
 from rtgen.files import UnreadableError, read_file
 from rtgen.frontends import Dependency, eds, key_of
 from rtgen.frontends.bus import rules
@@ -26,6 +27,7 @@ from rtgen.frontends.bus.values import (
 )
 from rtgen.frontends.eds.findings import Findings
 from rtgen.frontends.eds.rules.lexical import MISSING_FILE, UNREADABLE
+from rtgen.frontends.kit import characters
 from rtgen.frontends.kit.located_toml import Path as Place
 from rtgen.frontends.kit.located_toml import Toml
 from rtgen.model.can_bus import Bus, BusNode, DeviceKind, PdoLink
@@ -70,17 +72,19 @@ class BusResult:
     dependencies: tuple[Dependency, ...]
 
 
-def load(path: Path, *, root: Path) -> BusResult:
+def load(path: Path, *, root: Path, encoding: str = "auto") -> BusResult:
     """Read a bus file and the device descriptions that it names.
 
-    `root` is the project's folder. All problems of the input are in the diagnostics.
+    `root` is the project's folder, `encoding` that of files that do not tell theirs. All problems
+    of the input are in the diagnostics.
     """
-    return _Reader(path, root).run()
+    return _Reader(path, root, encoding).run()
 
 
 class _Reader:
-    def __init__(self, path: Path, root: Path) -> None:
+    def __init__(self, path: Path, root: Path, encoding: str) -> None:
         self._path = path
+        self._encoding = encoding
         self._root = root
         self._file = path.as_posix()
         self._findings = Findings()
@@ -105,15 +109,17 @@ class _Reader:
         start = Span(self._file, 1, 1, 1, 2)
         try:
             data = read_file(self._path, _MAX_BYTES)
-            self._sha256 = sha256(data).hexdigest()
-            text = data.decode("utf-8")
-        except (UnreadableError, UnicodeDecodeError) as error:
+        except UnreadableError as error:
             message = f"{self._file} cannot be read: {error}"
             self._findings.report(rules.BAD_FILE.at(start, message))
+            self._dependencies.append(Dependency(self._path, None))
             return False
-        finally:
-            self._dependencies.append(Dependency(self._path, self._sha256 or None))
-        self._sources[self._file] = text
+        self._dependencies.append(Dependency(self._path, sha256(data).hexdigest()))
+        self._sha256 = digest(data)
+        read = characters.read(data, self._file, self._encoding, standard="TOML")
+        for doubt in read.problems:
+            self._findings.report(doubt)
+        text = self._sources[self._file] = read.text
         try:
             self._toml = Toml(text, self._file)
         except TomlError as error:
@@ -122,7 +128,7 @@ class _Reader:
         for place, problem in problems(self._toml.content):
             where = ".".join(map(str, place))
             self._report(rules.BAD_CONTENT, place, f"{where or 'the file'}: {problem}")
-        return not self._findings.diagnostics
+        return not self._findings.errors
 
     def _bus(self) -> Bus | None:
         content = self._toml.content
@@ -170,7 +176,12 @@ class _Reader:
 
     def _device(self, path: str, where: Place, node_id: int | None) -> Device | None:
         """Return the device of a description file, named relative to the bus file."""
-        read = eds.load([self._path.parent / path], root=self._root, node_id=node_id)
+        read = eds.load(
+            [self._path.parent / path],
+            root=self._root,
+            node_id=node_id,
+            encoding=self._encoding,
+        )
         named = Related(self._toml.span(where), "named here")
         for d in read.diagnostics:
             unread = d.code in _UNREAD

@@ -5,12 +5,14 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 import msgspec
 
 from rtgen import stages
 from rtgen.diagnostics import Diagnostic, in_order
+from rtgen.facts.encodings import Encoded
 from rtgen.frontends import Dependency, FrontendResult
 from rtgen.frontends.cdl.c_headers.file import HeaderFile
 from rtgen.frontends.cdl.names.table import Table
@@ -52,7 +54,7 @@ def load(
     root: Path,
     include: Sequence[Path] = (),
     define: Mapping[str, str] | None = None,
-    kcode: str = "auto",
+    encoding: str = "auto",
     prelude: bool = True,
     observe: Callable[[Table, Sequence[Unit]], None] | None = None,
     memo: Memo | None = None,
@@ -60,9 +62,9 @@ def load(
     """Read CDL files, each with its imports, into one unit of the model each.
 
     `root` is the project's folder, to which the keys of files are relative; `include` are the
-    folders that are searched for imports; `define` gives macros of C headers; `kcode` is the
-    encoding (`auto`, `euc`, `sjis`, `utf8`, `none`); with `prelude` the kernel's scalar types are
-    known without an import. `observe` is called with the symbols and the files of each
+    folders that are searched for imports; `define` gives macros of C headers; `encoding`, of
+    `encodings.NAMES`, is that of files that do not tell theirs; with `prelude` the kernel's scalar
+    types are known without an import. `observe` is called with the symbols and the files of each
     unit; units whose files have not changed are taken from `memo`. All errors of the input are
     in the diagnostics, sorted; nothing is raised for it. Declarations with an error are not in
     the model.
@@ -70,7 +72,7 @@ def load(
     limit = sys.getrecursionlimit()
     sys.setrecursionlimit(max(limit, _FRAMES))
     try:
-        run = _Run(paths, root, include, define or {}, kcode, prelude, observe, memo)
+        run = _Run(paths, root, include, define or {}, encoding, prelude, observe, memo)
         return run.result()
     finally:
         sys.setrecursionlimit(limit)
@@ -80,8 +82,8 @@ def read_text(
     text: str, name: str = "text.cdl", *, prelude: bool = True
 ) -> tuple[TecsUnit, tuple[Diagnostic, ...]]:
     """Return the unit of a text that imports no files, and its diagnostics, sorted."""
-    run = _Run((), Path(), (), {}, "utf8", prelude)
-    source = Source(name, name, Path(name), text.encode(), "utf8")
+    run = _Run((), Path(), (), {}, "auto", prelude)
+    source = Source(name, name, Path(name), Encoded(text.encode()))
     limit = sys.getrecursionlimit()
     sys.setrecursionlimit(max(limit, _FRAMES))
     try:
@@ -111,17 +113,18 @@ class _Run:
         root: Path,
         include: Sequence[Path],
         define: Mapping[str, str],
-        kcode: str,
+        encoding: str,
         with_prelude: bool,
         observe: Callable[[Table, Sequence[Unit]], None] | None = None,
         memo: Memo | None = None,
     ) -> None:
         def make(name: str, key: str, path: Path, data: bytes | None) -> Source:
-            return Source(name, key, path, data, kcode)
+            return Source(name, key, path, data, encoding)
 
         self._shown = {absolute_path(p): p.as_posix() for p in reversed(paths)}
         self._library = Library(make, root, include, self._shown)
-        self._headers = Library(HeaderFile, root, include)
+        header = partial(HeaderFile, encoding=encoding)
+        self._headers = Library(header, root, include)
         self._paths = [Path(path) for path in dict.fromkeys(map(absolute_path, paths))]
         self._define = define
         self._with_prelude = with_prelude
@@ -129,7 +132,12 @@ class _Run:
         self._memo = memo
         self._key = (
             *("CDL", str(Path.cwd()), str(root), *map(str, include)),
-            *(tuple(define.items()), kcode, with_prelude, tuple(self._shown.items())),
+            *(
+                tuple(define.items()),
+                encoding,
+                with_prelude,
+                tuple(self._shown.items()),
+            ),
         )
         self._found = Findings(files.TOO_MANY)
         self._report = self._found.report
@@ -178,6 +186,7 @@ class _Run:
         if self._observe is not None:
             self._observe(read.table, read.units)
         self._sources |= {source.name: source.text for source in read.sources}
+        self._sources |= {h.name: h.source for h in read.headers if h.problems}
         for unit in read.units:
             self._note(unit, main=unit.source is read.source)
         self._dependencies |= {each.path: each for each in read.dependencies}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import codecs
 import re
 from bisect import bisect_left
 from collections.abc import Iterator
@@ -10,27 +9,20 @@ from collections.abc import Iterator
 import msgspec
 
 from rtgen.diagnostics import Diagnostic, Span
+from rtgen.facts import encodings
+from rtgen.facts.encodings import Decoded
 from rtgen.frontends.eds.findings import Findings
 from rtgen.frontends.eds.rules import lexical
 
 MAX_BYTES = 16 * 1024 * 1024
 MAX_LINE = 1024 * 1024
 
-_FALLBACK = "rtgen-windows-1252"
 _KEY = re.compile(r"\s*([^=]*?)\s*=\s*(.*?)\s*", re.DOTALL)
 _KEY_WITH_COLON = re.compile(r"\s*(\w+)\s*:\s*(.*?)\s*", re.DOTALL)
 _HEADER = re.compile(r"\s*\[+([^\[\]]*)\]*\s*(.*?)\s*", re.DOTALL)
 _CLEAN_HEADER = re.compile(r"\s*\[[^\[\]]*\]\s*")
 _NOT_ASCII = re.compile(r"[^\x00-\x7f]")
 _PATH = re.compile(r"[^\s=\[\]]+\.(?:eds|dcf)\s*", re.IGNORECASE)
-
-
-def _as_latin_1(error: UnicodeError) -> tuple[str, int]:
-    assert isinstance(error, UnicodeDecodeError)
-    return error.object[error.start : error.end].decode("latin-1"), error.end
-
-
-codecs.register_error(_FALLBACK, _as_latin_1)
 
 
 class Entry(msgspec.Struct, eq=False):
@@ -116,14 +108,19 @@ def too_large(file: str) -> Diagnostic:
     return lexical.TOO_LARGE.at(Span(file, 1, 1, 1, 1), message)
 
 
-def read(data: bytes, file: str, findings: Findings) -> Document:
-    """Split a file into sections; `file` is the path in diagnostics."""
+def read(
+    data: bytes, file: str, findings: Findings, encoding: str = "auto"
+) -> Document:
+    """Split a file into sections; `file` is the path in diagnostics.
+
+    `encoding` is the one asked for.
+    """
     document = Document(file, "", {})
     if len(data) > MAX_BYTES:
         findings.report(too_large(file))
         return document
-    text, encoding = _decode(data)
-    document.text = text = text.replace("\r\n", "\n").replace("\r", "\n")
+    decoded = encodings.decode(data, encoding)
+    document.text = text = decoded.normal
     if "\0" in text:
         message = "this is not a text file: it holds a NUL byte"
         line = text.count("\n", 0, text.index("\0")) + 1
@@ -134,43 +131,38 @@ def read(data: bytes, file: str, findings: Findings) -> Document:
         hint = "this is a symbolic link as text: give the file that it leads to"
         findings.add(lexical.A_LINK, document.start, message, hint=hint)
         return document
-    _Reader(document, findings, encoding).run()
+    _Reader(document, findings, decoded).run()
     return document
 
 
-def _decode(data: bytes) -> tuple[str, str]:
-    for mark, name, encoding in (
-        (codecs.BOM_UTF8, "UTF-8 with a byte-order mark", "utf-8-sig"),
-        (codecs.BOM_UTF16_LE, "UTF-16", "utf-16"),
-        (codecs.BOM_UTF16_BE, "UTF-16", "utf-16"),
-    ):
-        if data.startswith(mark):
-            return data.decode(encoding, errors="replace"), name
-    try:
-        return data.decode("utf-8"), "UTF-8"
-    except UnicodeDecodeError:
-        return data.decode("cp1252", errors=_FALLBACK), "Windows-1252"
+_OTHER_ENCODING = "if the text is wrong, say the encoding by --encoding"
 
 
 class _Reader:
     """Reads the text line by line."""
 
-    def __init__(self, document: Document, findings: Findings, encoding: str) -> None:
+    def __init__(
+        self, document: Document, findings: Findings, decoded: Decoded
+    ) -> None:
         self._document = document
         self._findings = findings
-        self._encoding = encoding
+        self._decoded = decoded
         self._section: Section | None = None
 
     def run(self) -> None:
         text, file = self._document.text, self._document.file
         odd = _NOT_ASCII.search(text)
-        if odd is not None or self._encoding not in ("UTF-8", "Windows-1252"):
+        if odd is not None or self._decoded.mark:
             at = 0 if odd is None else odd.start()
             row = text.count("\n", 0, at) + 1
             column = at - (text.rfind("\n", 0, at) + 1) + 1
             span = Span(file, row, column, row, column + (odd is not None))
-            message = f"the file is not ASCII; it is read as {self._encoding}"
-            self._findings.add(lexical.NOT_ASCII, span, message)
+            title = self._decoded.title
+            if title == "UTF-8" and self._decoded.mark:
+                title = "UTF-8 with a byte-order mark"
+            message = f"the file is not ASCII; it is read as {title}"
+            hint = None if self._decoded.doubt is None else _OTHER_ENCODING
+            self._findings.add(lexical.NOT_ASCII, span, message, hint=hint)
         for number, line in enumerate(text.split("\n"), 1):
             if len(line) > MAX_LINE:
                 message = (

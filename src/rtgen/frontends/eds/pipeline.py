@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from hashlib import sha256
 from pathlib import Path
 
 from msgspec.structs import replace
 
 from rtgen import stages
 from rtgen.diagnostics import Diagnostic, in_order
+from rtgen.facts.encodings import Encoded, digest
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.eds import ini, keys, lists
 from rtgen.frontends.eds.compact_pdo import implied
@@ -38,16 +38,21 @@ from rtgen.typemap.canopen.names import module_name
 
 
 def load(
-    paths: Sequence[Path], *, root: Path, node_id: int | None = None
+    paths: Sequence[Path],
+    *,
+    root: Path,
+    node_id: int | None = None,
+    encoding: str = "auto",
 ) -> FrontendResult:
     """Read device descriptions into one model.
 
     `root` is the project's folder, to which keys of files are relative. `node_id` is the node-id of
-    the devices, defaulting to that of a DCF. All errors in the input are among the diagnostics,
-    sorted; no exception is raised for them. A file with an error yields no device.
+    the devices, defaulting to that of a DCF; `encoding` that of files that do not tell theirs. All
+    errors in the input are among the diagnostics, sorted; no exception is raised for them. A file
+    with an error yields no device.
     """
     shown = {absolute_path(path): path.as_posix() for path in reversed(paths)}
-    run = _Run(Library(DescriptionFile, root, (), shown), node_id)
+    run = _Run(Library(DescriptionFile, root, (), shown), node_id, encoding)
     for absolute in dict.fromkeys(map(absolute_path, paths)):
         run.read(Path(absolute), shown[absolute])
     return run.result()
@@ -64,8 +69,11 @@ class DescriptionFile:
 
 
 class _Run:
-    def __init__(self, library: Library[DescriptionFile], node_id: int | None) -> None:
+    def __init__(
+        self, library: Library[DescriptionFile], node_id: int | None, encoding: str
+    ) -> None:
         self._library = library
+        self._encoding = encoding
         self._node_id = node_id
         self._devices: list[Device] = []
         self._diagnostics: list[Diagnostic] = []
@@ -96,7 +104,10 @@ class _Run:
             device, text = None, ""
             self._diagnostics.append(ini.too_large(file.name))
         else:
-            device, text, found = _read(file.data, file.name, file.key, self._node_id)
+            data, known = file.data, self._encoding
+            if isinstance(data, Encoded):
+                known = data.encoding
+            device, text, found = _read(data, file.name, file.key, self._node_id, known)
             self._diagnostics += found
         self._texts[file.name] = text
         self._devices += [device] if device is not None else []
@@ -104,19 +115,19 @@ class _Run:
 
 @lru_cache(maxsize=32)  # bus files read device descriptions again
 def _read(
-    data: bytes, file: str, key: str, node_id: int | None
+    data: bytes, file: str, key: str, node_id: int | None, encoding: str
 ) -> tuple[Device | None, str, tuple[Diagnostic, ...]]:
     """Read a device (None if the description has errors), the text, and the diagnostics.
 
-    `file` is the path in diagnostics; the suffix `.dcf`, in any case, marks a DCF.
+    `encoding` is the known or the asked one of a file without a byte-order mark. `file` is the path
+    in diagnostics; the suffix `.dcf`, in any case, marks a DCF.
     """
     findings = Findings()
-    document = ini.read(data, file, findings)
+    document = ini.read(data, file, findings, encoding)
     device = None if findings.failed else _described(document, findings, node_id)
     findings.rewrite(lambda found: _in_section(found, document))
     if device is not None:
-        digest = sha256(data).hexdigest()
-        device = replace(device, key=key or file, sha256=digest)
+        device = replace(device, key=key or file, sha256=digest(data))
     if findings.failed:
         device = None
     return device, document.text, findings.diagnostics

@@ -44,6 +44,7 @@ def load(
     virtual: Mapping[str, VirtualFile | Path] | None = None,
     observe: Callable[[Tables], None] | None = None,
     memo: Memo | None = None,
+    encoding: str = "auto",
 ) -> FrontendResult:
     """Read definition files, each as a translation unit, into one model.
 
@@ -51,7 +52,8 @@ def load(
     of `#include`, in order; `define` are macros. With `ignore_case_clashes`, names that only differ
     in case are different names. `virtual` are files that can be included by name if no such file
     exists; those that are `given` are read before `paths`. `observe` is called with the resolved
-    names of each translation unit; units whose files have not changed are taken from `memo`. All
+    names of each translation unit; units whose files have not changed are taken from `memo`.
+    `encoding`, of `encodings.NAMES`, is that of files that do not tell theirs. All
     errors in the input are among the diagnostics, sorted; no exception is raised for them.
     Declarations with errors, and their dependents, are not in the model.
     """
@@ -60,7 +62,7 @@ def load(
     try:
         run = _Run(
             *(paths, root, include, define or {}, ignore_case_clashes),
-            *(virtual or {}, observe, memo),
+            *(virtual or {}, observe, memo, encoding),
         )
         return run.result()
     finally:
@@ -78,9 +80,10 @@ class _Run:
         virtual: Mapping[str, VirtualFile | Path],
         observe: Callable[[Tables], None] | None,
         memo: Memo | None,
+        encoding: str,
     ) -> None:
         shown = {absolute_path(path): path.as_posix() for path in reversed(paths)}
-        self._library = Library(root, include, shown, virtual)
+        self._library = Library(root, include, shown, virtual, encoding)
         self._given = [
             name
             for name, file in virtual.items()
@@ -93,7 +96,7 @@ class _Run:
         own = ((name, f) for name, f in virtual.items() if isinstance(f, Path))
         self._key = (
             *("IDL", str(Path.cwd()), str(root), *map(str, include)),
-            *(tuple(define.items()), ignore_case_clashes),
+            *(tuple(define.items()), ignore_case_clashes, encoding),
             *(tuple(shown.items()), tuple(own)),
         )
         self._found = Findings(syntax.TOO_MANY_FINDINGS)

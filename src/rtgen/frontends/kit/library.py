@@ -11,6 +11,7 @@ from typing import Generic, Protocol, TypeVar
 import msgspec
 
 from rtgen import files
+from rtgen.facts.encodings import Encoded
 from rtgen.files import absolute_path as absolute_path
 from rtgen.frontends import Dependency
 
@@ -100,7 +101,9 @@ class Library(Generic[F]):
             return None if file is None else self.open(file)
         if name not in self._made:
             text = file.text if isinstance(file.text, str) else file.text()
-            source = self._make(name, file.key, self._root / name, text.encode())
+            source = self._make(
+                name, file.key, self._root / name, Encoded(text.encode())
+            )
             self._made[name] = source
         return self._made[name]
 

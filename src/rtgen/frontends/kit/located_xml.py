@@ -13,6 +13,8 @@ from typing import NoReturn
 from xml.parsers import expat
 
 from rtgen.diagnostics import InputError, Rule, Severity, Span
+from rtgen.facts import encodings
+from rtgen.facts.encodings import Decoded, Encoded
 from rtgen.frontends.kit.lines import LineTable
 
 MALFORMED = Rule("RTC0501", "not well-formed XML", Severity.ERROR)
@@ -25,18 +27,6 @@ RULES = (MALFORMED, DOCTYPE, ENCODING, DEPTH)
 _MAX_DEPTH = 100
 _DECLARED = re.compile(rb"""<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z][\w.-]*)["']""")
 _ATTRIBUTE = re.compile(r"""([^\s=<>/"']+)\s*=\s*("[^"]*"|'[^']*')""")
-_OTHER_NAMES = {
-    "windows-31j": "cp932",
-    "x-sjis": "shift_jis",
-    "x-euc-jp": "euc_jp",
-    "x-ms932": "cp932",
-}
-"""Names of encodings used by Java and Windows, with Python's names."""
-_BYTE_ORDER_MARKS = {
-    b"\xef\xbb\xbf": "utf-8-sig",
-    b"\xff\xfe": "utf-16",
-    b"\xfe\xff": "utf-16",
-}
 
 
 @dataclass(slots=True, eq=False)
@@ -75,32 +65,37 @@ class Element:
 
 def decode(data: bytes, file: str) -> str:
     """Decode an XML file by its byte-order mark or declaration. Raises InputError."""
-    mark = next(
-        (name for start, name in _BYTE_ORDER_MARKS.items() if data.startswith(start)),
-        None,
-    )
     declared = _DECLARED.match(data[:200])
-    encoding = mark or (declared[1].decode("ascii") if declared else "utf-8")
+    is_marked = isinstance(data, Encoded) or data.startswith(encodings.MARKS)
+    label = declared[1].decode("ascii") if declared and not is_marked else "utf-8"
     nowhere = Span(file, 1, 1, 1, 1)
     try:
-        return data.decode(_OTHER_NAMES.get(encoding.lower(), encoding))
+        if not is_marked:
+            return encodings.labelled(data, label)
+        read = encodings.decode(data)
     except LookupError:
         raise InputError(
-            [ENCODING.at(nowhere, f"unknown encoding {encoding!r}")]
+            [ENCODING.at(nowhere, f"unknown encoding {label!r}")]
         ) from None
     except UnicodeError as reason:
+        read = encodings.decode(data)
         place = nowhere
         if isinstance(reason, UnicodeDecodeError):
-            before = data[: reason.start].decode(encoding, errors="replace")
-            line, column = (
-                before.count("\n") + 1,
-                len(before) - (before.rfind("\n") + 1) + 1,
-            )
+            before = encodings.decode(data[: reason.start]).normal
+            line, column = before.count("\n") + 1, len(before.rpartition("\n")[2]) + 1
             place = Span(file, line, column, line, column + 1)
-        message = f"these bytes are not {encoding.upper()}"
-        raise InputError(
-            [ENCODING.at(place, message, hint="save the file as UTF-8")]
-        ) from None
+        message = f"these bytes are not {label.upper()}"
+        raise InputError([ENCODING.at(place, message, hint=_hint(read))]) from None
+    if read.doubt is not None:
+        place = Span(file, read.line, 1, read.line, 1)
+        raise InputError([ENCODING.at(place, read.doubt, hint=_hint(read))])
+    return read.text
+
+
+def _hint(read: Decoded) -> str:
+    if read.encoding in ("sjis", "euc"):
+        return f"they look like {read.title}: declare that, or save the file as UTF-8"
+    return "save the file as UTF-8"
 
 
 _NO_XML = "profiles and systems are XML or YAML; rtgen generate accepts definitions"

@@ -15,13 +15,11 @@ from threading import Lock
 from typing import Any
 
 from rtgen.diagnostics import Diagnostic, Span
+from rtgen.facts.encodings import decode, labelled, with_line_feeds
 from rtgen.files import UnreadableError, read_file
 from rtgen.frontends.openrtm_python import rules
 
 _MAX_BYTES = 4 * 1024 * 1024
-_FALLBACKS = ("utf-8-sig", "euc_jp", "cp932", "latin-1")
-"""Fallback encodings if the declared one does not fit."""
-
 _FIXES = (
     *("except", "exec", "ne", "numliterals", "print", "raise", "repr"),
     *("tuple_params", "unicode"),
@@ -91,22 +89,16 @@ def read_source(path: Path) -> Source:
 
 
 def _decoded(data: bytes) -> tuple[str, str | None]:
-    """Return the text, and the encoding if it had to be guessed."""
+    """Return the text, and the name of the encoding if it had to be guessed.
+
+    PEP 263: a comment in the first two lines declares the encoding, which is UTF-8 without it.
+    """
     try:
-        encoding, _ = tokenize.detect_encoding(BytesIO(data).readline)
-        return _lines(data.decode(encoding)), None
+        declared, _ = tokenize.detect_encoding(BytesIO(data).readline)
+        return with_line_feeds(labelled(data, declared)), None
     except (LookupError, SyntaxError, UnicodeDecodeError):
-        pass
-    for encoding in _FALLBACKS:
-        try:
-            return _lines(data.decode(encoding)), encoding
-        except UnicodeDecodeError:
-            continue
-    raise AssertionError("every octet is a character of latin-1")
-
-
-def _lines(text: str) -> str:
-    return text.replace("\r\n", "\n").replace("\r", "\n")
+        read = decode(data)
+        return read.normal, read.title
 
 
 def _tree(text: str, file: str) -> ast.Module:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from hashlib import sha256
 from pathlib import Path
 from typing import Final
 
@@ -11,8 +10,10 @@ import msgspec
 
 from rtgen import stages
 from rtgen.diagnostics import Span, in_order
+from rtgen.facts.encodings import digest
 from rtgen.facts.ros import ACTION_SERVICES, ACTION_TOPICS
 from rtgen.frontends import FrontendResult
+from rtgen.frontends.kit import characters
 from rtgen.frontends.kit.findings import Findings
 from rtgen.frontends.kit.library import Library, absolute_path
 from rtgen.frontends.kit.main_files import open_main
@@ -31,6 +32,7 @@ from rtgen.frontends.rosidl.syntax import PRIMITIVES, STRINGS, FieldType, parts_
 from rtgen.frontends.rosidl.types import scoped
 from rtgen.model import Declaration, Model, ScopedName, SourceFile
 
+_FORM: Final = "an interface file of ROS 2"
 _MAX_FILES: Final = 10_000
 
 
@@ -44,23 +46,29 @@ class InterfaceFile(msgspec.Struct, frozen=True):
 
 
 def load(
-    paths: Sequence[Path], *, root: Path, include: Sequence[Path] = ()
+    paths: Sequence[Path],
+    *,
+    root: Path,
+    include: Sequence[Path] = (),
+    encoding: str = "auto",
 ) -> FrontendResult:
     """Read interface files into one model, with the messages that they contain.
 
     `root` is the project's folder, to which keys of files are relative; `include` are folders of
-    packages. All errors in the input are among the diagnostics; no exception is raised for them.
+    packages, `encoding` is that of files that are not UTF-8. All errors in the input are among the
+    diagnostics; no exception is raised for them.
     """
     shown = {absolute_path(path): path.as_posix() for path in reversed(paths)}
-    run = _Run(Library(InterfaceFile, root, include, shown, shipped()))
+    run = _Run(Library(InterfaceFile, root, include, shown, shipped()), encoding)
     for absolute in dict.fromkeys(map(absolute_path, paths)):
         run.read_main(Path(absolute), shown[absolute])
     return run.result()
 
 
 class _Run:
-    def __init__(self, library: Library[InterfaceFile]) -> None:
+    def __init__(self, library: Library[InterfaceFile], encoding: str) -> None:
         self._library = library
+        self._encoding = encoding
         self._findings = Findings(rules.TOO_MANY)
         self._files: list[SourceFile] = []
         self._declarations: list[Declaration] = []
@@ -134,7 +142,7 @@ class _Run:
             SourceFile(
                 name=file.name,
                 key=file.key,
-                sha256=sha256(file.data).hexdigest(),
+                sha256=digest(file.data),
                 main=main,
                 includes=tuple(included),
             )
@@ -150,16 +158,15 @@ class _Run:
         if file.data is None:
             self._findings.add(rules.UNREADABLE, start, f"{file.name} is too large")
             return None
-        try:
-            text = file.data.decode("utf-8-sig")
-        except UnicodeDecodeError as error:
-            line = file.data.count(b"\n", 0, error.start) + 1
-            place = Span(file.name, line, 1, line, 1)
-            self._texts[file.name] = file.data.decode("utf-8", "replace")
-            self._findings.add(rules.UNREADABLE, place, "the text is not UTF-8")
+        read = characters.read(file.data, file.name, self._encoding, standard=_FORM)
+        for problem in read.problems:
+            self._findings.report(problem)
+        self._texts[file.name] = read.text
+        if "\0" in read.text:
+            message = "this is not a text file: it holds a NUL byte"
+            self._findings.add(rules.UNREADABLE, start, message)
             return None
-        self._texts[file.name] = text
-        return text
+        return read.text
 
     def _referenced(
         self, messages: Sequence[Message], file: InterfaceFile

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from rtgen import stages
 from rtgen.diagnostics import Diagnostic
+from rtgen.facts.encodings import digest
 from rtgen.files import is_file, read_start
 from rtgen.frontends import Dependency, FrontendResult, key_of, profile_tree
 from rtgen.frontends.kit.library import MAX_BYTES
@@ -23,12 +24,16 @@ __all__ = ["load"]
 
 
 def load(
-    paths: Sequence[Path], *, root: Path, include: Sequence[Path]
+    paths: Sequence[Path],
+    *,
+    root: Path,
+    include: Sequence[Path],
+    encoding: str = "auto",
 ) -> FrontendResult:
     """Read profiles into a model, and search for the IDL files that they use.
 
-    These are searched for beside the profile, in a folder `idl` there, and in `include`. All errors
-    of a file are among the diagnostics.
+    These are searched for beside the profile, in a folder `idl` there, and in `include`. `encoding`
+    is that of profiles in YAML that are not UTF-8. All errors of a file are among the diagnostics.
     """
     profiles: list[RtcProfile] = []
     files: list[SourceFile] = []
@@ -45,16 +50,15 @@ def load(
             found += findings.diagnostics
             dependencies.append(Dependency(path, None))
             continue
-        digest = sha256(data).hexdigest()
-        dependencies.append(Dependency(path, digest))
-        tree, sources[file] = profile_tree.parse(data, file, findings.report)
+        dependencies.append(Dependency(path, sha256(data).hexdigest()))
+        tree, sources[file] = profile_tree.parse(data, file, findings.report, encoding)
         profile = None if tree is None else Reader(file, findings).profile(tree)
         found += findings.diagnostics
         if profile is None:
             continue
         profiles.append(profile)
         key = key_of(path, root)
-        files.append(SourceFile(name=file, key=key, sha256=digest, main=True))
+        files.append(SourceFile(name=file, key=key, sha256=digest(data), main=True))
         folders = (path.parent, path.parent / "idl", *include)
         for name in idl_files([profile]):
             for folder in folders:

@@ -32,21 +32,22 @@ def formatting(
         settings = view.analysis.project.form.items()
         options = Options(**{key.replace("-", "_"): value for key, value in settings})
     source = view.text.source
+    plain = view.text.normal
     lines = None if range_ is None else (range_.start.line + 1, range_.end.line + 1)
     try:
-        if form is not None and "\r" not in source:
+        if form is not None and plain == source:
             return [
                 TextEdit(view.range(edit.start, edit.end), edit.text)
                 for edit in edits(source, form, options, lines, check)
             ]
-        plain = source.replace("\r\n", "\n")
         if form is None:
             made = toml.changed_text(plain, view.document.path, options, lines)
         else:
             made = changed_text(plain, form, options, lines, check)
     except (LexicalError, InputError, ToolError):
         return []
-    new = made.replace("\n", "\r\n") if "\r" in source else made
+    new = made.replace("\n", "\r\n") if "\r\n" in source else made
+    new = source[: source.startswith("\ufeff")] + new
     shift = Shift.between(source, new)
     if shift.start == shift.old == shift.new:
         return []

@@ -81,7 +81,7 @@ class BusNames:
     def add(self) -> None:
         """Add definitions of nodes and kinds, and uses of nodes, kinds, objects and files."""
         try:
-            self._toml = Toml(self._text.source, self._bus.file)
+            self._toml = Toml(self._text.normal, self._bus.file)
         except TomlError:
             return  # reported by the front end
         content = self._toml.content

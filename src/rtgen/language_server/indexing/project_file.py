@@ -17,7 +17,7 @@ _ASSIGNED = re.compile(r"=[^\n]*")
 def add_project_file(collector: Collector, file: str, text: Text) -> None:
     """Add the uses of types and files in the settings, displayed as `file`."""
     try:
-        toml = Toml(text.source, file)
+        toml = Toml(text.normal, file)
     except TomlError:
         return  # reported when the project is loaded
     adapters = toml.content.get("adapter", {})

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import msgspec
 
+from rtgen.facts.encodings import decode
 from rtgen.files import UnreadableError, read_file
 from rtgen.runtime.errors import ConfFileError
 
@@ -30,11 +31,9 @@ class ConfFile(msgspec.Struct, frozen=True, gc=False):
 
 
 def read(path: Path) -> ConfFile:
-    """Read a file in UTF-8. Raises ConfFileError with file, line and reason."""
+    """Read a file. Raises ConfFileError with file, line and reason."""
     try:
-        text = read_file(path, _MAX_BYTES).decode("utf-8")
-    except UnicodeDecodeError:
-        raise ConfFileError(f"{path}: the file is not UTF-8 text") from None
+        text = decode(read_file(path, _MAX_BYTES), standard=True).normal
     except UnreadableError as error:
         raise ConfFileError(f"{path}: {error}") from error
     return parse(text, str(path))

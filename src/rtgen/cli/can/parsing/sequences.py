@@ -11,6 +11,7 @@ from rtgen.cli.can.decoding.node_index import NodeIndex
 from rtgen.cli.can.parsing.frames import frame_of_text
 from rtgen.cli.common import Refusal
 from rtgen.diagnostics import ToolError
+from rtgen.facts.encodings import decode
 from rtgen.files import UnreadableError, read_file
 from rtgen.runtime.canopen.wire.frames import Frame
 
@@ -32,11 +33,9 @@ def read_sequence(path: Path, known: NodeIndex) -> list[Step]:
     before; without a time the frame follows immediately. Lines that begin with `#` are comments.
     """
     try:
-        text = read_file(path).decode("utf-8")
+        text = decode(read_file(path), standard=True).normal
     except UnreadableError as error:
         raise ToolError(f"cannot read {path}: {error}") from error
-    except UnicodeDecodeError as error:
-        raise Refusal(f"{path}: this is not text in UTF-8") from error
     steps = list(_steps(path, text, known))
     if not steps:
         raise Refusal(f"{path}: there is no frame in this file")
@@ -45,7 +44,7 @@ def read_sequence(path: Path, known: NodeIndex) -> list[Step]:
 
 def _steps(path: Path, text: str, known: NodeIndex) -> Iterator[Step]:
     at = 0.0
-    for number, line in enumerate(text.splitlines(), 1):
+    for number, line in enumerate(text.split("\n"), 1):
         written = line.strip()
         if not written or written.startswith("#"):
             continue

@@ -2,19 +2,54 @@
 
 from __future__ import annotations
 
-from hashlib import sha256
+import re
 from pathlib import Path
 
-from rtgen.frontends.cdl.text import encodings
+from rtgen.facts.encodings import digest
+from rtgen.frontends.kit import characters
+from rtgen.frontends.kit.characters import TOKENS, Joined
+
+_BLANK_AND_END = re.compile(r"\\[ \t]+\n")
+_BREAKS = str.maketrans(dict.fromkeys("\v\f\x1c\x1d\x1e\x85\u2028\u2029", " "))
+"""Characters that end a line to `str.splitlines`, as pcpp uses it, and not in C."""
+_READERS = "gcc and tecsgen"
+"""Programs that read the octets of C headers; tecsgen preprocesses them with gcc."""
 
 
 class HeaderFile:
-    """A C header, or a file that it includes."""
+    """A C header, or a file that it includes.
 
-    def __init__(self, name: str, key: str, path: Path, data: bytes | None) -> None:
+    `text` has its lines joined at backslashes, and as many lines as the file.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        key: str,
+        path: Path,
+        data: bytes | None,
+        encoding: str = "auto",
+    ) -> None:
         self.name = name
         self.key = key
         self.path = path
         self.too_large = data is None
-        self.sha256 = sha256(data or b"").hexdigest()
-        self.text = encodings.decode(data or b"", "auto")[0].removeprefix("\ufeff")
+        self.sha256 = digest(data or b"")
+        self._characters = characters.read(data or b"", name, encoding)
+        self._characters.check_line_ends()
+        self.source = self._characters.text
+        self.problems = self._characters.problems
+        self.text = self._checked(self.source).translate(_BREAKS)
+
+    def _checked(self, source: str) -> str:
+        """Return the text with its lines joined; report its comments."""
+        # gcc also joins lines if blanks follow the backslash.
+        blanks = _BLANK_AND_END.sub(
+            lambda match: " " * (len(match[0]) - 2) + "\\\n", source
+        )
+        joined = Joined(blanks)
+        for match in TOKENS.finditer(joined.text):
+            if match[0].startswith("//"):
+                self._characters.check_comment(*match.span(), _READERS, joined)
+                self._characters.check_continued(*match.span(), joined)
+        return joined.with_all_lines()

@@ -149,7 +149,7 @@ class Headers:
             message = f"{file.name} is larger than {MAX_BYTES:,} bytes"
             self._report(rules.HEADER_LIMIT.at(place, message))
             return Header(())
-        run = _Preprocessor(self._library, file)
+        run = _Preprocessor(self._library, file, self._report)
         for name, value in self._define.items():
             run.define(f"{name} {value}")
         for definition in definitions:
@@ -232,7 +232,12 @@ _PARAMETERS = "a parameter of the macro has no name"
 
 
 class _Preprocessor(Preprocessor):  # type: ignore[misc]  # pcpp has no types
-    def __init__(self, library: Library[HeaderFile], file: HeaderFile) -> None:
+    def __init__(
+        self,
+        library: Library[HeaderFile],
+        file: HeaderFile,
+        report: Callable[[Diagnostic], None],
+    ) -> None:
         # A copy, since pcpp takes longer to begin than to read most headers.
         for name, value in vars(_prepared()).items():
             is_own = isinstance(value, (dict, list))
@@ -243,6 +248,7 @@ class _Preprocessor(Preprocessor):  # type: ignore[misc]  # pcpp has no types
         self.spans: dict[str, str] = {}
         self._library = library
         self._file = file
+        self._report = report
         self._tokens = 0
         self._opened = 0
         self._length = 0
@@ -256,7 +262,7 @@ class _Preprocessor(Preprocessor):  # type: ignore[misc]  # pcpp has no types
         self.temp_path.insert(0, str(Path(path).parent))
         self.path.append(_STANDARD_FOLDER)
         self.rewrite_paths: list[tuple[str, str]] = []
-        self.parse(self._file.text, path)
+        self.parse(self._text_of(self._file), path)
         out = _Bounded()
         self.write(out)
         return out.getvalue()
@@ -289,7 +295,12 @@ class _Preprocessor(Preprocessor):  # type: ignore[misc]  # pcpp has no types
         if self._opened > MAX_FILES or len(self.temp_path) > MAX_DEPTH:
             raise LimitError(f"it includes too many files: {found.name} among them")
         self.spans[includepath] = found.name
-        return StringIO(found.text)
+        return StringIO(self._text_of(found))
+
+    def _text_of(self, file: HeaderFile) -> str:
+        for problem in file.problems:
+            self._report(problem)
+        return file.text
 
     def on_directive_handle(
         self, directive: Any, toks: Any, ifpassthru: bool, precedingtoks: Any

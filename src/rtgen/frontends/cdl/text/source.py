@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import re
 from functools import cached_property
-from hashlib import sha256
 from pathlib import Path
 
 from rtgen.diagnostics import Diagnostic, Span
+from rtgen.facts.encodings import digest
 from rtgen.frontends.cdl.rules import files, lexical
-from rtgen.frontends.cdl.text import encodings
-from rtgen.frontends.kit import library
+from rtgen.frontends.kit import characters, library
 from rtgen.frontends.kit.doc_comments import Comment, Docs
 from rtgen.frontends.kit.library import MAX_BYTES
 from rtgen.frontends.kit.lines import LineTable
@@ -26,6 +25,8 @@ _TOKENS = re.compile(
     re.DOTALL,
 )
 _ANGLE = re.compile(r"<(?:[^>\\\n]|\\[^\n])*>")
+_PROGRAMS = "programs that join lines"
+_READERS = "tecsgen and gcc"
 _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f\x7f]")
 
 
@@ -47,25 +48,23 @@ class Source:
         self.name = name
         self.key = key
         self.path = path
-        self.problems: list[Diagnostic] = []
         self.comments: list[Comment] = []
         self.unfinished = False
-        self.sha256 = sha256(data or b"").hexdigest()
+        self.sha256 = digest(data or b"")
+        self._characters = characters.read(
+            data or b"", name, encoding, rule=files.ENCODING
+        )
+        self._characters.check_line_ends()
+        self.text = self._characters.text
+        self.problems: list[Diagnostic] = self._characters.problems
         if data is None:
-            self.text = self.code = ""
             message = f"the file is larger than {MAX_BYTES:,} bytes"
             self.problems.append(files.TOO_LARGE.at(self.span(0, 0), message))
-            return
-        self.text, doubt = encodings.decode(data, encoding)
-        if doubt is not None:
-            self.problems.append(files.ENCODING.at(self.span(0, 0), doubt))
         self.code = self._marked(self._acceptable())
 
     def _acceptable(self) -> str:
-        """Return the text with control characters and a byte-order mark replaced by white space."""
+        """Return the text with control characters replaced by white space."""
         text = self.text
-        if text.startswith("\ufeff"):
-            text = " " + text[1:]
         found = _CONTROL.search(text)
         if found is None:
             return text
@@ -98,9 +97,13 @@ class Source:
                     len(token) < 4 or not token.endswith("*/")
                 ):
                     self._unclosed(start)
+                elif token[1] == "/":
+                    self._characters.check_comment(start, position, _PROGRAMS)
                 self.comments.append(Comment(start, position, token))
                 parts += text[done:start], _blank(token)
                 done = position
+            else:
+                self._characters.check_literal(start, position, _READERS)
         parts.append(text[done:])
         return "".join(parts)
 

@@ -6,7 +6,8 @@ import re
 from pathlib import Path
 
 from rtgen import files
-from rtgen.frontends.idl.text.source import Library, decode
+from rtgen.facts.encodings import decode
+from rtgen.frontends.idl.text.source import Library
 from rtgen.frontends.idl.text.unit import Unit
 
 _MAX_FILES = 200
@@ -39,6 +40,7 @@ class Neighbours:
     def _names(self, folder: Path) -> dict[str, str]:
         if folder not in self._known:
             found: dict[str, str] = {}
+            encoding = self._library.encoding
             left = _MAX_BYTES
             for path in sorted(folder.glob("*.idl"))[:_MAX_FILES]:
                 try:
@@ -48,7 +50,7 @@ class Neighbours:
                 except OSError:
                     continue
                 left -= len(data)
-                for match in _DECLARED.finditer(decode(data)):
+                for match in _DECLARED.finditer(decode(data, encoding).text):
                     found.setdefault(match[1] or match[2], path.name)
                 if left <= 0:
                     break

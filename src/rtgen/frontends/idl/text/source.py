@@ -2,43 +2,23 @@
 
 from __future__ import annotations
 
-import codecs
 import re
-from bisect import bisect_right
 from collections.abc import Mapping, Sequence
-from functools import cached_property
-from hashlib import sha256
+from functools import cached_property, partial
 from pathlib import Path
 
 from rtgen.diagnostics import Diagnostic, Span
+from rtgen.facts.encodings import digest
 from rtgen.frontends.idl.rules import lexical
-from rtgen.frontends.kit import library
+from rtgen.frontends.kit import characters, library
+from rtgen.frontends.kit.characters import TOKENS, Joined
 from rtgen.frontends.kit.doc_comments import Comment
 from rtgen.frontends.kit.library import MAX_BYTES, VirtualFile
 from rtgen.frontends.kit.lines import LineTable
 
-_FALLBACK = "rtgen-latin-1"
-_SPLICE = re.compile(r"(?<![\x80-\xff])\\\r?\n")
-_COMMENT_OR_TEXT = re.compile(
-    r"//[^\n]*|/\*(?:.*?\*/|.*)"
-    r'|"(?:\\[^\n]|[^"\\\n])*"|"(?:\\.|[^"\\;{}#])*"|"[^\n]*'
-    r"|'(?:\\[^\n]|[^'\\\n]){0,12}'",
-    re.DOTALL,
-)
 _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f\x7f]")
-
-
-def _as_latin_1(error: UnicodeError) -> tuple[str, int]:
-    assert isinstance(error, UnicodeDecodeError)
-    return error.object[error.start : error.end].decode("latin-1"), error.end
-
-
-codecs.register_error(_FALLBACK, _as_latin_1)
-
-
-def decode(data: bytes) -> str:
-    """Decode UTF-8 with or without a byte-order mark; other bytes are read as Latin-1."""
-    return data.removeprefix(codecs.BOM_UTF8).decode("utf-8", errors=_FALLBACK)
+_READERS = "omniidl and gcc"
+"""Programs that read the octets of IDL."""
 
 
 class Source:
@@ -48,18 +28,21 @@ class Source:
     Later stages read `code`, and `span` maps offsets back to `text`.
     """
 
-    def __init__(self, name: str, key: str, path: Path, data: bytes) -> None:
+    def __init__(
+        self, name: str, key: str, path: Path, data: bytes, encoding: str = "auto"
+    ) -> None:
         self.name = name
         self.key = key
         self.path = path
-        self.sha256 = sha256(data).hexdigest()
-        self.text = decode(data)
-        self.problems: list[Diagnostic] = []
+        self.sha256 = digest(data)
+        self._characters = characters.read(data, name, encoding)
+        self._characters.check_line_ends()
+        self.text = self._characters.text
+        self.problems: list[Diagnostic] = self._characters.problems
         self.unfinished = False
         self.comments: list[Comment] = []
-        self._splices: list[int] = []
-        self._removed: list[int] = [0]
-        self.code = self._blank_comments(self._join_lines(self._acceptable_text()))
+        self._joined = Joined(self._acceptable_text())
+        self.code = self._blank_comments(self._joined.text)
 
     def _acceptable_text(self) -> str:
         found = _CONTROL.search(self.text)
@@ -77,26 +60,13 @@ class Source:
         self.problems.append(lexical.BAD_CHARACTER.at(span, message))
         return _CONTROL.sub(" ", self.text)
 
-    def _join_lines(self, text: str) -> str:
-        if "\\" not in text:
-            return text
-        parts = []
-        start = length = 0
-        for match in _SPLICE.finditer(text):
-            parts.append(text[start : match.start()])
-            length += match.start() - start
-            start = match.end()
-            self._splices.append(length)
-            self._removed.append(start - length)
-        parts.append(text[start:])
-        return "".join(parts)
-
     def _blank_comments(self, text: str) -> str:
         parts: list[str] = []
         start = 0
-        for match in _COMMENT_OR_TEXT.finditer(text):
+        for match in TOKENS.finditer(text):
             comment = match[0]
             if comment[0] != "/":
+                self._characters.check_literal(*match.span(), _READERS, self._joined)
                 continue
             if comment[1] == "*" and (len(comment) < 4 or not comment.endswith("*/")):
                 self.unfinished = True
@@ -107,6 +77,9 @@ class Source:
                         hint="comments do not nest; close it with */",
                     )
                 )
+            if comment[1] == "/":
+                self._characters.check_comment(*match.span(), _READERS, self._joined)
+                self._characters.check_continued(*match.span(), self._joined)
             self.comments.append(Comment(match.start(), match.end(), comment))
             parts += text[start : match.start()], " " * len(comment)
             start = match.end()
@@ -129,7 +102,11 @@ class Source:
 
     def text_offset(self, offset: int) -> int:
         """Return the offset in `text` of an offset in `code`."""
-        return offset + self._removed[bisect_right(self._splices, offset)]
+        return self._joined.original(offset)
+
+    def _range(self, start: int, end: int) -> tuple[int, int]:
+        """Return the range in `text` of a range in `code` that is not empty."""
+        return self.text_offset(start), self.text_offset(end - 1) + 1
 
     def position(self, offset: int) -> tuple[int, int]:
         """Return line and column, both 1-based, of an offset in `text`."""
@@ -141,18 +118,18 @@ class Source:
 
     def span(self, start: int, end: int) -> Span:
         """Return the span of [start, end) of `code`."""
-        if not self._splices:
+        if not self._joined.starts:
             return self._lines.span(start, max(start, end))
         if end > start:
-            return self.text_span(
-                self.text_offset(start), self.text_offset(end - 1) + 1
-            )
+            return self.text_span(*self._range(start, end))
         place = self.text_offset(start)
         return self.text_span(place, place)
 
 
-def _source(name: str, key: str, path: Path, data: bytes | None) -> Source:
-    source = Source(name, key, path, data or b"")
+def _source(
+    name: str, key: str, path: Path, data: bytes | None, encoding: str
+) -> Source:
+    source = Source(name, key, path, data or b"", encoding)
     if data is None:
         message = f"the file is larger than {MAX_BYTES:,} bytes"
         source.problems = [lexical.FILE_TOO_LARGE.at(source.text_span(0, 0), message)]
@@ -168,6 +145,9 @@ class Library(library.Library[Source]):
         include: Sequence[Path],
         main: Mapping[str, str] | None = None,
         virtual: Mapping[str, VirtualFile | Path] | None = None,
+        encoding: str = "auto",
     ) -> None:
-        """See `library.Library`."""
-        super().__init__(_source, root, include, main, virtual)
+        """See `library.Library`; `encoding` is that of files that do not tell theirs."""
+        make = partial(_source, encoding=encoding)
+        super().__init__(make, root, include, main, virtual)
+        self.encoding = encoding

@@ -1,0 +1,222 @@
+"""Characters of definition files: decoding, line ends, and octets that other programs misread.
+
+In Shift_JIS the second octet of some characters is 5Ch, a backslash in ASCII. Programs that read
+octets, such as omniidl and gcc, join a comment that ends in such a character with the next line;
+here lines are joined by characters.
+"""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterator
+from functools import cache, cached_property
+
+from rtgen.diagnostics import Diagnostic, Rule, Severity
+from rtgen.facts import encodings
+from rtgen.facts.encodings import Decoded
+from rtgen.frontends.kit.lines import LineTable
+
+ENCODING = Rule("TXT0001", "doubtful encoding", Severity.WARNING)
+OCTET_OF_COMMENT = Rule(
+    "TXT0002", "comment that ends in the octet of a backslash", Severity.WARNING
+)
+CONTINUED_COMMENT = Rule("TXT0003", "comment continued in the next line", Severity.NOTE)
+LONE_RETURN = Rule("TXT0004", "carriage return without a line feed", Severity.WARNING)
+OCTET_OF_LITERAL = Rule(
+    "TXT0005", "literal with the octet of a backslash", Severity.WARNING
+)
+
+RULES = (
+    ENCODING,
+    OCTET_OF_COMMENT,
+    CONTINUED_COMMENT,
+    LONE_RETURN,
+    OCTET_OF_LITERAL,
+)
+
+TOKENS = re.compile(
+    r"//[^\n]*|/\*(?:.*?\*/|.*)"
+    r'|"(?:\\[^\n]|[^"\\\n])*"|"(?:\\.|[^"\\;{}#])*"|"[^\n]*'
+    r"|'(?:\\[^\n]|[^'\\\n]){0,12}'",
+    re.DOTALL,
+)
+"""A comment or a literal of IDL or C, in a text whose continued lines are joined."""
+
+_SPLICE = re.compile(r"\\\n")
+_NOT_ASCII = re.compile(r"[^\x00-\x7f]")
+_RAW_LINE = re.compile(rb"\r\n?|\n")
+
+
+class Joined:
+    """A text whose lines are joined at backslashes, as C does, with the places in the original."""
+
+    def __init__(self, text: str) -> None:
+        self.starts: list[int] = []
+        """The offsets where a line was joined to the one before."""
+        self._removed = [0]
+        if "\\" not in text:
+            self.text = text
+            return
+        parts = []
+        start = length = 0
+        for match in _SPLICE.finditer(text):
+            parts.append(text[start : match.start()])
+            length += match.start() - start
+            start = match.end()
+            self.starts.append(length)
+            self._removed.append(start - length)
+        parts.append(text[start:])
+        self.text = "".join(parts)
+
+    def original(self, offset: int) -> int:
+        """Return the offset in the original text."""
+        return offset + self._removed[bisect_right(self.starts, offset)]
+
+    def with_all_lines(self) -> str:
+        """Return the text with empty lines in place of those that were joined to others."""
+        lines = []
+        place = known = 0
+        for line in self.text.split("\n"):
+            place += len(line)
+            joined = bisect_right(self.starts, place)
+            lines.append(line + "\n" * (joined - known))
+            place, known = place + 1, joined
+        return "\n".join(lines)
+
+    def backslashes(self, start: int, end: int) -> Iterator[tuple[int, int]]:
+        """Yield the backslashes in (start, end), as places in the original and in this text."""
+        first, last = bisect_right(self.starts, start), bisect_left(self.starts, end)
+        for number in range(first, last):
+            place = self.starts[number]
+            yield place + self._removed[number], place
+
+
+_UNJOINED = Joined("")
+
+
+class Characters:
+    """The characters of a file, with a line feed as its only line end, and findings about them.
+
+    `file` is its displayed path.
+    """
+
+    def __init__(self, file: str, decoded: Decoded) -> None:
+        self.file = file
+        self.text = decoded.normal
+        self.problems: list[Diagnostic] = []
+        self._decoded = decoded
+        self._is_sjis = any(encoding == "sjis" for encoding, _ in decoded.parts)
+
+    @cached_property
+    def _lines(self) -> LineTable:
+        return LineTable(self.file, self.text)
+
+    @cached_property
+    def _octet_lines(self) -> frozenset[int]:
+        """The lines, from 1, that end in the octet of a backslash, but in another character."""
+        if all(encoding == "utf8" for encoding, _ in self._decoded.parts):
+            return frozenset()
+        octets = b"".join(part for _, part in self._decoded.parts)
+        if self._decoded.title == "UTF-16" or b"\\" not in octets:
+            return frozenset()
+        lines = zip(_RAW_LINE.split(octets), self.text.split("\n"), strict=True)
+        return frozenset(
+            number
+            for number, (line, text) in enumerate(lines, 1)
+            if line.rstrip(b" \t").endswith(b"\\")
+            and not text.rstrip(" \t").endswith("\\")
+        )
+
+    def doubt(self, rule: Rule, message: str) -> None:
+        """Report a doubt about the encoding, at the first character that is not ASCII."""
+        starts = self._lines.starts
+        first = starts[min(self._decoded.line, len(starts)) - 1]
+        found = _NOT_ASCII.search(self.text, first)
+        span = self._lines.span(*((first, first) if found is None else found.span()))
+        self.problems.append(rule.at(span, message))
+
+    def check_comment(
+        self, start: int, end: int, readers: str, joined: Joined = _UNJOINED
+    ) -> None:
+        """Report a `//` comment at [start, end) if it ends in the octet of a backslash.
+
+        `readers` are programs that read octets; offsets are those of the `joined` text.
+        """
+        if not self._octet_lines:
+            return
+        start, end = joined.original(start), joined.original(end - 1) + 1
+        end = start + len(self.text[start:end].rstrip(" \t"))
+        if self._lines.position(end)[0] not in self._octet_lines:
+            return
+        message = (
+            f"the last octet of {self.text[end - 1]} is 5Ch, a backslash: to {readers} the"
+            " next line is part of the comment"
+        )
+        span = self._lines.span(end - 1, end)
+        self.problems.append(OCTET_OF_COMMENT.at(span, message))
+
+    def check_literal(
+        self, start: int, end: int, readers: str, joined: Joined = _UNJOINED
+    ) -> None:
+        """Report a literal at [start, end) with such an octet, as `check_comment`."""
+        if not self._is_sjis:
+            return
+        start, end = joined.original(start), joined.original(end - 1) + 1
+        found = _ends_in_backslash().search(self.text, start, end)
+        if found is not None:
+            message = (
+                f"the last octet of {found[0]} is 5Ch, a backslash: to {readers} it begins"
+                " an escape sequence"
+            )
+            span = self._lines.span(*found.span())
+            self.problems.append(OCTET_OF_LITERAL.at(span, message))
+
+    def check_continued(self, start: int, end: int, joined: Joined) -> None:
+        """Report a `//` comment at [start, end) of the joined text that contains other lines."""
+        for backslash, place in joined.backslashes(start, end):
+            if joined.text[place:end].strip():
+                message = "the backslash makes the next line part of this comment"
+                span = self._lines.span(backslash, backslash + 1)
+                self.problems.append(CONTINUED_COMMENT.at(span, message))
+
+    def check_line_ends(self) -> None:
+        """Report the first carriage return without a line feed."""
+        place = self._decoded.lone_return
+        if place is not None:
+            message = "a lone carriage return is read as a line end"
+            span = self._lines.span(place, place)
+            self.problems.append(LONE_RETURN.at(span, message))
+
+
+@cache
+def _ends_in_backslash() -> re.Pattern[str]:
+    """Return the pattern of the characters of Shift_JIS whose second octet is a backslash."""
+    leads = (*range(0x81, 0xA0), *range(0xE0, 0xFD))
+    pairs = (bytes((lead, ord("\\"))).decode("cp932", "ignore") for lead in leads)
+    return re.compile(f"[{''.join(pair for pair in pairs if not pair.isascii())}]")
+
+
+def read(
+    data: bytes,
+    file: str,
+    encoding: str = "auto",
+    *,
+    rule: Rule = ENCODING,
+    standard: str | None = None,
+) -> Characters:
+    """Return the characters of a file displayed as `file`.
+
+    `encoding`, of `encodings.NAMES`, is the one asked for; `rule` that of doubts about it.
+    `standard` is the name of a format that demands UTF-8.
+    """
+    decoded = encodings.decode(data, encoding, standard=standard is not None)
+    made = Characters(file, decoded)
+    doubt = decoded.doubt
+    if standard is not None and decoded.encoding != "utf8":
+        doubt = f"{standard} is UTF-8; read as {decoded.title}"
+    elif doubt is None and decoded.title == "UTF-16":
+        doubt = "the file is UTF-16, which other compilers do not read"
+    if doubt is not None:
+        made.doubt(rule, doubt)
+    return made
