@@ -8,8 +8,10 @@ from functools import partial
 from msgspec.structs import replace
 
 from rtgen.backends import stage as backends
+from rtgen.diagnostics import has_errors
 from rtgen.facts.ros import INTERFACE_SUFFIXES
 from rtgen.frontends import FrontendResult, together
+from rtgen.frontends.idl.rules.lexical import INCLUDE_NOT_FOUND
 from rtgen.model import Model
 from rtgen.resources import ros_file, ros_interfaces
 
@@ -37,7 +39,13 @@ def _idl_of_shipped(name: str) -> str:
 
 
 def merged(of_idl: FrontendResult, others: FrontendResult) -> FrontendResult:
-    """Merge all definitions. A ROS 2 interface that was read replaces the IDL printed from it."""
+    """Merge all definitions. A ROS 2 interface that was read replaces the IDL printed from it.
+
+    Included files that are missing since other definitions have errors are not reported.
+    """
+    if has_errors(others.diagnostics):
+        found = tuple(d for d in of_idl.diagnostics if d.code != INCLUDE_NOT_FOUND.code)
+        of_idl = replace(of_idl, diagnostics=found)
     if not any(file.name.endswith(INTERFACE_SUFFIXES) for file in others.model.files):
         return together([of_idl, others])
     from rtgen.backends.ros_idl import idl_names

@@ -7,6 +7,7 @@ import gc
 import math
 import os
 import sys
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Concatenate, ParamSpec
 
@@ -99,6 +100,10 @@ class ReportedError(Exception):
         super().__init__(code)
 
 
+_MAX_DEVIATIONS = 3
+"""Deviations of a description of a device that are printed one by one."""
+
+
 class Console(msgspec.Struct, frozen=True):
     """Standard error with the options for it: form of diagnostics, colour, quiet, verbose."""
 
@@ -112,19 +117,29 @@ class Console(msgspec.Struct, frozen=True):
         self,
         diagnostics: Sequence[Diagnostic],
         sources: Mapping[str, str] | None = None,
+        *,
+        fold: bool = True,
     ) -> None:
         """Print diagnostics; forms with a single document (JSON, SARIF) are printed by `close`.
 
-        A document is printed even without diagnostics.
+        A document is printed even without diagnostics. `fold`: the deviations of a description of a
+        device are printed as one line, for people.
         """
         if self.form in _DOCUMENTS:
             self._held.append(diagnostics)
         elif diagnostics:
             from rtgen.diagnostics.report import report, summary
 
+            folded: Mapping[str, int] = {}
+            if fold and self.form == "text":
+                diagnostics, folded = _folded(diagnostics)
             text = report(diagnostics, sources or {}, self.form, colour=self.colour)
             sys.stderr.write(text)
-            if self.form == "text" and not self.quiet:
+            for file, number in folded.items():
+                self.say(
+                    f"{file}: {number} deviations are tolerated; rtgen lint shows them"
+                )
+            if diagnostics and self.form == "text" and not self.quiet:
                 sys.stderr.write(f"{summary(diagnostics)}\n")
 
     def close(self) -> None:
@@ -140,6 +155,27 @@ class Console(msgspec.Struct, frozen=True):
         """Print a line for people, unless quiet or in a machine-readable form."""
         if text and not self.quiet and self.form == "text":
             sys.stderr.write(printable(f"{text}\n", "\n\t"))
+
+
+def _folded(
+    diagnostics: Sequence[Diagnostic],
+) -> tuple[Sequence[Diagnostic], Mapping[str, int]]:
+    """Leave out the deviations of files that have many; return the rest, and their numbers."""
+    if not any(d.code.startswith("EDS") for d in diagnostics):
+        return diagnostics, {}
+    from rtgen.diagnostics import in_order
+    from rtgen.frontends.eds.rules import DEVIATIONS
+
+    numbers = Counter(
+        d.span.file for d in in_order(diagnostics) if d.span and d.code in DEVIATIONS
+    )
+    folded = {file: n for file, n in sorted(numbers.items()) if n > _MAX_DEVIATIONS}
+    rest = [
+        d
+        for d in diagnostics
+        if not (d.code in DEVIATIONS and d.span and d.span.file in folded)
+    ]
+    return rest, folded
 
 
 def for_output(text: str) -> str:

@@ -62,7 +62,7 @@ def inspect(
         None if no_cache else cache.default(),
         as_json=as_json,
     )
-    console.findings(run.diagnostics, run.sources)
+    console.findings(run.diagnostics, run.sources, fold=False)
     if as_json or not run.failed:
         for artifact in run.artifacts:
             write_out(artifact.text)

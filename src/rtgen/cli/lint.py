@@ -86,7 +86,7 @@ def lint(
             console.say(f"fixed {shown(change.path)}")
         fixed += 1
         found, result = _findings(project, select, ignore, whole)
-    console.findings(found, result.sources)
+    console.findings(found, result.sources, fold=False)
     if has_errors(found):
         return BAD_INPUT
     return NO if any(d.severity is Severity.WARNING for d in found) else OK

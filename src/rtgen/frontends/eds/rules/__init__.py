@@ -1,6 +1,6 @@
 """Rules of the EDS front end, in modules by hundreds of their codes."""
 
-from rtgen.diagnostics import Rule
+from rtgen.diagnostics import Rule, Severity
 from rtgen.frontends.eds.rules import (
     information,
     lexical,
@@ -18,3 +18,8 @@ RULES: tuple[Rule, ...] = (
     *pdos.RULES,
     *modules.RULES,
 )
+
+DEVIATIONS = frozenset(
+    rule.code for rule in RULES if rule.severity is not Severity.ERROR
+)
+"""Codes of deviations from CiA 306 and CiA 301 with which a description is read."""
