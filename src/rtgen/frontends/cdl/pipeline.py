@@ -125,6 +125,7 @@ class _Run:
         self._library = Library(make, root, include, self._shown)
         header = partial(HeaderFile, encoding=encoding)
         self._headers = Library(header, root, include)
+        self._plugins = Library(header, root, include)
         self._paths = [Path(path) for path in dict.fromkeys(map(absolute_path, paths))]
         self._define = define
         self._with_prelude = with_prelude
@@ -155,7 +156,7 @@ class _Run:
             self._files[header.name] = SourceFile(
                 name=header.name, key=header.key, sha256=header.sha256, main=False
             )
-        for library in (self._library, self._headers):
+        for library in (self._library, self._headers, self._plugins):
             for dependency in library.dependencies:
                 self._dependencies.setdefault(dependency.path, dependency)
         return FrontendResult(
@@ -217,7 +218,7 @@ class _Run:
         """Read a main file with its imports, independently of other main files."""
         stages.file(source.name)
         found = Findings()
-        libraries = self._library, self._headers
+        libraries = self._library, self._headers, self._plugins
         for library in libraries:
             library.trail.clear()
         names = frozenset(kernel.TYPES) if self._with_prelude else frozenset[str]()
@@ -226,7 +227,9 @@ class _Run:
             unit = reader.read(source)
         broken = any(each.skipped for each in reader.units)
         report = _without_absences(found.report) if broken else found.report
-        table = Table(report, with_prelude=self._with_prelude)
+        table = Table(
+            report, with_prelude=self._with_prelude, has_plugin=self._has_plugin
+        )
         table.lacking = reader.incomplete
         with stages.stage("analyse"):
             Analysis(table).run(unit)
@@ -247,6 +250,14 @@ class _Run:
                 for path in library.trail
             ),
         )
+
+    def _has_plugin(self, unit: Unit, file: str) -> bool:
+        """Return whether a plug-in of tecsgen is in one of the searched folders."""
+        folders = (Path(), *self._plugins.include, unit.source.path.parent)
+        try:
+            return any(self._plugins.open(each / file) is not None for each in folders)
+        except OSError:
+            return False
 
     def _note(self, unit: Unit, *, main: bool) -> None:
         source = unit.source

@@ -18,13 +18,18 @@ class Table:
     """The declarations of a unit, by scope and in order, and its sink of diagnostics.
 
     `with_prelude`: types of tecsgen's headers are known without an import; `prelude_used` are their
-    first uses.
+    first uses. `has_plugin` returns whether the Ruby file of a plug-in is found from a unit.
     """
 
     def __init__(
-        self, report: Callable[[Diagnostic], None], *, with_prelude: bool = True
+        self,
+        report: Callable[[Diagnostic], None],
+        *,
+        with_prelude: bool = True,
+        has_plugin: Callable[[Unit, str], bool] = lambda unit, file: False,
     ) -> None:
         self.report = report
+        self.has_plugin = has_plugin
         self.with_prelude = with_prelude
         self.root = Scope((), None)
         self.declarations: list[Entity] = []

@@ -18,7 +18,9 @@ from rtgen.frontends.cdl.names.table import Table
 from rtgen.frontends.cdl.passes.components import Components
 from rtgen.frontends.cdl.passes.constants import Constants
 from rtgen.frontends.cdl.passes.signatures import Signatures
-from rtgen.frontends.cdl.passes.types import Types, is_plain, name_of_untagged
+from rtgen.frontends.cdl.passes.specifiers import belongs
+from rtgen.frontends.cdl.passes.types import Types
+from rtgen.frontends.cdl.passes.untagged import is_plain, name_of_untagged
 from rtgen.frontends.cdl.passes.values import DeclaredValues
 from rtgen.frontends.cdl.rules import headers as header_rules
 from rtgen.frontends.cdl.rules import syntax
@@ -123,7 +125,8 @@ class Analysis:
                 what = _CALLED.get(type(item.node)) or type(item.node).__name__.lower()
                 span = unit.span(specifier.start, specifier.end)
                 message = f"'{specifier.word}' cannot precede a {what}"
-                self._report(syntax.MISPLACED_SPECIFIER.at(span, message))
+                hint = belongs(specifier.word)
+                self._report(syntax.MISPLACED_SPECIFIER.at(span, message, hint=hint))
 
     def _typedef(
         self, item: statements.Item, node: tree.Typedef, unit: Unit, scope: Scope

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 
 from rtgen.diagnostics import Related
 from rtgen.frontends.cdl.names.entities import (
@@ -11,13 +11,16 @@ from rtgen.frontends.cdl.names.entities import (
     Join,
     Place,
     Report,
+    Spanned,
     Values,
 )
 from rtgen.frontends.cdl.names.scopes import Kind
 from rtgen.frontends.cdl.passes import specifiers
 from rtgen.frontends.cdl.passes.regions import Regions
+from rtgen.frontends.cdl.passes.specifiers import belongs
 from rtgen.frontends.cdl.rules import cells as rules
 from rtgen.frontends.cdl.rules import celltypes as celltype_rules
+from rtgen.frontends.cdl.rules import syntax
 from rtgen.frontends.cdl.syntax import tree
 from rtgen.frontends.kit.suggestions import nearest
 
@@ -37,6 +40,7 @@ class CellSpecifiers:
         self._add = add
         self._report = report
         self._restricted: list[tuple[tree.ScopedName, Place]] = []
+        self._of_joins: list[tuple[Cell, tree.Specifier, Place]] = []
 
     def take(
         self, cell: Cell, given: list[tree.Specifier], place: Place, prototype: bool
@@ -44,6 +48,8 @@ class CellSpecifiers:
         """Record the specifiers of a cell."""
         for specifier in given:
             match specifier.word:
+                case "through":
+                    self._of_joins.append((cell, specifier, place))
                 case "id":
                     self._id(cell, specifier, place)
                 case "allocator":
@@ -97,6 +103,27 @@ class CellSpecifiers:
                     )
                 )
 
+    def check(self, cells: Sequence[Cell]) -> None:
+        """Report `through` in front of cells; the hint is the join that it belongs to."""
+        for cell, specifier, place in self._of_joins:
+            joins = [*_leading_to(cell, cells), *(j for j in cell.order if j.cell)]
+            hint, related = belongs(specifier.word), []
+            if joins:
+                join = joins[0]
+                related = [Related(join.span, "this join of the cell")]
+                written = f"{_text(place, specifier)}] {join.name}"
+                if join.value is not None:
+                    value = _text(join.place, join.value)
+                    hint = f"write it in front of the join: [{written} = {value};"
+            self._report(
+                syntax.MISPLACED_SPECIFIER.at(
+                    place.span(specifier),
+                    f"through cannot precede the cell {cell.name}",
+                    related=related,
+                    hint=hint,
+                )
+            )
+
     def _allocator(self, cell: Cell, node: tree.Allocation, place: Place) -> None:
         """Handle `port[i].function.parameter = Cell.eAlloc` of a cell: a join of a hidden port."""
         if node.operator != "=" or len(node.path) != 3:
@@ -142,3 +169,16 @@ class CellSpecifiers:
             )
         )
         return 0
+
+
+def _leading_to(cell: Cell, cells: Sequence[Cell]) -> Iterator[Join]:
+    """Yield the joins of other cells, as written, that lead to a cell."""
+    for each in cells:
+        for join in each.order:
+            if join.cell is cell and join.value is not None:
+                yield join
+
+
+def _text(place: Place, node: Spanned) -> str:
+    """Return a node as written, on one line."""
+    return " ".join(place.unit.source.text[node.start : node.end].split())

@@ -63,6 +63,10 @@ class Cells:
         """Check specifiers of cells that refer to later declarations."""
         self._specifiers.finish()
 
+    def check(self) -> None:
+        """Report specifiers of joins in front of cells, once the joins are resolved."""
+        self._specifiers.check(self.all)
+
     def declare(
         self,
         item: statements.Item,
@@ -74,6 +78,8 @@ class Cells:
         type_, guessed = self._celltype(node, place, inside)
         cell, fresh = self._cell(node, place, inside, type_, guessed)
         words = specifiers.CELL if inside is None else specifiers.INNER_CELL
+        if inside is None:
+            words = (*words, *specifiers.JOIN)  # reported by `check`
         given = specifiers.accepted(
             item.specifiers, words, f"the cell {node.name.text}", place, self._report
         )

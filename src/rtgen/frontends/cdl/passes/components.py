@@ -37,7 +37,7 @@ class Components:
         report = table.report
         self._table = table
         self._report = report
-        self._regions = Regions(table.root, report)
+        self._regions = Regions(table.root, report, table.has_plugin)
         self._cells = Cells(values, self._regions, report)
         self._joins = ImplicitJoins(values, self._regions, self._cells, report)
         self._celltypes = Celltypes(values, self._regions.applied, report)
@@ -218,6 +218,7 @@ class Components:
             self._joins.resolve(cell)
         for cell in cells.all:
             self._joins.fixed(cell)
+        cells.check()
         for cell in cells.all:
             self._open_ends.check(cell)
         check_use(cells.declared, self._report)

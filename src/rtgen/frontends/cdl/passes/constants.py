@@ -13,7 +13,8 @@ from rtgen.frontends.cdl.names.scopes import Kind, Scope
 from rtgen.frontends.cdl.names.table import Table
 from rtgen.frontends.cdl.passes.arithmetic import limits, width
 from rtgen.frontends.cdl.passes.expressions import Expressions
-from rtgen.frontends.cdl.passes.types import Types, name_of_untagged
+from rtgen.frontends.cdl.passes.types import Types
+from rtgen.frontends.cdl.passes.untagged import name_of_untagged
 from rtgen.frontends.cdl.rules import constants as rules
 from rtgen.frontends.cdl.syntax import statements, tree
 from rtgen.frontends.cdl.syntax.unit import Unit

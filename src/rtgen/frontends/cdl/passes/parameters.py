@@ -9,7 +9,9 @@ from rtgen.frontends.cdl.names.operands import Operand, OperandClass
 from rtgen.frontends.cdl.names.scopes import Entity, Kind, Scope
 from rtgen.frontends.cdl.names.table import Table
 from rtgen.frontends.cdl.passes.arithmetic import whole_number
-from rtgen.frontends.cdl.passes.types import Types, name_of_untagged
+from rtgen.frontends.cdl.passes.specifiers import belongs
+from rtgen.frontends.cdl.passes.types import Types
+from rtgen.frontends.cdl.passes.untagged import name_of_untagged
 from rtgen.frontends.cdl.rules import signatures as rules
 from rtgen.frontends.cdl.rules import syntax
 from rtgen.frontends.cdl.rules import types as type_rules
@@ -192,7 +194,8 @@ class ParameterAnalysis(SignatureAnalysis):
             word = specifier.word
             if word not in _ALLOWED:
                 message = f"'{word}' cannot precede a parameter"
-                self._report(syntax.MISPLACED_SPECIFIER, specifier, message)
+                hint = belongs(specifier.word)
+                self._report(syntax.MISPLACED_SPECIFIER, specifier, message, hint)
                 parameter.good = False
             elif word in _DIRECTIONS:
                 self._direction(parameter, specifier)

@@ -9,6 +9,8 @@ OURS = frozenset({"RTCPlugin", "RTCPlug-in"})
 
 OWN_NAME = "RTCPlugin"
 
+_SUFFIX = "plugin"
+
 THROUGH = frozenset(
     {
         "HRP2RPCPlugin",
@@ -145,6 +147,37 @@ def is_ours(name: str) -> bool:
 def is_known(name: str) -> bool:
     """Return whether the name is that of rtgen's plug-in or of one that tecsgen ships."""
     return is_ours(name) or class_name(name) in TECSGEN or f"{name}Plugin" in DOMAIN
+
+
+def nearest(name: str) -> str | None:
+    """Return the known plug-in whose name is misspelt, if it is likely to be one.
+
+    Names are compared without `Plugin`, which they share. Those that differ by digits alone are of
+    other kernels, as are `HRP2TaskPlugin` and `HRP3TaskPlugin`.
+    """
+    names = {_folded(each): each for each in (*sorted(TECSGEN), OWN_NAME)}
+    bare = {each.removesuffix(_SUFFIX): name for each, name in names.items()}
+    written = _folded(name)
+    stem = written.removesuffix(_SUFFIX)
+    if stem in bare:
+        return bare[stem]
+    from difflib import get_close_matches
+
+    word, known, cutoff = written, names, 0.86
+    if stem != written:
+        word, known, cutoff = stem, bare, 0.65
+    close = get_close_matches(word, known, n=1, cutoff=cutoff)
+    if not close or _without_digits(close[0]) == _without_digits(word):
+        return None
+    return known[close[0]]
+
+
+def _folded(name: str) -> str:
+    return name.replace("-", "").replace("_", "").lower()
+
+
+def _without_digits(name: str) -> str:
+    return "".join(c for c in name if not c.isdigit())
 
 
 def may_join(name: str) -> bool:

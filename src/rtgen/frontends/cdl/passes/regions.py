@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import msgspec
 from msgspec.structs import replace
 
@@ -11,6 +13,7 @@ from rtgen.frontends.cdl.names.scopes import Kind, Scope
 from rtgen.frontends.cdl.passes import plugins, specifiers
 from rtgen.frontends.cdl.rules import regions as rules
 from rtgen.frontends.cdl.syntax import statements, tree
+from rtgen.frontends.cdl.syntax.unit import Unit
 from rtgen.frontends.kit.suggestions import nearest
 
 
@@ -35,8 +38,12 @@ class Permits(msgspec.Struct, eq=False):
 class Regions:
     """The regions of a unit."""
 
-    def __init__(self, root: Scope, report: Report) -> None:
+    def __init__(
+        self, root: Scope, report: Report, has_plugin: Callable[[Unit, str], bool]
+    ) -> None:
+        """Initialize with the function that returns whether the file of a plug-in exists."""
         self._report = report
+        self._has_plugin = has_plugin
         self.applied = plugins.Applied()
         self._permits: dict[Scope, Permits] = {root: Permits(node=True)}
 
@@ -155,17 +162,17 @@ class Regions:
         (applied.on_ways if on_way else applied.generators).append(name.text)
         if plugins.is_known(name.text):
             return
-        written = plugins.class_name(name.text)
-        near = nearest(written, (plugins.OWN_NAME, *sorted(plugins.TECSGEN)))
+        file = f"{plugins.class_name(name.text)}.rb"
+        if self._has_plugin(place.unit, file):
+            return
+        near = plugins.nearest(name.text)
+        rule = rules.MISSPELT_PLUGIN if near else rules.UNKNOWN_PLUGIN
+        own = f"{file} is found in the folders of -I, as by tecsgen's option -L"
         self._report(
-            rules.UNKNOWN_PLUGIN.at(
+            rule.at(
                 place.span(name),
                 f"the plug-in {name.text} is not known",
-                hint=(
-                    f"did you mean {near}?"
-                    if near
-                    else "tecsgen finds it by its option -L"
-                ),
+                hint=f"did you mean {near}? Else {own}" if near else own,
             )
         )
 

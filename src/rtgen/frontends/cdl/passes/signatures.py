@@ -7,6 +7,7 @@ from rtgen.frontends.cdl.names.c_types import is_void
 from rtgen.frontends.cdl.names.scopes import Entity, Scope
 from rtgen.frontends.cdl.names.table import Table
 from rtgen.frontends.cdl.passes.parameters import ParameterAnalysis, SignatureAnalysis
+from rtgen.frontends.cdl.passes.specifiers import belongs
 from rtgen.frontends.cdl.passes.types import Types
 from rtgen.frontends.cdl.rules import signatures as rules
 from rtgen.frontends.cdl.rules import syntax
@@ -111,7 +112,8 @@ class _Signature(SignatureAnalysis):
                 oneway = True
             else:
                 message = f"'{specifier.word}' cannot precede a function"
-                self._report(syntax.MISPLACED_SPECIFIER, specifier, message)
+                hint = belongs(specifier.word)
+                self._report(syntax.MISPLACED_SPECIFIER, specifier, message, hint)
         name = node.declarator.name
         assert name is not None
         suffix = node.declarator.suffixes[0] if node.declarator.suffixes else None

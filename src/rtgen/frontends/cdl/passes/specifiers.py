@@ -24,6 +24,32 @@ REGION = (
 )
 
 
+_OWNERS = {
+    "a signature": ("context", "callback", "deviate"),
+    "a function": ("oneway",),
+    "a parameter": ("in", "out", "inout", "send", "receive", "nullable"),
+    "a parameter or struct member": ("count_is", "string"),
+    "a parameter, struct member, attribute or variable": ("size_is",),
+    "a celltype or composite": ("singleton", "active", "idx_is_id"),
+    "a signature, celltype, composite or cell": ("generate",),
+    "a call port": ("optional", "dynamic", "ref_desc"),
+    "a call port or attribute": ("omit",),
+    "an entry port": ("inline",),
+    "an entry port or cell": ("allocator",),
+    "an attribute": ("choice",),
+    "a cell": ("id", "prototype", "restrict"),
+    "a join in a cell": JOIN,
+    "a region": REGION,
+}
+_OWNER = {word: owner for owner, words in _OWNERS.items() for word in words}
+
+
+def belongs(word: str) -> str:
+    """Return a hint that says what a specifier precedes."""
+    example = ': [through( RTCPlugin, "" )] cCall = Cell.eEntry;' * (word == "through")
+    return f"{word} belongs in front of {_OWNER[word]}{example}"
+
+
 def accepted(
     bracket: tree.Specifiers | None,
     words: Collection[str],
@@ -37,7 +63,9 @@ def accepted(
         if specifier.word in words:
             found.append(specifier)
         else:
-            hint = f"possible are {', '.join(words)}" if words else "remove it"
+            hint = belongs(specifier.word)
+            if words:
+                hint = f"possible here are {', '.join(words)}; {hint}"
             report(
                 syntax.MISPLACED_SPECIFIER.at(
                     place.span(specifier),

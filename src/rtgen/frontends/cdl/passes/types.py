@@ -19,6 +19,8 @@ from rtgen.frontends.cdl.names.scopes import Entity, Kind, Scope
 from rtgen.frontends.cdl.names.table import Table
 from rtgen.frontends.cdl.passes import prelude
 from rtgen.frontends.cdl.passes.expressions import Expressions
+from rtgen.frontends.cdl.passes.specifiers import belongs
+from rtgen.frontends.cdl.passes.untagged import UNTAGGED, name_of_untagged
 from rtgen.frontends.cdl.rules import signatures as signature_rules
 from rtgen.frontends.cdl.rules import syntax
 from rtgen.frontends.cdl.rules import types as rules
@@ -39,8 +41,6 @@ from rtgen.model.c_types import (
 from rtgen.model.tecs import Sizes, TecsEnum, TecsMember, TecsStruct, TecsTypedef
 from rtgen.model.types import ScopedName
 
-UNTAGGED = "untagged"
-"""Name of a struct or enum without a tag, with which nothing is declared."""
 _SCALARS = {kind: CScalarType(kind) for kind in Scalar}
 _CHAR = CScalarType(Scalar.CHAR, plain=True)
 _SIGNED = {
@@ -63,25 +63,6 @@ def _same(one: tuple[TecsMember, ...], other: tuple[TecsMember, ...]) -> bool:
     return [(m.name, str(m.type)) for m in one] == [
         (m.name, str(m.type)) for m in other
     ]
-
-
-def name_of_untagged(declarators: Iterable[tree.Declarator | None]) -> str:
-    """Return the name of a struct or enum without a tag, from what is declared with it.
-
-    It is that of the first declarator of the type itself, as in C++, else of the first one.
-    """
-    named = [(d, d.name.text) for d in declarators if d is not None and d.name]
-    plain = (name for each, name in named if is_plain(each))
-    return next(plain, named[0][1] if named else UNTAGGED)
-
-
-def is_plain(declarator: tree.Declarator) -> bool:
-    """Return whether what is declared has the type itself, not a pointer or array of it."""
-    return not (
-        declarator.pointers
-        or declarator.suffixes
-        or isinstance(declarator.inner, tree.Declarator)
-    )
 
 
 def _entity(
@@ -320,7 +301,8 @@ class Types:
             span = unit.span(specifier.start, specifier.end)
             if specifier.word not in ("size_is", "count_is", "string"):
                 message = f"'{specifier.word}' cannot precede a struct member"
-                self._report(syntax.MISPLACED_SPECIFIER.at(span, message))
+                hint = belongs(specifier.word)
+                self._report(syntax.MISPLACED_SPECIFIER.at(span, message, hint=hint))
                 return None
             if specifier.word in given:
                 message = f"'{specifier.word}' is given already"

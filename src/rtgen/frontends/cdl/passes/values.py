@@ -10,7 +10,8 @@ from rtgen.frontends.cdl.names.operands import ExpressionError, Operand
 from rtgen.frontends.cdl.names.table import Table
 from rtgen.frontends.cdl.passes.constants import Constants
 from rtgen.frontends.cdl.passes.expressions import ExpressionAnalysis, Expressions
-from rtgen.frontends.cdl.passes.types import Types, name_of_untagged
+from rtgen.frontends.cdl.passes.types import Types
+from rtgen.frontends.cdl.passes.untagged import name_of_untagged
 from rtgen.frontends.cdl.syntax import tree
 from rtgen.model.c_types import CType, Expression
 

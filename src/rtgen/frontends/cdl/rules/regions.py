@@ -23,6 +23,7 @@ THROUGH_IGNORED = Rule("CDL0712", "through without effect", Severity.WARNING)
 BAD_ARGUMENT = Rule("CDL0713", "malformed argument of a plug-in", Severity.ERROR)
 OPTION_TWICE = Rule("CDL0714", "option given twice", Severity.WARNING)
 UNKNOWN_SUBSTITUTION = Rule("CDL0715", "unknown word between dollars", Severity.ERROR)
+MISSPELT_PLUGIN = Rule("CDL0716", "misspelt plug-in", Severity.ERROR)
 
 RULES: tuple[Rule, ...] = (
     SPECIFIERS_AGAIN,
@@ -38,4 +39,5 @@ RULES: tuple[Rule, ...] = (
     BAD_ARGUMENT,
     OPTION_TWICE,
     UNKNOWN_SUBSTITUTION,
+    MISSPELT_PLUGIN,
 )

@@ -101,6 +101,12 @@ class ErrorContext(BaseContext):
         return self.text[:1].isalpha() or self.text[:1] == "_"
 
 
+_THROUGH = (
+    "through is in brackets in front of a join: "
+    '[through( RTCPlugin, "" )] cCall = Cell.eEntry;'
+)
+
+
 def explain(context: ErrorContext) -> Recovery:
     """Return the recovery for the likely cause of an unexpected token."""
     for recogniser in _RECOGNISERS:
@@ -108,9 +114,10 @@ def explain(context: ErrorContext) -> Recovery:
         if found is not None:
             return found
     shown = f"'{context.text[:40]}'" if context.text else "this"
-    return context.recovery(
-        syntax.UNEXPECTED, f"{shown} is not allowed here{context.expectation()}"
-    )
+    message = f"{shown} is not allowed here{context.expectation()}"
+    if "through" in (*context.before, context.text, *context.after[:3]):
+        return context.recovery(syntax.UNEXPECTED, message, _THROUGH)
+    return context.recovery(syntax.UNEXPECTED, message)
 
 
 def _shown(terminal: str) -> str:
