@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import count
 from typing import Protocol
 
 DECLARATION = '<?xml version="1.0" encoding="UTF-8" standalone="yes"?>\n'
@@ -31,15 +32,20 @@ def document(root: XmlElement, prefixes: Mapping[str, str], comment: str = "") -
 
     `comment` is placed before the root.
     """
-    from xml.sax.saxutils import quoteattr
-
-    named = dict(prefixes)
-    for namespace in _namespaces(root):
-        if namespace and namespace not in named:
-            named[namespace] = f"ns{len(named) - len(prefixes) + 1}"
-    declared = [f"xmlns:{prefix}={quoteattr(uri)}" for uri, prefix in named.items()]
-    body = "\n".join(_lines(named, root, 0, declared))
+    named = {**prefixes, **new_prefixes(root, prefixes)}
+    body = "\n".join(lines(root, named, declared=named))
     return f"{DECLARATION}{comment}{body}\n"
+
+
+def new_prefixes(root: XmlElement, known: Mapping[str, str]) -> dict[str, str]:
+    """Return prefixes for the namespaces of an element that are not `known`, by namespace."""
+    found: dict[str, str] = {}
+    taken = {*known.values()}
+    free = (name for n in count(1) if (name := f"ns{n}") not in taken)
+    for namespace in _namespaces(root):
+        if namespace and namespace not in known and namespace not in found:
+            found[namespace] = next(free)
+    return found
 
 
 def _namespaces(element: XmlElement) -> Iterator[str]:
@@ -50,12 +56,18 @@ def _namespaces(element: XmlElement) -> Iterator[str]:
         yield from _namespaces(child)
 
 
-def _lines(
-    prefixes: Mapping[str, str],
+def lines(
     element: XmlElement,
-    depth: int,
-    declared: Iterable[str] = (),
+    prefixes: Mapping[str, str],
+    *,
+    step: str = "    ",
+    margin: str = "",
+    declared: Mapping[str, str] | None = None,
 ) -> Iterator[str]:
+    """Yield the lines of an element; `prefixes` by namespace, `declared` are those it declares.
+
+    Each level is indented by one `step` more, beginning with `margin`.
+    """
     # saxutils imports urllib, which most runs do not need.
     from xml.sax.saxutils import escape, quoteattr
 
@@ -63,17 +75,20 @@ def _lines(
         namespace, local = name
         return f"{prefixes[namespace]}:{local}" if namespace else local
 
-    margin, name = "    " * depth, qualified(element.name)
+    name = qualified(element.name)
     attributes = (
         f"{qualified(key)}={quoteattr(value)}"
         for key, value in element.attributes.items()
     )
-    head = " ".join((name, *attributes, *declared))
+    declarations = (
+        f"xmlns:{prefix}={quoteattr(uri)}" for uri, prefix in (declared or {}).items()
+    )
+    head = " ".join((name, *attributes, *declarations))
     text = escape(element.text.strip() if element.children else element.text)
     if element.children:
         yield f"{margin}<{head}>{text}"
         for child in element.children:
-            yield from _lines(prefixes, child, depth + 1)
+            yield from lines(child, prefixes, step=step, margin=margin + step)
         yield f"{margin}</{name}>"
     elif text:
         yield f"{margin}<{head}>{text}</{name}>"

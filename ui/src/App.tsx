@@ -48,6 +48,16 @@ export function App() {
       <p className="announced" role="log" aria-label="Changes of the wiring">
         {page.announced}
       </p>
+      {system?.time.reason && (
+        <p className="notice ended" role="alert">
+          <span>{`The run has ended at ${system.time.now.toFixed(3)} s: ${system.time.reason}`}</span>
+          {system.time.kind === "CLOCK_SIMULATED" && (
+            <button type="button" disabled={!full} onClick={() => store.order({ case: "time", value: 0 })}>
+              Go to 0
+            </button>
+          )}
+        </p>
+      )}
       {page.notice && (
         <p className="notice" role="alert">
           <span>{page.notice}</span>

@@ -1,8 +1,9 @@
 /** The types of components that can be added, and commands for all components. */
 
-import { useState } from "react";
+import { useEffect, useState } from "react";
 import { Naming } from "./Naming.tsx";
 import type { Command, EditState, SystemState } from "./protocol/Ui.ts";
+import { Question } from "./Question.tsx";
 import { store } from "./store.ts";
 
 /** The names of systems by their files, with the folder where a name alone is ambiguous. */
@@ -21,17 +22,40 @@ function Edit({ name, title, enabled, act }: { name: string; title?: string; ena
   );
 }
 
-/** Saves the system, optionally under a new name. */
+/** The code of a result that the user must decide about. */
+const QUESTION = "UIS0011";
+const SAID_FOR = 3000;
+
+/** Saves the system, optionally under a new name; other files are replaced only when the user says so. */
 function Save({ edits, full }: { edits: EditState; full: boolean }) {
   const [edited, edit] = useState<string>();
+  const [question, ask] = useState<string>();
+  const [said, say] = useState("");
   const name = edited ?? edits.file;
   const enabled = full && name.trim() !== "" && (!edits.saved || name !== edits.file);
+  useEffect(() => {
+    const silence = said ? setTimeout(() => say(""), SAID_FOR) : undefined;
+    return () => clearTimeout(silence);
+  }, [said]);
+  const save = async (asked: "file" | "replaced") => {
+    const result = await store.ask({ case: asked, value: name.trim() });
+    const message = [result.message, result.hint].filter(Boolean).join(": ");
+    if (result.code === QUESTION) {
+      ask(message);
+      return;
+    }
+    store.notify(result.done ? "" : message);
+    if (!result.done) return;
+    edit((now) => (now === name ? undefined : now));
+    say([`Saved ${name.trim()}`, result.text].filter(Boolean).join("; "));
+  };
   return (
+    <>
     <form
       className="save"
       onSubmit={(e) => {
         e.preventDefault();
-        if (enabled) void store.order({ case: "file", value: name.trim() }).then((result) => result.done && edit((now) => (now === name ? undefined : now)));
+        if (enabled) void save("file");
       }}
     >
       <textarea
@@ -51,7 +75,35 @@ function Save({ edits, full }: { edits: EditState; full: boolean }) {
       <button type="submit" aria-disabled={!enabled}>
         Save
       </button>
+      <output>{said || (edits.saved ? "" : "unsaved edits")}</output>
     </form>
+    {question !== undefined && <Question text={question} name="Replace" yes={() => void save("replaced")} close={() => ask(undefined)} />}
+    </>
+  );
+}
+
+/** Opens another system; edits that are not saved are lost only when the user says so. */
+function Systems({ system, full }: { system: SystemState; full: boolean }) {
+  const { edits } = system;
+  const [wanted, want] = useState<string>();
+  const open = (file: string) => void store.order({ case: "system", value: file });
+  return (
+    <>
+    <label>
+      System
+      <select title={edits.file} disabled={!full} value={edits.file} onChange={({ target: { value } }) => (edits.saved ? open(value) : want(value))}>
+        {!system.systems.includes(edits.file) && <option value={edits.file}>{system.name}</option>}
+        {[...namesOf(system.systems)].map(([file, name]) => (
+          <option key={file} value={file}>
+            {name}
+          </option>
+        ))}
+      </select>
+    </label>
+    {wanted !== undefined && (
+      <Question text={`The edits of ${edits.file} are not saved. Open ${wanted} without them?`} name="Discard edits" yes={() => open(wanted)} close={() => want(undefined)} />
+    )}
+    </>
   );
 }
 
@@ -76,19 +128,7 @@ export function Palette(props: { system: SystemState; full: boolean; selected: s
         <Edit name="Redo" title={edits.redo} enabled={full && edits.redo !== ""} act={{ case: "redone", value: true }} />
       </section>
       <Save edits={edits} full={full} />
-      {system.systems.length > 1 && (
-        <label>
-          System
-          <select title={system.edits.file} disabled={!full} value={system.edits.file} onChange={(e) => store.order({ case: "system", value: e.target.value })}>
-            {!system.systems.includes(system.edits.file) && <option value={system.edits.file}>{system.name}</option>}
-            {[...namesOf(system.systems)].map(([file, name]) => (
-              <option key={file} value={file}>
-                {name}
-              </option>
-            ))}
-          </select>
-        </label>
-      )}
+      {system.systems.length > 1 && <Systems system={system} full={full} />}
       <Naming system={system} full={full} selected={selected} select={select} />
       {system.palette.length > 0 && (
         <details open={roomy}>

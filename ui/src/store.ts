@@ -49,6 +49,21 @@ export interface Page {
   span: number;
 }
 
+const TOKEN = "rtgen.token";
+
+/** The token of the page's address, which the address bar and the history do not keep. */
+function token(): string {
+  const given = new URLSearchParams(location.search).get("token");
+  try {
+    if (given === null) return sessionStorage.getItem(TOKEN) ?? "";
+    sessionStorage.setItem(TOKEN, given);
+  } catch {
+    return given ?? ""; // without storage, the token stays in the address
+  }
+  history.replaceState(null, "", location.pathname);
+  return given;
+}
+
 const MAX_LINES = 500;
 const RECONNECT_AFTER = 1000;
 
@@ -97,8 +112,7 @@ export class Store {
   }
 
   connect(): void {
-    const token = new URLSearchParams(location.search).get("token") ?? "";
-    const address = `ws://${location.host}/socket?token=${encodeURIComponent(token)}`;
+    const address = `ws://${location.host}/socket?token=${encodeURIComponent(token())}`;
     const socket = new WebSocket(address, "rtgen-ui.1");
     socket.binaryType = "arraybuffer";
     socket.onmessage = (message) => {
@@ -112,7 +126,7 @@ export class Store {
         settle({ done: false, message: "the connection to the server is lost" } as Result);
       this.waiting.clear();
       if (closed.code === 4401 || closed.code === 4403) {
-        this.change({ link: "refused", notice: "The server refuses this address: its token is not valid." });
+        this.change({ link: "refused", notice: "The server refuses this address: its token is not valid. Open the address that `rtgen ui` has printed." });
         return;
       }
       this.change({ link: "lost", notice: "The server has ended. Looking for it again." });

@@ -77,6 +77,7 @@ def graph(
     if profile is None or has_errors(diagnostics):
         return BAD_INPUT
     plan = timeline.of_system(path, timeline_file, profile)
+    console.findings(plan.skipped)
     timed = [
         TimedConnection(action.source, action.target, step.time / timeline.SECOND)
         for step in plan.steps

@@ -125,13 +125,14 @@ def replay(
     console.findings(in_order(found), sources)
     if profile is None or has_errors(found):
         return BAD_INPUT
-    steps = timeline.of_system(path, None, profile).steps
+    plan = timeline.of_system(path, None, profile)
+    console.findings(plan.skipped)
     values = [timeline.assignment(text, profile) for text in settings]
     present = frozenset(c.instance for c in profile.components)
     if only is not None:
         present = partition.named(only, profile)
         partition.require_here(values, present)
-    steps = _steps(steps, profile, present)
+    steps = _steps(plan.steps, profile, present)
     with reported():
         recorded = McapFile(file)
         course = course_of(recorded)
@@ -283,8 +284,8 @@ def _steps(
                 if source.instance in present and target.instance in present:
                     known.add(name)
                     kept.append(step)
-            case Disconnect(name=name):
-                if name in known:
+            case Disconnect(name, others):
+                if not known.isdisjoint((name, *others)):
                     kept.append(step)
             case action:
                 if action.instance in present:

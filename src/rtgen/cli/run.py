@@ -189,6 +189,7 @@ def run(
     if profile is None or has_errors(found):
         return BAD_INPUT
     plan = timeline.of_system(path, timeline_file, profile)
+    console.findings(plan.skipped)
     steps, wanted = plan.steps, plan.measures
     condition = _condition(until, profile)
     values = [timeline.assignment(text, profile) for text in settings]

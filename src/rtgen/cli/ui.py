@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-import os
 import webbrowser
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
-import msgspec
 
 from rtgen import runtime
 from rtgen.cli.common import (
@@ -25,215 +22,16 @@ from rtgen.cli.common import (
     with_console,
     write_out,
 )
-from rtgen.cli.components.known_types import KnownTypes
-from rtgen.cli.running.assembly import add_component, assemble
-from rtgen.cli.running.factories import Factories, FactoryImportError
-from rtgen.cli.running.failures import FailureOptions, FailureReport
-from rtgen.cli.running.foreign import named
-from rtgen.cli.running.partition import alone, steps_here
 from rtgen.cli.running.recording_options import RecordingOptions, with_recording
 from rtgen.cli.signals import terminable
-from rtgen.diagnostics import InputError, ToolError, has_errors, in_order
-from rtgen.model import System, SystemComponent
-from rtgen.project import is_bus_file, load_around
-from rtgen.runtime.failures import Failure, log
-from rtgen.runtime.marshalling.descriptors import DataType
-from rtgen.runtime.rtc.profiles import ComponentProfile
-from rtgen.runtime.services.servants import Servant
-from rtgen.systems import timeline
-from rtgen.systems.checks import check_properties
-from rtgen.systems.reading import read_file
+from rtgen.cli.ui_project import CommandProject
+from rtgen.diagnostics import ToolError
 
 if TYPE_CHECKING:
-    from rtgen.cli.ui_bus import BusDescriber
     from rtgen.runtime.corba.transport import CorbaTransport
-    from rtgen.runtime.opaque_rpc.codecs import Codec
     from rtgen.ui.session import Session
 
 _LOOPBACK = "127.0.0.1"
-_SUFFIXES = (".xml", ".yaml", ".yml")
-
-
-class CommandProject:
-    """The project of the systems on the command line; see `rtgen.ui.project.Project`."""
-
-    def __init__(
-        self,
-        console: Console,
-        files: Sequence[str],
-        buses: Mapping[str, Path] | None = None,
-        transport: CorbaTransport | None = None,
-        recording: RecordingOptions | None = None,
-    ) -> None:
-        self._console = console
-        self._recording = recording or RecordingOptions(None, None)
-        self._runs = 0
-        self._buses = buses or {}
-        self._transport = transport
-        self._files = [*files]
-        self._project = load_around(Path(files[0]) if files else Path.cwd())
-        self._factories = Factories(self._project)
-        self._types = KnownTypes(self._project)
-
-    @property
-    def systems(self) -> Sequence[str]:
-        """The systems on the command line."""
-        return self._files
-
-    def read(self, file: str) -> System:
-        """Return the system of a file or folder; without one, a system without components."""
-        if not file:
-            return System(
-                name="", id="", file="", abstract="", components=(), connections=()
-            )
-        path = Path(file)
-        profile, found, sources = read_file(
-            path / "system.xml" if path.is_dir() else path
-        )
-        found = [*found, *(check_properties(profile) if profile is not None else ())]
-        if profile is None or has_errors(found):
-            raise InputError(in_order(found))
-        self._console.findings(in_order(found), sources)
-        return profile
-
-    def write(self, file: str, text: str) -> None:
-        """Write a system, below the working folder or beside a system of the command line.
-
-        Only a file that describes a system is overwritten.
-        """
-        from rtgen.project import is_system
-        from rtgen.ui.errors import FILE, CommandError
-
-        path = Path(file)
-        if path.is_dir() and file:
-            path = path / "system.xml"
-        path = path.resolve()
-        roots = [Path.cwd(), *(Path(each).resolve().parent for each in self._files)]
-        inside = any(path.is_relative_to(root.resolve()) for root in roots)
-        if path.suffix.lower() not in _SUFFIXES or not inside:
-            raise CommandError(
-                FILE,
-                f"{file} is not an XML or YAML file of the project",
-                f"a name that ends in {', '.join(_SUFFIXES)}, beside the system",
-            )
-        if path.exists() and not is_system(path):
-            raise CommandError(FILE, f"{file} exists and is not a system")
-        part = path.with_name(f".{path.name}.{os.getpid()}.part")
-        try:
-            part.write_text(text, encoding="utf-8")
-            part.replace(path)
-        except OSError as error:
-            part.unlink(missing_ok=True)
-            raise CommandError(
-                FILE, f"cannot write {file}: {error.strerror}"
-            ) from error
-
-    def assemble(
-        self, profile: System, clock: runtime.Clock, failed: Callable[[Failure], None]
-    ) -> runtime.System:
-        """Return a system with its timeline; nothing is activated before time passes.
-
-        Foreign components and their connections are omitted.
-        """
-        simulated = isinstance(clock, runtime.SimulatedClock)
-        report = FailureReport(self._console, FailureOptions(), simulated=simulated)
-        path = Path(profile.file)
-        folder = path.parent if path.name == "system.xml" else path
-        steps = timeline.of_system(folder, None, profile).steps
-        if outside := named(profile, None, self._factories.foreign):
-            here = {c.instance for c in profile.components} - outside
-            steps = steps_here(steps, profile, here, data=True)
-            profile = alone(profile, here)
-        system = assemble(
-            profile, self._factories, clock, (), steps, self._transport, report=report
-        )
-
-        def on_failure(failure: Failure) -> None:
-            report(failure)
-            failed(failure)
-
-        system.on_failure = on_failure
-        return system
-
-    def add(self, system: runtime.System, component: SystemComponent) -> None:
-        """Add a component whose type has a factory."""
-        report = FailureReport(self._console, FailureOptions())
-        add_component(system, component, self._factories, Path.cwd(), report)
-
-    def record(self, system: runtime.System) -> Callable[[], None]:
-        """Record a run; each has a file of its own: `FILE.mcap`, `FILE-2.mcap`, ..."""
-        self._runs += 1
-        options = self._recording
-        if options.file is not None and self._runs > 1:
-            path = Path(options.file)
-            file = path.with_name(f"{path.stem}-{self._runs}{path.suffix}")
-            options = replace(options, file=str(file))
-        files = ExitStack()
-        recorder = options.begin(files, system)
-
-        def end() -> None:
-            if recorder is not None:
-                recorder.end(through=True)
-            options.tell(self._console, recorder)
-            files.close()
-
-        return end
-
-    def describer(self, bus: str, network: str) -> BusDescriber:
-        """Return the description of a bus.
-
-        That is the file for its channel, else the default one, else the one of its network in the
-        project.
-        """
-        from rtgen.cli.ui_bus import BusDescriber
-
-        named = self._buses.get(bus, self._buses.get(""))
-        if named is None and network:
-            for path in filter(is_bus_file, self._project.sources):
-                try:
-                    found = BusDescriber(path)
-                except InputError:
-                    continue  # `rtgen lint` reports its errors
-                if found.network == network:
-                    return found
-        return BusDescriber(named)
-
-    def data_type(self, name: str) -> type[DataType] | None:
-        """Return a type declared by the project or by OpenRTM."""
-        return self._types.data_type(name)
-
-    def interface(self, name: str) -> type[Servant] | None:
-        """Return an interface declared by the project."""
-        return self._types.interface(name)
-
-    def codec(self, type_: str) -> Codec | None:
-        """Return the codec of a marshaller type; None for another type, which is not created."""
-        from rtgen.ui import boards
-
-        if type_ not in self._factories:
-            return None
-        try:
-            factory = self._factories[type_]
-        except ToolError as error:
-            log.warning("calls to boards have no values: %s", error)
-            return None
-        if not boards.is_marshaller(factory):
-            return None
-        component = factory(type_)
-        component.on_initialize()
-        return boards.codec_of(component)
-
-    def palette(self) -> Sequence[ComponentProfile]:
-        """Return the types whose factories are importable classes."""
-        found = []
-        for name in sorted(self._factories.types):
-            try:
-                profile = getattr(self._factories[name], "profile", None)
-            except (FactoryImportError, ToolError):
-                continue  # `rtgen run` reports it if a system needs the type.
-            if isinstance(profile, ComponentProfile):
-                found.append(msgspec.structs.replace(profile, type_name=name))
-        return found
 
 
 def _session(

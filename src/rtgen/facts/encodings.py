@@ -224,10 +224,17 @@ def labelled(data: bytes, label: str) -> str:
     `label` is the name of the encoding in the declaration, as of XML and Python. Raises LookupError
     for an unknown one, UnicodeDecodeError for octets that do not fit it.
     """
-    name = label.strip().lower().replace("_", "-")
-    known = [key for key, labels in _LABELS.items() if name in labels.split()]
-    text = _strict(data, known[0]) if known else data.decode(label)
+    known = encoding_of(label)
+    text = _strict(data, known) if known else data.decode(label)
     return text.removeprefix("\ufeff")
+
+
+def encoding_of(label: str) -> str | None:
+    """Return the key of TITLES for a declared name; None for another encoding."""
+    name = label.strip().lower().replace("_", "-")
+    if name in ("utf-8", "utf8"):
+        return "utf8"
+    return next((k for k, labels in _LABELS.items() if name in labels.split()), None)
 
 
 def _marked(body: bytes, encoding: str, mark: bytes) -> Decoded:

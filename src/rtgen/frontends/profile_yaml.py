@@ -9,9 +9,9 @@ that can be repeated are lists, dates are mappings of numbers.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 from rtgen.diagnostics import InputError, Rule, Severity, Span
 from rtgen.frontends.kit import located_yaml
@@ -162,13 +162,31 @@ _MAX_DEPTH = 60
 # XML to YAML.
 
 
-def to_yaml(root: Element) -> str:
-    """Convert a profile to YAML. Raises KeyError for an unknown root."""
+class ProfileTree(Protocol):
+    """An element of a profile; names are `(namespace, local name)`."""
+
+    @property
+    def name(self) -> tuple[str, str]: ...
+    @property
+    def attributes(self) -> Mapping[tuple[str, str], str]: ...
+    @property
+    def children(self) -> Sequence[ProfileTree]: ...
+    @property
+    def text(self) -> str: ...
+
+
+def yaml_content(root: ProfileTree) -> dict[str, Any]:
+    """Return the content of a profile in YAML. Raises ValueError for an unknown root."""
+    [form] = [f for f in _FORMS if root.name == (f.namespaces[f.base], f.root)]
+    return {form.key: _mapping(form, root)}
+
+
+def to_yaml(root: ProfileTree) -> str:
+    """Convert a profile to YAML. Raises ValueError for an unknown root."""
     import yaml
 
-    [form] = [f for f in _FORMS if root.name == (f.namespaces[f.base], f.root)]
     text = yaml.safe_dump(
-        {form.key: _mapping(form, root)},
+        yaml_content(root),
         sort_keys=False,
         allow_unicode=True,
         default_flow_style=False,
@@ -177,7 +195,7 @@ def to_yaml(root: Element) -> str:
     return str(text)
 
 
-def _mapping(form: _Form, element: Element) -> dict[str, Any]:
+def _mapping(form: _Form, element: ProfileTree) -> dict[str, Any]:
     made: dict[str, Any] = {}
     for name, value in element.attributes.items():
         if name[0] != XSI:

@@ -25,6 +25,7 @@ BLOCKED = Rule("SYS0023", "code of a component that does not return", Severity.W
 NOTICE = Rule("SYS0024", "notice of the runtime", Severity.WARNING)
 ROS_TOPIC = Rule("SYS0025", "port that cannot be a topic of ROS 2", Severity.ERROR)
 FOREIGN = Rule("SYS0026", "foreign component out of reach", Severity.ERROR)
+SKIPPED = Rule("SYS0027", "event of a timeline that is skipped", Severity.WARNING)
 
 RULES: tuple[Rule, ...] = (
     UNKNOWN_TYPE,
@@ -44,4 +45,5 @@ RULES: tuple[Rule, ...] = (
     NOTICE,
     ROS_TOPIC,
     FOREIGN,
+    SKIPPED,
 )

@@ -18,7 +18,13 @@ from rtgen.files import UnreadableError, read_file
 from rtgen.model import PortReference, System
 from rtgen.systems import measures
 from rtgen.systems.measures import Measure
-from rtgen.systems.rules import CONDITION, PARAMETER, TIMELINE, UNKNOWN_INSTANCE
+from rtgen.systems.rules import (
+    CONDITION,
+    PARAMETER,
+    SKIPPED,
+    TIMELINE,
+    UNKNOWN_INSTANCE,
+)
 from rtgen.xml_text import NOT_IN_XML
 
 SECOND = 1_000_000_000
@@ -37,9 +43,10 @@ _MAX_FOLLOWED = 8
 
 @dataclass(frozen=True, slots=True)
 class Disconnect:
-    """Remove the connection of that name."""
+    """Remove the connection of that name, or of the first of `others` that exists instead."""
 
     name: str
+    others: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,10 +92,11 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Timeline:
-    """The events in order of time, and the measures."""
+    """The events in order of time, the measures, and warnings about events that are skipped."""
 
     steps: Sequence[Step] = ()
     measures: Sequence[Measure] = ()
+    skipped: Sequence[Diagnostic] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,7 +177,10 @@ def require_instance(instance: str, system: System, span: Span | None) -> str:
 
 
 def parse(text: str, name: str, system: System) -> tuple[Step, ...]:
-    """Parse the text of a timeline.toml, shown as `name`. Raises InputError."""
+    """Parse the text of a timeline.toml, shown as `name`. Raises InputError.
+
+    Events that name a component or a connection that the system lacks are not among the steps.
+    """
     return _ordered(_read(text, name, system).found)
 
 
@@ -179,6 +190,7 @@ def load(file: Path, system: System) -> Timeline:
     return Timeline(
         _ordered([step for reader in readers for step in reader.found]),
         [measure for reader in readers for measure in reader.measures],
+        [finding for reader in readers for finding in reader.skipped],
     )
 
 
@@ -256,10 +268,11 @@ class _Reader:
         """The connections that can exist: those of the system and of the timelines so far."""
         self.found: list[Step] = []
         self.measures: list[Measure] = []
+        self.skipped: list[Diagnostic] = []
         self.findings: list[Diagnostic] = []
 
     def read(self, content: dict[str, Any]) -> None:
-        """Fill `found`, `measures` and `findings`."""
+        """Fill `found`, `measures`, `skipped` and `findings`."""
         for key in content:
             if key not in _SECTIONS:
                 known = "[[at]], [[measure]] and follows"
@@ -315,14 +328,23 @@ class _Reader:
                     for action in self._actions(kind, value, span):
                         yield Step(round(time * SECOND), action, span)
                 except InputError as error:
-                    self.findings += error.diagnostics
+                    for finding in error.diagnostics:
+                        self._report(finding)
+
+    def _report(self, finding: Diagnostic) -> None:
+        """Enter a finding; an event without its component or connection is skipped."""
+        if finding.code in (UNKNOWN_INSTANCE.code, SKIPPED.code):
+            message = f"{finding.message}: the event is skipped"
+            self.skipped.append(SKIPPED.at(finding.span, message, hint=finding.hint))
+        else:
+            self.findings.append(finding)
 
     def _actions(self, kind: str, value: Any, span: Span) -> Iterator[Action]:
         match kind, value:
             case "connect", dict():
                 yield self._made(value, span)
             case "disconnect", dict():
-                yield Disconnect(self._between(value, span).name)
+                yield self._between(value, span)
             case "set", dict():
                 yield from self._settings(value, span)
             case _, str():
@@ -357,24 +379,28 @@ class _Reader:
                 return found[0]
         known = ", ".join(dict.fromkeys(link.name for link in links)) or "none"
         message = f"no connection {text!r} in the system"
-        raise InputError([TIMELINE.at(span, message, hint=f"known: {known}")])
+        raise InputError([SKIPPED.at(span, message, hint=f"known: {known}")])
 
-    def _between(self, value: dict[str, Any], span: Span) -> _Link:
-        """Return the only connection of two ports, in either direction."""
+    def _between(self, value: dict[str, Any], span: Span) -> Disconnect:
+        """Return the cut of the connection of two ports, in either direction.
+
+        It can be one of the system, or one that the timeline makes while that is cut.
+        """
         if set(value) != _ENDS:
             message = "'disconnect' requires a name, or a table of from and to"
             raise InputError([TIMELINE.at(span, message)])
         ends = {self._end(value[key], span) for key in ("from", "to")}
-        found = {k.name: k for k in self.links if {k.source, k.target} == ends}
-        if len(found) == 1:
-            return found.popitem()[1]
+        joined = [k for k in self.links if {k.source, k.target} == ends]
+        names = [*dict.fromkeys(each.name for each in joined)]
+        own = {each.name for each in joined if each in self._own}
         what = f"{value['from']} and {value['to']}"
-        if found:
+        if not names:
+            raise InputError([SKIPPED.at(span, f"no connection joins {what}")])
+        if len(own) > 1 or len(names) - len(own) > 1:
             message = f"several connections join {what}"
-            hint = f"name one of them: {', '.join(found)}"
-        else:
-            message, hint = f"no connection joins {what}", None
-        raise InputError([TIMELINE.at(span, message, hint=hint)])
+            hint = f"name one of them: {', '.join(names)}"
+            raise InputError([TIMELINE.at(span, message, hint=hint)])
+        return Disconnect(names[0], tuple(names[1:]))
 
     def _made(self, value: dict[str, Any], span: Span) -> Connect:
         texts = {k: v for k, v in value.items() if k != "properties"}

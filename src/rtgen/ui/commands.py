@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
+from pathlib import Path
 from typing import Any, Final
 
 from msgspec.structs import replace
 
+from rtgen.backends.kit.quoting.code import UnquotableError
 from rtgen.diagnostics import InputError, ToolError
-from rtgen.model import SystemComponent
+from rtgen.model import System, SystemComponent
 from rtgen.runtime.errors import (
     ConfigurationError,
     ConnectError,
@@ -23,23 +25,30 @@ from rtgen.runtime.return_codes import RTC_OK, ReturnCode_t
 from rtgen.runtime.system.joining import instances_of
 from rtgen.runtime.timing.clocks import SECOND
 from rtgen.ui import calls, saving
+from rtgen.ui.changes import ends_of, new_component, unwritten
 from rtgen.ui.description import properties_of
+from rtgen.ui.documents.document import DocumentError
+from rtgen.ui.documents.profile import Change
 from rtgen.ui.edits import Edit
 from rtgen.ui.errors import (
     BAD_VALUE,
     CALL_FAILED,
+    FILE,
     IMPOSSIBLE,
     NO_FIT,
     NO_RIGHT,
+    QUESTION,
     UNKNOWN,
     WRONG_STATE,
     CommandError,
 )
 from rtgen.ui.outbox import Outbox
+from rtgen.ui.project import Known
 from rtgen.ui.protocol import ui
 from rtgen.ui.protocol.ui import CommandKind
 from rtgen.ui.remote_commands import Action, RemoteCommands
 from rtgen.ui.session import Session
+from rtgen.ui.texts import explained
 
 READING: Final = frozenset(
     (
@@ -61,7 +70,7 @@ class Commands:
     def __init__(self, session: Session) -> None:
         self._session = session
         kinds = CommandKind
-        self._handlers: dict[CommandKind, Callable[[Any], None]] = {
+        self._handlers: dict[CommandKind, Callable[[Any], str | None]] = {
             kinds.COMMAND_CONNECT: self._connect,
             kinds.COMMAND_CUT: self._cut,
             kinds.COMMAND_ACTIVATE: partial(self._request, "activate"),
@@ -72,9 +81,10 @@ class Commands:
             kinds.COMMAND_ADD: self._add,
             kinds.COMMAND_REMOVE: self._remove,
             kinds.COMMAND_MOVE: self._move,
-            kinds.COMMAND_SAVE: self._save,
-            kinds.COMMAND_UNDO: lambda _: session.edits.undo(),
-            kinds.COMMAND_REDO: lambda _: session.edits.redo(),
+            kinds.COMMAND_SAVE: partial(self._save, replace_file=False),
+            kinds.COMMAND_REPLACE: partial(self._save, replace_file=True),
+            kinds.COMMAND_UNDO: lambda _: self._undo(undo=True),
+            kinds.COMMAND_REDO: lambda _: self._undo(undo=False),
             kinds.COMMAND_PLAY: self._play,
             kinds.COMMAND_PAUSE: self._pause,
             kinds.COMMAND_STEP: self._step,
@@ -125,7 +135,8 @@ class Commands:
             result.done, result.code = False, code_of(error)
             result.message = str(error)
         except (InputError, ToolError) as error:
-            result.done, result.code, result.message = False, BAD_VALUE, str(error)
+            result.done, result.code = False, BAD_VALUE
+            result.message = explained(error)
         except Exception as error:
             result.done, result.code = False, CALL_FAILED
             result.message = f"{type(error).__name__}: {error}"
@@ -154,9 +165,11 @@ class Commands:
             result.objects = self._session.buses.objects(value)
         elif kind in self._handlers:
             before = self._session.edit_state()
-            self._handlers[kind](value)
-            if self._session.edit_state() != before:
-                self._session.publish_edits()
+            try:
+                result.text = self._handlers[kind](value) or ""
+            finally:
+                if self._session.edit_state() != before:
+                    self._session.publish_edits()
         else:
             raise CommandError(
                 IMPOSSIBLE,
@@ -205,36 +218,39 @@ class Commands:
         return session.remote.obstacle(here, ports, there)
 
     def _connect(self, wanted: ui.Connect) -> None:
+        session = self._session
         source = wanted.source.instance, wanted.source.port
         target = wanted.target.instance, wanted.target.port
         properties = {each.name: each.text for each in wanted.properties}
         name = wanted.name or f"{'.'.join(source)}_{'.'.join(target)}"
-        system = self._session.system
-        self._edit(
-            f"connect {name}",
-            lambda: system.connect(source, target, properties, name),
-            lambda: system.disconnect(name),
+        connector = session.system.connect(source, target, properties, name)
+        session.edits.enter(
+            Edit(
+                f"connect {name}",
+                lambda: session.system.connect(source, target, properties, name),
+                lambda: session.system.disconnect(name),
+                self._effect(session.changes.connect(connector, properties)),
+            )
         )
 
     def _cut(self, name: str) -> None:
+        session = self._session
         again = self._again(name)
-        system = self._session.system
-        self._edit(f"cut {name}", lambda: system.disconnect(name), again)
+        ends = ends_of(session.system.connector(name))
+        self._edit(
+            f"cut {name}",
+            lambda: session.system.disconnect(name),
+            again,
+            session.changes.cut(name, ends),
+        )
 
     def _again(self, name: str) -> Callable[[], object]:
         """Return an action that makes an existing connection again."""
-        system = self._session.system
-        connector = system.connector(name)
-        source, target = instances_of(connector)
-        ends = [
-            (instance, str(port).removeprefix(f"{instance}."))
-            for instance, port in (
-                (source, connector.source),
-                (target, connector.target),
-            )
-        ]
+        session = self._session
+        connector = session.system.connector(name)
+        ends = ends_of(connector)
         properties = properties_of(connector)
-        return lambda: system.connect(ends[0], ends[1], properties, name)
+        return lambda: session.system.connect(*ends, properties, name)
 
     # Components.
 
@@ -257,12 +273,22 @@ class Commands:
     def _add(self, wanted: ui.AddComponent) -> None:
         session = self._session
         name = wanted.instance or self._free_name(wanted.type)
-        made = saving.new_component(name, wanted.type)
+        if session.changes.component(name) and name not in session.system.instances:
+            message = f"{name} is the name of another component of the file"
+            raise CommandError(WRONG_STATE, message)
+        made = new_component(name, wanted.type)
         place = (wanted.where.x, wanted.where.y) if wanted.placed else None
-        self._edit(
-            f"add {name}",
-            lambda: self._put_in(made, place),
-            lambda: self._take_out(name),
+        self._put_in(made, place)
+        change = session.changes.add(
+            replace(made, location=_location(place)), session.system
+        )
+        session.edits.enter(
+            Edit(
+                f"add {name}",
+                lambda: self._put_in(made, place),
+                lambda: self._take_out(name),
+                self._effect(change),
+            )
         )
         session.watch_changed()
 
@@ -272,7 +298,8 @@ class Commands:
         session, name = self._session, component.instance
         if component.type not in session.known_types:
             raise CommandError(UNKNOWN, f"the project knows no type {component.type}")
-        session.project.add(session.system, component)
+        folder = Path(session.profile.file).absolute().parent
+        session.project.add(session.system, component, folder)
         if place is not None:
             session.places[name] = place
         session.publish(ui.Event.of_described(session.component(name)))
@@ -296,13 +323,14 @@ class Commands:
 
         def undo() -> None:
             self._put_in(component, place)
-            for connect in again:
-                connect()
+            _all_of(again)
 
-        self._edit(f"remove {name}", lambda: self._take_out(name), undo)
+        change = session.changes.remove(name)
+        self._edit(f"remove {name}", lambda: self._take_out(name), undo, change)
 
     def _free_name(self, type_: str) -> str:
-        taken = self._session.system.instances
+        written = self._session.changes.written.components
+        taken = {*self._session.system.instances, *(c.instance for c in written)}
         number = 0
         while f"{type_}{number}" in taken:
             number += 1
@@ -324,7 +352,15 @@ class Commands:
             where = ui.Location(*place)
             session.publish(ui.Event.of_place(ui.Moved(instance=name, where=where)))
 
-        self._edit(f"move {name}", lambda: put(after), lambda: put(before))
+        change = self._moved(name, after)
+        self._edit(f"move {name}", lambda: put(after), lambda: put(before), change)
+
+    def _moved(self, name: str, place: tuple[float, float]) -> Change | None:
+        """Return the effect of moving a component of this or another process."""
+        session = self._session
+        if name in session.remote.components and not session.is_new:
+            return saving.remote_move(session, name, place)
+        return session.changes.move(name, place)
 
     # Configuration.
 
@@ -352,11 +388,15 @@ class Commands:
         else:
             redo = partial(describe, redo)
             undo = partial(describe, partial(sets.remove, set_id))
-        self._edit(f"{instance}.{name} = {wanted.text}"[:200], redo, undo)
+        change = self._session.changes.configure(instance, set_id, name, wanted.text)
+        self._edit(f"{instance}.{name} = {wanted.text}"[:200], redo, undo, change)
 
     def _activate_set(self, wanted: ui.ActiveSet) -> None:
         instance = wanted.instance
-        before = self._session.system.component(instance).configuration_sets.active
+        sets = self._session.system.component(instance).configuration_sets
+        before = sets.active
+        values = sets.texts(wanted.set) if wanted.set in sets.ids else {}
+        change = self._session.changes.activate_set(instance, wanted.set, values)
 
         def put(set_id: str) -> None:
             self._session.system.activate_set(instance, set_id)
@@ -367,25 +407,68 @@ class Commands:
             f"{instance}: set {wanted.set}"[:200],
             lambda: put(wanted.set),
             lambda: put(before),
+            change,
         )
 
     def _edit(
-        self, label: str, redo: Callable[[], object], undo: Callable[[], object]
+        self,
+        label: str,
+        redo: Callable[[], object],
+        undo: Callable[[], object],
+        change: Change | None,
     ) -> None:
-        self._session.edits.make(Edit(label, redo, undo))
+        self._session.edits.make(Edit(label, redo, undo, self._effect(change)))
+
+    def _effect(self, change: Change | None) -> Change | None:
+        """Return the effect of an edit on the file; of a new system each edit has one."""
+        return unwritten if self._session.is_new else change
+
+    def _undo(self, *, undo: bool) -> None:
+        """Revert or repeat an edit in the file, and in the run if that is possible."""
+        edits = self._session.edits
+        edit = edits.next(undo=undo)
+        try:
+            edits.carry_out(edit, undo=undo)
+        except (RtcError, CommandError, InputError, ToolError) as error:
+            if edit.change is None:
+                raise
+            what = "undone" if undo else "redone"
+            message = f"{edit.label}: {what} in the file, not in the run"
+            raise CommandError(WRONG_STATE, f"{message}: {explained(error)}") from error
 
     # Files and time.
 
-    def _save(self, file: str) -> None:
+    def _save(self, file: str, *, replace_file: bool) -> str:
+        """Save the file as opened with the edits; return what is to be said about it."""
         session = self._session
         target = file or session.file
-        if not session.profile.name:
+        if not target:
+            raise CommandError(FILE, "the file needs a name", "system.xml, for example")
+        if session.is_new and not session.profile.name:
             name = target.rpartition("/")[2].partition(".")[0]
             session.take_over(replace(session.profile, name=name))
-        session.project.write(target, saving.text(session, target))
-        session.take_over(saving.profile_now(session))
-        session.file = target
-        session.edits.saved = True
+        try:
+            data, profile = saving.content(session, target)
+        except (DocumentError, UnquotableError) as error:
+            raise CommandError(FILE, str(error)) from error
+        if not replace_file:
+            self._require_runnable(profile)
+        known = session.known
+        backup = session.project.write(target, data, known, replace=replace_file)
+        session.take_over(profile)
+        session.file, session.known = target, Known(target, data)
+        session.edits.mark_saved()
+        return f"the former content is in {backup}" if backup else ""
+
+    def _require_runnable(self, profile: System) -> None:
+        """Raise CommandError if the file could no longer be run, as it could when it was opened."""
+        project = self._session.project
+        before = project.refusals(self._session.profile)
+        found = [each for each in project.refusals(profile) if each not in before]
+        if found:
+            more = f", and {len(found) - 1} more" if len(found) > 1 else ""
+            message = f"`rtgen run` would refuse the saved system: {found[0]}{more}"
+            raise CommandError(QUESTION, message, "the timeline must be edited, too")
 
     def _open(self, file: str) -> None:
         if file not in self._session.project.systems:
@@ -421,15 +504,12 @@ class Commands:
         self._publish_time()
 
     def _seek(self, time: float) -> None:
-        """Set the time of a simulation: restart it as it is wired now, and run until that time."""
+        """Set the time of a simulation: restart it with all edits, and run until that time."""
         self._require_simulated()
         _check_range(time, 0.0, _MAX_SEEK_TIME)
         session = self._session
         was_playing = session.runner.playing
-        profile = saving.profile_now(session)
-        system = session.assembled(profile)
-        session.take_over(profile)
-        session.run_again(system)
+        session.run_again()
         session.edits.forget()
         if time:
             session.runner.step(round(time * SECOND))
@@ -454,6 +534,22 @@ class Commands:
 
     def _inject(self, wanted: ui.Inject) -> None:
         self._injector.put(self._session.system, wanted)
+
+
+def _location(place: tuple[float, float] | None) -> tuple[int, int, int, int] | None:
+    return None if place is None else (round(place[0]), round(place[1]), -1, -1)
+
+
+def _all_of(actions: Iterable[Callable[[], object]]) -> None:
+    """Execute all actions that can be; raise CommandError for the others."""
+    failed = []
+    for action in actions:
+        try:
+            action()
+        except RtcError as error:
+            failed.append(str(error))
+    if failed:
+        raise CommandError(WRONG_STATE, "; ".join(failed))
 
 
 def _require_right(page: Outbox, command: ui.Command) -> None:

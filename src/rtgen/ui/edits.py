@@ -1,4 +1,4 @@
-"""Undo and redo of the changes that pages make to a system."""
+"""The changes that pages make to a system: undone, redone, and applied to its file."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
+from rtgen.model import System
+from rtgen.ui.documents.document import Document
+from rtgen.ui.documents.profile import Change
 from rtgen.ui.errors import NOTHING_TO_UNDO, CommandError
 
 MAX_EDITS: Final = 500
@@ -14,25 +17,33 @@ MAX_EDITS: Final = 500
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Edit:
-    """A change: its name, and actions that repeat and revert it.
+    """A change: its name, and actions that repeat and revert it in the run.
 
-    `remote`: a change in other processes, made by the thread that calls them.
+    `change` is its effect on the file; None for a change of the run alone. `remote`: a change in
+    other processes, made by the thread that calls them.
     """
 
     label: str
     redo: Callable[[], object]
     undo: Callable[[], object]
+    change: Change | None = None
     remote: bool = False
 
 
 class Edits:
-    """The stack of edits, and whether the file contains them."""
+    """The stack of edits of a system, and the system's file with them."""
 
-    def __init__(self) -> None:
+    def __init__(self, document: Document) -> None:
+        """Set up without edits; `document` is the file as opened."""
+        self._document = document
+        self._settled: list[Change] = []
+        """The changes of edits that can no longer be undone, since `document`."""
         self._done: list[Edit] = []
         self._undone: list[Edit] = []
         self._under_way: Edit | None = None
-        self.saved = True
+        self._bottom: object = self
+        self._saved: object = self
+        self._system: tuple[object, System] | None = None
 
     @property
     def undo_label(self) -> str:
@@ -44,6 +55,42 @@ class Edits:
         """Name of the edit that would be redone; empty if there is none."""
         return self._undone[-1].label if self._undone else ""
 
+    # The file.
+
+    @property
+    def saved(self) -> bool:
+        """Whether the file has all edits."""
+        return self._head is self._saved
+
+    def mark_saved(self) -> None:
+        """Note that the file has all edits."""
+        self._saved = self._head
+
+    def octets(self, file: str = "") -> bytes:
+        """Return the file with all edits; see `Document.octets`. Raises DocumentError."""
+        return self._document.octets(self._changes, file)
+
+    @property
+    def system(self) -> System:
+        """The system of the file with all edits. Raises DocumentError."""
+        head = self._head
+        if self._system is None or self._system[0] is not head:
+            self._system = head, self._document.system(self._changes)
+        return self._system[1]
+
+    @property
+    def _changes(self) -> list[Change]:
+        made = (edit.change for edit in self._done)
+        return [*self._settled, *(each for each in made if each is not None)]
+
+    @property
+    def _head(self) -> object:
+        """The last edit that concerns the file."""
+        made = (each for each in reversed(self._done) if each.change is not None)
+        return next(made, self._bottom)
+
+    # Edits.
+
     def make(self, edit: Edit) -> None:
         """Make a change that can be undone; passes on its exceptions."""
         edit.redo()
@@ -51,9 +98,27 @@ class Edits:
 
     def enter(self, edit: Edit) -> None:
         """Add a change that was made already."""
-        self._done = [*self._done[1 - MAX_EDITS :], edit]
+        self._done.append(edit)
         self._undone = []
-        self.saved = False
+        if len(self._done) > MAX_EDITS:
+            self._settle(self._done.pop(0))
+
+    def forget(self) -> None:
+        """Forget how to undo all edits, because their run was replaced; the file keeps them."""
+        for edit in self._done:
+            self._settle(edit)
+        self._done, self._undone = [], []
+
+    def _settle(self, edit: Edit) -> None:
+        if edit.change is None:
+            return
+        self._bottom = edit
+        self._settled.append(edit.change)
+        if len(self._settled) >= MAX_EDITS:
+            document = self._document
+            data = document.octets(self._settled)
+            self._document = Document(document.file, data)
+            self._settled = []
 
     def next(self, *, undo: bool) -> Edit:
         """Return the change to revert or to repeat. Raises CommandError."""
@@ -67,17 +132,23 @@ class Edits:
         return changes[-1]
 
     def undo(self) -> None:
-        """Revert the last change. Raises CommandError."""
+        """Revert the last change; see `carry_out`."""
         self.carry_out(self.next(undo=True), undo=True)
 
     def redo(self) -> None:
-        """Repeat the change that was reverted last. Raises CommandError."""
+        """Repeat the change that was reverted last; see `carry_out`."""
         self.carry_out(self.next(undo=False), undo=False)
 
     def carry_out(self, edit: Edit, *, undo: bool) -> None:
-        """Revert or repeat a change at once."""
-        (edit.undo if undo else edit.redo)()
-        self._moved(edit, undo=undo)
+        """Revert or repeat a change at once.
+
+        Its effect on the file is reverted or repeated in any case. Passes on the exceptions of its
+        action, for example if the run has changed meanwhile.
+        """
+        try:
+            (edit.undo if undo else edit.redo)()
+        finally:
+            self._moved(edit, undo=undo)
 
     def begin(self, edit: Edit) -> None:
         """Mark that a change is being reverted or repeated elsewhere, which excludes others."""
@@ -96,8 +167,3 @@ class Edits:
         if edit in changes:
             changes.remove(edit)
             others.append(edit)
-        self.saved = False
-
-    def forget(self) -> None:
-        """Forget all edits, because their system was replaced."""
-        self._done, self._undone = [], []

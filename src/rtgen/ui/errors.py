@@ -14,6 +14,7 @@ CALL_FAILED: Final = "UIS0007"
 NOTHING_TO_UNDO: Final = "UIS0008"
 IMPOSSIBLE: Final = "UIS0009"
 FILE: Final = "UIS0010"
+QUESTION: Final = "UIS0011"
 
 
 class CommandError(Exception):

@@ -3,15 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from pathlib import Path
+from typing import NamedTuple, Protocol
 
 from rtgen import runtime
+from rtgen.diagnostics import Diagnostic
 from rtgen.model import System, SystemComponent
 from rtgen.runtime.failures import Failure
 from rtgen.runtime.marshalling.descriptors import DataType
 from rtgen.runtime.rtc.profiles import ComponentProfile
 from rtgen.runtime.services.servants import Servant
 from rtgen.ui.buses import Describer
+from rtgen.ui.documents.document import Document
+
+
+class Opened(NamedTuple):
+    """A system and its file; `document` is None without one."""
+
+    profile: System
+    document: Document | None
+
+
+class Known(NamedTuple):
+    """The name of a file, and the content that the session knows; None: there is no file."""
+
+    file: str
+    data: bytes | None
+
+
+class RunWatcher(NamedTuple):
+    """Functions that are called for failures of components, and events that are skipped."""
+
+    failed: Callable[[Failure], None]
+    skipped: Callable[[Diagnostic], None]
 
 
 class Project(Protocol):
@@ -21,19 +45,35 @@ class Project(Protocol):
     def systems(self) -> Sequence[str]:
         """The files that can be opened."""
 
-    def read(self, file: str) -> System:
+    def read(self, file: str) -> Opened:
         """Read the system of a file. Raises InputError."""
 
-    def write(self, file: str, text: str) -> None:
-        """Write a system's file, which must not leave the project. Raises CommandError."""
+    def write(self, file: str, data: bytes, own: Known, *, replace: bool) -> str:
+        """Write a system's file, which must not leave the project.
+
+        `own` is the file of the session. Other content than that is only replaced if `replace`;
+        then it is kept in another file, whose name is returned, else an empty text. Raises
+        CommandError, with QUESTION if the user must decide.
+        """
+
+    def refusals(self, profile: System) -> Sequence[str]:
+        """Return why `rtgen run` would not start to run a system of `read` with changes."""
 
     def assemble(
-        self, profile: System, clock: runtime.Clock, failed: Callable[[Failure], None]
+        self, profile: System, clock: runtime.Clock, watcher: RunWatcher
     ) -> runtime.System:
         """Create a system, INACTIVE, with its timeline. Raises InputError or ToolError."""
 
-    def add(self, system: runtime.System, component: SystemComponent) -> None:
-        """Add a component to a running system. Raises InputError, ToolError."""
+    def report_end(self, reason: str) -> None:
+        """Report why a run has ended to the person at the terminal."""
+
+    def add(
+        self, system: runtime.System, component: SystemComponent, folder: Path
+    ) -> None:
+        """Add a component to a running system, whose file is in a folder.
+
+        Raises InputError, ToolError.
+        """
 
     def record(self, system: runtime.System) -> Callable[[], None]:
         """Record a system from now on, if runs are recorded; return a function that ends it."""

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from rtgen.facts.openrtm_ports import KIND
 from rtgen.model import SystemComponent
+from rtgen.ui import saving
 from rtgen.ui.calls import decoded
+from rtgen.ui.changes import unwritten
+from rtgen.ui.documents.profile import Change
 from rtgen.ui.edits import Edit
 from rtgen.ui.errors import IMPOSSIBLE, UNKNOWN, CommandError
 from rtgen.ui.protocol import ui
@@ -43,7 +47,8 @@ class RemoteCommands:
             case CommandKind.COMMAND_UNDO | CommandKind.COMMAND_REDO:
                 return self._back(undo=kind is CommandKind.COMMAND_UNDO)
             case CommandKind.COMMAND_RESTORE:
-                return partial(self._restore, watcher, self._differences())
+                wanted = [(c, self._effect(c)) for c in self._differences()]
+                return partial(self._restore, watcher, wanted)
             case _ if not self._is_remote(command):
                 return None
             case CommandKind.COMMAND_CALL:
@@ -54,7 +59,13 @@ class RemoteCommands:
                 raise CommandError(
                     IMPOSSIBLE, f"{value} belongs to another process, which removes it"
                 )
-        return partial(self._change, watcher, command)
+        return partial(self._change, watcher, command, self._effect(command))
+
+    def _effect(self, command: ui.Command) -> Change | None:
+        """Return the effect of a command for components of other processes on the file."""
+        if self._session.is_new:
+            return unwritten
+        return saving.remote_effect(self._session, command)
 
     def _is_remote(self, command: ui.Command) -> bool:
         """Return whether a command is for components of other processes."""
@@ -80,17 +91,24 @@ class RemoteCommands:
                 return any(each in remote.components for each in ends)
         return False
 
-    def _change(self, watcher: NamingWatcher, command: ui.Command) -> None:
+    def _change(
+        self, watcher: NamingWatcher, command: ui.Command, effect: Change | None
+    ) -> None:
         edit = watcher.carry_out(command)
         if edit is not None:
-            self._session.runner.submit(partial(self._enter, edit))
+            enter = partial(self._enter, replace(edit, change=effect))
+            self._session.runner.submit(enter)
 
-    def _restore(self, watcher: NamingWatcher, commands: Sequence[ui.Command]) -> None:
+    def _restore(
+        self,
+        watcher: NamingWatcher,
+        commands: Sequence[tuple[ui.Command, Change | None]],
+    ) -> None:
         """Execute as many commands as possible; raise CommandError for the others."""
         failed = []
-        for command in commands:
+        for command, effect in commands:
             try:
-                self._change(watcher, command)
+                self._change(watcher, command, effect)
             except CommandError as error:
                 failed.append(error)
         if failed:

@@ -1,34 +1,48 @@
-"""Converts the system of a session to a model, and to the text of an RtsProfile."""
+"""The content of the file of a session: the file with all edits, or the present system.
+
+A session without a file saves the components of this and other processes as they are.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from itertools import chain, count
+from typing import Any
 
 from msgspec.structs import replace
 
 from rtgen.backends.rts_profile import InstancePorts, system_text
-from rtgen.diagnostics import Span
 from rtgen.facts.openrtm_ports import FOREIGN, KIND, foreign_instances
 from rtgen.frontends import profile_yaml
 from rtgen.frontends.kit import located_xml
 from rtgen.frontends.profile_yaml import YAML_SUFFIXES
 from rtgen.model import Connection, PortReference, System, SystemComponent
 from rtgen.runtime.ports.data_ports import DataConnector
-from rtgen.runtime.system.joining import Connector, instances_of
+from rtgen.runtime.system.joining import Connector
+from rtgen.ui.changes import (
+    NOWHERE,
+    End,
+    ends_of,
+    new_component,
+    ports_of,
+    together,
+)
 from rtgen.ui.description import properties_of
+from rtgen.ui.documents.profile import Change
 from rtgen.ui.protocol import ui
 from rtgen.ui.remote_state import restored
 from rtgen.ui.session import Session
 
-_NOWHERE = Span("", 1, 1, 1, 1)
 
+def content(session: Session, file: str) -> tuple[bytes, System]:
+    """Return the content of a file to save, and the system in it.
 
-def new_component(instance: str, type_: str) -> SystemComponent:
-    """Return the model of a component that is not in the file."""
-    return SystemComponent(
-        instance=instance, type=type_, id="", path_uri="", span=_NOWHERE
-    )
+    Raises DocumentError, UnquotableError.
+    """
+    if session.is_new:
+        profile = profile_now(session)
+        return text(session, profile, file).encode(), profile
+    return session.edits.octets(file), session.edits.system
 
 
 def component_now(session: Session, instance: str) -> SystemComponent:
@@ -175,32 +189,103 @@ def _remote_connection(
         target=target,
         properties=tuple(properties.items()),
         service="dataport.data_type" not in properties,
-        span=_NOWHERE,
+        span=NOWHERE,
     )
 
 
-def text(session: Session, file: str) -> str:
+def text(session: Session, profile: System, file: str) -> str:
     """Return the RtsProfile of the current system; YAML if the file has that suffix."""
-    ports = {}
-    for instance in session.system.instances:
-        component = session.system.component(instance)
-        data = (*component.in_ports, *component.out_ports)
-        services = dict.fromkeys(
-            port for port, _ in (*component.providers, *component.consumers)
-        )
-        ports[instance] = InstancePorts(data, tuple(services))
+    system = session.system
+    ports = {instance: ports_of(system, instance) for instance in system.instances}
     for instance, name in _remote_names(session).items():
-        kinds: dict[bool, list[str]] = {True: [], False: []}
-        for port in session.remote.components[instance].ports:
-            kinds[port.kind is ui.PortKind.PORT_SERVICE].append(port.name)
-        ports[name] = InstancePorts(tuple(kinds[False]), tuple(kinds[True]))
-    profile = profile_now(session)
+        ports[name] = _remote_ports(session, instance)
     for each in profile.components:
         ports.setdefault(each.instance, _stated_ports(profile, each.instance))
     written = str(system_text(profile, ports))
     if file.lower().endswith(YAML_SUFFIXES):
         return profile_yaml.to_yaml(located_xml.parse(written, file))
     return written
+
+
+def _remote_ports(session: Session, instance: str) -> InstancePorts:
+    kinds: dict[bool, list[str]] = {True: [], False: []}
+    for port in session.remote.components[instance].ports:
+        kinds[port.kind is ui.PortKind.PORT_SERVICE].append(port.name)
+    return InstancePorts(tuple(kinds[False]), tuple(kinds[True]))
+
+
+def remote_move(
+    session: Session, instance: str, place: tuple[float, float]
+) -> Change | None:
+    """Return the effect of moving a component of another process on the file."""
+    name, known = _foreign(session, instance)
+    x, y = map(round, place)
+    return together((known, lambda file: file.move(name, x, y)))
+
+
+def remote_effect(session: Session, command: ui.Command) -> Change | None:
+    """Return the effect of a command for components of other processes on the file.
+
+    It is computed before the command is executed. Components that the file lacks are added to it.
+    """
+    value: Any = command.value
+    match command.discriminator:
+        case ui.CommandKind.COMMAND_SET:
+            name, known = _foreign(session, value.instance)
+            set_id = value.set or session.remote.components[value.instance].active_set
+            parameter, text = value.parameter, value.text
+            return together(
+                (known, lambda file: file.configure(name, set_id, parameter, text))
+            )
+        case ui.CommandKind.COMMAND_ACTIVATE_SET:
+            name, known = _foreign(session, value.instance)
+            set_id = value.set
+            return together((known, lambda file: file.activate_set(name, set_id, ())))
+        case ui.CommandKind.COMMAND_CONNECT:
+            return _remote_wire(session, value)
+        case ui.CommandKind.COMMAND_CUT:
+            wire = session.remote.connections[value]
+            ends = [_written_end(session, e) for e in (wire.source, wire.target)]
+            return session.changes.cut(value, ends)
+    return None
+
+
+def _foreign(session: Session, instance: str) -> tuple[str, Change | None]:
+    """Return the name of a component in the file, and the change that adds it, if it lacks it."""
+    if instance not in session.remote.components:
+        return instance, None
+    name = _remote_names(session)[instance]
+    if session.changes.component(name) is not None:
+        return name, None
+    component = _outside(session, instance, name)
+    ports = _remote_ports(session, instance)
+    return name, lambda file: file.add_foreign(component, ports)
+
+
+def _remote_wire(session: Session, wanted: ui.Connect) -> Change | None:
+    pairs = [_foreign(session, e.instance) for e in (wanted.source, wanted.target)]
+    ends = [_written_end(session, each) for each in (wanted.source, wanted.target)]
+    properties = {each.name: each.text for each in wanted.properties}
+    ports = map(session.remote.port, (wanted.source, wanted.target))
+    types = [each.type for each in ports if each is not None]
+    service = not any(types)
+    if not service:
+        type_ = next(filter(None, types)).replace("::", "/")
+        properties.setdefault("dataport.data_type", f"IDL:{type_}:1.0")
+    name = "_".join(f"{instance}.{port}" for instance, port in ends)
+    joined = session.changes.join(
+        wanted.name or name,
+        ends,
+        properties,
+        service=service,
+        added=[name for name, _ in pairs],
+    )
+    return together((*(known for _, known in pairs), joined))
+
+
+def _written_end(session: Session, address: ui.PortAddress) -> End:
+    name, _ = _foreign(session, address.instance)
+    return name, address.port
 
 
 def _stated_ports(profile: System, instance: str) -> InstancePorts:
@@ -216,7 +301,10 @@ def _stated_ports(profile: System, instance: str) -> InstancePorts:
 def _connection(connector: Connector, before: Connection | None) -> Connection:
     if before is not None:
         return before
-    source, target = instances_of(connector)
+    source, target = (
+        PortReference(instance=instance, port=port)
+        for instance, port in ends_of(connector)
+    )
     properties = dict(properties_of(connector))
     is_data = isinstance(connector, DataConnector)
     if isinstance(connector, DataConnector):
@@ -225,13 +313,9 @@ def _connection(connector: Connector, before: Connection | None) -> Connection:
     return Connection(
         name=connector.name,
         id=connector.name,
-        source=_end(source, connector.source),
-        target=_end(target, connector.target),
+        source=source,
+        target=target,
         properties=tuple(properties.items()),
         service=not is_data,
-        span=_NOWHERE,
+        span=NOWHERE,
     )
-
-
-def _end(instance: str, port: object) -> PortReference:
-    return PortReference(instance=instance, port=str(port).removeprefix(f"{instance}."))

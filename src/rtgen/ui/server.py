@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import hmac
+import re
 import secrets
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
@@ -39,6 +40,8 @@ MAX_MESSAGE_SIZE: Final = 4 << 20
 """Maximum length of a message from a page [octets]."""
 _MIN_INTERVAL: Final = 1 / 30
 """Minimum interval between two messages to a page [s]."""
+_ASSET: Final = re.compile(r"\w[\w.-]{0,200}", re.ASCII)
+"""The name of a file of the built page."""
 _HOSTS: Final = ("127.0.0.1", "localhost", "[::1]")
 _HEADERS: Final = (
     (
@@ -108,7 +111,9 @@ def is_same_origin(headers: Any) -> bool:
 
 
 def _asset(parameters: dict[str, Any]) -> str:
-    return f"assets/{parameters['path']}"
+    """Return the name of a file of the folder `assets`; empty for a path that cannot be one."""
+    name = parameters["path"]
+    return f"assets/{name}" if _ASSET.fullmatch(name) else ""
 
 
 def _file(
@@ -117,14 +122,13 @@ def _file(
     """Return a handler for files of the page's folder, and no others."""
 
     async def serve(request: Request) -> Response:
-        root = page.resolve()
-        path = (root / name(request)).resolve()
-        if not path.is_relative_to(root) or not path.is_file():
-            if name(request) == "index.html":
-                message = "this installation of rtgen has no page: it was not built"
-                return PlainTextResponse(message, 503)
-            return PlainTextResponse("not found", 404)
-        return FileResponse(path)
+        path = page / name(request)
+        if path.is_file():
+            return FileResponse(path)
+        if path.name == "index.html":
+            message = "this installation of rtgen has no page: it was not built"
+            return PlainTextResponse(message, 503)
+        return PlainTextResponse("not found", 404)
 
     return serve
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 from msgspec.structs import replace
 
 from rtgen import runtime
-from rtgen.diagnostics import InputError, ToolError
+from rtgen.diagnostics import Diagnostic, InputError, ToolError
 from rtgen.facts.openrtm_ports import KIND, foreign_instances
 from rtgen.model import System, SystemComponent
 from rtgen.recording.recorder import cdr_encoder
@@ -33,16 +33,19 @@ from rtgen.runtime.timing.traffic import (
 from rtgen.runtime.timing.traffic import Event as Happening
 from rtgen.ui import boards, compared_run, description
 from rtgen.ui.buses import Buses
+from rtgen.ui.changes import Changes
 from rtgen.ui.compared_run import ComparedRun
 from rtgen.ui.description import STATES, Description, palette_entry
+from rtgen.ui.documents.document import Document, DocumentError
 from rtgen.ui.edits import Edits
 from rtgen.ui.errors import FILE, UNKNOWN, CommandError
 from rtgen.ui.history import History
 from rtgen.ui.outbox import Outbox
-from rtgen.ui.project import Project
+from rtgen.ui.project import Known, Project, RunWatcher
 from rtgen.ui.protocol import ui
 from rtgen.ui.remote_state import RemoteState
 from rtgen.ui.runner import Runner
+from rtgen.ui.texts import explained, placed
 from rtgen.ui.type_table import NO_TYPE, TypeTable
 
 if TYPE_CHECKING:
@@ -84,9 +87,15 @@ class Session:
         """Identifies this start of the server."""
         self.types = TypeTable()
         self.describe = Description(self.types)
-        self.edits = Edits()
+        self.edits: Edits
+        self.changes: Changes
+        self.is_new = False
+        """Whether the system has no file that was opened, so that the present one is saved."""
+        self.known: Known
+        """The file as it was opened or saved last."""
         self.places: dict[str, Place] = {}
         self.profile: System
+        """The system of the file as it was opened or saved last."""
         self.foreign: Mapping[str, SystemComponent]
         """The components of other processes in the file, by their paths."""
         self._clock = clock
@@ -106,6 +115,8 @@ class Session:
             )
         self.beside: ComparedRun | None = self._recorded
         """The run that pages compare with this one."""
+        self.ended = ""
+        """Why the run is over; empty while it is not."""
         self.keeps = False
         """Whether this run is kept for comparison when time is set back."""
         self._end_recording: Callable[[], None] = lambda: None
@@ -137,9 +148,13 @@ class Session:
 
     def made(self, file: str) -> runtime.System:
         """Create the system of a file, INACTIVE. Raises InputError or ToolError."""
-        profile = self.project.read(file)
+        profile, document = self.project.read(file)
         system = self.assembled(profile)
         self.file = file
+        self.is_new = document is None
+        self.known = Known(file, None if document is None else document.data)
+        self.edits = Edits(document or Document.new(profile.name))
+        self.changes = Changes(self.edits, profile, system)
         self.take_over(profile)
         self.places = {
             each.instance: (float(each.location[0]), float(each.location[1]))
@@ -160,11 +175,13 @@ class Session:
 
     def assembled(self, profile: System) -> runtime.System:
         """Create a system from a profile. Raises InputError or ToolError."""
-        return self.project.assemble(profile, self._clock(), self._failed)
+        watcher = RunWatcher(self._failed, self._skipped)
+        return self.project.assemble(profile, self._clock(), watcher)
 
     def change_system(self, system: runtime.System) -> None:
         """Continue with another system; all pages get its whole state."""
         self._end_recording()
+        self.ended = ""
         self._channels.clear()
         self._counts.clear()
         self._codecs.clear()
@@ -179,13 +196,21 @@ class Session:
         try:
             system = self.made(file)
         except (InputError, ToolError, OSError) as error:
-            raise CommandError(FILE, str(error)) from error
-        self.edits = Edits()
+            raise CommandError(FILE, explained(error)) from error
         self.keeps, self.beside = False, self._recorded
         self.change_system(system)
 
-    def run_again(self, system: runtime.System) -> None:
-        """Restart the run; keep the current one for comparison if that was requested."""
+    def run_again(self) -> None:
+        """Restart the run of the file with all edits.
+
+        The current run is kept for comparison if that was requested. Raises InputError, ToolError.
+        """
+        try:
+            written = self.edits.system
+        except DocumentError as error:
+            raise CommandError(FILE, str(error)) from error
+        system = self.assembled(written)
+        self.changes = Changes(self.edits, written, system)
         if self.keeps and self.beside is None:
             channels = [*self._channels.values()]
             self.beside = compared_run.kept(
@@ -417,6 +442,7 @@ class Session:
             speed=runner.speed,
             now=self.now,
             ended=runner.over,
+            reason=self.ended,
             first=self.history.first,
             last=self.now,
         )
@@ -525,6 +551,8 @@ class Session:
         if system is not self.system:
             return  # The system is being closed.
         match happening:
+            case ParameterChange(instance) if instance not in system.instances:
+                pass  # It is being added, and is described afterwards.
             case ParameterChange(instance, parameter, value):
                 sets = self.system.component(instance).configuration_sets
                 change = ui.ParameterChange(
@@ -585,8 +613,14 @@ class Session:
         what = failure.reason if failure.error is None else described(failure.error)
         self.notice("error", failure.instance, f"{failure.callback}: {what}")
 
+    def _skipped(self, finding: Diagnostic) -> None:
+        self.notice("skipped", "", placed(finding))
+
     def _ended(self, error: BaseException) -> None:
-        self.notice("end", "", described(error))
+        self.ended = explained(error)[:_MAX_NOTICE_LENGTH]
+        self.notice("end", "", self.ended)
+        at = f"the run has ended at {self.now:.3f} s"
+        self.project.report_end(f"{at}: {self.ended}")
         self.publish(ui.Event.of_clock(self.time()))
 
     def _report(self) -> None:

@@ -1,4 +1,7 @@
-"""Texts that CDR cannot hold: with NUL, or with octets of file names that are not UTF-8."""
+"""Texts for pages: of errors, and without what CDR cannot hold.
+
+CDR cannot hold NUL, and octets of file names that are not UTF-8.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,8 @@ from typing import Any, Final
 
 import msgspec
 
+from rtgen.diagnostics import Diagnostic, InputError, ToolError
+from rtgen.runtime.failures import described
 from rtgen.ui.protocol import ui
 
 _UNSENDABLE: Final = re.compile("[\0\ud800-\udfff]")
@@ -28,3 +33,19 @@ def sendable(value: Any) -> Any:
             return type(value)(**parts)
         case _:
             return value
+
+
+def placed(finding: Diagnostic) -> str:
+    """Return the message of a diagnostic behind its place."""
+    if finding.span is None:
+        return finding.message
+    return f"{finding.span.file}:{finding.span.line}: {finding.message}"
+
+
+def explained(error: BaseException) -> str:
+    """Return the reason of an error for people, each diagnostic once."""
+    if isinstance(error, InputError):
+        return "; ".join(dict.fromkeys(map(placed, error.diagnostics)))
+    if isinstance(error, ToolError):
+        return ": ".join(filter(None, (error.message, error.hint)))
+    return described(error)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from rtgen.diagnostics import Diagnostic, InputError, Span, ToolError
+from rtgen.diagnostics import Diagnostic, InputError, Severity, Span, ToolError
 from rtgen.model import Connection, PortReference, System, SystemComponent
 from rtgen.systems.timeline import (
     SECOND,
@@ -162,24 +162,14 @@ def test_forms(text: str, expected: list[object]) -> None:
         ("[[at]]\nt = 1\nactivate = 3\n", "SYS0007", 3, "takes names"),
         ("[[at]]\nt = 1\nactivate = {A0 = 1}\n", "SYS0007", 3, "takes names"),
         ("[[at]]\nt = 1\nset = 4\n", "SYS0007", 3, "or a table"),
-        ('[[at]]\nt = 1\nactivate = "C0"\n', "SYS0005", 3, "'C0'"),
         ('[[at]]\nt = 1\nset = "A0.x"\n', "SYS0004", 3, "A0.x"),
         ("[[at]]\nt = 1\nset = {A0 = 1}\n", "SYS0004", 3, "A0=1"),
         ("[[at]]\nt = 1\nset = {A0.x = {}}\n", "SYS0004", 3, "cannot be {}"),
-        ("[[at]]\nt = 1\nset = {C0.x = 1}\n", "SYS0005", 3, "'C0'"),
-        ('[[at]]\nt = 1\nconnect = "wir"\n', "SYS0007", 3, "'wir'"),
-        ('[[at]]\nt = 1\ndisconnect = "wir"\n', "SYS0007", 3, "'wir'"),
         (
             '[[at]]\nt = 1\ndisconnect = {from = "A0.out"}\n',
             "SYS0007",
             3,
             "table of from and to",
-        ),
-        (
-            '[[at]]\nt = 1\ndisconnect = {from = "A0.out", to = "B0.y"}\n',
-            "SYS0007",
-            3,
-            "no connection joins A0.out and B0.y",
         ),
         (
             '[[at]]\nt = 1\nconnect = [{from = "A0.x", to = "B0.y"}, '
@@ -211,6 +201,52 @@ def test_wrong_timelines(text: str, code: str, line: int, message: str) -> None:
     assert found.span is not None
     assert (found.span.file, found.span.line) == ("timeline.toml", line)
     assert message in found.message
+
+
+@pytest.mark.parametrize(
+    ("event", "message", "hint"),
+    [
+        ('activate = "C0"', "no component 'C0' in the system", "known: A0, B0"),
+        ('set = "A00.x=1"', "no component 'A00' in the system", "did you mean 'A0'?"),
+        ("set = {C0.x = 1}", "no component 'C0' in the system", "known: A0, B0"),
+        ('connect = "wir"', "no connection 'wir' in the system", "known: wire"),
+        ('disconnect = "wir"', "no connection 'wir' in the system", "known: wire"),
+        (
+            'disconnect = {from = "A0.out", to = "B0.y"}',
+            "no connection joins A0.out and B0.y",
+            "correct the name, or remove the event if the system has changed for good",
+        ),
+        (
+            'connect = {from = "A0.out", to = "C0.y"}',
+            "no component 'C0' in the system",
+            "known: A0, B0",
+        ),
+    ],
+)
+def test_an_event_about_what_the_system_lacks_is_skipped(
+    tmp_path: Path, event: str, message: str, hint: str
+) -> None:
+    file = tmp_path / "t.toml"
+    file.write_text(f'[[at]]\nt = 1\n{event}\n[[at]]\nt = 2\nreset = "A0"\n')
+    found = load(file, SYSTEM)
+    assert [step.action for step in found.steps] == [StateRequest("reset", "A0")]
+    [finding] = found.skipped
+    assert finding.code == "SYS0027"
+    assert finding.severity is Severity.WARNING
+    assert finding.message == f"{message}: the event is skipped"
+    assert finding.hint == hint
+    assert finding.span is not None
+    assert finding.span.line == 3
+
+
+def test_a_cut_of_two_ports_is_that_of_the_connection_at_that_time() -> None:
+    text = (
+        '[[at]]\nt = 1\nconnect = {from = "A0.out", to = "B0.in", name = "late"}\n'
+        '[[at]]\nt = 2\ndisconnect = {from = "A0.out", to = "B0.in"}\n'
+    )
+    made, cut = parse(text, "t.toml", SYSTEM)
+    assert made.action == Connect("late", A, B, {})
+    assert cut.action == Disconnect("wire", ("late",))
 
 
 def test_a_timeline_follows_another(tmp_path: Path) -> None:

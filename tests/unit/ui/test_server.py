@@ -5,8 +5,10 @@ from __future__ import annotations
 import asyncio
 import threading
 from collections.abc import Iterator
+from contextlib import suppress
 from http.client import HTTPConnection
 from pathlib import Path
+from socket import SHUT_WR, create_connection
 from typing import Any
 
 import pytest
@@ -96,6 +98,50 @@ def test_only_the_page_is_served(served: Server) -> None:
         "/assets/",
     ):
         assert get(served, path)[0] == 404, path
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/assets/%00",
+        "/assets/page.js%00",
+        "/assets/%ff",
+        "/assets/%2e",
+        "/assets/page.js/",
+        f"/assets/{'a' * 300}",
+        f"/assets/{'a' * 5000}",
+        f"/assets/{'a/' * 3000}",
+        "/%00",
+        "/socket",
+        f"/{'%41' * 3000}",
+    ],
+)
+def test_paths_that_no_file_can_have_are_not_found(
+    served: Server, path: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert get(served, path)[0] == 404
+    assert capfd.readouterr().err == ""
+
+
+def test_requests_that_are_none_are_refused(
+    served: Server, capfd: pytest.CaptureFixture[str]
+) -> None:
+    for request in (
+        b"GET /" + b"a" * (1 << 17) + b" HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n",
+        b"\0" * 100 + b"\r\n\r\n",
+        b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nHost: example.org\r\n\r\n",
+        b"GET /\xff\x00 HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n",
+        b"GET /socket?token=%00%ff HTTP/1.1\r\nHost: 127.0.0.1\r\n"
+        b"Upgrade: websocket\r\nConnection: Upgrade\r\n\r\n",
+    ):
+        with create_connection((served.host, served.port), 60) as raw:
+            raw.sendall(request)
+            raw.shutdown(SHUT_WR)
+            with suppress(ConnectionResetError):  # of what was not read
+                answer = raw.recv(1 << 16)
+                assert answer.startswith(b"HTTP/1.1 4"), request[:40]
+    assert "Traceback" not in capfd.readouterr().err
+    assert get(served, "/")[0] == 200
 
 
 def test_other_hosts_and_origins_are_refused(served: Server) -> None:

@@ -262,6 +262,7 @@ CHANGING = {
     "removed": "Odometry0",
     "place": ui.Moved("Odometry0"),
     "file": "x.xml",
+    "replaced": "x.xml",
     **dict.fromkeys(("undone", "redone", "played", "paused", "reset", "kept"), True),
     "step": 1.0,
     "speed": 2.0,

@@ -47,10 +47,10 @@ def profile_element(
     connections = sorted(system.connections, key=lambda each: each.service)
     children = [
         *(
-            _component(c, known[c.instance], number)
+            component_element(c, known[c.instance], number)
             for number, c in enumerate(system.components)
         ),
-        *(_connector(each, ids) for each in connections),
+        *(connector_element(each, ids) for each in connections),
     ]
     if system.activation:
         children.append(_element("Activation", {}, _steps(system.activation, ids)))
@@ -94,7 +94,10 @@ def _properties(pairs: Iterable[tuple[str, str]]) -> Iterator[ProfileElement]:
         yield _extension("Properties", {"name": name, "value": value})
 
 
-def _component(c: SystemComponent, ports: InstancePorts, number: int) -> ProfileElement:
+def component_element(
+    c: SystemComponent, ports: InstancePorts, number: int
+) -> ProfileElement:
+    """Return the element of a component; `number` places one that has no location."""
     row, column = divmod(number, _COLUMNS)
     place = c.location or (40 + column * _STEP[0], 60 + row * _STEP[1], -1, -1)
     names = ("x", "y", "width", "height")
@@ -146,7 +149,8 @@ def _component(c: SystemComponent, ports: InstancePorts, number: int) -> Profile
     )
 
 
-def _connector(connection: Connection, ids: Mapping[str, str]) -> ProfileElement:
+def connector_element(connection: Connection, ids: Mapping[str, str]) -> ProfileElement:
+    """Return the element of a connection; `ids` are those of the components, by instance."""
     given = dict(connection.properties)
     attributes = {
         "connectorId": connection.id or connection.name,

@@ -31,6 +31,12 @@ _ORDER = (
 _DIRECTION: Name = (RTS_EXT, "direction")
 _PLACES = {name: place for place, name in enumerate(_ORDER)}
 
+
+def position(name: Name) -> int:
+    """Return the position of an element among its siblings, by the order of the schema."""
+    return _PLACES.get(name[1], len(_ORDER))
+
+
 _OF_THE_MODEL = frozenset(
     {
         *("Components", *_CONNECTORS, "ConfigurationSets", "ConfigurationData"),
@@ -51,7 +57,7 @@ _FOR_THE_SCHEMA: Mapping[str, frozenset[Name]] = {
     "PrecedingComponents": frozenset({(RTS, "id")}),
 }
 """Attributes without a field of the model: the file's value is used, if there is one."""
-_EMPTY_WITHOUT = {
+EMPTY_WITHOUT = {
     "Groups": "Members",
     "Participants": "Participant",
     "Preceding": "PrecedingComponents",
@@ -140,8 +146,7 @@ class _Merge:
             elif self._is_kept(child, made):
                 found += self._without_lost(child)
         found += [child for listed in waiting.values() for child in listed]
-        last = len(_ORDER)
-        return sorted(found, key=lambda child: _PLACES.get(child.name[1], last))
+        return sorted(found, key=lambda child: position(child.name))
 
     def _is_kept(self, child: ProfileElement, parent: ProfileElement) -> bool:
         kind, inside = child.name[1], parent.name[1]
@@ -162,7 +167,7 @@ class _Merge:
         if instance and instance not in self.instances:
             return []
         children = [p for child in element.children for p in self._without_lost(child)]
-        needed = _EMPTY_WITHOUT.get(element.name[1])
+        needed = EMPTY_WITHOUT.get(element.name[1])
         lost = len(children) < len(element.children)
         if lost and needed and all(c.name[1] != needed for c in children):
             return []

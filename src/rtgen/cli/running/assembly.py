@@ -33,6 +33,7 @@ from rtgen.systems.rules import (
     CONNECTION,
     NO_COMPONENT,
     PARAMETER,
+    SKIPPED,
     TIMELINE,
     UNKNOWN_TYPE,
 )
@@ -52,6 +53,13 @@ if TYPE_CHECKING:
 
 _MILLISECOND = 1_000_000
 _POLL_PERIOD = 20 * _MILLISECOND
+_GONE = (
+    runtime.UnknownComponentError,
+    runtime.UnknownConnectionError,
+    runtime.DuplicateConnectionError,
+    runtime.ConnectionLimitError,
+)
+"""Errors of events for which the run has changed: by a person, another process, a component."""
 
 
 def assemble(
@@ -65,6 +73,7 @@ def assemble(
     report: FailureReport | None = None,
     prepare: Callable[[runtime.System], None] | None = None,
     checkpoints: runtime.CheckpointFolder | None = None,
+    skipped: Callable[[Diagnostic], None] | None = None,
 ) -> runtime.System:
     """Assemble the system: all components INACTIVE, their start scheduled on its timeline.
 
@@ -73,6 +82,10 @@ def assemble(
     when all components are added, before they are connected. Other processes find the components
     when they are connected. Raises InputError with all inconsistencies, ToolError if a factory
     cannot be loaded or the transport fails.
+
+    An event of the timeline whose component or connection is gone, or whose connection exists, is
+    skipped with a warning; another one that fails ends the run with an InputError. With `skipped`,
+    for systems that people change, both are skipped, and it is called with each warning.
     """
     findings = [
         UNKNOWN_TYPE.at(
@@ -96,6 +109,7 @@ def assemble(
             if prepare is not None:
                 prepare(system)
             _fill(system, profile, steps, transport, patience)
+            _schedule(system, steps, report.notice, skipped)
     except runtime.TransportError as error:
         system.close()
         raise ToolError(str(error)) from error
@@ -155,7 +169,10 @@ def _fill(
     transport: ProcessTransport | None,
     patience: float,
 ) -> None:
-    """Add connections and timeline to the system. Raises as `assemble` does."""
+    """Add connections and activations to the system, and check the timeline.
+
+    Raises as `assemble` does.
+    """
     findings: list[Diagnostic] = []
     profile = with_definition_names(
         profile, {name: _ports(system.component(name)) for name in system.instances}
@@ -170,8 +187,9 @@ def _fill(
         span, hint = _failed_end(system, connection)
         found = _findings(CONNECTION, span, _performing(system, action))
         findings += (replace(finding, hint=hint) for finding in found)
+    known = system.instances
     for step in steps:
-        if isinstance(step.action, SetParameter):
+        if isinstance(step.action, SetParameter) and step.action.instance in known:
             findings += _findings(PARAMETER, step.span, _checking(system, step.action))
     _raise_if_any(findings)
     before: list[str] = []
@@ -179,7 +197,7 @@ def _fill(
     for time, instance in _start(profile, system):
         if instance in system.instances:
             earlier.append(instance)
-            activate = _performing(system, StateRequest("activate", instance))
+            activate: Callable[[], None] = partial(_activate, system, instance)
             if transport is not None and before:
                 is_ready = partial(transport.is_ready, instance, tuple(before))
                 activate = _when(system, is_ready, activate, patience)
@@ -191,8 +209,30 @@ def _fill(
                 system.at(time, _reporting(activate))
                 deactivate = partial(transport.deactivate_foreign, instance)
                 system.at_close(deactivate, before=tuple(earlier))
+
+
+def _schedule(
+    system: runtime.System,
+    steps: Sequence[Step],
+    warn: Callable[[Diagnostic], None],
+    skipped: Callable[[Diagnostic], None] | None,
+) -> None:
+    """Add a timeline to the system; see `assemble`."""
+    outdated = _GONE if skipped is None else runtime.RtcError
+
+    def carry_out(step: Step) -> None:
+        try:
+            _performing(system, step.action)()
+        except outdated as error:
+            message = f"{error}: the event is skipped"
+            (skipped or warn)(SKIPPED.at(step.span, message))
+        except runtime.TransportError as error:
+            raise ToolError(str(error)) from error
+        except runtime.RtcError as error:
+            raise InputError([TIMELINE.at(step.span, str(error))]) from error
+
     for step in steps:
-        system.at(step.time, _with_place(step, _performing(system, step.action)))
+        system.at(step.time, partial(carry_out, step))
 
 
 def _ports(component: runtime.Component) -> InstancePorts:
@@ -360,6 +400,12 @@ def _when(
     return perform
 
 
+def _activate(system: runtime.System, instance: str) -> None:
+    """Activate a component at the start, unless it was removed before."""
+    if instance in system.instances:
+        system.activate(instance)
+
+
 def _checking(system: runtime.System, action: SetParameter) -> Callable[[], object]:
     sets = system.component(action.instance).configuration_sets
     return partial(sets.check, action.parameter, action.text)
@@ -380,8 +426,10 @@ def _performing(
             case Connect(name, source, target, properties):
                 ends = (source.instance, source.port), (target.instance, target.port)
                 system.connect(*ends, properties, name)
-            case Disconnect():
-                system.disconnect(action.name)
+            case Disconnect(name, others):
+                known = {each.name for each in system.connectors}
+                made = (each for each in (name, *others) if each in known)
+                system.disconnect(next(made, name))
             case SetParameter():
                 sets = system.component(action.instance).configuration_sets
                 system.configure(
@@ -396,16 +444,5 @@ def _reporting(action: Callable[[], None]) -> Callable[[], None]:
 
     def perform() -> None:
         _raise_if_any([*_findings(CONNECTION, None, action)])
-
-    return perform
-
-
-def _with_place(step: Step, action: Callable[[], None]) -> Callable[[], None]:
-    """Return the action, with errors of the runtime turned into diagnostics at the step's place."""
-
-    def perform() -> None:
-        findings = [*_findings(TIMELINE, step.span, action)]
-        if findings:
-            raise InputError(findings)
 
     return perform

@@ -155,8 +155,10 @@ def _touches(link: Connection | Connect, here: Collection[str]) -> bool:
 
 def _concerns(action: Action, known: Collection[str], here: Collection[str]) -> bool:
     match action:
-        case Connect(name=name) | Disconnect(name):
+        case Connect(name=name):
             return name in known
+        case Disconnect(name, others):
+            return not {name, *others}.isdisjoint(known)
         case StateRequest() | SetParameter():
             return action.instance in here
 

@@ -65,9 +65,7 @@ class Element:
 
 def decode(data: bytes, file: str) -> str:
     """Decode an XML file by its byte-order mark or declaration. Raises InputError."""
-    declared = _DECLARED.match(data[:200])
-    is_marked = isinstance(data, Encoded) or data.startswith(encodings.MARKS)
-    label = declared[1].decode("ascii") if declared and not is_marked else "utf-8"
+    label, is_marked = _label(data)
     nowhere = Span(file, 1, 1, 1, 1)
     try:
         if not is_marked:
@@ -96,6 +94,34 @@ def _hint(read: Decoded) -> str:
     if read.encoding in ("sjis", "euc"):
         return f"they look like {read.title}: declare that, or save the file as UTF-8"
     return "save the file as UTF-8"
+
+
+def encode(text: str, before: bytes) -> bytes:
+    """Encode a changed text as the file `before`, from which it was decoded.
+
+    Characters that the encoding lacks become references, which values and texts can contain.
+    Raises NotEncodableError, if a character of the file is in it in several ways.
+    """
+    label, is_marked = _label(before)
+    encoding = encodings.encoding_of(label)
+    if not is_marked and encoding is None:
+        return text.encode(label, errors="xmlcharrefreplace")
+    octets = before if is_marked else Encoded(before, encoding or "utf8")
+    read = encodings.decode(octets)
+    for character in {*text} - {*read.text}:
+        try:
+            encodings.encoded(character, read.encoding)
+        except UnicodeEncodeError:
+            text = text.replace(character, f"&#{ord(character)};")
+    return read.encode(text)
+
+
+def _label(data: bytes) -> tuple[str, bool]:
+    """Return the declared encoding of a file, and whether a mark decides instead."""
+    declared = _DECLARED.match(data[:200])
+    is_marked = isinstance(data, Encoded) or data.startswith(encodings.MARKS)
+    label = declared[1].decode("ascii") if declared and not is_marked else "utf-8"
+    return label, is_marked
 
 
 _NO_XML = "profiles and systems are XML or YAML; rtgen generate accepts definitions"

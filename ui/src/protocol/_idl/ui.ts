@@ -4,7 +4,7 @@
 import { type CdrType, boolean, branch, double, enumeration, field, long, longlong, octets, sequence, string, struct, ulong, ulonglong, union } from "../_cdr.ts";
 
 /** Version of the protocol; a page with another version reloads. */
-export const Ui$VERSION = 4;
+export const Ui$VERSION = 5;
 
 /** Maximum number of past samples of a channel that a page gets at once: the newest half, and some older ones. */
 export const Ui$MAX_SAMPLES = 2000;
@@ -304,6 +304,8 @@ export interface Ui$ClockState {
   now: number;
   /** Whether the run is over. */
   ended: boolean;
+  /** Why the run is over; empty: it is not, or it is a recording. */
+  reason: string;
   /** Whether the page shows the past: the run as of `now`. */
   past: boolean;
   /** The earliest time that a page can show. */
@@ -317,6 +319,7 @@ export const Ui$ClockState: CdrType<Ui$ClockState> = struct("Ui::ClockState", [
   field("speed", double),
   field("now", double),
   field("ended", boolean),
+  field("reason", string()),
   field("past", boolean),
   field("first", double),
   field("last", double),
@@ -918,8 +921,8 @@ export const Ui$Inject: CdrType<Ui$Inject> = struct("Ui::Inject", [
   field("data", Ui$Octets),
 ]);
 
-export type Ui$CommandKind = "COMMAND_WATCH" | "COMMAND_FITS" | "COMMAND_CONNECT" | "COMMAND_CUT" | "COMMAND_ACTIVATE" | "COMMAND_DEACTIVATE" | "COMMAND_RESET" | "COMMAND_SET" | "COMMAND_ACTIVATE_SET" | "COMMAND_CALL" | "COMMAND_ADD" | "COMMAND_REMOVE" | "COMMAND_MOVE" | "COMMAND_SAVE" | "COMMAND_UNDO" | "COMMAND_REDO" | "COMMAND_PLAY" | "COMMAND_PAUSE" | "COMMAND_STEP" | "COMMAND_SPEED" | "COMMAND_SEEK" | "COMMAND_OPEN" | "COMMAND_SEND_FRAME" | "COMMAND_NMT" | "COMMAND_SDO_READ" | "COMMAND_SDO_WRITE" | "COMMAND_OBJECTS" | "COMMAND_INJECT" | "COMMAND_LOOK" | "COMMAND_BESIDE" | "COMMAND_RESTORE";
-export const Ui$CommandKind: CdrType<Ui$CommandKind> = enumeration("Ui::CommandKind", { COMMAND_WATCH: 0, COMMAND_FITS: 1, COMMAND_CONNECT: 2, COMMAND_CUT: 3, COMMAND_ACTIVATE: 4, COMMAND_DEACTIVATE: 5, COMMAND_RESET: 6, COMMAND_SET: 7, COMMAND_ACTIVATE_SET: 8, COMMAND_CALL: 9, COMMAND_ADD: 10, COMMAND_REMOVE: 11, COMMAND_MOVE: 12, COMMAND_SAVE: 13, COMMAND_UNDO: 14, COMMAND_REDO: 15, COMMAND_PLAY: 16, COMMAND_PAUSE: 17, COMMAND_STEP: 18, COMMAND_SPEED: 19, COMMAND_SEEK: 20, COMMAND_OPEN: 21, COMMAND_SEND_FRAME: 22, COMMAND_NMT: 23, COMMAND_SDO_READ: 24, COMMAND_SDO_WRITE: 25, COMMAND_OBJECTS: 26, COMMAND_INJECT: 27, COMMAND_LOOK: 28, COMMAND_BESIDE: 29, COMMAND_RESTORE: 30 });
+export type Ui$CommandKind = "COMMAND_WATCH" | "COMMAND_FITS" | "COMMAND_CONNECT" | "COMMAND_CUT" | "COMMAND_ACTIVATE" | "COMMAND_DEACTIVATE" | "COMMAND_RESET" | "COMMAND_SET" | "COMMAND_ACTIVATE_SET" | "COMMAND_CALL" | "COMMAND_ADD" | "COMMAND_REMOVE" | "COMMAND_MOVE" | "COMMAND_SAVE" | "COMMAND_UNDO" | "COMMAND_REDO" | "COMMAND_PLAY" | "COMMAND_PAUSE" | "COMMAND_STEP" | "COMMAND_SPEED" | "COMMAND_SEEK" | "COMMAND_OPEN" | "COMMAND_SEND_FRAME" | "COMMAND_NMT" | "COMMAND_SDO_READ" | "COMMAND_SDO_WRITE" | "COMMAND_OBJECTS" | "COMMAND_INJECT" | "COMMAND_LOOK" | "COMMAND_BESIDE" | "COMMAND_RESTORE" | "COMMAND_REPLACE";
+export const Ui$CommandKind: CdrType<Ui$CommandKind> = enumeration("Ui::CommandKind", { COMMAND_WATCH: 0, COMMAND_FITS: 1, COMMAND_CONNECT: 2, COMMAND_CUT: 3, COMMAND_ACTIVATE: 4, COMMAND_DEACTIVATE: 5, COMMAND_RESET: 6, COMMAND_SET: 7, COMMAND_ACTIVATE_SET: 8, COMMAND_CALL: 9, COMMAND_ADD: 10, COMMAND_REMOVE: 11, COMMAND_MOVE: 12, COMMAND_SAVE: 13, COMMAND_UNDO: 14, COMMAND_REDO: 15, COMMAND_PLAY: 16, COMMAND_PAUSE: 17, COMMAND_STEP: 18, COMMAND_SPEED: 19, COMMAND_SEEK: 20, COMMAND_OPEN: 21, COMMAND_SEND_FRAME: 22, COMMAND_NMT: 23, COMMAND_SDO_READ: 24, COMMAND_SDO_WRITE: 25, COMMAND_OBJECTS: 26, COMMAND_INJECT: 27, COMMAND_LOOK: 28, COMMAND_BESIDE: 29, COMMAND_RESTORE: 30, COMMAND_REPLACE: 31 });
 
 export type Ui$Command =
   /** All channels whose samples the page wants. */
@@ -938,8 +941,10 @@ export type Ui$Command =
   | { case: "added"; value: Ui$AddComponent; discriminator?: Ui$CommandKind }
   | { case: "removed"; value: string; discriminator?: Ui$CommandKind }
   | { case: "place"; value: Ui$Moved; discriminator?: Ui$CommandKind }
-  /** Empty: the system's own file. */
+  /** Empty: the system's own file. UIS0011: the user must decide. */
   | { case: "file"; value: string; discriminator?: Ui$CommandKind }
+  /** Save as the user has decided: the file may be replaced. */
+  | { case: "replaced"; value: string; discriminator?: Ui$CommandKind }
   | { case: "undone"; value: boolean; discriminator?: Ui$CommandKind }
   | { case: "redone"; value: boolean; discriminator?: Ui$CommandKind }
   | { case: "played"; value: boolean; discriminator?: Ui$CommandKind }
@@ -978,6 +983,7 @@ export const Ui$Command: CdrType<Ui$Command> = union("Ui::Command", Ui$CommandKi
   branch("removed", string(), ["COMMAND_REMOVE"]),
   branch("place", Ui$Moved, ["COMMAND_MOVE"]),
   branch("file", string(), ["COMMAND_SAVE"]),
+  branch("replaced", string(), ["COMMAND_REPLACE"]),
   branch("undone", boolean, ["COMMAND_UNDO"]),
   branch("redone", boolean, ["COMMAND_REDO"]),
   branch("played", boolean, ["COMMAND_PLAY"]),

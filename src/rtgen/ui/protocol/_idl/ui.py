@@ -9,7 +9,7 @@ from typing import ClassVar, Final, Self, TypeAlias
 from rtgen.runtime import idl
 from rtgen.runtime.cdr import Aggregated, AliasCodec, Enumeration, Union, field
 
-VERSION: Final = 4
+VERSION: Final = 5
 """Version of the protocol; a page with another version reloads."""
 MAX_SAMPLES: Final = 2000
 """Maximum number of past samples of a channel that a page gets at once: the newest half, and some older ones."""
@@ -438,6 +438,7 @@ class ClockState(Aggregated):
         speed=idl.DOUBLE,
         now=idl.DOUBLE,
         ended=idl.BOOLEAN,
+        reason=idl.STRING,
         past=idl.BOOLEAN,
         first=idl.DOUBLE,
         last=idl.DOUBLE,
@@ -451,6 +452,8 @@ class ClockState(Aggregated):
     """The time that the page shows."""
     ended: bool = False
     """Whether the run is over."""
+    reason: str = ""
+    """Why the run is over; empty: it is not, or it is a recording."""
     past: bool = False
     """Whether the page shows the past: the run as of `now`."""
     first: float = 0.0
@@ -1536,6 +1539,7 @@ class CommandKind(Enumeration):
     COMMAND_LOOK = 28
     COMMAND_BESIDE = 29
     COMMAND_RESTORE = 30
+    COMMAND_REPLACE = 31
 
 
 idl.enum(CommandKind, "Ui::CommandKind")
@@ -1561,6 +1565,7 @@ class Command(Union):
         removed=idl.case(idl.STRING, CommandKind.COMMAND_REMOVE),
         place=idl.case(Moved, CommandKind.COMMAND_MOVE),
         file=idl.case(idl.STRING, CommandKind.COMMAND_SAVE),
+        replaced=idl.case(idl.STRING, CommandKind.COMMAND_REPLACE),
         undone=idl.case(idl.BOOLEAN, CommandKind.COMMAND_UNDO),
         redone=idl.case(idl.BOOLEAN, CommandKind.COMMAND_REDO),
         played=idl.case(idl.BOOLEAN, CommandKind.COMMAND_PLAY),
@@ -1733,8 +1738,19 @@ class Command(Union):
 
     @property
     def file(self) -> str:
-        """Empty: the system's own file."""
+        """Empty: the system's own file. UIS0011: the user must decide."""
         value: str = self._selected_("file")
+        return value
+
+    @classmethod
+    def of_replaced(cls, value: str) -> Self:
+        """A value of the branch `replaced`."""
+        return cls(CommandKind.COMMAND_REPLACE, value)
+
+    @property
+    def replaced(self) -> str:
+        """Save as the user has decided: the file may be replaced."""
+        value: str = self._selected_("replaced")
         return value
 
     @classmethod

@@ -177,6 +177,7 @@ COMMAND_INJECT: Final = CommandKind.COMMAND_INJECT
 COMMAND_LOOK: Final = CommandKind.COMMAND_LOOK
 COMMAND_BESIDE: Final = CommandKind.COMMAND_BESIDE
 COMMAND_RESTORE: Final = CommandKind.COMMAND_RESTORE
+COMMAND_REPLACE: Final = CommandKind.COMMAND_REPLACE
 
 __all__ = [
     "ActiveSet",
@@ -214,6 +215,7 @@ __all__ = [
     "COMMAND_PLAY",
     "COMMAND_REDO",
     "COMMAND_REMOVE",
+    "COMMAND_REPLACE",
     "COMMAND_RESET",
     "COMMAND_RESTORE",
     "COMMAND_SAVE",

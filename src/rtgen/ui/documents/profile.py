@@ -1,0 +1,217 @@
+"""The changes that a user can make to an RtsProfile."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Sequence
+from typing import Final, TypeAlias
+
+from rtgen.backends.rts_profile.elements import (
+    InstancePorts,
+    component_element,
+    connector_element,
+)
+from rtgen.backends.rts_profile.kept import EMPTY_WITHOUT, position
+from rtgen.facts.openrtm_ports import FOREIGN
+from rtgen.model import Connection, SystemComponent
+from rtgen.model.profile_elements import RTS, RTS_EXT
+from rtgen.ui.documents.elements import Editable, editable
+
+_CONNECTORS: Final = ("DataPortConnectors", "ServicePortConnectors")
+_ENDS: Final = frozenset(
+    f"{end}{kind}Port" for end in ("source", "target") for kind in ("Data", "Service")
+)
+_LISTS: Final = (
+    FOREIGN,
+    "rtgen.run.pose",
+    "rtgen.run.goal",
+    "rtgen.openrtm.per_cycle",
+)
+"""Properties of a system that are lists of instances, or of names within instances."""
+_UNTIL: Final = "rtgen.run.until"
+_JUDGED: Final = ("rtgen.run.pose", "rtgen.run.goal")
+_TOLERANCE: Final = "rtgen.run.tolerance"
+
+
+class Profile:
+    """An RtsProfile that changes; `root` is its root element."""
+
+    def __init__(self, root: Editable) -> None:
+        self.root = root
+
+    # Components.
+
+    def add(self, component: SystemComponent, ports: InstancePorts) -> None:
+        """Add a component."""
+        number = len([*self.root.all("Components")])
+        element = editable(component_element(component, ports, number))
+        self.root.insert(element, position)
+
+    def add_foreign(self, component: SystemComponent, ports: InstancePorts) -> None:
+        """Add a component of another process, unless there is one of its name."""
+        if self._component(component.instance) is not None:
+            return
+        self.add(component, ports)
+        names = _names(self._property(FOREIGN))
+        self._set_property(FOREIGN, ", ".join((*names, component.instance)))
+
+    def remove(self, instance: str) -> None:
+        """Remove a component with its connections, and all that refers to it."""
+        self.root.children = [
+            child
+            for child in self.root.children
+            if child.name[1] not in _CONNECTORS or instance not in _instances(child)
+        ]
+        _without(self.root, instance)
+        lost = []
+        for name in _LISTS:
+            names = _names(self._property(name))
+            kept = [each for each in names if each.partition(".")[0] != instance]
+            if kept != names:
+                self._set_property(name, ", ".join(kept))
+                lost += [] if kept else [name]
+        if any(name in lost for name in _JUDGED):
+            self._set_property(_TOLERANCE, "")
+        until = _names(self._property(_UNTIL))
+        kept = [each for each in until if each.partition("=")[0].strip() != instance]
+        if kept != until:
+            self._set_property(_UNTIL, ",".join(kept))
+
+    def move(self, instance: str, x: int, y: int) -> None:
+        """Set the place of a component."""
+        component = self._required(instance)
+        place = component.first("Location")
+        if place is None:
+            rest = {"width": "-1", "height": "-1", "direction": "RIGHT"}
+            attributes = {(RTS_EXT, name): text for name, text in rest.items()}
+            place = Editable((RTS_EXT, "Location"), attributes)
+            component.insert(place, position)
+        place.attributes |= {(RTS_EXT, "x"): str(x), (RTS_EXT, "y"): str(y)}
+
+    def configure(self, instance: str, set_id: str, parameter: str, text: str) -> None:
+        """Set a parameter in a configuration set, which is added if there is none."""
+        values = self._set(instance, set_id)
+        for item in values.all("ConfigurationData"):
+            if item.get("name") == parameter:
+                item.attributes[RTS, "data"] = text
+                return
+        attributes = {(RTS, "name"): parameter, (RTS, "data"): text}
+        values.insert(Editable((RTS, "ConfigurationData"), attributes), position)
+
+    def activate_set(
+        self, instance: str, set_id: str, values: Sequence[tuple[str, str]]
+    ) -> None:
+        """Make a configuration set the active one; `values` are those of one that is added."""
+        component = self._required(instance)
+        known = [each.get("id") for each in component.all("ConfigurationSets")]
+        if set_id not in known:
+            for parameter, text in values:
+                self.configure(instance, set_id, parameter, text)
+        component.attributes[RTS, "activeConfigurationSet"] = set_id
+
+    def _set(self, instance: str, set_id: str) -> Editable:
+        component = self._required(instance)
+        for values in component.all("ConfigurationSets"):
+            if values.get("id") == set_id:
+                return values
+        values = Editable((RTS, "ConfigurationSets"), {(RTS, "id"): set_id})
+        component.insert(values, position)
+        return values
+
+    def _component(self, instance: str) -> Editable | None:
+        components = self.root.all("Components")
+        return next((c for c in components if c.get("instanceName") == instance), None)
+
+    def _required(self, instance: str) -> Editable:
+        component = self._component(instance)
+        if component is None:
+            raise LookupError(f"the file has no component {instance!r}")
+        return component
+
+    # Connections.
+
+    def connect(self, connection: Connection) -> None:
+        """Add a connection."""
+        components = self.root.all("Components")
+        ids = {each.get("instanceName"): each.get("id") for each in components}
+        element = editable(connector_element(connection, ids))
+        self.root.insert(element, position)
+
+    def cut(self, name: str) -> None:
+        """Remove a connection."""
+        self.root.children = [
+            child
+            for child in self.root.children
+            if child.name[1] not in _CONNECTORS or connection_name(child) != name
+        ]
+
+    # Properties of the system.
+
+    def _property(self, name: str) -> str:
+        for each in self.root.all("Properties"):
+            if each.get("name", RTS_EXT) == name:
+                return each.get("value", RTS_EXT)
+        return ""
+
+    def _set_property(self, name: str, value: str) -> None:
+        """Set a property, or remove it if the value is empty."""
+        known = [
+            each
+            for each in self.root.all("Properties")
+            if each.get("name", RTS_EXT) == name
+        ]
+        for each in known:
+            if value:
+                each.attributes[RTS_EXT, "value"] = value
+            else:
+                self.root.children.remove(each)
+        if value and not known:
+            attributes = {(RTS_EXT, "name"): name, (RTS_EXT, "value"): value}
+            self.root.insert(Editable((RTS_EXT, "Properties"), attributes), position)
+
+
+Change: TypeAlias = Callable[[Profile], None]
+"""A change of a profile. Raises LookupError if the profile lacks what is changed."""
+
+
+def connection_name(connector: Editable) -> str:
+    """Return the name by which the reader of profiles knows a connection."""
+    source, target = (f"{i}.{port}" for i, port in _ends(connector))
+    stated = connector.get("name") or connector.get("connectorId")
+    return stated or f"{source}_{target}"
+
+
+def _ends(connector: Editable) -> Iterator[tuple[str, str]]:
+    for child in connector.children:
+        if child.name[1] in _ENDS:
+            instance = child.get("instanceName")
+            yield instance, child.get("portName").removeprefix(f"{instance}.")
+
+
+def _instances(connector: Editable) -> Collection[str]:
+    return {instance for instance, _ in _ends(connector)}
+
+
+def _without(element: Editable, instance: str) -> None:
+    """Remove all references to an instance, and what means nothing without them."""
+    kept = []
+    for child in element.children:
+        if child.get("instanceName") == instance:
+            continue
+        number = len(child.children)
+        _without(child, instance)
+        needed = EMPTY_WITHOUT.get(child.name[1])
+        lost = len(child.children) < number
+        if not (lost and needed and child.first(needed) is None):
+            kept.append(child)
+    if element.name[1] == "targets" and len(kept) < len(element.children):
+        element.children = kept
+        if element.first("TargetComponent") and not element.first("WaitTime"):
+            wait = Editable((RTS, "WaitTime"), {(RTS, "waitTime"): "0"})
+            element.children.insert(0, wait)
+        return
+    element.children = kept
+
+
+def _names(text: str) -> list[str]:
+    """Return the items of a comma-separated list."""
+    return [name.strip() for name in text.split(",") if name.strip()]
