@@ -23,8 +23,7 @@ def store(
     """
     found = _content(path)
     if found is None:
-        with path.open("xb") as stream:
-            stream.write(data)
+        _create(path, data)
         return None
     backup = None
     if found not in (known, data):
@@ -44,14 +43,24 @@ def _content(path: Path) -> bytes | None:
     return files.read_file(path)
 
 
+def _create(path: Path, data: bytes) -> None:
+    """Write a new file whole, or none. Raises OSError, FileExistsError if there is one."""
+    with path.open("xb") as stream:
+        try:
+            stream.write(data)
+            stream.flush()
+        except OSError:
+            path.unlink()
+            raise
+
+
 def _kept(path: Path, data: bytes) -> Path:
     """Write a file of a new name beside another one."""
     names = (f"{path.name}~" if n == 1 else f"{path.name}.~{n}~" for n in count(1))
     for name in names:
         kept = path.with_name(name)
         try:
-            with kept.open("xb") as stream:
-                stream.write(data)
+            _create(kept, data)
         except FileExistsError:
             continue
         return kept
