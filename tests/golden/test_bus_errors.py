@@ -1,6 +1,7 @@
 """Printed findings about bus files: a folder for each case, with bus.toml and expected.txt.
 
-`board.eds`, beside it, is the base.eds of the cases of EDS, with a heartbeat.
+`board.eds`, beside it, is the base.eds of the cases of EDS, with a heartbeat, and `wired.eds`
+has more objects of the communication profile.
 """
 
 from __future__ import annotations
@@ -32,12 +33,40 @@ def with_heartbeat(eds: str) -> str:
     )
 
 
+def wired(eds: str) -> str:
+    """Return the description with SYNC, consumers, and a TPDO 2 whose COB-ID is read-only."""
+    objects = {
+        "1005": [(7, "rw", "0x80")],
+        "1016": [(5, "const", "2"), (7, "rw", "0"), (7, "rw", "0")],
+        "1019": [(5, "rw", "0")],
+        "1801": [(5, "const", "2"), (7, "ro", "$NODEID+0x280"), (5, "rw", "255")],
+        "1A01": [(5, "rw", "1"), (7, "rw", "0x60000108")],
+    }
+    listed = "[OptionalObjects]\nSupportedObjects=7\n"
+    assert listed in eds
+    more = "".join(f"{n}=0x{index}\n" for n, index in enumerate(objects, 8))
+    eds = eds.replace(listed, listed.replace("7", str(7 + len(objects))) + more)
+    eds = eds.replace("NrOfTXPDO=1", "NrOfTXPDO=2")
+    form = "ParameterName=Sub {}\nDataType={}\nAccessType={}\nDefaultValue={}\n"
+    for index, subs in objects.items():
+        if len(subs) == 1:
+            eds += f"\n[{index}]\nObjectType=7\n" + form.format(index, *subs[0])
+            continue
+        head = f"ParameterName=Object {index}\nObjectType=9\nSubNumber={len(subs)}\n"
+        eds += f"\n[{index}]\n{head}"
+        for place, sub in enumerate(subs):
+            eds += f"\n[{index}sub{place}]\n" + form.format(place, *sub)
+    return eds
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_findings(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, update_golden: bool
 ) -> None:
     (tmp_path / "bus.toml").write_bytes((CASES / name / "bus.toml").read_bytes())
-    (tmp_path / "board.eds").write_text(with_heartbeat(BASE.read_text()))
+    board = with_heartbeat(BASE.read_text())
+    (tmp_path / "board.eds").write_text(board)
+    (tmp_path / "wired.eds").write_text(wired(board))
     monkeypatch.chdir(tmp_path)
     result = load(Path("bus.toml"), root=tmp_path)
     found = report(result.diagnostics, result.sources)

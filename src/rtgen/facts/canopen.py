@@ -48,6 +48,16 @@ def can_id_of(cob_id: int) -> int:
     return cob_id & (0x1FFFFFFF if cob_id & EXTENDED else 0x7FF)
 
 
+def nearest_zero(low: int | float | None, high: int | float | None) -> int | float:
+    """Return the value within the limits that is nearest to 0; None stands for no limit.
+
+    An object without a default begins with it.
+    """
+    if low is not None and low > 0:
+        return low
+    return high if high is not None and high < 0 else 0
+
+
 class DataType(IntEnum):
     """The basic data types and their codes (CiA 301, table 44).
 
@@ -153,6 +163,9 @@ BITS: Final[Mapping[DataType, int]] = {
     t: KIND_BITS[k] for t, k in KINDS.items() if k in KIND_BITS
 }
 """Widths in bits of the types of fixed width, as in a PDO; over SDO a BOOLEAN takes an octet."""
+
+NUMBER_KINDS: Final = frozenset((*SIGNED_KINDS, *UNSIGNED_KINDS, "r32", "r64"))
+"""The kinds of integers and reals."""
 
 REAL_CODES: Final[Mapping[Kind, str]] = {"r32": "<f", "r64": "<d"}
 """The `struct` formats of reals."""

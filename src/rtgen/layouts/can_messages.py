@@ -8,20 +8,22 @@ from typing import TypeAlias
 import msgspec
 
 from rtgen.facts.canopen import (
-    EMERGENCY,
     ERROR_CONTROL,
+    EXTENDED,
+    INVALID,
     MAX_SYNC_CYCLIC,
     NMT,
     SDO_REQUEST,
     SDO_RESPONSE,
-    SYNC,
     can_id_of,
 )
+from rtgen.layouts.can_services import emergency_cob_id
 from rtgen.layouts.can_supervision import guard_time, heartbeat
 from rtgen.layouts.can_timing import NANOSECONDS, Message
 from rtgen.model.can_bus import Bus, BusNode
 from rtgen.model.canopen import Pdo, PdoDirection, resolved
 
+MAX_DATA = 8
 HOST = "host"
 """Name of the queue of the manager and the proxies, whose process sends in order."""
 SPORADIC = 1.0
@@ -63,7 +65,8 @@ def messages(bus: Bus, writings: Writings | None = None) -> list[Message]:
     found = [_host("NMT", NMT, 2, SPORADIC)] if bus.nodes else []
     if bus.sync:
         octets = 1 if bus.sync_counter else 0
-        found.append(_host("SYNC", SYNC, octets, bus.sync))
+        cob_id = bus.sync_cob_id
+        found.append(_host("SYNC", can_id_of(cob_id), octets, bus.sync, cob_id))
     if bus.heartbeat:
         can_id = ERROR_CONTROL + bus.manager
         found.append(_host("manager heartbeat", can_id, 1, bus.heartbeat))
@@ -98,7 +101,15 @@ def _services(node: BusNode) -> Iterator[Message]:
         if isinstance(inhibit_time, int) and inhibit_time
         else SPORADIC
     )
-    yield Message(f"{name} emergency", EMERGENCY + node.id, 8, _nanoseconds(pause))
+    emergency = emergency_cob_id(node)
+    if not emergency & INVALID:
+        yield Message(
+            f"{name} emergency",
+            can_id_of(emergency),
+            8,
+            _nanoseconds(pause),
+            extended=bool(emergency & EXTENDED),
+        )
     yield _host(f"{name} SDO request", SDO_REQUEST + node.id, 8, SPORADIC)
     sporadic = _nanoseconds(SPORADIC)
     yield Message(f"{name} SDO answer", SDO_RESPONSE + node.id, 8, sporadic)
@@ -125,7 +136,7 @@ def _pdo(
     return Message(
         f"{node.name}.{pdo.direction}{pdo.number}",
         identifier,
-        (pdo.bits + 7) // 8,
+        MAX_DATA if pdo.multiplexed else (pdo.bits + 7) // 8,
         _nanoseconds(period),
         jitter=round(jitter * NANOSECONDS),
         extended=identifier > 0x7FF,
@@ -134,8 +145,13 @@ def _pdo(
     )
 
 
-def _host(name: str, can_id: int, octets: int, period: float) -> Message:
-    return Message(name, can_id, octets, _nanoseconds(period), queue=HOST)
+def _host(
+    name: str, can_id: int, octets: int, period: float, cob_id: int = 0
+) -> Message:
+    extended = bool(cob_id & EXTENDED)
+    return Message(
+        name, can_id, octets, _nanoseconds(period), queue=HOST, extended=extended
+    )
 
 
 def _nanoseconds(seconds: float) -> int:

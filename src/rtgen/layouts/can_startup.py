@@ -1,8 +1,6 @@
-"""SDO writes that configure a node before it is started, in an order safe for all devices.
+"""SDO writes that configure a node before it is started, in the order of `facts.write_order`.
 
-Communication comes first, the node's heartbeat (1017h) before those that it consumes (1016h), then
-the PDOs (CiA 301, 7.5.2.36): a PDO that changes is disabled (bit 31 of its COB-ID), its mapping is
-cleared, written and counted, and finally the PDO is enabled. The other objects follow by index.
+Communication comes first, then the PDOs, the other objects by index, and those that store.
 """
 
 from __future__ import annotations
@@ -13,22 +11,23 @@ from collections.abc import Iterable, Iterator
 import msgspec
 from msgspec.structs import replace
 
+from rtgen.facts import write_order
+from rtgen.facts.cob_ids import service_of
+from rtgen.facts.write_order import How, Step
 from rtgen.layouts.can_values import CanValueError, octets
 from rtgen.model.can_bus import BusNode, DeviceKind
 from rtgen.model.canopen import (
     INVALID,
+    NO_RTR,
     DataType,
     Device,
     NodeRelative,
-    Pdo,
+    Value,
     Variable,
     resolved,
 )
 
-_CONSUMER, _PRODUCER = 0x1016, 0x1017
-_STORE = (0x1010, 0x1011)
-_COB_ID = DataType.UNSIGNED32
-_PROFILES = 0x2000
+_PRODUCER = 0x1017
 _NOT_ON_DOWNLOAD = 1 << 0
 """Flag of an object (CiA 306, 4.6.3.2) that excludes it from configuration writes."""
 
@@ -106,16 +105,28 @@ def _beats(variable: Variable) -> bool:
     return variable.index == _PRODUCER and bool(variable.current)
 
 
+def obstacles(node: BusNode) -> Iterator[tuple[Variable, str]]:
+    """Yield the changes of a node's values that it may refuse in any order, with the reasons."""
+    written = _StartUp(node.device, node.id, {number for number, _ in node.values})
+    for number, why in write_order.obstacles(written.changed, written):
+        variable = node.device.find(*number)
+        assert variable is not None
+        yield variable, why
+
+
 class _StartUp:
-    """Writes of a node; `asked` are the variables written even if equal to the default."""
+    """Writes of a node; `asked` are the variables written even if equal to the default.
+
+    It is the `Target` of the order of writes.
+    """
 
     def __init__(
         self, device: Device, node_id: int, asked: set[tuple[int, int]]
     ) -> None:
         self._id = node_id
         self._device = device
-        self._changed = {
-            (v.index, v.subindex): v
+        self.changed = {
+            (v.index, v.subindex)
             for v in device.variables
             if self._differs(v, (v.index, v.subindex) in asked)
         }
@@ -125,98 +136,94 @@ class _StartUp:
             return False
         if asked:
             return True
+        if variable.value is None or variable.flags & _NOT_ON_DOWNLOAD:
+            return False
         default, value = (
-            resolved(each, self._id) for each in (variable.default, variable.value)
+            resolved(each, self._id)
+            for each in (self._initial(variable), self._final(variable))
         )
-        wanted = value is not None and value != default
-        return wanted and not variable.flags & _NOT_ON_DOWNLOAD
+        return value != default
 
     def writes(self) -> Iterator[StartWrite]:
         """Yield all writes, in order."""
-        of_pdos = {
-            i for pdo in self._device.pdos for i in (pdo.communication, pdo.mapping)
-        }
-        plain = [v for v in self._changed.values() if v.index not in of_pdos]
-        plain.sort(key=_order)
-        for variable in plain:
-            if variable.index < _PROFILES and variable.index not in _STORE:
-                yield self._write(variable)
-        for pdo in self._device.pdos:
-            yield from self._pdo(pdo)
-        for variable in plain:
-            if variable.index >= _PROFILES:
-                yield self._write(variable)
-        for variable in plain:
-            if variable.index in _STORE:
-                yield self._write(variable)
+        for step in write_order.steps(self.changed, self):
+            yield self._write(step)
 
-    def _pdo(self, pdo: Pdo) -> Iterator[StartWrite]:
-        index = pdo.communication
-        parameters = self._of(index)
-        mapping = self._of(pdo.mapping)
-        if not (parameters or mapping):
-            return
-        name = f"{pdo.direction.upper()} {pdo.number}"
-        cob_id = self._device.find(index, 1)
-        configured = None if cob_id is None else resolved(cob_id.current, self._id)
-        switched = (
-            cob_id is not None
-            and isinstance(configured, int)
-            and cob_id.access.writable
+    def before(self, number: tuple[int, int]) -> int | None:
+        """See `Target`."""
+        variable = self._device.find(*number)
+        return None if variable is None else self._number(self._initial(variable))
+
+    def after(self, number: tuple[int, int]) -> int | None:
+        """See `Target`."""
+        variable = self._device.find(*number)
+        return None if variable is None else self._number(self._final(variable))
+
+    def moves(self, number: tuple[int, int]) -> bool:
+        """See `Target`."""
+        variable = self._device.find(*number)
+        if variable is None:
+            return False
+        return self._identifier(self._initial(variable)) != self._identifier(
+            self._final(variable)
         )
-        if switched:
-            assert cob_id is not None
-            assert isinstance(configured, int)
-            off = replace(
-                self._write(cob_id), value=octets(_COB_ID, configured | INVALID)
-            )
-            yield replace(off, why=f"{name} off")
-        for variable in parameters:
-            if variable is not cob_id:
-                yield self._write(variable)
-        yield from self._mapping(pdo.mapping, name, bool(mapping))
-        if switched and isinstance(configured, int) and not configured & INVALID:
-            assert cob_id is not None
-            yield self._write(cob_id, f"{name} on")
 
-    def _mapping(self, index: int, name: str, changed: bool) -> Iterator[StartWrite]:
-        count = self._device.find(index, 0)
-        if not changed or count is None:
-            return
-        counted = count.access.writable
-        if counted:
-            yield self._write(count, f"{name} maps nothing", 0)
-        used = count.current if isinstance(count.current, int) else 0
-        for subindex in range(1, used + 1):
-            entry = self._device.find(index, subindex)
-            if entry is None or entry.current is None or not entry.access.writable:
-                continue
-            yield self._write(entry)
-        if counted and used:
-            yield self._write(count, f"{name} maps {used}")
+    def writable(self, number: tuple[int, int]) -> bool:
+        """See `Target`."""
+        variable = self._device.find(*number)
+        return variable is not None and variable.access.writable
 
-    def _of(self, index: int) -> list[Variable]:
-        """Return the variables of an object whose values differ from the defaults."""
-        return [v for (of, _), v in self._changed.items() if of == index]
+    def _initial(self, variable: Variable) -> Value | None:
+        return variable.initial(self._device.node_id)
 
-    def _write(
-        self, variable: Variable, why: str = "", value: int | None = None
-    ) -> StartWrite:
-        number = resolved(variable.current, self._id) if value is None else value
+    def _final(self, variable: Variable) -> Value | None:
+        return variable.in_force(self._device.node_id)
+
+    def _number(self, value: Value | None) -> int | None:
+        number = resolved(value, self._id)
+        return number if isinstance(number, int) else None
+
+    def _identifier(self, cob_id: Value | None) -> Value | None:
+        """Return bits 0 to 29 of a COB-ID; a formula if no node-id is known."""
+        if self._id:
+            cob_id = resolved(cob_id, self._id)
+        if isinstance(cob_id, NodeRelative):
+            return NodeRelative(cob_id.offset & ~(INVALID | NO_RTR))
+        return cob_id & ~(INVALID | NO_RTR) if isinstance(cob_id, int) else None
+
+    def _write(self, step: Step) -> StartWrite:
+        variable = self._device.find(*step.number)
+        assert variable is not None
+        data_type, value = variable.data_type, self._value(variable, step.how)
+        if step.how in (How.OFF, How.OFF_BEFORE):
+            data_type = DataType.UNSIGNED32
+        number = resolved(value, self._id)
         assert number is not None
-        verify = variable.access.readable and variable.index not in _STORE
+        verify = variable.access.readable and variable.index not in write_order.STORE
         try:
-            written = octets(variable.data_type, number)
+            written = octets(data_type, number)
         except CanValueError as error:
             raise CanValueError(f"{variable.name}: {error}") from None
-        relative = value is None and isinstance(variable.current, NodeRelative)
-        return StartWrite(variable, written, why, verify, relative)
+        relative = isinstance(value, NodeRelative)
+        return StartWrite(variable, written, step.why, verify, relative)
 
+    def _value(self, variable: Variable, how: How) -> Value | None:
+        match how:
+            case How.ZERO:
+                return 0
+            case How.OFF:
+                return self._switched_off(variable, self._final(variable))
+            case How.OFF_BEFORE:
+                return self._switched_off(variable, self._initial(variable))
+        return self._final(variable)
 
-def _order(variable: Variable) -> tuple[float, int]:
-    """Return the sort key: by index, except that the heartbeat precedes the consumed ones."""
-    index = _CONSUMER - 0.5 if variable.index == _PRODUCER else variable.index
-    return index, variable.subindex
+    def _switched_off(self, variable: Variable, cob_id: Value | None) -> Value:
+        service = service_of((variable.index, variable.subindex))
+        assert service is not None
+        if isinstance(cob_id, NodeRelative):
+            return NodeRelative(service.switched_off(cob_id.offset))
+        assert isinstance(cob_id, int)
+        return service.switched_off(cob_id)
 
 
 def concise_dcf(writes: Iterable[StartWrite]) -> bytes:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import msgspec
 
 from rtgen.diagnostics import Span
+from rtgen.facts.canopen import SYNC
 from rtgen.model.canopen import Device, Value
 
 
@@ -83,7 +84,8 @@ class Bus(msgspec.Struct, frozen=True, kw_only=True):
 
     `file` is the displayed path, `key` the one for generated text, `sha256` that of its content.
     `event` is the assumed minimum time between two event-driven PDOs without an inhibit time.
-    `sync_counter` is the highest SYNC counter, 0 for none. With `dcf` each node gets a DCF.
+    `sync_counter` is the highest SYNC counter, 0 for none; `sync_cob_id` has the identifier of
+    SYNC. With `dcf` each node gets a DCF.
     """
 
     name: str
@@ -100,3 +102,4 @@ class Bus(msgspec.Struct, frozen=True, kw_only=True):
     links: tuple[PdoLink, ...]
     sync_counter: int = 0
     dcf: bool = True
+    sync_cob_id: int = SYNC

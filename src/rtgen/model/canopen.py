@@ -26,6 +26,7 @@ from rtgen.facts.canopen import TPDO_COMMUNICATION as TPDO_COMMUNICATION
 from rtgen.facts.canopen import TPDO_MAPPING as TPDO_MAPPING
 from rtgen.facts.canopen import UNSIGNED as UNSIGNED
 from rtgen.facts.canopen import DataType as DataType
+from rtgen.facts.cob_ids import Standing, flags_of, service_of, standing
 
 
 class ObjectType(IntEnum):
@@ -107,6 +108,39 @@ def resolved(value: Value | None, node_id: int | None) -> Value | None:
     return value
 
 
+def cob_id_in_force(
+    number: tuple[int, int],
+    stated: Value | None,
+    node_id: int | None,
+    *,
+    chosen: bool = False,
+) -> Value | None:
+    """Return the COB-ID that an object has, or its formula; `stated` for other objects.
+
+    `number` is (index, sub-index). See `facts.cob_ids.standing`.
+    """
+    service = service_of(number)
+    if service is None:
+        return stated
+    if not isinstance(stated, int | NodeRelative):
+        stated = None
+    probe = resolved(stated, node_id or 1)
+    cob_id = probe & 0xFFFFFFFF if isinstance(probe, int) else None
+    match standing(service, cob_id, chosen=chosen):
+        case Standing.OFF if isinstance(stated, NodeRelative):
+            return NodeRelative(service.switched_off(stated.offset & 0xFFFFFFFF))
+        case Standing.OFF:
+            assert cob_id is not None
+            return service.switched_off(cob_id)
+        case Standing.PREDEFINED:
+            flags = flags_of(cob_id or 0)
+            if service.base is None:
+                return INVALID | flags
+            base = service.base | flags
+            return NodeRelative(base) if service.relative else base
+    return stated
+
+
 class Variable(msgspec.Struct, frozen=True, kw_only=True):
     """A value of the object dictionary: an object of type VAR or DOMAIN, or a sub-object.
 
@@ -142,6 +176,15 @@ class Variable(msgspec.Struct, frozen=True, kw_only=True):
     def current(self) -> Value | None:
         """The configured value, defaulting to the default value."""
         return self.default if self.value is None else self.value
+
+    def in_force(self, node_id: int | None) -> Value | None:
+        """Return the value that is in force: the current one, or a COB-ID in its place."""
+        number, chosen = (self.index, self.subindex), self.value is not None
+        return cob_id_in_force(number, self.current, node_id, chosen=chosen)
+
+    def initial(self, node_id: int | None) -> Value | None:
+        """Return the value that is in force before the configuration."""
+        return cob_id_in_force((self.index, self.subindex), self.default, node_id)
 
     @property
     def bits(self) -> int | None:
@@ -189,12 +232,13 @@ class Pdo(msgspec.Struct, frozen=True, kw_only=True):
     """A process data object: `number` from 1; None for values missing in the file.
 
     `entries` is the current mapping (that of a DCF if it has one), `default_entries` that of the
-    EDS. `cob_id` includes the flag bits. `inhibit_time` is in 100 us, `event_timer` in ms.
+    EDS. `cob_id` is the one in force, with the flag bits. `inhibit_time` is in 100 us,
+    `event_timer` in ms. `multiplexed`: it has no mapping, but addresses (CiA 301, 7.2.2.5).
     """
 
     direction: PdoDirection
     number: int
-    cob_id: int | NodeRelative | None
+    cob_id: int | NodeRelative
     transmission_type: int | None
     entries: tuple[PdoEntry, ...]
     default_entries: tuple[PdoEntry, ...]
@@ -202,6 +246,7 @@ class Pdo(msgspec.Struct, frozen=True, kw_only=True):
     inhibit_time: int | None = None
     event_timer: int | None = None
     sync_start: int | None = None
+    multiplexed: bool = False
 
     @property
     def communication(self) -> int:
@@ -221,10 +266,10 @@ class Pdo(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def valid(self) -> bool:
-        """Whether the PDO is valid: the COB-ID is known and its valid bit is clear."""
+        """Whether the PDO is valid: the valid bit of its COB-ID is clear."""
         cob_id = self.cob_id
         offset = cob_id.offset if isinstance(cob_id, NodeRelative) else cob_id
-        return offset is not None and not offset & INVALID
+        return not offset & INVALID
 
 
 class FileInfo(msgspec.Struct, frozen=True, kw_only=True):

@@ -14,7 +14,7 @@ from rtgen.cli.can.decoding.node_index import NodeIndex, number_of, read_node_in
 from rtgen.cli.can.decoding.sdo_decoding import MAX_VALUE, SdoFollower
 from rtgen.cli.common import Refusal
 from rtgen.diagnostics import InputError
-from rtgen.runtime.canopen.wire.frames import Frame, rpdo, tpdo
+from rtgen.runtime.canopen.wire.frames import Frame
 from rtgen.runtime.canopen.wire.nmt import NmtCommand, command_frame
 from rtgen.runtime.canopen.wire.sync import time_frame
 
@@ -135,7 +135,7 @@ def test_a_link_tells_both_ends(linked: NodeIndex) -> None:
 
 
 def test_factors_and_units_of_the_bus_file(fourx: NodeIndex) -> None:
-    message = decoded(fourx, tpdo(2, 3), "e8030000" "18fcffff")
+    message = decoded(fourx, 0x283, "e803000018fcffff")
     assert message.name == "rear_left"
     assert (
         message.text
@@ -153,10 +153,10 @@ def test_factors_and_units_of_the_bus_file(fourx: NodeIndex) -> None:
 
 
 def test_lengths(linked: NodeIndex) -> None:
-    short = decoded(linked, rpdo(1, 1), "0f00")
+    short = decoded(linked, 0x201, "0f00")
     assert short.text.endswith("15 (enable operation) (too short: 2 of 3 octets)")
     assert [field.value for field in short.fields] == [15]
-    long = decoded(linked, rpdo(1, 1), "0f000308")
+    long = decoded(linked, 0x201, "0f000308")
     assert long.text.endswith("Modes_of_operation=3 (too long: 4 octets for 3)")
 
 

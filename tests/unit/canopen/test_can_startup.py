@@ -132,12 +132,10 @@ def test_a_pdo_that_is_switched_off_stays_off(written: Callable[..., Written]) -
     assert writes == [("1401:1", "03030080"), ("1401:2", "ff")]
 
 
-def test_an_empty_mapping_is_counted_once(written: Callable[..., Written]) -> None:
-    assert written('"1A02:0" = 0') == [
-        ("1802:1", "83030080"),
-        ("1A02:0", "00"),
-        ("1802:1", "83030000"),
-    ]
+def test_a_pdo_whose_mapping_is_removed_stays_off(
+    written: Callable[..., Written],
+) -> None:
+    assert written('"1A02:0" = 0') == [("1802:1", "83030080"), ("1A02:0", "00")]
 
 
 def test_what_a_device_stores_comes_last_and_is_not_read_back(

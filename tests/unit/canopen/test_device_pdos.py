@@ -6,6 +6,8 @@ from typing import Any
 
 import pytest
 from device_bench import (
+    APPLICATION,
+    COMMUNICATION,
     DEVICE,
     KINDS,
     NODE_ID,
@@ -470,14 +472,34 @@ def test_reset_brings_the_default_mapping_back() -> None:
     assert bench.node.get(0x6040) == 15
 
 
-def test_sloppy_defaults_of_parameters_make_the_pdo_invalid() -> None:
+def test_a_reserved_transmission_type_makes_the_pdo_invalid() -> None:
     odd = replace(pdo("tpdo", 1, (0x6064, 0, 32)), transmission_type=245)
     bench = Bench(DeviceNode(with_pdos(odd), NODE_ID))
     assert bench.start() == []
-    unknown = replace(odd, cob_id=None, transmission_type=255)
-    bench = Bench(DeviceNode(with_pdos(unknown), NODE_ID))
-    assert bench.start() == []
-    assert bench.read(0x1800, 1) == INVALID.to_bytes(4, "little")
+
+
+@pytest.mark.parametrize(
+    ("number", "stated", "wanted"),
+    [
+        (1, None, 0x185),
+        (2, 0, 0x285),
+        (2, 0x40000000, 0x40000285),
+        (5, None, INVALID),
+        (1, 0x585, INVALID | 0x585),
+        (1, 0x7F, INVALID | 0x7F),
+    ],
+)
+def test_cob_ids_that_a_description_does_not_state_or_cannot_have(
+    number: int, stated: int | None, wanted: int
+) -> None:
+    base = 0x1800 + number - 1
+    odd = replace(pdo("tpdo", number, (0x6064, 0, 32)), cob_id=stated, relative=False)
+    objects = (*COMMUNICATION, *pdo_objects(base, 1), *APPLICATION)
+    device = replace(DEVICE, objects=objects, pdos=(odd,))
+    bench = Bench(DeviceNode(device, NODE_ID))
+    sent = [] if wanted & INVALID else [wanted & 0x7FF]
+    assert [frame.can_id for frame in bench.start()] == sent
+    assert bench.read(base, 1) == wanted.to_bytes(4, "little")
 
 
 # Every kind, every width

@@ -6,7 +6,6 @@ from datetime import UTC, datetime
 
 import pytest
 
-from rtgen.runtime.canopen.wire import frames
 from rtgen.runtime.canopen.wire.emergency import (
     Emergency,
     ErrorRegister,
@@ -22,23 +21,6 @@ from rtgen.runtime.canopen.wire.sync import (
 )
 
 MS = 1_000_000
-
-
-def test_predefined_identifiers() -> None:
-    assert [frames.tpdo(n, 5) for n in range(1, 5)] == [0x185, 0x285, 0x385, 0x485]
-    assert [frames.rpdo(n, 127) for n in range(1, 5)] == [0x27F, 0x37F, 0x47F, 0x57F]
-    with pytest.raises(ValueError, match="PDO 5"):
-        frames.tpdo(5, 1)
-    with pytest.raises(ValueError, match="node-id 128"):
-        frames.rpdo(1, 128)
-
-
-def test_restricted_identifiers() -> None:
-    restricted = [i for i in range(0x800) if frames.restricted(i)]
-    for free in (0x080, 0x081, 0x100, 0x181, 0x57F, 0x580, 0x600, 0x680, 0x6DF):
-        assert free not in restricted
-    for taken in (0, 0x7F, 0x101, 0x180, 0x581, 0x5FF, 0x601, 0x67F, 0x6E0, 0x7FF):
-        assert taken in restricted
 
 
 def test_cob_ids_that_objects_may_have() -> None:

@@ -33,6 +33,7 @@ NETWORK = Network(
                 Write(0x1801, 2, b"\xff"),
                 Write(0x1801, 3, b"\x32\x00"),
                 Write(0x1801, 1, b"\x81\x02\x00\x40"),
+                Write(0x1401, 1, b"\x01\x03\x00\x80"),
                 Write(0x1401, 1, b"\x82\x04\x00\x80"),
                 Write(0x1401, 1, b"\x82\x04\x00\x00"),
                 Write(0x6040, 0, b"\x06\x00"),

@@ -70,7 +70,7 @@ def mirrored(device: Device, file_name: str) -> Device:
     for thing in device.objects:
         shift = _shift(thing.index)
         if shift:
-            objects.append(_moved(thing, shift))
+            objects.append(_moved(_stated(thing, device.node_id), shift))
         elif thing.index in sent or thing.index in received:
             objects.append(_turned(thing, thing.index in sent, thing.index in received))
         elif thing.index in _OWN:
@@ -108,6 +108,19 @@ def _shift(index: int) -> int:
 
 def _count(objects: list[Object], base: int) -> int:
     return sum(base <= o.index < base + PDOS for o in objects)
+
+
+def _stated(thing: Object, node_id: int | None) -> Object:
+    """Return an object with the COB-ID in force: the mirrored PDO has another predefined one."""
+    variables = tuple(
+        replace(
+            variable,
+            default=variable.initial(node_id),
+            value=None if variable.value is None else variable.in_force(node_id),
+        )
+        for variable in thing.variables
+    )
+    return replace(thing, variables=variables)
 
 
 def _moved(thing: Object, shift: int) -> Object:

@@ -8,6 +8,8 @@ from rtgen.backends.canopen.literals import call, items
 from rtgen.backends.canopen.objects_module import identity_of, pdo_text, write_text
 from rtgen.backends.kit.python_text import fit
 from rtgen.backends.kit.quoting.python import docstring, string_literal
+from rtgen.facts.canopen import EMERGENCY, SYNC
+from rtgen.layouts.can_services import emergency_cob_id
 from rtgen.layouts.can_startup import start_up
 from rtgen.layouts.can_supervision import guard_time, heartbeat, heartbeat_timeout
 from rtgen.model.can_bus import Bus, BusNode
@@ -31,6 +33,7 @@ def network_text(bus: Bus, header: str) -> str:
         heartbeat=str(round(bus.heartbeat * 1000)),
         nodes=items(nodes) if nodes else "()",
         sync_overflow=str(bus.sync_counter) if bus.sync_counter else "",
+        sync_cob_id="" if bus.sync_cob_id == SYNC else f"0x{bus.sync_cob_id:X}",
     )
     module = "rtgen.runtime.canopen.description"
     lines = [
@@ -47,6 +50,7 @@ def network_text(bus: Bus, header: str) -> str:
 
 def _node(node: BusNode) -> str:
     boot = round(node.boot_timeout * 1000)
+    emergency = emergency_cob_id(node)
     writes = [write_text(replace(w, relative=False)) for w in start_up(node)]
     return call(
         "NodeDescription",
@@ -66,6 +70,7 @@ def _node(node: BusNode) -> str:
         guard_time=str(guard_time(node)) if guard_time(node) else "",
         emergency_stop=string_literal(stops) if (stops := node.emergency_stop) else "",
         recoveries=str(node.recoveries) if node.recoveries else "",
+        emergency="" if emergency == EMERGENCY + node.id else f"0x{emergency:X}",
     )
 
 

@@ -25,15 +25,13 @@ from rtgen.backends.kit.quoting.python import docstring, string_literal
 from rtgen.layouts.can_startup import StartWrite, configuration, configured
 from rtgen.model.can_bus import DeviceKind
 from rtgen.model.canopen import (
-    RPDO_COMMUNICATION,
-    TPDO_COMMUNICATION,
     DataType,
     Device,
     NodeRelative,
     Pdo,
-    PdoDirection,
     Value,
     Variable,
+    cob_id_in_force,
 )
 from rtgen.typemap.canopen.labels import line
 from rtgen.typemap.canopen.names import TABLES, identifier, table_class
@@ -55,7 +53,6 @@ _CLASSES = {
 }
 """The classes of entries by the types of their values."""
 _IDENTITY = 0x1018
-_MAPPING = 0x200
 _EVENT_DRIVEN = 255
 
 
@@ -164,29 +161,25 @@ def _default(pdo: Pdo, device: Device) -> Pdo:
     """A PDO by the defaults of its objects."""
 
     def default(subindex: int) -> Value | None:
-        variable = device.find(communication(pdo), subindex)
+        variable = device.find(pdo.communication, subindex)
         return None if variable is None else variable.default
 
     def number(subindex: int) -> int | None:
         value = default(subindex)
         return value if isinstance(value, int) else None
 
-    cob_id = default(1)
+    number_of_cob_id = pdo.communication, 1
+    cob_id = cob_id_in_force(number_of_cob_id, default(1), device.node_id)
+    assert isinstance(cob_id, int | NodeRelative)
     return replace(
         pdo,
-        cob_id=cob_id if isinstance(cob_id, int | NodeRelative) else None,
+        cob_id=cob_id,
         transmission_type=number(2),
         entries=pdo.default_entries,
         inhibit_time=number(3),
         event_timer=number(5),
         sync_start=number(6),
     )
-
-
-def communication(pdo: Pdo) -> int:
-    """The index of a PDO's communication parameter."""
-    sent = pdo.direction is PdoDirection.TPDO
-    return (TPDO_COMMUNICATION if sent else RPDO_COMMUNICATION) + pdo.number - 1
 
 
 def identity_of(device: Device, subindex: int) -> int | None:
@@ -246,15 +239,15 @@ def pdo_text(
     given = pdo.cob_id
     relative = isinstance(given, NodeRelative)
     cob_id = given.offset if isinstance(given, NodeRelative) else given
-    if relative and cob_id is not None and node_id is not None:
+    if relative and node_id is not None:
         relative, cob_id = False, cob_id + node_id
-    used = device.find(communication(pdo) + _MAPPING, 0)
+    used = device.find(pdo.mapping, 0)
     transmission = pdo.transmission_type
     return call(
         f"{prefix}PdoDescription",
         string_literal(pdo.direction.value),
         str(pdo.number),
-        "None" if cob_id is None else _signed_hex(cob_id),
+        _signed_hex(cob_id),
         str(relative),
         str(_EVENT_DRIVEN if transmission is None else transmission),
         items([f"(0x{e.index:04X}, {e.subindex}, {e.bits})" for e in pdo.entries]),

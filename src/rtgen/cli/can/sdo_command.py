@@ -26,12 +26,20 @@ from rtgen.cli.common import (
     write_out,
 )
 from rtgen.diagnostics import ToolError
+from rtgen.facts.canopen import INVALID
+from rtgen.facts.cob_ids import SDO_SERVERS
 from rtgen.files import UnreadableError, read_file
 from rtgen.model.canopen import Access
 from rtgen.project.rules import SUPERVISED
 from rtgen.runtime.canopen.description import Kind
 from rtgen.runtime.canopen.values import ObjectValueError, encode
-from rtgen.runtime.canopen.wire.frames import ERROR_CONTROL, SDO_REQUEST, SECOND, Frame
+from rtgen.runtime.canopen.wire.frames import (
+    ERROR_CONTROL,
+    SECOND,
+    CobId,
+    Frame,
+    sdo_cob_ids,
+)
 from rtgen.runtime.canopen.wire.sdo import SdoAbort
 
 _DEFAULT_WATCH = 0.3
@@ -95,6 +103,13 @@ def _unmarked(
     help="Seconds to wait for each response.",
 )
 @click.option("--no-look", is_flag=True, help="Do not check for a manager first.")
+@click.option(
+    "--server",
+    type=click.IntRange(1, len(SDO_SERVERS)),
+    default=1,
+    metavar="N",
+    help="The SDO server of the node: 2 is that of 1201h in its description, for a second client.",
+)
 @with_nodes
 @with_bus
 @with_console
@@ -112,6 +127,7 @@ def sdo_(
     as_json: bool,
     timeout: float,
     no_look: bool,
+    server: int,
 ) -> int:
     """Read or write an object of a node.
 
@@ -128,15 +144,20 @@ def sdo_(
     if action == "write":
         octets = _octets(thing, value, file)
     called = f"{known.name(node_id)} {thing}"
+    cob_ids = _server(known, node_id, server)
     with opened(access.on(known)) as bus:
-        watch = _OtherClientWatch(known, node_id)
+        watch = _OtherClientWatch(known, node_id, cob_ids[0], is_shared=server == 1)
         session = BusSession(bus, watch)
         if not no_look:
             _warn_of_other_client(console, watch, session)
         try:
             if octets is not None:
                 session.download(
-                    node_id, *thing.number, octets, timeout=round(timeout * SECOND)
+                    node_id,
+                    *thing.number,
+                    octets,
+                    timeout=round(timeout * SECOND),
+                    cob_ids=cob_ids,
                 )
                 return OK
             got = session.upload(
@@ -144,6 +165,7 @@ def sdo_(
                 *thing.number,
                 timeout=round(timeout * SECOND),
                 block=file is not None or (bool(thing.name) and thing.kind in _BLOCKS),
+                cob_ids=cob_ids,
             )
         except SdoAbort as abort:
             what = "the node refuses" if abort.received else "the answer is not valid"
@@ -170,6 +192,23 @@ def sdo_(
         text = field.value if isinstance(field.value, str) else field.text
         write_out(f"{text}\n")
     return OK
+
+
+def _server(known: NodeIndex, node_id: int, server: int) -> tuple[CobId, CobId]:
+    """Return the COB-IDs of an SDO server of a node. Raises Refusal for one that is not valid."""
+    if server == 1:
+        return sdo_cob_ids(node_id)
+    node, index = known.nodes.get(node_id), SDO_SERVERS[server - 1]
+    parameters = {} if node is None else node.parameters
+    request, response = (
+        CobId(parameters.get((index, sub), INVALID) & 0xFFFFFFFF) for sub in (1, 2)
+    )
+    if not (request.valid and response.valid):
+        raise Refusal(
+            f"{known.name(node_id)} has no SDO server {server}: its description gives "
+            f"{index:04X}h no two valid COB-IDs"
+        )
+    return request, response
 
 
 def _object(
@@ -228,11 +267,13 @@ def _write(file: Path, octets: bytes) -> None:
 
 
 class _OtherClientWatch:
-    """Detects another SDO client of the node."""
+    """Detects another SDO client of the node's server; the manager is one if it `is_shared`."""
 
-    def __init__(self, known: NodeIndex, node_id: int) -> None:
-        self._manager = ERROR_CONTROL + known.manager
-        self._requests = SDO_REQUEST + node_id
+    def __init__(
+        self, known: NodeIndex, node_id: int, requests: CobId, *, is_shared: bool
+    ) -> None:
+        self._manager = ERROR_CONTROL + known.manager if is_shared else None
+        self._requests = requests
         period = known.bus.heartbeat if known.bus else 0.0
         self.seconds = min(2.5 * period, _MAX_WATCH) or _DEFAULT_WATCH
         self._name = known.name(node_id)
@@ -240,11 +281,11 @@ class _OtherClientWatch:
         self.found = ""
 
     def __call__(self, frame: Frame) -> None:
-        if frame.extended or frame.remote:
+        if frame.remote:
             return
-        if frame.can_id == self._manager:
+        if frame.can_id == self._manager and not frame.extended:
             self.found = f"{self._by} is on the bus, and supervises {self._name}"
-        elif frame.can_id == self._requests:
+        elif self._requests.carries(frame):
             self.found = f"somebody else reads and writes objects of {self._name}"
 
 

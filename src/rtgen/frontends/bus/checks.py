@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from rtgen.diagnostics import Diagnostic, Related
-from rtgen.facts.canopen import EMERGENCY, SYNC
+from rtgen.facts.canopen import INVALID, can_id_of
+from rtgen.facts.cob_ids import SDO_SERVERS
+from rtgen.facts.write_order import CONSUMERS, consumed_node
 from rtgen.frontends.bus import rules
 from rtgen.frontends.eds.findings import Findings
-from rtgen.frontends.eds.pdos import PdoReader
+from rtgen.frontends.eds.pdos import PdoReader, mapped_by
 from rtgen.frontends.eds.rules import pdos as pdo_rules
 from rtgen.frontends.kit.located_toml import Toml
 from rtgen.layouts.can_messages import identifier_of, messages
+from rtgen.layouts.can_services import emergency_cob_id
+from rtgen.layouts.can_startup import obstacles
 from rtgen.layouts.can_supervision import heartbeat_timeout
 from rtgen.layouts.can_timing import load, response_times
 from rtgen.model.can_bus import Bus, BusNode
-from rtgen.model.canopen import Pdo, PdoDirection
+from rtgen.model.canopen import Pdo, PdoDirection, resolved
 
 _IMPOSSIBLE = {
     rule.code
@@ -37,6 +41,11 @@ def check(bus: Bus, toml: Toml) -> Iterator[Diagnostic]:
         yield from _mappings(node)
         yield from _like_its_kind(node)
         yield from _supervision(node)
+        yield from _consumers(node)
+        for variable, why in obstacles(node):
+            place = f"{variable.index:04X}:{variable.subindex:X} {variable.name}"
+            message = f"{node.name} may refuse the change of {place}: {why}"
+            yield rules.REFUSED_CHANGE.at(node.span, message)
         rates = node.device.info.bit_rates
         if rates and bus.bit_rate not in rates:
             message = f"{node.kind.path} does not name {bus.bit_rate} kbit/s"
@@ -50,7 +59,8 @@ def _mappings(node: BusNode) -> Iterator[Diagnostic]:
     findings = Findings()
     unused = _unused(node)
     objects = [o for o in device.objects if o.index not in unused]
-    PdoReader(objects, device.info, device.dummies, node.id, findings).read()
+    accepted = mapped_by(device)
+    PdoReader(objects, device.info, device.dummies, node.id, findings, accepted).read()
     for found in findings.diagnostics:
         if found.code in _IMPOSSIBLE:
             message = f"{node.name}: {found.message}"
@@ -101,12 +111,34 @@ def _supervision(node: BusNode) -> Iterator[Diagnostic]:
     yield rules.NO_SUPERVISION.at(node.span, message, hint=hint)
 
 
+def _consumers(node: BusNode) -> Iterator[Diagnostic]:
+    """Yield the entries of 1016h for the node of another one, which each node refuses."""
+    seen: dict[int, int] = {}
+    for variable in node.device.variables:
+        value = resolved(variable.current, node.id)
+        if variable.index != CONSUMERS or not variable.subindex:
+            continue
+        watched = consumed_node(value) if isinstance(value, int) else None
+        if watched is None:
+            continue
+        other = seen.setdefault(watched, variable.subindex)
+        if other != variable.subindex:
+            message = (
+                f"{node.name} consumes the heartbeat of node {watched} in "
+                f"1016:{other:X} and 1016:{variable.subindex:X}"
+            )
+            yield rules.CONSUMED_TWICE.at(node.span, message)
+
+
 def _cob_ids(bus: Bus) -> Iterator[Diagnostic]:
-    services = {SYNC: "SYNC"}
-    services |= {
-        EMERGENCY + node.id: f"the emergency messages of {node.name}"
-        for node in bus.nodes
-    }
+    services = {can_id_of(bus.sync_cob_id): "SYNC"}
+    for node in bus.nodes:
+        for can_id, what in _own_services(node):
+            mine = f"{what} of {node.name}"
+            holder = services.setdefault(can_id, mine)
+            if holder != mine:
+                message = f"{mine} have the CAN identifier of {holder}, {can_id:X}h"
+                yield rules.SAME_COB_ID.at(node.span, message)
     for node in bus.nodes:
         for pdo in node.device.pdos:
             service = services.get(identifier_of(pdo, node) or 0)
@@ -131,10 +163,32 @@ def _cob_ids(bus: Bus) -> Iterator[Diagnostic]:
                 yield rules.SAME_COB_ID.at(
                     node.span, message, related=[Related(other.span, "the other node")]
                 )
+    yield from _links(bus, sent)
+
+
+def _own_services(node: BusNode) -> Iterator[tuple[int, str]]:
+    """Yield the identifiers that only this node sends or serves, besides PDOs."""
+    emergency = emergency_cob_id(node)
+    if not emergency & INVALID:
+        yield can_id_of(emergency), "the emergency messages"
+    for index in SDO_SERVERS[1:]:
+        variables = [node.device.find(index, sub) for sub in (1, 2)]
+        cob_ids = [
+            resolved(variable.in_force(node.id), node.id)
+            for variable in variables
+            if variable is not None
+        ]
+        for cob_id in cob_ids if len(cob_ids) == 2 else ():
+            if isinstance(cob_id, int) and not cob_id & INVALID:
+                yield can_id_of(cob_id), f"the messages of SDO server {index - 0x11FF}"
+
+
+def _links(bus: Bus, sent: Mapping[int, tuple[BusNode, Pdo]]) -> Iterator[Diagnostic]:
+    """Yield the RPDOs that receive a TPDO without a link."""
     linked = {(link.source, link.target) for link in bus.links}
     for node in bus.nodes:
         for pdo in node.device.pdos:
-            identifier = identifier_of(pdo, node)
+            identifier = identifier_of(pdo, node) or 0
             if identifier not in sent or pdo.direction is not PdoDirection.RPDO:
                 continue
             other, known = sent[identifier]

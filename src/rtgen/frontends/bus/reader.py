@@ -12,12 +12,14 @@ from typing import Any
 from msgspec.structs import replace
 
 from rtgen.diagnostics import Diagnostic, Related, Rule, Span, in_order
+from rtgen.facts.canopen import can_id_of
 from rtgen.facts.encodings import digest
 from rtgen.files import UnreadableError, read_file
 from rtgen.frontends import Dependency, eds, key_of
 from rtgen.frontends.bus import rules
 from rtgen.frontends.bus.checks import check
 from rtgen.frontends.bus.schema import problems
+from rtgen.frontends.bus.sync import sync_of, synchronised
 from rtgen.frontends.bus.values import (
     NO_ENTRY,
     BadValueError,
@@ -37,6 +39,7 @@ from rtgen.model.canopen import (
     RPDO_COMMUNICATION,
     TPDO_COMMUNICATION,
     Device,
+    PdoDirection,
     Value,
     resolved,
 )
@@ -154,6 +157,12 @@ class _Reader:
         if self._findings.errors:
             return None
         links = self._links(nodes)
+        nodes = self._linked(nodes, links)
+        cob_id = sync_of(nodes)
+        if declared.get("sync", 0.0):
+            counter = declared.get("sync_counter", 0)
+            report = self._findings.report
+            nodes = [synchronised(n, cob_id, counter, report) for n in nodes]
         bus = Bus(
             name=declared.get("name", identifier(self._path.stem)),
             file=self._file,
@@ -165,10 +174,11 @@ class _Reader:
             heartbeat=declared.get("heartbeat", 0.0),
             event=declared.get("event", EVENT),
             kinds=tuple(kinds.values()),
-            nodes=tuple(self._linked(nodes, links)),
+            nodes=tuple(nodes),
             links=tuple(links),
             sync_counter=declared.get("sync_counter", 0),
             dcf=declared.get("dcf", True),
+            sync_cob_id=cob_id,
         )
         for diagnostic in check(bus, self._toml):
             self._findings.report(diagnostic)
@@ -324,9 +334,14 @@ class _Reader:
         for number, link in enumerate(links):
             place = self._toml.span(("link", number))
             name, tpdo = link.source
-            sent = made[name].device.find(TPDO_COMMUNICATION + tpdo - 1, 1)
-            declared = None if sent is None else resolved(sent.current, made[name].id)
-            if not isinstance(declared, int):
+            sent = next(
+                pdo
+                for pdo in made[name].device.pdos
+                if (pdo.direction, pdo.number) == (PdoDirection.TPDO, tpdo)
+            )
+            declared = resolved(sent.cob_id, made[name].id)
+            assert isinstance(declared, int)
+            if not can_id_of(declared):
                 self._report(rules.BAD_LINK, ("link", number), "its TPDO has no COB-ID")
                 continue
             for (end, pdo), base, cob_id in (

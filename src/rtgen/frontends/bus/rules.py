@@ -19,6 +19,9 @@ OVERLOAD = Rule("EDS0709", "bus cannot carry its messages", Severity.WARNING)
 NOT_LIKE_KIND = Rule("EDS0710", "node that is mapped unlike its kind", Severity.ERROR)
 NO_SUPERVISION = Rule("EDS0711", "unsupervised node", Severity.WARNING)
 NO_FACTOR = Rule("EDS0712", "factor that a drive does not state", Severity.ERROR)
+OTHER_SYNC = Rule("EDS0713", "node without the SYNC of its network", Severity.ERROR)
+CONSUMED_TWICE = Rule("EDS0714", "two consumers of one heartbeat", Severity.ERROR)
+REFUSED_CHANGE = Rule("EDS0715", "value that a node may refuse", Severity.WARNING)
 
 RULES = (
     BAD_FILE,
@@ -34,4 +37,7 @@ RULES = (
     NOT_LIKE_KIND,
     NO_SUPERVISION,
     NO_FACTOR,
+    OTHER_SYNC,
+    CONSUMED_TWICE,
+    REFUSED_CHANGE,
 )

@@ -8,14 +8,28 @@ from typing import Any
 from msgspec.structs import replace
 
 from rtgen.diagnostics import Span
+from rtgen.facts.canopen import MAX_SYNC_CYCLIC
+from rtgen.facts.cob_ids import configurable, service_of
+from rtgen.facts.write_order import OVERFLOW, pdo_of
 from rtgen.frontends.eds import numbers
 from rtgen.frontends.eds.findings import Findings
 from rtgen.frontends.eds.ini import Entry
 from rtgen.frontends.eds.pdos import PdoReader
-from rtgen.model.canopen import Device, Value
+from rtgen.model.canopen import (
+    INVALID,
+    TPDO_COMMUNICATION,
+    Device,
+    Value,
+    Variable,
+    resolved,
+)
 
 _NOT_IN_ENTRY = re.compile(r"^\s|\s\Z|[\0\r\n]")
 """Parts of a text that EDS and DCF files cannot have, or that their readers remove."""
+
+_TYPE, _SYNC_START = 2, 6
+_FIRST_EVENT = (254, 252)
+"""The first transmission types of RPDOs and TPDOs after the cyclic ones."""
 
 NO_ENTRY = (
     "a description cannot have line breaks, NUL, or white space at the ends of a text"
@@ -44,6 +58,42 @@ def _text(value: Any) -> str:
     return str(int(value)) if value.bit_length() <= 64 else f"{value:#x}"
 
 
+def _refusal(variable: Variable, value: Value | None) -> str:
+    """Return why each node refuses a value of an object (CiA 301, 7.5.2); empty if it may not."""
+    if not isinstance(value, int | float):
+        return ""
+    low, high = variable.low, variable.high
+    if isinstance(low, int | float) and value < low:
+        return f"{value} is below LowLimit {low}"
+    if isinstance(high, int | float) and value > high:
+        return f"{value} is above HighLimit {high}"
+    if not isinstance(value, int):
+        return ""
+    number = variable.index, variable.subindex
+    service = service_of(number)
+    if service is not None and not 0 <= value < 1 << 32:
+        return f"{value:#x} is no COB-ID"
+    if service is not None and not service.fixed:
+        is_off = not service.on and value & INVALID
+        if not is_off and not configurable(value):
+            return f"{value:X}h is no COB-ID that {service.name} can have"
+    if number == OVERFLOW and (value == 1 or value > MAX_SYNC_CYCLIC):
+        return f"{value} is no SYNC counter: it is 0, or 2 to {MAX_SYNC_CYCLIC}"
+    return _pdo_refusal(number, value)
+
+
+def _pdo_refusal(number: tuple[int, int], value: int) -> str:
+    index, subindex = number
+    if pdo_of(index) != index:
+        return ""
+    first = _FIRST_EVENT[index >= TPDO_COMMUNICATION]
+    if subindex == _TYPE and MAX_SYNC_CYCLIC < value < first:
+        return f"{value} is a reserved transmission type"
+    if subindex == _SYNC_START and value > MAX_SYNC_CYCLIC:
+        return f"{value} is no SYNC counter: it is up to {MAX_SYNC_CYCLIC}"
+    return ""
+
+
 def configured(
     device: Device, number: tuple[int, int], value: Any, span: Span
 ) -> tuple[Device, Value]:
@@ -66,6 +116,9 @@ def configured(
         raise BadValueError(f"{variable.name}: {message}")
     if isinstance(declared, str) and not is_entry(declared):
         raise BadValueError(f"{variable.name}: {NO_ENTRY}")
+    refused = _refusal(variable, resolved(declared, device.node_id or 1))
+    if refused:
+        raise BadValueError(f"{variable.name}: {refused}")
     written = replace(variable, value=declared, value_span=span)
     objects = tuple(
         (

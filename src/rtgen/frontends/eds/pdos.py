@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from rtgen.diagnostics import Span
 from rtgen.facts.canopen import can_id_of
+from rtgen.facts.cob_ids import service_of
+from rtgen.frontends.eds import cob_ids
 from rtgen.frontends.eds.findings import Findings
 from rtgen.frontends.eds.rules import pdos as rules
 from rtgen.model.canopen import (
     BITS,
-    EXTENDED,
     PDOS,
     RPDO_COMMUNICATION,
     TPDO_COMMUNICATION,
     DataType,
+    Device,
     DeviceInfo,
     NodeRelative,
     Object,
@@ -23,6 +25,7 @@ from rtgen.model.canopen import (
     PdoEntry,
     Value,
     Variable,
+    cob_id_in_force,
     resolved,
 )
 
@@ -31,18 +34,13 @@ MAX_ENTRIES = 64
 
 _MULTIPLEXED = (0xFE, 0xFF)
 _TO_MAPPING = 0x200
-_RESERVED = (
-    (0x000, 0x07F),
-    (0x101, 0x180),
-    (0x581, 0x5FF),
-    (0x601, 0x67F),
-    (0x6E0, 0x6FF),
-    (0x701, 0x7FF),
-)
 
 
 class PdoReader:
-    """Reads and checks the PDOs of one device."""
+    """Reads and checks the PDOs of one device.
+
+    `accepted` are entries that may be mapped although access and PDOMapping do not allow it.
+    """
 
     def __init__(
         self,
@@ -51,7 +49,9 @@ class PdoReader:
         dummies: Sequence[int],
         node_id: int | None,
         findings: Findings,
+        accepted: Collection[tuple[PdoDirection, PdoEntry]] = (),
     ) -> None:
+        self._accepted = accepted
         self._objects = {o.index: o for o in objects}
         self._variables = {
             (v.index, v.subindex): v for o in objects for v in o.variables
@@ -99,12 +99,13 @@ class PdoReader:
         mapping: Object | None,
     ) -> Pdo:
         subs = {v.subindex: v.current for v in communication.variables}
-        cob_id = subs.get(1)
+        cob_id = self._cob_id(communication)
+        count = None if mapping is None else self._count(mapping)
         members = () if mapping is None else mapping.variables
         return Pdo(
             direction=direction,
             number=number,
-            cob_id=cob_id if isinstance(cob_id, int | NodeRelative) else None,
+            cob_id=cob_id,
             transmission_type=_integer(subs.get(2)),
             entries=_entries({v.subindex: v.current for v in members}),
             default_entries=_entries({v.subindex: v.default for v in members}),
@@ -112,7 +113,25 @@ class PdoReader:
             inhibit_time=_integer(subs.get(3)),
             event_timer=_integer(subs.get(5)),
             sync_start=_integer(subs.get(6)),
+            multiplexed=count in _MULTIPLEXED,
         )
+
+    def _cob_id(self, communication: Object) -> int | NodeRelative:
+        """Return the COB-ID in force."""
+        number = communication.index, 1
+        variable = self._variables.get(number)
+        found = (
+            cob_id_in_force(number, None, self._node_id)
+            if variable is None
+            else variable.in_force(self._node_id)
+        )
+        assert isinstance(found, int | NodeRelative)
+        return found
+
+    @staticmethod
+    def _count(mapping: Object) -> int | None:
+        first = (v.current for v in mapping.variables if v.subindex == 0)
+        return _integer(next(first, None))
 
     def _check(self, pdo: Pdo, communication: Object, mapping: Object | None) -> None:
         self._check_communication(pdo, communication)
@@ -141,37 +160,26 @@ class PdoReader:
         if declared is not None and 240 < declared < 254 and not requested:
             message = f"{declared} is a reserved transmission type"
             self._findings.add(rules.BAD_TRANSMISSION, place[2], message)
-        if pdo.cob_id is None:
-            message = f"{pdo.direction.upper()} {pdo.number} has no COB-ID"
-            span = place.get(1, communication.span)
-            self._findings.add(rules.BAD_COB_ID, span, message)
-        elif pdo.valid and (wrong := self._reserved(pdo.cob_id)) is not None:
-            message = f"{wrong:03X}h is kept for other services"
-            self._findings.add(rules.BAD_COB_ID, place[1], message)
-
-    def _reserved(self, cob_id: int | NodeRelative) -> int | None:
-        """Return the CAN identifier of the COB-ID if it is restricted, else None."""
-        offset = cob_id.offset if isinstance(cob_id, NodeRelative) else cob_id
-        if offset & EXTENDED:
-            return None
-        node = self._node_id or 1
-        can_id = resolved(cob_id, node)
-        assert isinstance(can_id, int)
-        identifier = can_id & 0x7FF
-        if any(low <= identifier <= high for low, high in _RESERVED):
-            return identifier
-        return None
+        number = communication.index, 1
+        service = service_of(number)
+        assert service is not None
+        span = place.get(1, communication.span)
+        cob_ids.check_one(
+            number, service, subs.get(1), span, self._node_id, self._findings
+        )
 
     def _check_number(self, mapping: Object) -> int:
         subs = {v.subindex: v for v in mapping.variables}
         first = subs.get(0)
-        used = None if first is None else _integer(first.current)
+        used = self._count(mapping)
         span = mapping.span if first is None else first.value_span
         if used is None:
             message = "the number of mapped objects is not given; it is taken for 0"
             self._findings.add(rules.BAD_NUMBER, span, message)
             return 0
         if used in _MULTIPLEXED:
+            message = f"{used:02X}h: multiplexed PDOs are not supported; it has no port"
+            self._findings.add(rules.MULTIPLEXED, span, message)
             return used
         described = sum(k > 0 for k in subs)
         if used > MAX_ENTRIES or used > described:
@@ -188,8 +196,10 @@ class PdoReader:
         if unit and entry.bits % unit:
             message = f"{entry.bits} bits do not fit a granularity of {unit}"
             self._findings.add(rules.GRANULARITY, span, message)
+        is_accepted = (pdo.direction, entry) in self._accepted
         if entry.dummy:
-            self._check_gap(pdo, entry, span)
+            if not is_accepted:
+                self._check_gap(pdo, entry, span)
             return
         variable = self._variables.get((entry.index, entry.subindex))
         if variable is None:
@@ -201,7 +211,8 @@ class PdoReader:
                 f"{variable.name} has {variable.bits} bits; {entry.bits} are mapped"
             )
             self._findings.add(rules.OTHER_LENGTH, span, message)
-        self._check_access(pdo, variable, span)
+        if not is_accepted:
+            self._check_access(pdo, variable, span)
 
     def _check_access(self, pdo: Pdo, variable: Variable, span: Span) -> None:
         if not variable.pdo_mappable:
@@ -227,7 +238,7 @@ class PdoReader:
     def _check_cob_ids(self, pdos: Sequence[Pdo]) -> None:
         seen: dict[Value, Pdo] = {}
         for pdo in pdos:
-            if not pdo.valid or pdo.cob_id is None:
+            if not pdo.valid:
                 continue
             declared = resolved(pdo.cob_id, self._node_id)
             offset = declared.offset if isinstance(declared, NodeRelative) else declared
@@ -246,6 +257,22 @@ class PdoReader:
                 self._findings.add(rules.SAME_COB_ID, pdo.span, message)
 
 
+def mapped_by(device: Device) -> frozenset[tuple[PdoDirection, PdoEntry]]:
+    """Return the entries that a description maps by default, used and unused ones."""
+    directions = {pdo.mapping: pdo.direction for pdo in device.pdos}
+    return frozenset(
+        (directions[variable.index], _entry(variable.default))
+        for variable in device.variables
+        if variable.index in directions
+        and variable.subindex
+        and isinstance(variable.default, int)
+    )
+
+
+def _entry(code: int) -> PdoEntry:
+    return PdoEntry(code >> 16, code >> 8 & 0xFF, code & 0xFF)
+
+
 def _integer(value: Value | None) -> int | None:
     return value if isinstance(value, int) else None
 
@@ -259,9 +286,7 @@ def _entries(values: Mapping[int, Value | None]) -> tuple[PdoEntry, ...]:
     for subindex in range(1, min(used, MAX_ENTRIES) + 1):
         declared = values.get(subindex)
         if isinstance(declared, int):
-            entries.append(
-                PdoEntry(declared >> 16, declared >> 8 & 0xFF, declared & 0xFF)
-            )
+            entries.append(_entry(declared))
     return tuple(entries)
 
 

@@ -13,7 +13,7 @@ from rtgen import stages
 from rtgen.diagnostics import Diagnostic, in_order
 from rtgen.facts.encodings import Encoded, digest
 from rtgen.frontends import FrontendResult
-from rtgen.frontends.eds import ini, keys, lists
+from rtgen.frontends.eds import cob_ids, ini, keys, lists
 from rtgen.frontends.eds.compact_pdo import implied
 from rtgen.frontends.eds.findings import Findings
 from rtgen.frontends.eds.information import Information
@@ -181,6 +181,7 @@ def _device(
     objects += implied(info, known, document.start)
     objects.sort(key=lambda o: o.index)
     dummies = about.dummies()
+    cob_ids.check(objects, node_id, findings)
     pdos = PdoReader(objects, info, dummies, node_id, findings).read()
     device = Device(
         name=module_name(Path(document.file).stem),

@@ -8,7 +8,15 @@ from typing import Literal, TypeAlias
 import msgspec
 from msgspec.structs import replace
 
+from rtgen.facts.canopen import (
+    NUMBER_KINDS,
+    RPDO_COMMUNICATION,
+    SYNC,
+    TPDO_COMMUNICATION,
+    nearest_zero,
+)
 from rtgen.facts.canopen import Kind as Kind
+from rtgen.facts.cob_ids import COB_ID_EMERGENCY, in_force
 
 ObjectValue: TypeAlias = bool | int | float | str | bytes
 """A value of an object; times are ints in ns (time of day: since 1970, UTC), octets are bytes."""
@@ -22,7 +30,7 @@ class ObjectDescription(msgspec.Struct, frozen=True, gc=False):
 
     `name` is its identifier. `default`, `low` and `high` are None if the description has none;
     with `relative` the default is an offset to the node-id. `access` is an access type of CiA
-    306.
+    306. `initial` is the value with which the object begins.
     """
 
     index: int
@@ -51,24 +59,37 @@ class ObjectDescription(msgspec.Struct, frozen=True, gc=False):
         """Whether the description restricts the range of its kind."""
         return self.low is not None or self.high is not None
 
+    @property
+    def start(self) -> int | float | None:
+        """The value without a default, within the limits; None for that of its kind."""
+        if self.limited and self.kind in NUMBER_KINDS:
+            return nearest_zero(self.low, self.high)
+        return None
+
     def named(self, name: str) -> ObjectDescription:
         """Return a copy with another name."""
         return replace(self, name=name)
 
     def initial(self, node_id: int) -> ObjectValue | None:
-        """Return the default value in a node with this node-id."""
-        if self.relative and isinstance(self.default, int):
-            return node_id + self.default
-        return self.default
+        """Return the value with which the object begins in a node; None for that of its kind.
+
+        That is the default, the COB-ID in force (`facts.cob_ids`), or `start`.
+        """
+        value = self.default
+        if self.relative and isinstance(value, int):
+            value += node_id
+        if self.kind == "u32" and (value is None or isinstance(value, int)):
+            value = in_force((self.index, self.subindex), value, node_id)
+        return self.start if value is None else value
 
 
 class PdoDescription(msgspec.Struct, frozen=True, gc=False):
     """A PDO as the device sees it: the device transmits a `tpdo` and receives an `rpdo`.
 
     `cob_id` includes the flag bits; with `relative` it is an offset to the node-id; None: not
-    given, so the PDO is not valid. `mapping` holds (index, sub-index, bits); gaps have the index of
-    a data type. `fixed`: the mapping is read-only. Times are in the units of the object dictionary:
-    `inhibit_time` in 100 us, `event_timer` in ms.
+    given, so that it is the predefined one. `mapping` holds (index, sub-index, bits); gaps have
+    the index of a data type. `fixed`: the mapping is read-only. Times are in the units of the
+    object dictionary: `inhibit_time` in 100 us, `event_timer` in ms.
     """
 
     direction: Literal["tpdo", "rpdo"]
@@ -82,11 +103,16 @@ class PdoDescription(msgspec.Struct, frozen=True, gc=False):
     sync_start: int = 0
     fixed: bool = False
 
-    def cob_id_of(self, node_id: int) -> int | None:
-        """Return the COB-ID, with its flags, in a node with this node-id."""
-        if self.cob_id is None:
-            return None
-        return self.cob_id + node_id if self.relative else self.cob_id
+    def cob_id_of(self, node_id: int) -> int:
+        """Return the COB-ID in force, with its flags, in a node with this node-id."""
+        cob_id = self.cob_id
+        if self.relative and cob_id is not None:
+            cob_id += node_id
+        received = self.direction == "rpdo"
+        base = RPDO_COMMUNICATION if received else TPDO_COMMUNICATION
+        found = in_force((base + self.number - 1, 1), cob_id, node_id, chosen=True)
+        assert found is not None
+        return found
 
 
 class DeviceDescription(msgspec.Struct, frozen=True, dict=True):
@@ -119,6 +145,17 @@ class DeviceDescription(msgspec.Struct, frozen=True, dict=True):
     def by_name(self) -> dict[str, ObjectDescription]:
         """The objects by identifier."""
         return {o.name: o for o in self.objects}
+
+    def cob_id(self, number: ObjectNumber, node_id: int) -> int:
+        """Return a COB-ID of a configured node; that of CiA 301 if there is no such object."""
+        for write in reversed(self.configuration):
+            if (write.index, write.subindex) == number:
+                return int.from_bytes(write.octets(node_id), "little")
+        described = self.by_number.get(number)
+        initial = None if described is None else described.initial(node_id)
+        if isinstance(initial, int):
+            return initial
+        return in_force(number, None, node_id) or 0
 
     def pdo(self, direction: str, number: int) -> PdoDescription:
         """Find a PDO. Raises KeyError."""
@@ -166,7 +203,8 @@ class NodeDescription(msgspec.Struct, frozen=True, gc=False):
     `recoveries` is how often in a row its proxy leaves ERROR by itself. On an error the manager
     resets the node up to `restarts` times. A node that is not `mandatory` may be missing. With
     `start` the manager starts the node once it is configured. `lss`: the node may have no node-id
-    yet; the manager assigns it by its identity.
+    yet; the manager assigns it by its identity. `emergency` is the COB-ID of its emergencies,
+    None for the predefined one.
     """
 
     name: str
@@ -185,13 +223,22 @@ class NodeDescription(msgspec.Struct, frozen=True, gc=False):
     guard_time: int = 0
     emergency_stop: str = ""
     recoveries: int = 0
+    emergency: int | None = None
+
+    @property
+    def emergency_cob_id(self) -> int:
+        """The COB-ID of its emergencies."""
+        found = in_force(COB_ID_EMERGENCY, self.emergency, self.id, chosen=True)
+        assert found is not None
+        return found
 
 
 class Network(msgspec.Struct, frozen=True, gc=False):
     """A network: `NETWORK` of a generated module `networks.<name>`.
 
     `bit_rate` is in kbit/s; `sync` is the SYNC period in us and `heartbeat` the manager's
-    producer time in ms, 0 for none. `sync_overflow` is the highest SYNC counter, 0 for none.
+    producer time in ms, 0 for none. `sync_overflow` is the highest SYNC counter, 0 for none;
+    `sync_cob_id` has the identifier of SYNC.
     """
 
     name: str
@@ -201,6 +248,7 @@ class Network(msgspec.Struct, frozen=True, gc=False):
     heartbeat: int
     nodes: tuple[NodeDescription, ...]
     sync_overflow: int = 0
+    sync_cob_id: int = SYNC
 
     def node(self, node_id: int) -> NodeDescription | None:
         """Find a node by its id."""

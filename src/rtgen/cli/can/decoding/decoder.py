@@ -11,6 +11,12 @@ from rtgen.cli.can.decoding.object_values import Field, field_of, iso_time, sdo_
 from rtgen.cli.can.decoding.pdo_fields import Route, object_of, routes
 from rtgen.cli.can.decoding.sdo_decoding import SdoFollower, SdoStep
 from rtgen.cli.rpc.values import Json
+from rtgen.facts.cob_ids import (
+    COB_ID_EMERGENCY,
+    COB_ID_SYNC,
+    COB_ID_TIME,
+    SDO_SERVERS,
+)
 from rtgen.model.canopen import INVALID, PdoDirection
 from rtgen.runtime.canopen.wire.emergency import Emergency, ErrorRegister
 from rtgen.runtime.canopen.wire.frames import (
@@ -31,9 +37,9 @@ from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState
 from rtgen.runtime.canopen.wire.sync import decode_time, sync_counter
 
 _FAILSAFE = 0x001
+_FIRST_SERVER = SDO_SERVERS.start
 _SDO = 8
 """Length of every SDO message in octets."""
-_COB_ID_SYNC, _COB_ID_TIME, _COB_ID_EMCY = (0x1005, 0), (0x1012, 0), (0x1014, 0)
 _PREDEFINED_PDOS = range(0x180, 0x580)
 _ID_MASK = 0x7F
 
@@ -97,19 +103,29 @@ class Decoder:
 
     def __init__(self, known: NodeIndex) -> None:
         self.known = known
-        self._followers: defaultdict[int, SdoFollower] = defaultdict(SdoFollower)
+        self._followers: defaultdict[tuple[int, int], SdoFollower] = defaultdict(
+            SdoFollower
+        )
+        """The transfers by node-id and index of the server's parameters."""
         self._parameters: dict[int, dict[Number, int]] = {}
         self._routes: dict[tuple[int, bool], list[Route]] = {}
         self._emergencies: dict[tuple[int, bool], int] = {}
+        self._servers: dict[tuple[int, bool], tuple[int, int, bool]] = {}
         self._syncs: set[tuple[int, bool]] = set()
         self._times: set[tuple[int, bool]] = set()
+        self._further_servers: dict[int, list[int]] = {}
         for node in known.nodes.values():
-            self._parameters[node.id] = node.parameters
+            parameters = self._parameters[node.id] = node.parameters
+            self._further_servers[node.id] = sorted(
+                {index for index, _ in parameters if index in SDO_SERVERS[1:]}
+            )
         self._wire()
 
     def decode(self, frame: Frame) -> Decoded:
         """Decode the next frame."""
         key = frame.can_id, frame.extended
+        if key == (NMT, False):
+            return self._command(frame)
         if key in self._routes:
             return self._pdo(self._routes[key], frame)
         if key in self._emergencies:
@@ -118,6 +134,9 @@ class Decoder:
             return self._sync(frame)
         if key in self._times:
             return self._time(frame)
+        if key in self._servers:
+            node_id, server, is_request = self._servers[key]
+            return self._sdo(node_id, frame, server=server, request=is_request)
         if frame.extended:
             return _unknown(frame)
         return self._predefined(frame)
@@ -127,30 +146,41 @@ class Decoder:
     def _wire(self) -> None:
         """Rebuild the tables from identifier to message, from the nodes' parameters."""
         found: defaultdict[tuple[int, bool], list[Route]] = defaultdict(list)
-        self._emergencies = {}
+        self._emergencies, self._servers = {}, {}
         self._syncs, self._times = {(SYNC, False)}, {(TIME, False)}
         for node in self.known.nodes.values():
             parameters = self._parameters[node.id]
             for key, route in routes(node, parameters):
                 found[key].append(route)
             for number, keys in (
-                (_COB_ID_SYNC, self._syncs),
-                (_COB_ID_TIME, self._times),
+                (COB_ID_SYNC, self._syncs),
+                (COB_ID_TIME, self._times),
             ):
-                if number in parameters:
-                    keys.add(_key(parameters[number]))
-            cob_id = parameters.get(_COB_ID_EMCY, INVALID)
-            if not cob_id & INVALID:
-                self._emergencies[_key(cob_id)] = node.id
+                cob_id = _word(parameters.get(number, 0))
+                if cob_id.configurable:
+                    keys.add((cob_id.can_id, cob_id.extended))
+            cob_id = _word(parameters.get(COB_ID_EMERGENCY, INVALID))
+            if cob_id.valid:
+                self._emergencies[cob_id.can_id, cob_id.extended] = node.id
+            for server in self._further_servers[node.id]:
+                self._add_server(node.id, server, parameters)
         for sharing in found.values():
             sharing.sort(key=lambda r: r.direction is PdoDirection.RPDO)
         self._routes = dict(found)
 
+    def _add_server(
+        self, node_id: int, server: int, parameters: dict[Number, int]
+    ) -> None:
+        """Add the identifiers of a further SDO server, if it is valid."""
+        cob_ids = [_word(parameters.get((server, sub), INVALID)) for sub in (1, 2)]
+        if all(cob_id.valid for cob_id in cob_ids):
+            for cob_id, is_request in zip(cob_ids, (True, False), strict=True):
+                key = cob_id.can_id, cob_id.extended
+                self._servers[key] = node_id, server, is_request
+
     def _predefined(self, frame: Frame) -> Decoded:
         """Decode a frame of the predefined connection set (CiA 301, 7.3.3)."""
         can_id = frame.can_id
-        if can_id == NMT:
-            return self._command(frame)
         if can_id == _FAILSAFE:
             return Decoded("failsafe", None, "", frame.data.hex(" "))
         if can_id in (LSS_REQUEST, LSS_RESPONSE):
@@ -236,7 +266,8 @@ class Decoder:
         return self._about("heartbeat", node_id, _STATES[state])
 
     def _booted(self, node_id: int) -> None:
-        self._followers.pop(node_id, None)
+        for key in [key for key in self._followers if key[0] == node_id]:
+            del self._followers[key]
         node = self.known.nodes.get(node_id)
         if node is not None and self._parameters[node_id] != node.parameters:
             self._parameters[node_id] = node.parameters
@@ -264,10 +295,12 @@ class Decoder:
 
     # SDO
 
-    def _sdo(self, node_id: int, frame: Frame, *, request: bool) -> Decoded:
+    def _sdo(
+        self, node_id: int, frame: Frame, *, request: bool, server: int = _FIRST_SERVER
+    ) -> Decoded:
         if frame.remote or len(frame.data) != _SDO:
             return self._about("sdo", node_id, f"no message: {_raw(frame)}")
-        follower = self._followers[node_id]
+        follower = self._followers[node_id, server]
         step = (
             follower.request(frame.data) if request else follower.response(frame.data)
         )
@@ -300,9 +333,8 @@ class Decoder:
         self._wire()
 
 
-def _key(cob_id: int) -> tuple[int, bool]:
-    word = CobId(cob_id & 0xFFFFFFFF)
-    return word.can_id, word.extended
+def _word(cob_id: int) -> CobId:
+    return CobId(cob_id & 0xFFFFFFFF)
 
 
 def _raw(frame: Frame) -> str:

@@ -97,10 +97,13 @@ class DescribedNode:
 
     @property
     def parameters(self) -> dict[Number, int]:
-        """The integers in the communication profile area (1000h to 1FFFh), as configured."""
+        """The integers in the communication profile area (1000h to 1FFFh), as configured.
+
+        COB-IDs are those in force.
+        """
         found = {}
         for variable in self.device.variables:
-            value = resolved(variable.current, self.id)
+            value = resolved(variable.in_force(self.id), self.id)
             if 0x1000 <= variable.index < 0x2000 and isinstance(value, int):
                 found[variable.index, variable.subindex] = value
         return found

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from rtgen.cli.can.decoding.node_index import DescribedNode, DescribedObject, Number
 from rtgen.cli.can.decoding.object_values import Field, field_of
 from rtgen.model.canopen import (
-    INVALID,
     PDOS,
     RPDO_COMMUNICATION,
     RPDO_MAPPING,
@@ -106,9 +105,9 @@ def routes(
         for (index, subindex), value in parameters.items():
             if subindex != 1 or not base <= index < base + PDOS:
                 continue
-            if value & INVALID or not 0 <= value < 1 << 32:
+            cob_id = CobId(value & 0xFFFFFFFF)
+            if not cob_id.valid:
                 continue
-            cob_id = CobId(value)
             route = _route(node, direction, index - base, mapping, parameters)
             yield (cob_id.can_id, cob_id.extended), route
 

@@ -12,7 +12,7 @@ from rtgen.runtime.canopen.bus.messages import frame_of
 from rtgen.runtime.canopen.bus.python_can import OpenBus
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.wire import sdo
-from rtgen.runtime.canopen.wire.frames import SECOND, Frame
+from rtgen.runtime.canopen.wire.frames import SECOND, CobId, Frame
 from rtgen.runtime.canopen.wire.sdo import SdoAbort
 from rtgen.runtime.canopen.wire.sdo_client import SdoClient
 
@@ -93,15 +93,22 @@ class BusSession:
         return frame
 
     def upload(
-        self, node_id: int, index: int, subindex: int, *, timeout: int, block: bool
+        self,
+        node_id: int,
+        index: int,
+        subindex: int,
+        *,
+        timeout: int,
+        block: bool,
+        cob_ids: tuple[CobId, CobId] | None = None,
     ) -> bytes:
         """Read an object by SDO upload. Raises SdoAbort, SilentError and ToolError.
 
         `timeout` is for each response, in ns. A server without block transfer is asked again by
-        segments.
+        segments. `cob_ids` are those of a further server.
         """
         try:
-            client = SdoClient(node_id, timeout=timeout)
+            client = SdoClient(node_id, timeout=timeout, cob_ids=cob_ids)
             now = time.monotonic_ns()
             return self._transfer(
                 client, client.upload(index, subindex, now, block=block)
@@ -109,10 +116,19 @@ class BusSession:
         except SdoAbort as abort:
             if not block or abort.code != sdo.COMMAND_UNKNOWN:
                 raise
-        return self.upload(node_id, index, subindex, timeout=timeout, block=False)
+        return self.upload(
+            node_id, index, subindex, timeout=timeout, block=False, cob_ids=cob_ids
+        )
 
     def download(
-        self, node_id: int, index: int, subindex: int, value: bytes, *, timeout: int
+        self,
+        node_id: int,
+        index: int,
+        subindex: int,
+        value: bytes,
+        *,
+        timeout: int,
+        cob_ids: tuple[CobId, CobId] | None = None,
     ) -> None:
         """Write an object by SDO download. Raises SdoAbort, SilentError and ToolError.
 
@@ -120,7 +136,7 @@ class BusSession:
         rejects it has stored nothing yet, so the value is sent again by segments.
         """
         for block in (True, False) if len(value) >= BLOCK_FROM else (False,):
-            client = SdoClient(node_id, timeout=timeout)
+            client = SdoClient(node_id, timeout=timeout, cob_ids=cob_ids)
             now = time.monotonic_ns()
             try:
                 frames = client.download(index, subindex, value, now, block=block)

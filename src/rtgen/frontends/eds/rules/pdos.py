@@ -18,6 +18,8 @@ SAME_COB_ID = Rule("EDS0510", "two PDOs with one COB-ID", Severity.WARNING)
 GRANULARITY = Rule("EDS0511", "finer than the granularity", Severity.WARNING)
 MAPPED_TWICE = Rule("EDS0512", "object mapped twice", Severity.WARNING)
 EMPTY_ENTRY = Rule("EDS0513", "empty entry in use", Severity.WARNING)
+NO_NODE_ID = Rule("EDS0514", "COB-ID without the node-id", Severity.WARNING)
+MULTIPLEXED = Rule("EDS0515", "multiplexed PDO", Severity.WARNING)
 
 RULES = (
     HALF,
@@ -34,4 +36,6 @@ RULES = (
     GRANULARITY,
     MAPPED_TWICE,
     EMPTY_ENTRY,
+    NO_NODE_ID,
+    MULTIPLEXED,
 )

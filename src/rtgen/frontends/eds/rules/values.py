@@ -12,6 +12,7 @@ OUTSIDE_LIMITS = Rule("EDS0404", "value outside the limits", Severity.WARNING)
 LIMITS_CROSSED = Rule("EDS0405", "limits exchanged", Severity.WARNING)
 NO_LIMIT = Rule("EDS0406", "limit for a type without order", Severity.WARNING)
 ODD_NUMBER = Rule("EDS0407", "number in an unusual form", Severity.WARNING)
+BAD_COB_ID = Rule("EDS0408", "COB-ID that a service cannot have", Severity.WARNING)
 
 RULES = (
     BAD_VALUE,
@@ -22,4 +23,5 @@ RULES = (
     LIMITS_CROSSED,
     NO_LIMIT,
     ODD_NUMBER,
+    BAD_COB_ID,
 )

@@ -136,13 +136,24 @@ class SdoChannel:
             return self._advance(now)
         if self._client.busy:
             self._client.cancel(now)
+        self._fail(LinkError(f"node {self.node_id}: the bus is gone"))
+        return ()
+
+    def restart(self) -> None:
+        """End all transfers, because the node has booted: its server knows none of them.
+
+        Called by stations, with the link's lock held.
+        """
+        self._client.reset()
+        self._fail(SdoAbort(sdo.DEVICE_STATE))
+
+    def _fail(self, error: SdoAbort | LinkError) -> None:
         failed = [self._current] if self._current is not None else []
         failed += self._waiting
         self._current = None
         self._waiting.clear()
         for transfer in failed:
-            transfer.done(LinkError(f"node {self.node_id}: the bus is gone"))
-        return ()
+            transfer.done(error)
 
     def _submit(self, transfer: _Transfer) -> None:
         with self._link.lock:

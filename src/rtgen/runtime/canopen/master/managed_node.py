@@ -85,6 +85,8 @@ class Channel(Protocol):
     @property
     def unexpected(self) -> int: ...
 
+    def restart(self) -> None: ...
+
     def submit_upload(
         self, index: int, subindex: int, done: Done, *, attempts: int = 1
     ) -> None: ...
@@ -102,6 +104,12 @@ class Channel(Protocol):
 
 class Host(Protocol):
     """Methods of the manager used by the node."""
+
+    settling: int
+    """Time in ns without a second boot-up message of a node after which its set-up begins.
+
+    The first one may have waited in the node's controller since before the reset.
+    """
 
     def now(self) -> int:
         """Return the time in ns."""
@@ -123,7 +131,10 @@ class Host(Protocol):
 
 
 class NodeReport(msgspec.Struct, frozen=True, gc=False):
-    """The state of a node since a time (ns of the link); `reason` is the latest error."""
+    """The state of a node since a time (ns of the link).
+
+    `reason` is the latest error; empty for a node that runs.
+    """
 
     since: int
     id: int
@@ -165,6 +176,8 @@ class ManagedNode:
         self._consumer = HeartbeatConsumer(description.id, self._timeout)
         self._attempt = 0
         self._limit: int | None = None
+        self._settled: int | None = None
+        """When the set-up begins after a boot-up message."""
         self._configured = False
         self._start = description.start
         self._assigned = False
@@ -173,11 +186,18 @@ class ManagedNode:
         )
         self._bus_gone = False
         self._emergency: Emergency | None = None
+        self._overheard: NmtCommand | None = None
+        """The last command of another station that the node has not followed yet."""
 
     @property
     def deadline(self) -> int | None:
         """Time of the next call of `poll`; None for never."""
-        times = (self._consumer.deadline, self._guard.deadline, self._limit)
+        times = (
+            self._consumer.deadline,
+            self._guard.deadline,
+            self._limit,
+            self._settled,
+        )
         return min((time for time in times if time is not None), default=None)
 
     @property
@@ -276,6 +296,10 @@ class ManagedNode:
         else:
             self._host.changed(self)
 
+    def overhear(self, command: NmtCommand) -> None:
+        """Record a command that another station has sent to the node."""
+        self._overheard = command
+
     def on_emergency(self, emergency: Emergency) -> None:
         """Process an emergency message, which may explain a later error."""
         self._emergency = None if emergency.cleared else emergency
@@ -295,6 +319,9 @@ class ManagedNode:
         elif self._limit is not None and now >= self._limit:
             self._limit = None
             self._on_timeout()
+        elif self._settled is not None and now >= self._settled:
+            self._settled = None
+            self._set_up()
 
     def fail(self, reason: str, *, final: bool = False, absent: bool = False) -> None:
         """Handle an error: reset the node, or give it up.
@@ -325,8 +352,9 @@ class ManagedNode:
             self._host.command(command, self.description.id)
 
     def _booted(self, asked: bool) -> None:
+        self._channel.restart()
         if not asked and self.phase in _IN_USE:
-            self.reason = "it booted again by itself"
+            self.reason = f"it booted again {self._agent(*_RESETS)}"
         if self.phase in (NodePhase.FAILED, NodePhase.MISSING):
             self.restarts = 0
         self._attempt += 1
@@ -334,6 +362,9 @@ class ManagedNode:
         again = self.phase in (NodePhase.IDENTIFYING, NodePhase.CONFIGURING)
         self._second_node.booted(again=again)
         self._enter(NodePhase.IDENTIFYING)
+        self._settled = self._host.now() + self._host.settling
+
+    def _set_up(self) -> None:
         self._go_on(set_up(self.description, self._identified), None)
 
     def _identified(self) -> None:
@@ -433,16 +464,24 @@ class ManagedNode:
         if state is NmtState.OPERATIONAL:
             self._enter(NodePhase.RUNNING)
         elif state is NmtState.STOPPED and not event.asked:
-            self.fail(f"it has stopped by itself{self._cause()}")
+            self.fail(f"it has stopped {self._agent(NmtCommand.STOP)}{self._cause()}")
         elif phase is NodePhase.RUNNING and event.news is HeartbeatNews.CHANGED:
             if not event.asked:
-                self.reason = f"it has left operational by itself{self._cause()}"
+                agent = self._agent(NmtCommand.ENTER_PRE_OPERATIONAL)
+                self.reason = f"it has left operational {agent}{self._cause()}"
             self._enter(NodePhase.HALTED)
         else:
             self._host.changed(self)
 
     def _two_nodes(self, what: str) -> None:
         self.fail(f"{what}: two nodes have the id {self.description.id}")
+
+    def _agent(self, *commands: NmtCommand) -> str:
+        """Return who has changed the node's state, if one of these commands would do so."""
+        overheard, self._overheard = self._overheard, None
+        if overheard in commands:
+            return "by a command of another station"
+        return "by itself"
 
     def _cause(self) -> str:
         return f", after EMCY {self._emergency}" if self._emergency else ""
@@ -475,6 +514,9 @@ class ManagedNode:
         """Enter a phase with a time limit."""
         now = self._host.now()
         self.phase, self.since = phase, now
+        if phase is NodePhase.RUNNING:
+            self.reason = ""
+        self._settled = None
         if phase not in _IN_USE:
             self._guard.stop()
         self._limit = None if milliseconds is None else now + milliseconds * MILLISECOND

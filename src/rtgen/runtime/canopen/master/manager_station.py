@@ -11,12 +11,13 @@ from rtgen.runtime.canopen.bus.link import Link, no_guarding
 from rtgen.runtime.canopen.description import Network
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.master.managed_node import ManagedNode, NodePhase, NodeReport
-from rtgen.runtime.canopen.wire.emergency import decode_emergency
+from rtgen.runtime.canopen.wire.emergency import emergency_in
 from rtgen.runtime.canopen.wire.frames import (
-    EMERGENCY,
     ERROR_CONTROL,
     LSS_RESPONSE,
     MILLISECOND,
+    NMT,
+    CobId,
     Frame,
 )
 from rtgen.runtime.canopen.wire.heartbeat import HeartbeatProducer
@@ -25,11 +26,17 @@ from rtgen.runtime.canopen.wire.nmt import (
     NmtCommand,
     NmtState,
     command_frame,
+    decode_command,
     heartbeat_frame,
 )
 from rtgen.runtime.canopen.wire.sync import SyncProducer
 
 _MICROSECOND: Final = 1000
+_SETTLING: Final = 5 * MILLISECOND
+_FASTEST: Final = 1000
+"""Bit rate in kbit/s that is assumed if the network does not state one."""
+_BOOT_UP_BITS: Final = 65
+"""Length of a boot-up message on the bus."""
 
 
 class ManagerStation:
@@ -46,16 +53,26 @@ class ManagerStation:
         listener: Callable[[NodeReport], None] = lambda report: None,
     ) -> None:
         self.network = network
+        boot_ups = len(network.nodes) * _BOOT_UP_BITS * MILLISECOND
+        self.settling = _SETTLING + boot_ups // (network.bit_rate or _FASTEST)
+        """See `Host`."""
         self.nodes = {
             node.id: ManagedNode(node, link.sdo(node.id), self)
             for node in network.nodes
         }
+        cob_ids = ((CobId(n.emergency_cob_id), n.id) for n in network.nodes)
+        self._emergencies = {
+            (each.can_id, each.extended): self.nodes[node]
+            for each, node in cob_ids
+            if each.valid
+        }
         self.identifiers = frozenset(
             (
+                NMT,
                 LSS_RESPONSE,
                 ERROR_CONTROL + network.manager,
                 *(ERROR_CONTROL + node for node in self.nodes),
-                *(EMERGENCY + node for node in self.nodes),
+                *(can_id for can_id, _ in self._emergencies),
             )
         )
         self.deadline: int | None = None
@@ -64,7 +81,11 @@ class ManagerStation:
         self._listener = listener
         self._lss = LssMaster()
         self._sync = (
-            SyncProducer(network.sync * _MICROSECOND, network.sync_overflow)
+            SyncProducer(
+                network.sync * _MICROSECOND,
+                network.sync_overflow,
+                CobId(network.sync_cob_id),
+            )
             if network.sync
             else None
         )
@@ -169,21 +190,24 @@ class ManagerStation:
     def receive(self, frame: Frame, now: int) -> Iterable[Frame]:
         """See `Station`."""
         can_id = frame.can_id
-        if can_id > ERROR_CONTROL:
+        reporter = self._emergencies.get((can_id, frame.extended))
+        if reporter is not None:
+            emergency = emergency_in(frame)
+            if emergency is not None:
+                reporter.on_emergency(emergency)
+        elif can_id == NMT:
+            self._overhear(frame)
+        elif not frame.extended:
             node = self.nodes.get(can_id - ERROR_CONTROL)
             if node is not None:
                 node.on_error_control(frame, now)
                 self._schedule(node)
             elif can_id == LSS_RESPONSE:
                 self._frames += self._lss.receive(frame, now)
-            elif self.running and not self._clash:
+            elif self._is_own(frame) and self.running and not self._clash:
                 self._clash = (
                     f"another node has the manager's node-id {self.network.manager}"
                 )
-        else:
-            decoded = decode_emergency(frame)
-            if decoded is not None and decoded[0] in self.nodes:
-                self.nodes[decoded[0]].on_emergency(decoded[1])
         return self._answer()
 
     def poll(self, now: int) -> Iterable[Frame]:
@@ -266,15 +290,28 @@ class ManagerStation:
 
     # Private methods
 
+    def _is_own(self, frame: Frame) -> bool:
+        """Return whether a frame has the identifier of the manager's heartbeat."""
+        return frame.can_id == ERROR_CONTROL + self.network.manager
+
+    def _overhear(self, frame: Frame) -> None:
+        """Record a command of another station, which explains what nodes do next."""
+        command = decode_command(frame)
+        if command is None or not self.running:
+            return
+        for node in self.nodes.values():
+            if command[1] in (0, node.description.id):
+                node.overhear(command[0])
+
     def _begin(self, now: int) -> None:
-        """Send the boot-up message, and reset all nodes with one frame."""
+        """Reset all nodes with one frame, before anything else; then send the boot-up message."""
+        self._lss.cancel()
+        self._command(NmtCommand.RESET_COMMUNICATION, 0)
         manager = self.network.manager
         self._frames.append(heartbeat_frame(manager, NmtState.INITIALISING))
         self._heartbeat.booted(now)
         if self._sync is not None:
             self._sync.start(now)
-        self._lss.cancel()
-        self._command(NmtCommand.RESET_COMMUNICATION, 0)
         for node in self.nodes.values():
             node.activate()
             self._schedule(node)

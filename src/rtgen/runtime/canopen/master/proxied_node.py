@@ -15,12 +15,11 @@ from rtgen.runtime.canopen.description import (
     PdoDescription,
 )
 from rtgen.runtime.canopen.hooks import Receiver
-from rtgen.runtime.canopen.wire.emergency import Emergency, decode_emergency
+from rtgen.runtime.canopen.wire.emergency import Emergency, emergency_in
 from rtgen.runtime.canopen.wire.frames import (
     EMERGENCY,
     ERROR_CONTROL,
     NMT,
-    SYNC,
     CobId,
     Frame,
 )
@@ -34,7 +33,7 @@ from rtgen.runtime.canopen.wire.pdo_transmission import (
     TpdoTransmitter,
     is_synchronous,
 )
-from rtgen.runtime.canopen.wire.sync import sync_counter
+from rtgen.runtime.canopen.wire.sync import PREDEFINED_SYNC, sync_counter
 
 QUEUE: Final = 4096
 """Capacity of the queue of PDOs for the proxy's next tick; the oldest are dropped."""
@@ -68,12 +67,11 @@ def wiring(
     sent: dict[int, PdoDescription] = {}
     unsent: dict[int, str] = {}
     for pdo in pdos:
-        value = pdo.cob_id_of(node_id)
-        if value is None or CobId(value).bit31:
+        cob_id = CobId(pdo.cob_id_of(node_id))
+        if not cob_id.valid:
             if pdo.direction == "rpdo":
                 unsent[pdo.number] = "it is not valid"
             continue
-        cob_id = CobId(value)
         if pdo.direction == "tpdo":
             received[pdo.number] = pdo
         elif (cob_id.can_id, cob_id.extended) in others:
@@ -90,11 +88,9 @@ def _transmitted(
     found = set()
     for node in network.nodes:
         for pdo in node.pdos if node is not but else ():
-            value = pdo.cob_id_of(node.id)
-            if pdo.direction == "tpdo" and value is not None:
-                cob_id = CobId(value)
-                if not cob_id.bit31:
-                    found.add((cob_id.can_id, cob_id.extended))
+            cob_id = CobId(pdo.cob_id_of(node.id))
+            if pdo.direction == "tpdo" and cob_id.valid:
+                found.add((cob_id.can_id, cob_id.extended))
     return found
 
 
@@ -107,7 +103,7 @@ def transmitter_of(pdo: PdoDescription, node_id: int) -> TpdoTransmitter:
     synchronous = is_synchronous(pdo.transmission_type)
     return TpdoTransmitter(
         PdoParameters(
-            cob_id=pdo.cob_id_of(node_id) or 0,
+            cob_id=pdo.cob_id_of(node_id),
             transmission_type=SYNC_ACYCLIC if synchronous else EVENT_PROFILE,
             inhibit_time=pdo.inhibit_time,
         )
@@ -160,6 +156,8 @@ class _Received(msgspec.Struct):
 class ProxiedNode:
     """The station of one node. `transmitters` are those of its RPDOs.
 
+    `sync` is the COB-ID of SYNC, `emergency` that of the node's emergencies, None: predefined.
+
     While `listening`, PDOs are queued in `queue` with their receivers and times. `boots` counts
     boot-up messages, `emergencies` emergency messages; `emergency` is the latest one that has not
     been cleared. `dropped` counts PDOs lost because the queue was full.
@@ -174,7 +172,8 @@ class ProxiedNode:
         receivers: Mapping[int, Receiver],
         watcher: Watcher,
         transmitters: Collection[TpdoTransmitter] = (),
-        sync_id: int = SYNC,
+        sync: CobId = PREDEFINED_SYNC,
+        emergency: CobId | None = None,
     ) -> None:
         self.node_id = node_id
         self.queue: deque[tuple[Receiver, bytes, int]] = deque(maxlen=QUEUE)
@@ -189,24 +188,22 @@ class ProxiedNode:
         self.guarded = False
         """Whether it is polled by node guarding, or was when it was lost."""
         self._heartbeat_id = ERROR_CONTROL + node_id
-        self._emergency_id = EMERGENCY + node_id
+        emergency = emergency or CobId(EMERGENCY + node_id)
+        self._emergency = emergency if emergency.valid else None
         self._flips: deque[int] = deque(maxlen=_FLIPS)
         self._pdos: dict[int, _Received] = {}
         for number, pdo in received.items():
-            value = pdo.cob_id_of(node_id)
-            if number in receivers and value is not None:
-                cob_id = CobId(value)
+            if number in receivers:
+                cob_id = CobId(pdo.cob_id_of(node_id))
                 bits = sum(bits for _, _, bits in pdo.mapping)
                 self._pdos[cob_id.can_id] = _Received(
                     number, receivers[number], cob_id.extended, (bits + 7) // 8
                 )
         self._transmitters = tuple(transmitters)
         self._at_sync = tuple(t for t in transmitters if t.synchronous)
-        self._sync_id = sync_id
-        syncs = (sync_id,) if self._at_sync else ()
-        self.identifiers = frozenset(
-            (NMT, self._heartbeat_id, self._emergency_id, *self._pdos, *syncs)
-        )
+        self._sync = sync if self._at_sync and sync.configurable else None
+        others = (each.can_id for each in (self._emergency, self._sync) if each)
+        self.identifiers = frozenset((NMT, self._heartbeat_id, *self._pdos, *others))
         self.deadline = None
 
     @property
@@ -278,16 +275,22 @@ class ProxiedNode:
                 self._take(pdo, frame.data, now)
         elif can_id == self._heartbeat_id:
             self._on_heartbeat(frame, now)
-        elif can_id == self._emergency_id:
+        elif self._emergency is not None and self._emergency.carries(frame):
             self._on_emergency(frame)
         elif can_id == NMT:
             command = decode_command(frame)
             if command is not None and command[1] in (0, self.node_id):
                 self.command_sent()
-        elif can_id == self._sync_id and sync_counter(frame) is not None:
+        elif self._is_sync(frame):
             frames = (t.sync(0, now) for t in self._at_sync)
             return [each for each in frames if each is not None]
         return ()
+
+    def _is_sync(self, frame: Frame) -> bool:
+        sync = self._sync
+        if sync is None or frame.remote or not sync.carries(frame):
+            return False
+        return sync_counter(frame) is not None
 
     def poll(self, now: int) -> Iterable[Frame]:
         """See `Station`."""
@@ -360,9 +363,9 @@ class ProxiedNode:
         return len(flips) == _FLIPS and 3 * (flips[-1] - flips[0]) < 2 * self.timeout
 
     def _on_emergency(self, frame: Frame) -> None:
-        decoded = decode_emergency(frame)
-        if decoded is None:
+        emergency = emergency_in(frame)
+        if emergency is None:
             return
         self.emergencies += 1
-        self.emergency = None if decoded[1].cleared else decoded[1]
-        self._watcher.on_emergency(self, decoded[1])
+        self.emergency = None if emergency.cleared else emergency
+        self._watcher.on_emergency(self, emergency)

@@ -33,8 +33,8 @@ from rtgen.runtime.canopen.master.proxy_connection import (
     settings_of,
 )
 from rtgen.runtime.canopen.master.proxy_location import (
+    cob_ids,
     place,
-    sync_id,
 )
 from rtgen.runtime.canopen.master.recovery import Recovery
 from rtgen.runtime.canopen.master.state_mirror import StateMirror
@@ -392,7 +392,7 @@ class CanopenProxy(ProxyHooks, Component):
                 self._warn,
             ),
             plan.transmitters.values(),
-            sync_id(self.description, settings.node_id),
+            *cob_ids(self.description, settings.node_id, network, placed),
         )
         senders = self._senders()
         link = open_link(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from rtgen.facts.cob_ids import COB_ID_EMERGENCY, COB_ID_SYNC
 from rtgen.runtime.canopen.description import (
     DeviceDescription,
     Network,
@@ -11,12 +12,11 @@ from rtgen.runtime.canopen.description import (
 )
 from rtgen.runtime.canopen.master.node_control import NodeError
 from rtgen.runtime.canopen.networks import UnknownNetworkError, load_network
-from rtgen.runtime.canopen.wire.frames import SYNC, CobId
+from rtgen.runtime.canopen.wire.frames import CobId
 
 BOOT_TIMEOUT: Final = 2000
 """Default of the parameter `boot_timeout` in ms; overridden by the network, or by 1F89h."""
 _BOOT_TIME: Final = (0x1F89, 0)
-_COB_ID_SYNC: Final = (0x1005, 0)
 
 
 def place(
@@ -55,10 +55,19 @@ def default_boot_timeout(
     return _number(description, _BOOT_TIME, 0) or BOOT_TIMEOUT
 
 
-def sync_id(description: DeviceDescription, node_id: int) -> int:
-    """Return the identifier of SYNC from the device's 1005h, or the predefined one."""
-    cob_id = _number(description, _COB_ID_SYNC, node_id)
-    return CobId(cob_id).can_id if cob_id else SYNC
+def cob_ids(
+    description: DeviceDescription,
+    node_id: int,
+    network: Network | None,
+    placed: NodeDescription | None,
+) -> tuple[CobId, CobId]:
+    """Return the COB-IDs of SYNC and of the node's emergencies."""
+    if network is None or placed is None:
+        return (
+            CobId(description.cob_id(COB_ID_SYNC, node_id)),
+            CobId(description.cob_id(COB_ID_EMERGENCY, node_id)),
+        )
+    return CobId(network.sync_cob_id), CobId(placed.emergency_cob_id)
 
 
 def _number(

@@ -183,12 +183,12 @@ class CanopenDevice(DeviceHooks, Component):
     def _warn_of_requests(self, link: Link) -> None:
         """Warn of TPDOs that are only sent on remote frames, if the link has none."""
         for pdo in self.description.pdos:
-            value = pdo.cob_id_of(self.node.node_id)
-            if pdo.direction != "tpdo" or value is None or CobId(value).bit31:
+            cob_id = CobId(pdo.cob_id_of(self.node.node_id))
+            if pdo.direction != "tpdo" or not cob_id.valid:
                 continue
             if pdo.transmission_type not in (RTR_SYNC, RTR):
                 continue
-            why = "its COB-ID allows none" if CobId(value).bit30 else ""
+            why = "its COB-ID allows none" if cob_id.bit30 else ""
             if not link.carries_remote_frames:
                 why = f"{link} carries none"
             if why:

@@ -13,14 +13,19 @@ from rtgen.facts.canopen import (
     TPDO_COMMUNICATION,
     TPDO_MAPPING,
 )
+from rtgen.facts.write_order import MULTIPLEXED
 from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue, PdoDescription
 from rtgen.runtime.canopen.node.emergency_producer import EmergencyProducer
-from rtgen.runtime.canopen.node.object_dictionary import DeviceDictionary
+from rtgen.runtime.canopen.node.object_dictionary import (
+    DeviceDictionary,
+    check_cob_id,
+)
 from rtgen.runtime.canopen.node.pdo_mapping import (
     MappedField,
     Mapping,
     checked_field,
     entry_of,
+    own_entries,
     own_field,
 )
 from rtgen.runtime.canopen.wire import sdo
@@ -58,9 +63,14 @@ _LENGTH_ERRORS: Final = (PDO_TOO_SHORT, PDO_TOO_LONG)
 
 
 class DevicePdo:
-    """A PDO with its current parameters in the object dictionary."""
+    """A PDO with its current parameters in the object dictionary.
 
-    def __init__(self, dictionary: DeviceDictionary, pdo: PdoDescription) -> None:
+    `own` are the entries that the device can map in any case: those that its description maps.
+    """
+
+    def __init__(
+        self, dictionary: DeviceDictionary, pdo: PdoDescription, own: frozenset[int]
+    ) -> None:
         self.description = pdo
         self.number = pdo.number
         self.mapping = Mapping()
@@ -71,15 +81,14 @@ class DevicePdo:
         self.communication = communication + pdo.number - 1
         self.mapped = mapping + pdo.number - 1
         self._dictionary = dictionary
-        self._own = {entry_of(*entry) for entry in pdo.mapping}
+        self._own = own
         self._defaults: dict[int, int] = {}
 
     def load(self, node_id: int) -> None:
         """Set the PDO's parameters to the defaults of the description."""
         pdo = self.description
-        cob_id = pdo.cob_id_of(node_id)
         self._defaults = {
-            _COB_ID: INVALID if cob_id is None else cob_id,
+            _COB_ID: pdo.cob_id_of(node_id),
             _TYPE: pdo.transmission_type,
             _INHIBIT: pdo.inhibit_time,
             _EVENT_TIMER: pdo.event_timer,
@@ -88,7 +97,11 @@ class DevicePdo:
         for sub, value in self._defaults.items():
             if (self.communication, sub) in self._dictionary:
                 self._dictionary.preset((self.communication, sub), value)
-        if (self.mapped, 0) not in self._dictionary:
+        count = self.mapped, 0
+        if (
+            count not in self._dictionary
+            or self._dictionary.number(count) in MULTIPLEXED
+        ):
             return
         self._dictionary.preset((self.mapped, 0), len(pdo.mapping))
         for place, entry in enumerate(pdo.mapping, 1):
@@ -101,7 +114,7 @@ class DevicePdo:
         if (self.mapped, 0) in self._dictionary:
             count = self._dictionary.number((self.mapped, 0))
         else:
-            count = len(self._own)
+            count = len(self.description.mapping)
         try:
             self.mapping = self.planned(count)
         except SdoAbort:
@@ -132,21 +145,21 @@ class DevicePdo:
         """Check a write to a communication parameter. Raises SdoAbort."""
         old = self._parameter(subindex)
         if subindex == _COB_ID:
-            self._check_cob_id(CobId(value))
+            check_cob_id(self.cob_id.value, value)
         elif subindex == _TYPE:
             received = self.description.direction == "rpdo"
             first = EVENT_MANUFACTURER if received else RTR_SYNC
             if MAX_SYNC_CYCLIC < value < first:
                 raise SdoAbort(sdo.VALUE_INVALID)
         elif subindex in (_INHIBIT, _SYNC_START):
-            if not self.cob_id.bit31 and value != old:
+            if self.cob_id.valid and value != old:
                 raise SdoAbort(sdo.VALUE_INVALID)
             if subindex == _SYNC_START and value > MAX_SYNC_CYCLIC:
                 raise SdoAbort(sdo.VALUE_TOO_HIGH)
 
     def check_mapping(self, subindex: int, value: int) -> None:
         """Check a write to a mapping parameter. Raises SdoAbort."""
-        if self.description.fixed or not self.cob_id.bit31:
+        if self.description.fixed or self.cob_id.valid:
             raise SdoAbort(sdo.ACCESS_UNSUPPORTED)
         if subindex:
             if self._dictionary.number((self.mapped, 0)):
@@ -157,13 +170,6 @@ class DevicePdo:
         if value > max(self._dictionary.subindices(self.mapped)):
             raise SdoAbort(sdo.MAPPING_TOO_LONG)
         self.planned(value)
-
-    def _check_cob_id(self, new: CobId) -> None:
-        old = self.cob_id
-        if not old.bit31 and not new.bit31 and old.value != new.value:
-            raise SdoAbort(sdo.VALUE_INVALID)
-        if not new.bit31 and not new.configurable:
-            raise SdoAbort(sdo.VALUE_INVALID)
 
     def _field(self, place: int) -> MappedField:
         number = self.mapped, place
@@ -213,7 +219,11 @@ class DevicePdos:
         self._touched: dict[DevicePdo, None] = {}
         self._running = False
         self.refused = 0
-        self._all = [DevicePdo(dictionary, pdo) for pdo in dictionary.description.pdos]
+        own = own_entries(dictionary.description)
+        self._all = [
+            DevicePdo(dictionary, pdo, own[pdo.direction])
+            for pdo in dictionary.description.pdos
+        ]
         for pdo in self._all:
             self._pdos[pdo.communication] = self._pdos[pdo.mapped] = pdo
         dictionary.guard(self._pdos, self._check)
@@ -382,7 +392,7 @@ class DevicePdos:
             each for each in self._transmitters.items() if each[1].synchronous
         ]
         for pdo in self._all:
-            if not pdo.cob_id.bit31 and pdo.mapping.fields:
+            if pdo.cob_id.valid and pdo.mapping.fields:
                 self._by_id.setdefault(pdo.cob_id.can_id, []).append(pdo)
         for pdo, transmitter in self._transmitters.items():
             for number in pdo.mapping.numbers if transmitter.eventful else ():
@@ -402,7 +412,7 @@ class DevicePdos:
                 self._due[pdo] = None
 
     def _note(self, pdo: DevicePdo, number: ObjectNumber) -> None:
-        if not self._running or pdo.cob_id.bit31:
+        if not self._running or not pdo.cob_id.valid:
             return
         is_event = self._is_event.get(number)
         octets = self._dictionary.last(number)

@@ -27,7 +27,10 @@ _MICROSECOND: Final = 1000
 
 
 class DeviceSync:
-    """SYNC as configured by 1005h, 1006h and 1019h; a wrong length is EMCY 8240h."""
+    """SYNC as configured by 1005h, 1006h and 1019h; a wrong length is EMCY 8240h.
+
+    With an identifier that cannot be configured there is no SYNC.
+    """
 
     indices: Final = frozenset((COB_ID_SYNC[0], SYNC_PERIOD[0], SYNC_OVERFLOW[0]))
 
@@ -37,9 +40,15 @@ class DeviceSync:
         self._producer: SyncProducer | None = None
         self._size: int | None = None
         """The expected length of a SYNC in octets; None: 0 or 1."""
-        self.cob_id = CobId(SYNC)
+        self._cob_id = CobId(SYNC)
         dictionary.guard((COB_ID_SYNC[0],), self._check_cob_id)
         dictionary.guard((SYNC_OVERFLOW[0],), self._check_overflow)
+
+    @property
+    def identifiers(self) -> frozenset[int]:
+        """The CAN identifier of SYNC, if the device can have it."""
+        cob_id = self._cob_id
+        return frozenset((cob_id.can_id,) if cob_id.configurable else ())
 
     @property
     def deadline(self) -> int | None:
@@ -49,14 +58,14 @@ class DeviceSync:
     def configure(self) -> None:
         """Apply the objects; `start` starts the producer."""
         number = self._dictionary.number
-        self.cob_id = CobId(number(COB_ID_SYNC, SYNC))
+        cob_id = self._cob_id = CobId(number(COB_ID_SYNC, SYNC))
         if SYNC_OVERFLOW in self._dictionary:
             self._size = 1 if number(SYNC_OVERFLOW) else 0
         period = number(SYNC_PERIOD) * _MICROSECOND
         self._producer = None
-        if self.cob_id.bit30 and period:
+        if cob_id.bit30 and cob_id.configurable and period:
             overflow = number(SYNC_OVERFLOW)
-            self._producer = SyncProducer(period, overflow, self.cob_id.can_id)
+            self._producer = SyncProducer(period, overflow, cob_id)
 
     def start(self, now: int) -> None:
         """Start the producer, once the node may send SYNC."""
@@ -72,7 +81,7 @@ class DeviceSync:
 
         A device without 1019h accepts both lengths.
         """
-        if not self.cob_id.carries(frame) or frame.remote:
+        if not self._cob_id.carries(frame) or frame.remote:
             return None
         counter = sync_counter(frame)
         if self._size is not None and len(frame.data) != self._size:
@@ -84,7 +93,7 @@ class DeviceSync:
         return counter
 
     def _check_cob_id(self, number: ObjectNumber, value: ObjectValue) -> None:
-        old, new = self.cob_id, CobId(int(value))
+        old, new = self._cob_id, CobId(int(value))
         if old.bit30 and new.bit30 and old.value != new.value:
             raise SdoAbort(sdo.VALUE_INVALID)
         if not new.configurable:
@@ -109,7 +118,8 @@ class DeviceTime:
     def identifiers(self) -> frozenset[int]:
         """The CAN identifier of TIME, if the device consumes it."""
         cob_id = self._cob_id
-        return frozenset((cob_id.can_id,) if cob_id.bit31 else ())
+        is_consumed = cob_id.bit31 and cob_id.configurable
+        return frozenset((cob_id.can_id,) if is_consumed else ())
 
     def moment(self, frame: Frame) -> int | None:
         """Return the time in a TIME message, in ns of UTC since 1970; None for any other frame."""
@@ -123,6 +133,9 @@ class DeviceTime:
         return CobId(self._dictionary.number(COB_ID_TIME))
 
     def _check(self, number: ObjectNumber, value: ObjectValue) -> None:
-        new = CobId(int(value))
+        old, new = self._cob_id, CobId(int(value))
+        exists = (old.bit31 or old.bit30) and (new.bit31 or new.bit30)
+        if exists and (old.can_id, old.extended) != (new.can_id, new.extended):
+            raise SdoAbort(sdo.VALUE_INVALID)
         if not new.configurable:
             raise SdoAbort(sdo.VALUE_INVALID)

@@ -5,8 +5,13 @@ from __future__ import annotations
 from collections import deque
 from typing import Final
 
+from rtgen.facts.canopen import INVALID
+from rtgen.facts.cob_ids import EMERGENCY_CONSUMERS
 from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue
-from rtgen.runtime.canopen.node.object_dictionary import DeviceDictionary
+from rtgen.runtime.canopen.node.object_dictionary import (
+    DeviceDictionary,
+    check_cob_id,
+)
 from rtgen.runtime.canopen.wire import sdo
 from rtgen.runtime.canopen.wire.emergency import Emergency, ErrorRegister
 from rtgen.runtime.canopen.wire.frames import INHIBIT_UNIT, CobId, Frame
@@ -45,7 +50,7 @@ class EmergencyProducer:
 
     An error is sent once when it occurs, and again with code 0000h and the same additional octets
     when it is cleared. The queue for the inhibit time (1015h) is bounded: the newest messages are
-    kept, `lost` counts the others. Without 1014h nothing is sent.
+    kept, `lost` counts the others. Without a valid 1014h nothing is sent.
     """
 
     def __init__(self, dictionary: DeviceDictionary) -> None:
@@ -56,7 +61,7 @@ class EmergencyProducer:
         self._inhibit = 0
         self._not_before = 0
         self.lost = 0
-        dictionary.guard((HISTORY, COB_ID), self._check)
+        dictionary.guard((HISTORY, COB_ID, EMERGENCY_CONSUMERS), self._check)
         dictionary.guard_reading(HISTORY, self._check_history)
 
     @property
@@ -74,7 +79,7 @@ class EmergencyProducer:
 
     @property
     def can_id(self) -> int | None:
-        """The CAN identifier of emergency messages, None without 1014h."""
+        """The CAN identifier of emergency messages, None without a valid 1014h."""
         return None if self._cob_id is None else self._cob_id.can_id
 
     @property
@@ -84,8 +89,8 @@ class EmergencyProducer:
 
     def configure(self) -> None:
         """Apply 1014h and 1015h."""
-        cob_id = CobId(self._dictionary.number((COB_ID, 0), 1 << 31))
-        self._cob_id = None if cob_id.bit31 else cob_id
+        cob_id = CobId(self._dictionary.number((COB_ID, 0), INVALID))
+        self._cob_id = cob_id if cob_id.valid else None
         self._inhibit = self._dictionary.number((INHIBIT_TIME, 0)) * INHIBIT_UNIT
 
     def reset(self, *, whole: bool) -> None:
@@ -183,10 +188,5 @@ class EmergencyProducer:
             if value != 0 or number[1]:
                 raise SdoAbort(sdo.VALUE_INVALID)
             return
-        old = CobId(self._dictionary.number((COB_ID, 0)))
-        new = CobId(int(value))
-        exists = not old.bit31 and not new.bit31
-        if exists and old.value != new.value:
-            raise SdoAbort(sdo.VALUE_INVALID)
-        if not new.bit31 and not new.configurable:
-            raise SdoAbort(sdo.VALUE_INVALID)
+        if number[0] == COB_ID or number[1]:
+            check_cob_id(self._dictionary.number(number), value)

@@ -15,6 +15,7 @@ from rtgen.runtime.canopen.description import (
 )
 from rtgen.runtime.canopen.values import ObjectValueError
 from rtgen.runtime.canopen.wire import sdo
+from rtgen.runtime.canopen.wire.frames import CobId
 from rtgen.runtime.canopen.wire.sdo import SdoAbort
 
 log = logging.getLogger("rtgen.runtime")
@@ -30,6 +31,18 @@ Guard: TypeAlias = Callable[[ObjectNumber, ObjectValue], None]
 
 COMMUNICATION: Final = range(0x1000, 0x2000)
 """The communication profile area, which reset communication also resets."""
+
+
+def check_cob_id(old: int, new: ObjectValue) -> None:
+    """Check a write to a COB-ID with a valid bit (CiA 301, 7.5.2).
+
+    Raises SdoAbort for a change of one that is valid, and for a restricted identifier.
+    """
+    before, after = CobId(old), CobId(int(new))
+    if before.valid and not after.bit31 and before.value != after.value:
+        raise SdoAbort(sdo.VALUE_INVALID)
+    if not after.bit31 and not after.configurable:
+        raise SdoAbort(sdo.VALUE_INVALID)
 
 
 class DeviceDictionary:
@@ -224,11 +237,13 @@ class DeviceDictionary:
 
     def preset(self, number: ObjectNumber, value: ObjectValue | None) -> None:
         """Replace the default of an object; an invalid one counts as none."""
-        kind = self._objects[number].kind
+        described = self._objects[number]
+        kind = described.kind
+        start = values.zero(kind) if described.start is None else described.start
         try:
-            octets = values.encode(kind, values.zero(kind) if value is None else value)
+            octets = values.encode(kind, start if value is None else value)
         except ObjectValueError:
-            octets = values.encode(kind, values.zero(kind))
+            octets = values.encode(kind, start)
         self._octets[number] = self._initial[number] = octets
 
     def restore(self, number: ObjectNumber, octets: bytes) -> None:

@@ -8,7 +8,8 @@ from typing import Final, Literal, TypeAlias
 
 import msgspec
 
-from rtgen.facts.canopen import KIND_BITS, SIGNED_KINDS, Kind
+from rtgen.facts.canopen import KIND_BITS, SIGNED_KINDS, TPDO_MAPPING, Kind
+from rtgen.facts.write_order import pdo_of
 from rtgen.runtime.canopen import values
 from rtgen.runtime.canopen.description import DeviceDescription, ObjectNumber
 from rtgen.runtime.canopen.wire import sdo
@@ -64,6 +65,20 @@ def checked_field(
         raise SdoAbort(sdo.NOT_MAPPABLE)
     _check_granularity(description, bits)
     return MappedField(number, described.kind, bits)
+
+
+def own_entries(description: DeviceDescription) -> dict[Direction, frozenset[int]]:
+    """Return the entries that a description maps, by direction: used and unused ones."""
+    found: dict[Direction, set[int]] = {"tpdo": set(), "rpdo": set()}
+    for pdo in description.pdos:
+        found[pdo.direction].update(entry_of(*entry) for entry in pdo.mapping)
+    for described in description.objects:
+        communication = pdo_of(described.index)
+        is_entry = communication not in (None, described.index) and described.subindex
+        if is_entry and isinstance(described.default, int) and described.default:
+            sent = described.index >= TPDO_MAPPING
+            found["tpdo" if sent else "rpdo"].add(described.default)
+    return {direction: frozenset(entries) for direction, entries in found.items()}
 
 
 def own_field(description: DeviceDescription, entry: int) -> MappedField:

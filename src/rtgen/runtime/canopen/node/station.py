@@ -28,14 +28,13 @@ from rtgen.runtime.canopen.node.object_dictionary import (
     DeviceDictionary,
 )
 from rtgen.runtime.canopen.node.parameter_store import ParameterStore
+from rtgen.runtime.canopen.node.sdo_servers import FURTHER_SERVERS, SdoServers
 from rtgen.runtime.canopen.wire.emergency import HEARTBEAT_LOST
 from rtgen.runtime.canopen.wire.frames import (
     ERROR_CONTROL,
     LSS_REQUEST,
     MAX_NODE_ID,
     NMT,
-    SDO_REQUEST,
-    SDO_RESPONSE,
     Frame,
 )
 from rtgen.runtime.canopen.wire.heartbeat import HeartbeatEvent, HeartbeatNews
@@ -47,8 +46,8 @@ from rtgen.runtime.canopen.wire.nmt import (
     NmtState,
     Service,
     Transition,
+    decode_command,
 )
-from rtgen.runtime.canopen.wire.sdo_server import SdoServer
 
 ERROR_BEHAVIOUR: Final = (0x1029, 1)
 NMT_STARTUP: Final = (0x1F80, 0)
@@ -56,6 +55,10 @@ NMT_STARTUP: Final = (0x1F80, 0)
 BUS_OFF_RECOVERED: Final = 0x8140
 ID_COLLISION: Final = 0x8150
 
+_RESETS_OF_ALL: Final = (
+    (NmtCommand.RESET_NODE, 0),
+    (NmtCommand.RESET_COMMUNICATION, 0),
+)
 _SELF_STARTING: Final = 8
 _ALL: Final = range(0x10000)
 
@@ -98,7 +101,7 @@ class DeviceStation:
         self._sync = DeviceSync(self.dictionary, self.errors)
         self._time = DeviceTime(self.dictionary)
         self._nmt: NmtSlave | None = None
-        self._server = SdoServer(1, self.dictionary)
+        self._servers = SdoServers(self.dictionary)
         self._error_control = ErrorControl(self.dictionary, self.errors)
         self._effects: dict[ObjectNumber, None] = {}
         self._now = 0
@@ -140,7 +143,7 @@ class DeviceStation:
         """See `Station`."""
         self._now = now
         if self._nmt is not None and self.state is not NmtState.INITIALISING:
-            self._out += self._server.poll(now)
+            self._out += self._servers.poll(now)
             self._consumers.poll(now)
             if self._error_control.poll(now):
                 self.errors.add(HEARTBEAT_LOST)
@@ -163,7 +166,7 @@ class DeviceStation:
         if up:
             self.errors.event(BUS_OFF_RECOVERED)
         else:
-            self._server.reset()
+            self._servers.reset()
             self._communication_error()
         return self._taken()
 
@@ -213,7 +216,7 @@ class DeviceStation:
             merged_stop=self.merged_stop,
             stopping=self.events.stopping,
         )
-        self._server = SdoServer(self.node_id, self.dictionary)
+        self._servers.begin(self.node_id)
         self._error_control.begin(self.node_id)
 
     def _load(self, indices: range) -> None:
@@ -243,7 +246,7 @@ class DeviceStation:
 
     def _obey(self, frame: Frame) -> None:
         if self._nmt is None:
-            if frame.data[:1] in (b"\x81", b"\x82") and frame.data[1:] == b"\0":
+            if decode_command(frame) in _RESETS_OF_ALL:
                 self._assign()
             return
         self._on_transition(self._nmt.receive(frame))
@@ -258,7 +261,7 @@ class DeviceStation:
         if transition.after is NmtState.INITIALISING and self._nmt is not None:
             self._initialise(self._nmt.reset)
         elif transition.after is NmtState.STOPPED:
-            self._server.reset()
+            self._servers.reset()
         elif transition.after is NmtState.OPERATIONAL:
             self.pdos.start(self._now)
         if transition.before is NmtState.STOPPED:
@@ -310,12 +313,15 @@ class DeviceStation:
             return found
         node_id = self.node_id
         # Identifiers that only this node sends.
-        add(SDO_RESPONSE + node_id, self._collide)
+        for can_id in self._servers.responses:
+            add(can_id, self._collide)
         add(ERROR_CONTROL + node_id, self._take_guarding)
         if self.errors.can_id is not None:
             add(self.errors.can_id, self._collide)
-        add(SDO_REQUEST + node_id, self._serve_sdo)
-        add(self._sync.cob_id.can_id, self._synchronise)
+        for can_id in self._servers.requests:
+            add(can_id, self._serve_sdo)
+        for can_id in self._sync.identifiers:
+            add(can_id, self._synchronise)
         for can_id in self._consumers.identifiers:
             add(can_id, self._take_heartbeat)
         for can_id in self._time.identifiers:
@@ -326,7 +332,7 @@ class DeviceStation:
 
     def _serve_sdo(self, frame: Frame) -> None:
         if self._allows(Service.SDO):
-            self._out += self._server.receive(frame, self._now)
+            self._out += self._servers.receive(frame, self._now)
 
     def _serve_pdo(self, frame: Frame) -> None:
         if self._allows(Service.PDO):
@@ -406,6 +412,8 @@ class DeviceStation:
             self.errors.configure()
         if indices & DeviceSync.indices:
             self._sync.configure()
+        if not indices.isdisjoint(FURTHER_SERVERS):
+            self._servers.configure()
         if self.state is NmtState.INITIALISING:
             return
         if indices & DeviceSync.indices:
@@ -428,7 +436,7 @@ class DeviceStation:
         if self._nmt is None or self._nmt.state is NmtState.INITIALISING:
             return None
         deadline = self._error_control.deadline
-        due = self._server.deadline
+        due = self._servers.deadline
         if due is not None and (deadline is None or due < deadline):
             deadline = due
         due = self.pdos.deadline

@@ -10,6 +10,7 @@ import msgspec
 
 from rtgen.runtime.canopen.wire.frames import (
     EMERGENCY,
+    MAX_DATA,
     MAX_NODE_ID,
     Frame,
     checked_node_id,
@@ -141,13 +142,19 @@ class EmergencyPolicy:
         return bool(decided) and decided[-1] and not emergency.cleared
 
 
-def decode_emergency(frame: Frame) -> tuple[int, Emergency] | None:
-    """Return the node-id and the message in a frame; None for any other frame."""
-    node_id = frame.can_id - EMERGENCY
-    if not 1 <= node_id <= MAX_NODE_ID or frame.extended or frame.remote:
-        return None
+def emergency_in(frame: Frame) -> Emergency | None:
+    """Return the message in a frame with the identifier of emergencies; None without one."""
     data = frame.data
-    if len(data) != 8:
+    if frame.remote or len(data) != MAX_DATA:
         return None
     code = int.from_bytes(data[:2], "little")
-    return node_id, Emergency(code, ErrorRegister(data[2]), data[3:])
+    return Emergency(code, ErrorRegister(data[2]), data[3:])
+
+
+def decode_emergency(frame: Frame) -> tuple[int, Emergency] | None:
+    """Return the node-id and the message in a frame with a predefined identifier, or None."""
+    node_id = frame.can_id - EMERGENCY
+    if not 1 <= node_id <= MAX_NODE_ID or frame.extended:
+        return None
+    emergency = emergency_in(frame)
+    return None if emergency is None else (node_id, emergency)

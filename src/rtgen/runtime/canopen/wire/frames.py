@@ -24,19 +24,12 @@ from rtgen.facts.canopen import SDO_REQUEST as SDO_REQUEST
 from rtgen.facts.canopen import SDO_RESPONSE as SDO_RESPONSE
 from rtgen.facts.canopen import SYNC as SYNC
 from rtgen.facts.canopen import TIME as TIME
+from rtgen.facts.cob_ids import configurable
 
 SECOND: Final = 1_000_000_000
 """Nanoseconds in a second."""
 
 MAX_DATA: Final = 8
-
-_RESTRICTED: Final = (
-    (0x000, 0x07F),
-    (0x101, 0x180),
-    (0x581, 0x5FF),
-    (0x601, 0x67F),
-    (0x6E0, 0x7FF),
-)
 
 
 class Frame(msgspec.Struct, frozen=True, gc=False):
@@ -89,9 +82,12 @@ class CobId:
     @property
     def configurable(self) -> bool:
         """Whether an object may be set to it: no restricted identifier, no reserved bit set."""
-        if self.extended:
-            return True
-        return not (restricted(self.can_id) or self.value & 0x1FFFF800)
+        return configurable(self.value)
+
+    @property
+    def valid(self) -> bool:
+        """Whether the PDO, SDO or EMCY exists: bit 31 is 0, and the identifier may be used."""
+        return not self.bit31 and self.configurable
 
     def carries(self, frame: Frame) -> bool:
         """Return whether a frame has this identifier and format (11 or 29 bits)."""
@@ -109,22 +105,10 @@ def checked_node_id(node_id: int) -> int:
     return node_id
 
 
-def tpdo(number: int, node_id: int) -> int:
-    """Return the predefined identifier of TPDO 1 to 4 (CiA 301, 7.3.3, table 39)."""
-    return _pdo(0x180, number, node_id)
+def sdo_cob_ids(node_id: int) -> tuple[CobId, CobId]:
+    """Return the COB-IDs of requests to and responses of a node's predefined SDO server.
 
-
-def rpdo(number: int, node_id: int) -> int:
-    """Return the predefined identifier of RPDO 1 to 4 (CiA 301, 7.3.3, table 39)."""
-    return _pdo(0x200, number, node_id)
-
-
-def _pdo(first: int, number: int, node_id: int) -> int:
-    if not 1 <= number <= 4:
-        raise ValueError(f"PDO {number} has no predefined identifier")
-    return first + 0x100 * (number - 1) + checked_node_id(node_id)
-
-
-def restricted(can_id: int) -> bool:
-    """Return whether the 11-bit identifier is restricted (CiA 301, table 40)."""
-    return any(low <= can_id <= high for low, high in _RESTRICTED)
+    Raises ValueError for an invalid node-id.
+    """
+    checked_node_id(node_id)
+    return CobId(SDO_REQUEST + node_id), CobId(SDO_RESPONSE + node_id)

@@ -112,7 +112,7 @@ class TpdoTransmitter:
 
     def start(self, now: int) -> None:
         """Enter OPERATIONAL; SYNCs and the event timer are counted from here."""
-        if self._cob_id.bit31:
+        if not self._cob_id.valid:
             return
         self._running, self._pending = True, False
         self._syncs, self._synced = 0, not self._sync_start
@@ -236,7 +236,7 @@ class RpdoReceiver:
 
     def start(self) -> None:
         """Enter OPERATIONAL."""
-        self._running = not self._cob_id.bit31
+        self._running = self._cob_id.valid
 
     def stop(self) -> None:
         """Leave OPERATIONAL; data that wait for a SYNC are dropped."""

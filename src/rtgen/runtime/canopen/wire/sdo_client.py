@@ -11,12 +11,7 @@ from collections.abc import Callable
 from typing import Final, TypeAlias
 
 from rtgen.runtime.canopen.wire import sdo
-from rtgen.runtime.canopen.wire.frames import (
-    SDO_REQUEST,
-    SDO_RESPONSE,
-    Frame,
-    checked_node_id,
-)
+from rtgen.runtime.canopen.wire.frames import CobId, Frame, sdo_cob_ids
 from rtgen.runtime.canopen.wire.sdo import (
     BlockReceiver,
     BlockSender,
@@ -33,6 +28,7 @@ _BEGUN: Final = "a transfer is under way"
 class SdoClient:
     """Reads and writes objects of one server.
 
+    `cob_ids` are those of requests and responses, by default of the predefined server.
     `upload` and `download` return the first frames, and raise RuntimeError unless `ready`. The
     transfer has ended when `busy` is False; `result` then returns the value (empty for a
     download) or raises SdoAbort. `deadline` is the time of the next call of `poll`. `drain` is the
@@ -43,13 +39,13 @@ class SdoClient:
         self,
         node_id: int,
         *,
+        cob_ids: tuple[CobId, CobId] | None = None,
         timeout: int = sdo.TIMEOUT,
         drain: int | None = None,
         max_size: int = sdo.MAX_SIZE,
         block_size: int = sdo.MAX_BLOCK,
     ) -> None:
-        self._request = SDO_REQUEST + checked_node_id(node_id)
-        self._response = SDO_RESPONSE + node_id
+        self._request, self._response = cob_ids or sdo_cob_ids(node_id)
         self._timeout = timeout
         self._drain = timeout if drain is None else drain
         self._max_size = max_size
@@ -118,7 +114,7 @@ class SdoClient:
 
     def receive(self, frame: Frame, now: int) -> list[Frame]:
         """Process a frame; return the frames to send."""
-        if frame.can_id != self._response or frame.extended or frame.remote:
+        if not self._response.carries(frame) or frame.remote:
             return []
         data = frame.data
         if self._step is None:
@@ -162,8 +158,14 @@ class SdoClient:
         self._start_draining(now)
         return self._frames([self._target.abort(code)])
 
+    def reset(self) -> None:
+        """Drop the current transfer without a message, because the server has been reset."""
+        if self._step is not None:
+            self._end(SdoAbort(sdo.DEVICE_STATE))
+        self._draining, self.deadline = False, None
+
     def _frames(self, messages: list[bytes]) -> list[Frame]:
-        return [Frame(self._request, data) for data in messages]
+        return [self._request.frame(data) for data in messages]
 
     def _begin(self, index: int, subindex: int, now: int, step: _Step) -> None:
         if not self.ready:

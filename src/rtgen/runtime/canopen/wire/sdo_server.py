@@ -6,12 +6,7 @@ from collections.abc import Callable
 from typing import Protocol, TypeAlias
 
 from rtgen.runtime.canopen.wire import sdo
-from rtgen.runtime.canopen.wire.frames import (
-    SDO_REQUEST,
-    SDO_RESPONSE,
-    Frame,
-    checked_node_id,
-)
+from rtgen.runtime.canopen.wire.frames import CobId, Frame, sdo_cob_ids
 from rtgen.runtime.canopen.wire.sdo import (
     BlockReceiver,
     BlockSender,
@@ -42,6 +37,8 @@ _Step: TypeAlias = Callable[[bytes], list[bytes]]
 class SdoServer:
     """Serves one client; `poll` abandons the current transfer at `deadline`.
 
+    `cob_ids` are those of requests and responses, by default of the predefined server.
+
     A request that starts a transfer ends the previous one, which the client has abandoned. Messages
     that do not have 8 octets are ignored.
     """
@@ -51,12 +48,12 @@ class SdoServer:
         node_id: int,
         objects: ObjectDictionary,
         *,
+        cob_ids: tuple[CobId, CobId] | None = None,
         timeout: int = sdo.TIMEOUT,
         max_size: int = sdo.MAX_SIZE,
         block_size: int = sdo.MAX_BLOCK,
     ) -> None:
-        self._request = SDO_REQUEST + checked_node_id(node_id)
-        self._response = SDO_RESPONSE + node_id
+        self.request, self.response = cob_ids or sdo_cob_ids(node_id)
         self._objects = objects
         self._timeout = timeout
         self._max_size = max_size
@@ -72,7 +69,7 @@ class SdoServer:
 
     def receive(self, frame: Frame, now: int) -> list[Frame]:
         """Return the responses to a frame."""
-        if frame.can_id != self._request or frame.extended or frame.remote:
+        if not self.request.carries(frame) or frame.remote:
             return []
         if len(frame.data) != sdo.FRAME:
             return []
@@ -95,7 +92,7 @@ class SdoServer:
         return self._frames([self._target.abort(sdo.TIMED_OUT)])
 
     def _frames(self, messages: list[bytes]) -> list[Frame]:
-        return [Frame(self._response, data) for data in messages]
+        return [self.response.frame(data) for data in messages]
 
     def _answers(self, data: bytes) -> list[bytes]:
         begin = None if self._is_segment(data) else self._beginning(data)

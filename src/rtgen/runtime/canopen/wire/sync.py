@@ -13,19 +13,24 @@ from rtgen.facts.canopen import (
     TIME,
     milliseconds_of,
 )
-from rtgen.runtime.canopen.wire.frames import Frame
+from rtgen.runtime.canopen.wire.frames import CobId, Frame
 
 MAX_SYNC_OVERFLOW: Final = 240
+PREDEFINED_SYNC: Final = CobId(SYNC)
 
 
 class SyncProducer:
     """SYNC producer with a period in ns; `overflow` (2 to 240) is the highest counter.
 
+    `cob_id` has the identifier.
+
     `deadline` is when `poll` has a SYNC to send. SYNCs that are late by more than a period are
     skipped.
     """
 
-    def __init__(self, period: int, overflow: int = 0, can_id: int = SYNC) -> None:
+    def __init__(
+        self, period: int, overflow: int = 0, cob_id: CobId = PREDEFINED_SYNC
+    ) -> None:
         if period <= 0:
             raise ValueError(f"period {period}: it is at least 1 ns")
         if overflow and not 2 <= overflow <= MAX_SYNC_OVERFLOW:
@@ -34,7 +39,7 @@ class SyncProducer:
             )
         self._period = period
         self._overflow = overflow
-        self._can_id = can_id
+        self._cob_id = cob_id
         self._counter = 0
         self.deadline: int | None = None
 
@@ -53,9 +58,9 @@ class SyncProducer:
             return None
         self.deadline += self._period * (1 + (now - self.deadline) // self._period)
         if not self._overflow:
-            return Frame(self._can_id)
+            return self._cob_id.frame(b"")
         self._counter = self._counter % self._overflow + 1
-        return Frame(self._can_id, bytes((self._counter,)))
+        return self._cob_id.frame(bytes((self._counter,)))
 
 
 def sync_counter(frame: Frame) -> int | None:
