@@ -60,7 +60,8 @@ def fault_in_body(
     *,
     exact: bool = True,
 ) -> Fault | None:
-    """Return the first error of a body; None if there is none.
+    """Return the first error of a body; None if there is none, or if it is nested too deep to be
+    found: the search needs more of the stack than a codec.
 
     Not `exact`: octets after the value are no error.
     """
@@ -79,6 +80,8 @@ def fault_in_body(
             raise Fault(f"{len(data) - offset} octets too many")
     except LOCATED as failure:
         return _extended(failure, "")
+    except RecursionError:
+        return None
     return None
 
 
