@@ -75,13 +75,10 @@ def overlaid(contents: Mapping[str, bytes]) -> Iterator[None]:
 
 
 def is_file(path: Path) -> bool:
-    """Return whether the path is a regular file, or a link to one."""
-    if _unsaved(path) is not None:
-        return True
-    try:
-        return path.is_file()
-    except OSError:  # its name is too long, for example
-        return False
+    """Return whether the path is a regular file, or a link to one. Raises OSError for a path that
+    the file system cannot have.
+    """
+    return _unsaved(path) is not None or path.is_file()
 
 
 def open_file(path: Path) -> BinaryIO:

@@ -64,7 +64,7 @@ def load(
             for folder in folders:
                 candidate = folder / name
                 dependencies.append(_looked_for(candidate))
-                if is_file(candidate):
+                if _is_file(candidate):
                     idl[candidate] = None
                     break
     return FrontendResult(
@@ -74,6 +74,13 @@ def load(
         tuple(dependencies),
         tuple(idl),
     )
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return is_file(path)
+    except OSError:  # its name is too long, for example
+        return False
 
 
 def _looked_for(path: Path) -> Dependency:

@@ -23,6 +23,7 @@ from rtgen.frontends.cdl.c_headers.file import HeaderFile
 from rtgen.frontends.cdl.c_headers.types import Declarations, NotCError
 from rtgen.frontends.cdl.rules import headers as rules
 from rtgen.frontends.cdl.syntax.unit import Header
+from rtgen.frontends.kit.conditions import ConditionError, Operand, value_of
 from rtgen.frontends.kit.library import MAX_BYTES, Library
 from rtgen.model.tecs import TecsDeclaration
 
@@ -252,6 +253,7 @@ class _Preprocessor(Preprocessor):  # type: ignore[misc]  # pcpp has no types
         self._tokens = 0
         self._opened = 0
         self._length = 0
+        self.evaluator = self._value
         for folder in library.include:
             self.add_path(str(folder))
 
@@ -275,6 +277,15 @@ class _Preprocessor(Preprocessor):  # type: ignore[misc]  # pcpp has no types
                 self.problems.append(f"-D {tokens}: {_PARAMETERS}")
             else:
                 self.on_error(tokens[0].source, tokens[0].lineno, _PARAMETERS)
+
+    def _value(self, tokens: Any, functions: Any, identifiers: Any) -> _Number:
+        """Return the value of a condition; pcpp's own evaluator computes numbers of any size."""
+        try:
+            return _Number(value_of(_operands(tokens, identifiers)))
+        except ConditionError as error:
+            message = f"a condition cannot be evaluated: {error}"
+            self.on_error(tokens[0].source, tokens[0].lineno, message)
+            return _Number(0)
 
     def expand_macros(self, tokens: Any, expanding_from: Any = ()) -> Any:
         self._tokens += len(tokens)
@@ -334,6 +345,46 @@ class _Preprocessor(Preprocessor):  # type: ignore[misc]  # pcpp has no types
 
     def on_comment(self, tok: Any) -> bool:
         return False
+
+
+class _Number(int):
+    """A result as pcpp expects it from its evaluator."""
+
+    def value(self) -> int:
+        """Return the number."""
+        return self
+
+
+def _operands(tokens: Any, identifiers: Any) -> Iterator[Operand]:
+    """Yield the tokens of a condition; `identifiers` are the values of names that are no macros."""
+    tokens = [token for token in tokens if token.type not in _BLANKS]
+    place = 0
+    while place < len(tokens):
+        token = tokens[place]
+        place += 1
+        name = token.type == "CPP_ID"
+        if name and place < len(tokens) and tokens[place].value == "(":
+            # `__has_include(...)` and the like: a function that is not known
+            place = _end_of_call(tokens, place)
+            yield Operand("number", "0")
+        elif name:
+            yield Operand("number", str(identifiers[token.value]))
+        else:
+            yield Operand(_OPERANDS.get(token.type, ""), token.value)
+
+
+def _end_of_call(tokens: Any, place: int) -> int:
+    depth = 0
+    while place < len(tokens):
+        depth += {"(": 1, ")": -1}.get(tokens[place].value, 0)
+        place += 1
+        if not depth:
+            break
+    return place
+
+
+_BLANKS = frozenset(("CPP_WS", "CPP_LINECONT", "CPP_COMMENT1", "CPP_COMMENT2"))
+_OPERANDS = {"CPP_INTEGER": "number", "CPP_CHAR": "text"}
 
 
 class _Bounded(StringIO):
