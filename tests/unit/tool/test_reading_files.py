@@ -58,7 +58,6 @@ WRITERS = {
     "cli/lsp.py lsp",
     "cli/running/trajectory.py Results.__init__",
     "cli/running/trajectory.py check_picture",
-    "cli/ui.py CommandProject.write",
     "cli/ui_tokens.py _read",
     "cli/ui_tokens.py _write",
     "diff/revisions.py _write",
@@ -72,6 +71,7 @@ WRITERS = {
     "runtime/corba/rt_objects/activation.py Activations._write",
     "runtime/rtc/checkpoints.py CheckpointFile.__init__",
     "scaffold/writing.py added",
+    "ui/documents/storing.py _create",
 }
 """Writers of new files, of outputs that a command names, and of rtgen's own state."""
 
