@@ -7,6 +7,7 @@ rmw_cyclonedds, the key expressions and attachments of rmw_zenoh.
 from __future__ import annotations
 
 import importlib
+import logging
 import struct
 import threading
 import time
@@ -27,7 +28,15 @@ from rtgen.facts.ros_names import dds_type
 from rtgen.frontends.rosidl import load
 from rtgen.layouts.ros_types import service_hash
 from rtgen.resources import ros_file
-from rtgen.runtime import RTC_OK, Component, SimulatedClock, System
+from rtgen.runtime import (
+    RTC_OK,
+    Component,
+    ComponentProfile,
+    RealClock,
+    ReturnCode_t,
+    SimulatedClock,
+    System,
+)
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.ros2 import dds_ends, dds_services, types
 from rtgen.runtime.ros2.managed import EVENT_INFO
@@ -418,6 +427,81 @@ def test_other_operations_are_refused(
 ) -> None:
     with pytest.raises(ServiceError, match=why):
         messages_of(lamp.Lamp, operation)
+
+
+class Waiting(Component):
+    """Waits for a service in a tick; calls it again when it is deactivated."""
+
+    profile = ComponentProfile("Waiting")
+
+    def __init__(self, lamp: ModuleType) -> None:
+        super().__init__("W0")
+        self.lamp = lamp
+        self.other = self.add_consumer("other", "lamp", lamp.Lamp)
+        self.waits = threading.Event()
+        self.ended: list[str] = []
+
+    def ask(self) -> None:
+        self.other.set(self.lamp.std_srvs.srv.SetBool_Request(True))
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        self.waits.set()
+        try:
+            self.ask()
+        finally:
+            self.ended.append("call")
+        return RTC_OK
+
+    def on_deactivated(self, ec_id: int) -> ReturnCode_t:
+        try:
+            self.ask()
+        except CallTimeout:
+            self.ended.append("deactivated")
+        return RTC_OK
+
+    def on_aborting(self, ec_id: int) -> ReturnCode_t:
+        self.ended.append("aborted")
+        return RTC_OK
+
+
+@pytest.mark.parametrize("kind", ["dds", "zenoh"])
+def test_a_call_that_waits_ends_with_the_run(
+    kind: str,
+    lamp: ModuleType,
+    stack: ExitStack,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    """That is no failure: the component is deactivated, where it can still call."""
+    monkeypatch.setitem(globals(), "NAME", f"silent_{uuid4().hex}")
+    if kind == "dds":
+        network = dds_network()
+        silent = dds_network()
+        silent.serve(service(lamp), lambda octets, reply: None)
+        stack.callback(silent.close)
+    else:
+        network, plain, _ = zenoh_pair(stack)
+        held: list[Any] = []
+        key = zenoh_key(lamp)
+        queryable = plain.declare_queryable(key, held.append, complete=True)
+        stack.callback(held.clear)
+        stack.callback(queryable.undeclare)
+    stack.callback(network.close)
+    component = Waiting(lamp)
+    system = System(RealClock())
+    system.at_halt(network.end_calls)
+    joint = ServiceJoint(next(iter(component.consumers.values())), "set", service(lamp))
+    long_enough = RosServices(network, [joint], PATIENCE)
+    stack.callback(long_enough.close)
+    system.add(component, 100.0)
+    assert system.activate("W0") == RTC_OK
+    system.run(system.time + 1)
+    assert component.waits.wait(PATIENCE)
+    short = RosServices(network, [joint], 0.05)
+    stack.callback(short.close)
+    system.close()
+    assert component.ended == ["call", "deactivated"]
+    assert not [r for r in caplog.records if r.levelno >= logging.ERROR]
 
 
 SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>

@@ -48,6 +48,10 @@ class BlockedError(RtcError):
         super().__init__(f"{callback} has not returned ({shown(file)}, line {line})")
 
 
+class EndOfRunError(Exception):
+    """A call that a callback waits for ends with the run; the callback counts as done."""
+
+
 class CheckpointError(RtcError):
     """The state of a component cannot be stored."""
 

@@ -192,13 +192,13 @@ def _dds(options: EngineOptions, partition: str, lease: float | None) -> Medium:
     except MediumError as error:
         if config is not None:
             raise ToolError(
-                f"--transport-config {config}: Cyclone DDS does not start with it",
-                hint="Cyclone DDS's own message on standard error says why; what it calls "
-                "CYCLONEDDS_URI is this file",
+                f"--transport-config {config}: Cyclone DDS does not start with it: {error}",
+                hint="what Cyclone DDS calls CYCLONEDDS_URI is this file",
             ) from error
         if options.interface is not None:
             raise ToolError(
-                f"--interface {options.interface}: Cyclone DDS does not start with it",
+                f"--interface {options.interface}: Cyclone DDS does not start with it: "
+                f"{error}",
                 hint=INTERFACE_HINT,
             ) from error
         raise

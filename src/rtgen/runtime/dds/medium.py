@@ -13,7 +13,7 @@ from xml.sax.saxutils import quoteattr
 from cyclonedds.domain import Domain, DomainParticipant
 
 from rtgen.files import UnreadableError, read_file
-from rtgen.runtime.dds import entities
+from rtgen.runtime.dds import c_log, entities
 from rtgen.runtime.dds.bursts import Burst, Sender
 from rtgen.runtime.dds.dispatcher import Dispatcher
 from rtgen.runtime.dds.entities import Entities
@@ -99,8 +99,7 @@ class _Domains:
         with self._lock:
             known = self._open.get(number)
             if known is None:
-                with entities.reported(f"domain {number}"):
-                    known = Domain(number, config), config, 0
+                known = _created(number, config), config, 0
             elif known[1] != config:
                 raise MediumError(f"domain {number} is open with other options")
             self._open[number] = *known[:2], known[2] + 1
@@ -113,6 +112,19 @@ class _Domains:
                 self._open[number] = domain, config, users - 1
             else:
                 entities.delete(domain)
+
+
+def _created(number: int, config: str) -> Domain:
+    """Return a domain; what the C library says is a part of the error. Raises MediumError."""
+    messages: list[str] = []
+    try:
+        with c_log.logged() as messages, entities.reported(f"domain {number}"):
+            return Domain(number, config)
+    except MediumError as error:
+        if messages:
+            why = "; ".join(messages)
+            raise MediumError(f"domain {number}: {why}") from error
+        raise
 
 
 DOMAINS = _Domains()

@@ -204,6 +204,11 @@ class DdsNetwork:
         )
         return requests, replies
 
+    def end_calls(self) -> None:
+        """See `RosNetwork`."""
+        for client in self._clients:
+            client.end_calls()
+
     def close(self) -> None:
         """See `RosNetwork`."""
         if self._closed:

@@ -18,6 +18,7 @@ from rtgen.facts.ros_names import RequestId
 from rtgen.runtime.distribution.medium import MediumError
 from rtgen.runtime.failures import log
 from rtgen.runtime.services.servants import (
+    CallEnded,
     CallTimeout,
     CommunicationFailure,
     ObjectNotExist,
@@ -96,6 +97,8 @@ class Client:
         self._numbers = count(1)
         self._changed = threading.Condition()
         self._waiting: dict[int, bytes | None] = {}
+        self._ended: set[int] = set()
+        """Numbers of calls that the end of the run has ended."""
         self._closed = False
 
     def call(self, octets: bytes, timeout: float) -> bytes:
@@ -105,7 +108,7 @@ class Client:
         with self._changed:
             self._waiting[number] = None
         try:
-            self._wait_for_server(deadline)
+            self._wait_for_server(number, deadline)
             self._write(joined(RequestId(self._own, number), octets))
             return self._response(number, deadline)
         except MediumError as error:
@@ -114,11 +117,12 @@ class Client:
         finally:
             with self._changed:
                 del self._waiting[number]
+                self._ended.discard(number)
 
-    def _wait_for_server(self, deadline: float) -> None:
+    def _wait_for_server(self, number: int, deadline: float) -> None:
         """Wait until a request can be written."""
         while True:
-            self._check_open()
+            self._check_open(number)
             is_available = self._servers.available()
             self._servers.check(max(0.0, deadline - time.monotonic()))
             if is_available:
@@ -133,7 +137,7 @@ class Client:
                 response = self._waiting[number]
                 if response is not None:
                     return response
-                self._check_open()
+                self._check_open(number)
                 left = deadline - time.monotonic()
                 if left <= 0:
                     raise CallTimeout(f"no response of {self._name}")
@@ -141,7 +145,9 @@ class Client:
                     raise CommunicationFailure(f"{self._name} is served no more")
                 self._changed.wait(min(left, _CHECK_INTERVAL))
 
-    def _check_open(self) -> None:
+    def _check_open(self, number: int) -> None:
+        if number in self._ended:
+            raise CallEnded(f"the run ended while a call of {self._name} waited")
         if self._closed:
             raise CommunicationFailure(f"the client of {self._name} is closed")
 
@@ -156,6 +162,12 @@ class Client:
             if request.client == self._own and request.sequence in self._waiting:
                 self._waiting[request.sequence] = message
                 self._changed.notify_all()
+
+    def end_calls(self) -> None:
+        """Make calls in progress raise CallEnded."""
+        with self._changed:
+            self._ended.update(self._waiting)
+            self._changed.notify_all()
 
     def close(self) -> None:
         """Close the client; calls in progress raise CommunicationFailure."""

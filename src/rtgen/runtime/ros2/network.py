@@ -117,5 +117,8 @@ class RosNetwork(Protocol):
     def client(self, service: RosService) -> Call:
         """Return a client of a service."""
 
+    def end_calls(self) -> None:
+        """Make calls that wait raise CallEnded."""
+
     def close(self) -> None:
         """Close the network with all nodes."""

@@ -29,6 +29,7 @@ from rtgen.runtime.ros2.network import (
     RosTopic,
 )
 from rtgen.runtime.services.servants import (
+    CallEnded,
     CallTimeout,
     CommunicationFailure,
     ObjectNotExist,
@@ -80,6 +81,7 @@ class ZenohNetwork:
         self._numbers = count()
         self._closed = False
         self._kept: list[Any] = []
+        self._calls: set[Any] = set()
         self._shown_node("")
         self._looking = threading.Timer(_REPORT_AFTER, self._tell_if_alone)
         self._looking.daemon = True
@@ -201,10 +203,13 @@ class ZenohNetwork:
         except zenoh.ZError as error:
             raise Ros2Error(f"{service.name}: {error}") from error
         numbers = count(1)
+        calls = self._calls
 
         def call(octets: bytes, timeout: float) -> bytes:
             with_it = Attachment(next(numbers), time.time_ns(), gid)
             started = time.monotonic()
+            token = zenoh.CancellationToken()
+            calls.add(token)
             try:
                 served = matches(querier)
                 replies = self._session.get(
@@ -214,13 +219,20 @@ class ZenohNetwork:
                     target=zenoh.QueryTarget.ALL_COMPLETE,
                     consolidation=zenoh.ConsolidationMode.LATEST,
                     timeout=timeout,
+                    cancellation_token=token,
                 )
                 for reply in replies:
                     if reply.ok is not None:
                         response: bytes = reply.ok.payload.to_bytes()
                         return response
             except zenoh.ZError as error:
-                raise CommunicationFailure(f"{service.name}: {error}") from error
+                if not token.is_cancelled:
+                    message = f"{service.name}: {error}"
+                    raise CommunicationFailure(message) from error
+            finally:
+                calls.discard(token)
+            if token.is_cancelled:
+                raise CallEnded(f"the run ended while a call of {service.name} waited")
             if time.monotonic() - started >= timeout:
                 raise CallTimeout(f"no response of {service.name}")
             if served:
@@ -240,6 +252,11 @@ class ZenohNetwork:
             service.node,
             Entity(kind, service.name, service.type_name, service.type_hash, profile),
         )
+
+    def end_calls(self) -> None:
+        """See `RosNetwork`."""
+        for token in tuple(self._calls):
+            token.cancel()
 
     def close(self) -> None:
         """See `RosNetwork`."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import CodeType
 from typing import Protocol
 
-from rtgen.runtime.errors import ParametersError, ReturnValueError
+from rtgen.runtime.errors import EndOfRunError, ParametersError, ReturnValueError
 from rtgen.runtime.failures import described
 from rtgen.runtime.return_codes import RTC_ERROR, RTC_OK, ReturnCode_t
 
@@ -23,9 +23,14 @@ class CallbackOwner(Protocol):
 
 
 def succeeds(component: CallbackOwner, callback: str, *arguments: int) -> bool:
-    """Call a callback; False, with a report, if it raised or returned anything but RTC_OK."""
+    """Call a callback; False, with a report, if it raised or returned anything but RTC_OK.
+
+    One that the end of the run has cut short succeeds, so that what follows it at the end happens.
+    """
     try:
         code = getattr(component, callback)(*arguments)
+    except EndOfRunError:
+        return True
     except BaseException as error:
         note_exception(component, callback, error)
         return False

@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, Protocol
 
+from rtgen.runtime.errors import EndOfRunError
 from rtgen.runtime.failures import log
 from rtgen.runtime.return_codes import (
     ACTIVE_STATE,
@@ -98,6 +99,8 @@ class Participant:
                 self.ticks += 1
                 try:
                     code = self.component.on_execute(self.handle)
+                except EndOfRunError:
+                    return
                 except BaseException as error:
                     note_exception(self.component, "on_execute", error)
                     self.enter(ERROR_STATE)
@@ -146,6 +149,8 @@ class Participant:
             return
         try:
             self.component._arrived()
+        except EndOfRunError:
+            return
         except BaseException as error:
             note_exception(self.component, "on_execute", error)
             self.enter(ERROR_STATE)

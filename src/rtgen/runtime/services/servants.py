@@ -10,6 +10,7 @@ from typing import Any, ClassVar, TypeAlias, TypeVar
 
 import msgspec
 
+from rtgen.runtime.errors import EndOfRunError
 from rtgen.runtime.failures import described, ends_run, log
 from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 
@@ -45,6 +46,10 @@ class MarshalError(ServiceError):
 
 class CommunicationFailure(ServiceError):
     """The servant's process is unreachable, or was lost; the call may have been executed."""
+
+
+class CallEnded(CommunicationFailure, EndOfRunError):
+    """The run ended while the call waited for its response."""
 
 
 class CallTimeout(CommunicationFailure):

@@ -26,6 +26,8 @@ from rtgen.runtime.timing.clocks import SECOND, RealClock, period_of
 
 _POLL_INTERVAL = 5_000_000
 """Polling period of a condition of `run`, in ns, while no state changes."""
+_ASKED_AGAIN = 0.05
+"""Seconds after which a tick that has not ended is asked again to end: it may begin a call late."""
 
 
 def next_instant(due: int, period: int, now: int) -> tuple[int, int]:
@@ -97,12 +99,21 @@ class PeriodicThread:
                 self._given_up = time.monotonic() + watchdog.PATIENCE
             self._wake.notify()
 
-    def stop(self) -> bool:
-        """End the thread after the action in progress; return False if that does not end."""
+    def stop(self, meanwhile: Action | None = None) -> bool:
+        """End the thread after the action in progress; return False if that does not end.
+
+        `meanwhile` is called now and then until the action has ended.
+        """
         self.halt()
-        if self._thread.is_alive() and threading.current_thread() is not self._thread:
-            self._thread.join(max(0.0, self._given_up - time.monotonic()))
-            return not self._thread.is_alive()
+        if threading.current_thread() is self._thread:
+            return True
+        while self._thread.is_alive():
+            left = self._given_up - time.monotonic()
+            if left <= 0:
+                return False
+            if meanwhile is not None:
+                meanwhile()
+            self._thread.join(left if meanwhile is None else min(left, _ASKED_AGAIN))
         return True
 
     @property
@@ -279,12 +290,12 @@ class RealTimeScheduler:
                 ends += [now + _POLL_INTERVAL] if until is not None else []
                 self._changed.wait(max(0, min(ends) - self._clock.elapsed()) / SECOND)
 
-    def halt(self) -> None:
+    def halt(self, end_calls: Action) -> None:
         threads = [thread for thread in self._contexts.values() if thread is not None]
         for thread in threads:
             thread.halt()
         for thread in threads:
-            thread.stop()
+            thread.stop(end_calls)
 
     def close(self) -> None:
         for context in list(self._contexts):

@@ -36,8 +36,11 @@ class Scheduler(Driver, Protocol):
     def run(self, until_ns: int | None, until: Callable[[], bool] | None) -> bool:
         """See `System.run`."""
 
-    def halt(self) -> None:
-        """End the ticks of all contexts; one that does not end in time continues (`stopped`)."""
+    def halt(self, end_calls: Action) -> None:
+        """End the ticks of all contexts; one that does not end in time continues (`stopped`).
+
+        `end_calls` ends the calls of other processes that ticks wait for.
+        """
 
     def close(self) -> None:
         """End all remaining activity."""

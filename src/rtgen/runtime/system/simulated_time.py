@@ -180,7 +180,7 @@ class SimulatedScheduler:
             clock.time = max(clock.time, until_ns)
         return False
 
-    def halt(self) -> None:
+    def halt(self, end_calls: Action) -> None:
         return None  # nothing runs between two calls of `run`
 
     def close(self) -> None:

@@ -90,6 +90,7 @@ class System:
         self._participants: dict[str, Participant] = {}
         self._connectors: dict[str, Connector] = {}
         self._connecting = threading.RLock()
+        self._at_halt: list[Callable[[], None]] = []
         self._at_close: list[tuple[Callable[[], None], Sequence[str]]] = []
         self._joining = Joining(
             self._participants, self.component, self.clock.guard, transport
@@ -422,6 +423,17 @@ class System:
         """
         self._at_close.append((action, before))
 
+    def at_halt(self, action: Callable[[], None]) -> None:
+        """Call an action when the system is closed and begins no further tick.
+
+        It ends the calls that ticks wait for, with EndOfRunError; later calls are possible.
+        """
+        self._at_halt.append(action)
+
+    def _end_calls(self) -> None:
+        for action in self._at_halt:
+            action()
+
     def close(self) -> None:
         """Let every component exit (deactivate, shut down, finalize) once all ticks have ended.
 
@@ -433,7 +445,7 @@ class System:
         actions = [action for action, _ in reversed(self._at_close)]
         with _repeated_if_late(actions):
             try:
-                self._scheduler.halt()
+                self._scheduler.halt(self._end_calls)
             except KeyboardInterrupt as error:
                 interrupt = error
             for step in self._steps_of_close():
