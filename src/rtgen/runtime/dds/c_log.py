@@ -63,7 +63,9 @@ class _Log:
         self._creating: list[str] | None = None
         self._read_all = threading.Event()
         self._kinds: set[str] = set()
-        threading.Thread(target=self._run, name="rtgen dds log", daemon=True).start()
+        threading.Thread(
+            target=self._run, name="log of Cyclone DDS", daemon=True
+        ).start()
 
     @contextmanager
     def creation(self) -> Iterator[list[str]]:
