@@ -93,6 +93,25 @@ def test_a_manager_imports_the_module(
     assert done.stdout.split() == [module, component]
 
 
+def test_names_that_differ_in_case_only_are_compiled(
+    tmp_path: Path, rtm_folders: list[Path]
+) -> None:
+    (tmp_path / "robot.idl").write_text(
+        "struct Path { long n; };\nstruct Plan { Path path; long x; double X; };\n"
+        "component Drive { consumes Plan plan; };\n"
+    )
+    (tmp_path / "rtgen.toml").write_text(
+        '[sources]\npaths = ["robot.idl"]\n[idl]\ncase = "dds"\n'
+        '[output]\ntarget = "openrtm"\n'
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(tmp_path)
+        assert run(["generate", "-q", "--no-cache"]) == 0
+    folder = tmp_path / "generated/openrtm/Drive"
+    hosting.compile_stubs(folder, rtm_folders)
+    assert (folder / "stubs/robot_idl.py").is_file()
+
+
 @pytest.mark.parametrize(
     ("component", "package", "skeletons", "code"),
     [

@@ -37,6 +37,7 @@ _KINDS: dict[tuple[str, str], Kind] = {
 }
 _SECTIONS: dict[str, Kind] = {
     "sources": kinds.READING,
+    "idl": kinds.READING,
     "components": kinds.FACTORY,
     "lint": kinds.TOOLS,
     "diff": kinds.TOOLS,

@@ -243,6 +243,7 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
         "encoding": _one_of(*NAMES),
         "kcode": _one_of(*NAMES),
     },
+    "idl": {"case": _one_of("strict", "dds")},
     "output": {
         "dir": _text,
         "skeletons": _text,

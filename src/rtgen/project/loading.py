@@ -133,6 +133,7 @@ class Project(msgspec.Struct, frozen=True, kw_only=True):
             extensibility=self.extensibility,
             tecs_corba=self.tecs_corba,
             ros_interfaces=self.ros2.interfaces,
+            ignore_case_clashes=self.ignore_case_clashes,
             factories=dict(self.components),
             skeleton_path=self.skeleton_path,
             plugins=self.plugins,
@@ -203,7 +204,7 @@ def load(start: Path | None = None) -> Project:
             shown_path(root / p) for p in settings.texts("sources", "include")
         ),
         define=tuple(sorted(settings.macros().items())),
-        ignore_case_clashes=settings.flag("sources", "ignore_case_clashes"),
+        ignore_case_clashes=_ignores_case(settings),
         prelude=settings.text("sources", "prelude", "kernel"),
         encoding=settings.text(
             "sources", "encoding", settings.text("sources", "kcode", "auto")
@@ -317,6 +318,12 @@ def with_arguments(
         node_id=node_id,
         target=target or project.target,
     )
+
+
+def _ignores_case(settings: project_file.Settings) -> bool:
+    """Return whether names of IDL may differ in case only, as those of DDS and ROS 2 do."""
+    case = settings.text("idl", "case", "")
+    return case == "dds" if case else settings.flag("sources", "ignore_case_clashes")
 
 
 def _with_files(project: Project, paths: Iterable[Path]) -> Project:

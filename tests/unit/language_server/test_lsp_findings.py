@@ -67,6 +67,19 @@ def test_findings_are_those_of_lint(
     assert found == linted(capsys)
 
 
+@pytest.mark.parametrize(("case", "expected"), [("strict", ["IDL0204"]), ("dds", [])])
+def test_the_case_of_names_is_that_of_the_project(
+    case: str, expected: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    text = "struct Path { long n; };\nstruct Plan { Path path; };\n"
+    settings = f'[sources]\npaths = ["."]\n[idl]\ncase = "{case}"\n'
+    editor = Editor(tmp_path, rtgen_toml=settings, plan_idl=text)
+    editor.open("plan_idl", text)
+    found = editor.findings("plan_idl")
+    assert [code for each in found.values() for code in errors(each)] == expected
+
+
 def test_a_fault_shows_in_the_files_that_include_it(editor: Editor) -> None:
     editor.open("drawing_idl")
     editor.open("types_idl", PROJECT["types_idl"].replace("> Points;", "> Places;"))

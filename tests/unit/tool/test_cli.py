@@ -343,16 +343,61 @@ def test_what_is_not_needed_is_not_imported() -> None:
     assert done.stdout == "[]\n"
 
 
-@pytest.mark.parametrize("command", ["generate", "check", "inspect", "lint"])
+CASE_CLASHES = {
+    "IDL0203": "struct Foo { long a; long A; };",
+    "IDL0204": "struct Path { long n; }; struct Plan { Path path; };",
+    "IDL0205": "interface Motor { void motor(); };",
+    "IDL0206": "struct Foo { long Struct; };",
+}
+
+
+@pytest.mark.parametrize("code", CASE_CLASHES)
+@pytest.mark.parametrize("command", ["generate", "check", "inspect", "lint", "docs"])
 def test_names_that_differ_in_case_only(
-    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    command: str,
+    code: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("case.idl").write_text("struct Foo { long a; long A; };\n")
+    Path("case.idl").write_text(f"{CASE_CLASHES[code]}\n")
     assert run([command, "case.idl"]) == 2
+    printed = capfd.readouterr().err
+    assert code in printed
+    assert '[idl] case = "dds" in rtgen.toml, or --ignore-case-clashes' in printed
+    assert run(["explain", code]) == 0
+    explained = capfd.readouterr().out
+    assert "--ignore-case-clashes" in explained
+    assert 'case = "dds"' in explained
     assert run([command, "--ignore-case-clashes", "case.idl"]) != 2
-    Path("rtgen.toml").write_text("[sources]\nignore_case_clashes = true\n")
-    assert run([command, "case.idl"]) != 2
+    for settings in ('[idl]\ncase = "dds"', "[sources]\nignore_case_clashes = true"):
+        Path("rtgen.toml").write_text(f"{settings}\n")
+        assert run([command, "case.idl"]) != 2
+    Path("rtgen.toml").write_text('[idl]\ncase = "strict"\n')
+    assert run([command, "case.idl"]) == 2
+
+
+@pytest.mark.parametrize("code", ["IDL0202", "IDL0204", "IDL0205"])
+def test_names_that_are_equal_clash_in_any_case(
+    code: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    """The hint does not name a setting that does not help."""
+    texts = {
+        "IDL0202": "struct Foo { long a; long a; };",
+        "IDL0204": "struct Path { long n; }; struct Plan { Path Path; };",
+        "IDL0205": "interface Motor { void f(); attribute long Motor; };",
+    }
+    monkeypatch.chdir(tmp_path)
+    Path("case.idl").write_text(texts[code])
+    assert run(["inspect", "case.idl"]) == 2
+    printed = capfd.readouterr().err
+    assert code in printed
+    assert "case-clashes" not in printed
+    assert run(["inspect", "--ignore-case-clashes", "case.idl"]) == 2
 
 
 @pytest.mark.parametrize(

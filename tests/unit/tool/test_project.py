@@ -237,6 +237,14 @@ def test_ignore_case_clashes_is_a_boolean() -> None:
     assert "true or false" in wrong.message
 
 
+@pytest.mark.parametrize("older", ["", "[sources]\nignore_case_clashes = true\n"])
+def test_the_case_of_names_is_strict_or_that_of_dds(older: str) -> None:
+    assert written(f'{older}[idl]\ncase = "dds"\n').ignore_case_clashes
+    assert not written(f'{older}[idl]\ncase = "strict"\n').ignore_case_clashes
+    (wrong,) = findings('[idl]\ncase = "DDS"\n')
+    assert "must be one of 'strict', 'dds'" in wrong.message
+
+
 def test_the_documentation_lists_each_section_and_key() -> None:
     page = (ROOT / "docs" / "project.md").read_text()
     table = page.partition("## rtgen.toml")[2].partition("\n## ")[0]

@@ -56,6 +56,7 @@ class WireIdl:
             "name": plan.name,
             "own": [file.stem for file in plan.own_idl_files],
             "stock": [file.stem for file in plan.idl_files if file.stock],
+            "loose": self._unit.options.ignore_case_clashes,
         }
         for name, head in (
             ("idlcompile.sh", header_comment(version, [source.key])),

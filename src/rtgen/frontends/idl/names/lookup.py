@@ -49,6 +49,13 @@ class _Unknown(msgspec.Struct, frozen=True):
     unit: Unit
 
 
+CASE_ALLOWED = (
+    'or allow it, as DDS and ROS 2 do: [idl] case = "dds" in rtgen.toml, '
+    "or --ignore-case-clashes"
+)
+"""What makes names that differ in case only different names."""
+
+
 class Lookup:
     """Looks up names in a translation unit, and reports unknown ones.
 
@@ -330,7 +337,10 @@ class Lookup:
                         Related(use.span, f"{use.entity.name} is used here"),
                         Related(use.entity.span, f"it is {called(use.entity)}"),
                     ],
-                    hint=f"write ::{use.entity.scoped} there, or rename this",
+                    hint=_allowed(
+                        f"write ::{use.entity.scoped} there, or rename this",
+                        name != use.entity.name,
+                    ),
                 )
             )
         around = scope.entity
@@ -346,7 +356,7 @@ class Lookup:
                     entity.span,
                     f"{name} has the name of {called(around)} around it",
                     related=[Related(around.span, "declared here")],
-                    hint="rename one of them",
+                    hint=_allowed("rename one of them", name != around.name),
                 )
             )
         scope.names[key] = entity
@@ -373,7 +383,7 @@ class Lookup:
                 related=[
                     Related(existing.span, f"the {existing.kind} is declared here")
                 ],
-                hint=_hint_for_clash(entity, existing),
+                hint=_allowed(_hint_for_clash(entity, existing), not same),
             )
         )
 
@@ -401,7 +411,7 @@ class Lookup:
                 rules.KEYWORD_CASE.at(
                     entity.span,
                     f"{name} differs from the keyword '{FOLDED[key]}' in case only",
-                    hint=f"'_{name}' is the escaped form of {name}",
+                    hint=_allowed(f"'_{name}' is the escaped form of {name}", True),
                 )
             )
         elif not escaped and name in CORBA_3:
@@ -419,6 +429,11 @@ def _enumerators(enum: Entity, text: str) -> str:
     names = [e.name for e in enum.scope.names.values() if e.owner is enum]
     near = nearest(text, names)
     return f"did you mean {near}?" if near else f"it has {', '.join(names[:6])}"
+
+
+def _allowed(hint: str, by_case: bool) -> str:
+    """Return a hint about a clash, with the setting that allows it if only case differs."""
+    return f"{hint}; {CASE_ALLOWED}" if by_case else hint
 
 
 def _hint_for_clash(entity: Entity, existing: Entity) -> str:
