@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import logging
 import os
 import socket
@@ -14,6 +15,7 @@ import pytest
 from json_schemas import valid
 
 from rtgen.cli import run
+from rtgen.cli.conformance.board import board as board_module
 from rtgen.cli.conformance.board.board import BoardUnderTest
 from rtgen.cli.conformance.board.checks import CHECKS
 from rtgen.cli.conformance.board.testing import checked
@@ -168,6 +170,29 @@ def test_a_board_of_ours_passes_every_check(tmp_path: Path) -> None:
         (check.name, Verdict.PASSED, ()) for check in CHECKS
     ]
     assert all(outcome.tried for outcome in report.outcomes)
+
+
+def test_a_board_that_needs_a_moment_until_it_listens_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Refuses each connection twice, as a server of tecsgen does after the one before."""
+    attempts = 0
+    connect = socket.create_connection
+
+    def late(address: tuple[str, int], timeout: float) -> socket.socket:
+        nonlocal attempts
+        attempts += 1
+        if attempts % 3:
+            raise ConnectionRefusedError(errno.ECONNREFUSED, "Connection refused")
+        return connect(address, timeout)
+
+    expected = service(tmp_path)
+    with served(MockBoard(expected), 1.0) as address:
+        monkeypatch.setattr(board_module.socket, "create_connection", late)
+        report = report_of(address, expected, actuate=True, stall=4 * ANSWER)
+    assert report.passed
+    assert attempts > 30
+    assert Verdict.SKIPPED not in {o.verdict for o in report.outcomes}
 
 
 def test_no_function_is_called_without_permission(tmp_path: Path) -> None:

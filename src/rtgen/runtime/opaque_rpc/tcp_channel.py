@@ -21,10 +21,15 @@ from rtgen.runtime.sockets import TIME_OVER
 
 _IDLE = 0.05
 """Seconds since the start of the last call after which a connection is checked before use."""
-_MIN_PAUSE, _MAX_PAUSE = 0.005, 0.1
+MIN_PAUSE, MAX_PAUSE = 0.005, 0.1
 """Pauses between attempts to connect, doubled each time [s]."""
 _PERMANENT_ERRORS = (errno.EACCES, errno.EPERM, errno.EADDRNOTAVAIL, errno.ENODEV)
 """Errors of connecting that are not retried."""
+
+
+def is_permanent(error: OSError) -> bool:
+    """Return whether another attempt to connect would have the same error."""
+    return isinstance(error, socket.gaierror) or error.errno in _PERMANENT_ERRORS
 
 
 class TcpChannel:
@@ -176,20 +181,15 @@ class TcpChannel:
 
     def _connect(self) -> Connection:
         """Return a new connection, retrying: servers need a moment until they listen again."""
-        pause = _MIN_PAUSE
+        pause = MIN_PAUSE
         while True:
             try:
                 return self._connect_once()
             except OSError as error:
-                if (
-                    isinstance(error, socket.gaierror)
-                    or error.errno in _PERMANENT_ERRORS
-                ):
-                    raise
-                if monotonic() + pause >= self._deadline:
+                if is_permanent(error) or monotonic() + pause >= self._deadline:
                     raise
             sleep(pause)
-            pause = min(2 * pause, _MAX_PAUSE)
+            pause = min(2 * pause, MAX_PAUSE)
 
     def _connect_once(self) -> Connection:
         try:

@@ -22,6 +22,7 @@ from rtgen.runtime.opaque_rpc import (
     TcpChannel,
 )
 from rtgen.runtime.opaque_rpc.errors import E_TMOUT
+from rtgen.runtime.opaque_rpc.tcp_channel import MAX_PAUSE, MIN_PAUSE, is_permanent
 from rtgen.runtime.sockets import TIME_OVER
 
 MAX_ID = 0x7FFF
@@ -183,13 +184,23 @@ class BoardUnderTest:
             line.sendall(octets)
 
     def _connected(self, address: tuple[str, int]) -> socket.socket:
-        """Return a connection. Raises ConnectError."""
-        try:
-            line = socket.create_connection(address, self.answer)
-        except OSError as error:
-            raise ConnectError(f"no connection: {error.strerror or error}") from error
-        line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        return line
+        """Return a connection: a server may need a moment until it listens again.
+
+        Raises ConnectError after the time-out of a response.
+        """
+        end, pause = monotonic() + self.answer, MIN_PAUSE
+        while True:
+            try:
+                line = socket.create_connection(address, max(end - monotonic(), 1e-3))
+            except OSError as error:
+                if is_permanent(error) or monotonic() + pause >= end:
+                    reason = error.strerror or error
+                    raise ConnectError(f"no connection: {reason}") from error
+            else:
+                line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+                return line
+            sleep(pause)
+            pause = min(2 * pause, MAX_PAUSE)
 
     def absence(self) -> str | None:
         """Return why the board cannot be reached; None if it can."""

@@ -107,9 +107,12 @@ def limits(node: NodeUnderTest) -> Problems:
 
 def constants(node: NodeUnderTest) -> Problems:
     """Check that constants, the device type and the identity match the description."""
-    described = {(0x1000, 0), *((0x1018, sub) for sub in (1, 2, 3))}
+    identity = {(0x1018, sub) for sub in (1, 2, 3, 4)}
+    described = {(0x1000, 0), *identity} - {(0x1018, 4)}
     for number, octets in node.values.items():
         thing = node.described.objects[number]
+        if number in identity and not any(node.described_values(number)):
+            continue  # 0 says nothing about the device (CiA 301, 7.5.2.19).
         if thing.access is Access.CONST or number in described:
             yield from _compared(node, thing, octets, "described is")
 

@@ -80,7 +80,7 @@ def consumer(node: NodeUnderTest) -> Problems:
     producer = MAX_NODE_ID if node.id != MAX_NODE_ID else MAX_NODE_ID - 1
     beat = Frame(ERROR_CONTROL + producer, bytes((NmtState.OPERATIONAL,)))
     try:
-        node.download(_CONSUMER, (producer << 16 | _PERIOD).to_bytes(4, "little"))
+        node.configure(_CONSUMER, producer << 16 | _PERIOD)
         for _ in range(4):
             node.line.send(beat)
             code = _emergency(node, _PERIOD * MILLISECOND // 2)
@@ -101,8 +101,8 @@ def life_guarding(node: NodeUnderTest) -> Problems:
     try:
         if node.has(*HEARTBEAT):
             node.download(HEARTBEAT, bytes(2))
-        node.download(_GUARD_TIME, _PERIOD.to_bytes(2, "little"))
-        node.download(_LIFE_FACTOR, b"\x02")
+        node.configure(_GUARD_TIME, _PERIOD)
+        node.configure(_LIFE_FACTOR, 2)
         for _ in range(3):
             node.line.send(Frame(ERROR_CONTROL + node.id, remote=True))
             code = _emergency(node, _PERIOD * MILLISECOND)

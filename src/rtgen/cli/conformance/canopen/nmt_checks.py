@@ -36,8 +36,10 @@ def boot_up(node: NodeUnderTest) -> Problems:
         return
     if not node.described.objects[HEARTBEAT].access.writable:
         return
+    if not node.allows(HEARTBEAT, _PERIOD):
+        return
     before = node.upload(HEARTBEAT)
-    node.download(HEARTBEAT, _PERIOD.to_bytes(2, "little"))
+    node.configure(HEARTBEAT, _PERIOD)
     state = node.await_state([NmtState.PRE_OPERATIONAL], 3 * _PERIOD * MILLISECOND)
     node.download(HEARTBEAT, before)
     shown = "nothing" if state is None else f"{state:02X}h"
@@ -51,7 +53,7 @@ def heartbeat(node: NodeUnderTest) -> Problems:
     first = _PERIOD.to_bytes(2, "little")
     period = _OTHER_PERIOD if before == first else _PERIOD
     try:
-        node.download(HEARTBEAT, period.to_bytes(2, "little"))
+        node.configure(HEARTBEAT, period)
         read = int.from_bytes(node.upload(HEARTBEAT), "little")
         yield (
             None if read == period else f"1017h is {read} after {period} was written"
@@ -115,7 +117,7 @@ def stopped(node: NodeUnderTest) -> Problems:
 def states(node: NodeUnderTest) -> Problems:
     """Check that each NMT command leads to its state, as shown by the heartbeat."""
     before = writable_heartbeat(node)
-    node.download(HEARTBEAT, _PERIOD.to_bytes(2, "little"))
+    node.configure(HEARTBEAT, _PERIOD)
     try:
         for command, wanted in (
             (NmtCommand.START, NmtState.OPERATIONAL),

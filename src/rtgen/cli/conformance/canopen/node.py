@@ -6,10 +6,12 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import ClassVar, Protocol
 
-from rtgen.cli.can.decoding.node_index import DescribedNode
+from rtgen.cli.can.decoding.node_index import DescribedNode, DescribedObject
+from rtgen.cli.conformance.check import SkipError
 from rtgen.facts.canopen import INVALID
 from rtgen.model.canopen import NodeRelative, resolved
 from rtgen.runtime.canopen.description import ObjectNumber
+from rtgen.runtime.canopen.values import encode
 from rtgen.runtime.canopen.wire import sdo
 from rtgen.runtime.canopen.wire.frames import (
     ERROR_CONTROL,
@@ -48,10 +50,13 @@ class SilenceError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Bounds:
-    """Time-outs of a node in ns: response, boot-up; and the tolerated part of a period."""
+    """Time-outs of a node in ns: response, boot-up, and the cycles of its application in which it
+    takes an RPDO; and the tolerated part of a period.
+    """
 
     answer: int = 1000 * MILLISECOND
     boot: int = 5000 * MILLISECOND
+    cycles: int = 100 * MILLISECOND
     period_tolerance: float = 0.2
 
 
@@ -66,6 +71,7 @@ class NodeUnderTest:
     bounds: Bounds = Bounds()
     values: dict[ObjectNumber, bytes] = field(default_factory=dict)
     """The values read by the first check."""
+    _asked: ObjectNumber = (0, 0)
 
     def explained(self, fault: Exception) -> str:
         """See `Subject`."""
@@ -115,6 +121,22 @@ class NodeUnderTest:
         client = SdoClient(self.id, timeout=self.bounds.answer)
         self._transfer(client, client.download(*number, value, self.line.now()))
 
+    def allows(self, number: ObjectNumber, value: int) -> bool:
+        """Return whether the described limits of an object include a value."""
+        thing = self.described.objects[number]
+        return (thing.low is None or value >= thing.low) and (
+            thing.high is None or value <= thing.high
+        )
+
+    def configure(self, number: ObjectNumber, value: int) -> None:
+        """Write a setting that a check needs. Raises SdoAbort, and SkipError if the described
+        limits exclude it.
+        """
+        thing = self.described.objects[number]
+        if not self.allows(number, value):
+            raise SkipError(f"the described limits of {thing} exclude {value}")
+        self.download(number, encode(thing.kind, value))
+
     def read_code(self, number: ObjectNumber) -> int | None:
         """Read an object; return the abort code, or None after success."""
         return _code(lambda: self.upload(number))
@@ -123,15 +145,34 @@ class NodeUnderTest:
         """Write an object; return the abort code, or None after success."""
         return _code(lambda: self.download(number, value))
 
+    def values_soon(
+        self, things: Iterable[DescribedObject], wanted: list[bytes]
+    ) -> list[bytes]:
+        """Return the values of objects, as soon as they are `wanted`, or after some cycles."""
+        end, numbers = self.line.now() + self.bounds.cycles, [t.number for t in things]
+        while True:
+            found = [self.upload(number) for number in numbers]
+            if found == wanted or self.line.now() >= end:
+                return found
+
+    def values_later(self, things: Iterable[DescribedObject]) -> list[bytes]:
+        """Return the values of objects after some cycles."""
+        end = self.line.now() + self.bounds.cycles
+        while self.line.receive(end) is not None:
+            pass
+        return [self.upload(thing.number) for thing in things]
+
     def ask(self, data: bytes) -> bytes:
-        """Return the response to a single SDO message."""
+        """Return the response to a single SDO message, which may begin a transfer."""
+        self._asked = int.from_bytes(data[1:3], "little"), data[3]
         self.line.send(Frame(SDO_REQUEST + self.id, data))
         return self.next_answer()
 
     def next_answer(self) -> bytes:
-        """Return the next SDO message of the node."""
+        """Return the next SDO message of the node; without one, the transfer is aborted."""
         found = self.await_frame(SDO_RESPONSE + self.id, self.bounds.answer)
         if found is None:
+            self.abandon(self._asked)
             raise SilenceError
         return found.data
 

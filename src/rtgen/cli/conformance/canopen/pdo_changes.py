@@ -44,6 +44,7 @@ _SYNC_PERIOD: Final = MILLISECOND
 """Minimum time between two SYNCs."""
 _REPEATED: Final = 3
 """Number of equal PDOs of type 0 after which they count as cyclic."""
+_INHIBIT_UNIT: Final = MILLISECOND // 10
 _PERIOD: Final = 50
 """Event timer and inhibit time of the checks in ms."""
 _SENT: Final = 5
@@ -77,9 +78,20 @@ class ChangedPdo:
         is_tpdo = self.pdo.direction is PdoDirection.TPDO
         return is_tpdo and bool(present_entries(self.node, self.pdo))
 
-    def can_set(self, subindex: int) -> bool:
-        """Return whether a communication parameter is described as writable."""
-        return _is_writable(self.node, (self.pdo.communication, subindex))
+    @property
+    def inhibit_time(self) -> int:
+        """Its inhibit time in ns; 0 if it has none."""
+        number = self.pdo.communication, _INHIBIT
+        if number not in self.node.values:
+            return 0
+        return int.from_bytes(self.node.upload(number), "little") * _INHIBIT_UNIT
+
+    def can_set(self, subindex: int, *values: int) -> bool:
+        """Return whether a communication parameter is described as writable, with these values."""
+        number = self.pdo.communication, subindex
+        return _is_writable(self.node, number) and all(
+            self.node.allows(number, value) for value in values
+        )
 
     def set(self, subindex: int, value: int) -> int | None:
         """Write a communication parameter; the abort code, None if it was written."""
@@ -264,10 +276,10 @@ def transmission(node: NodeUnderTest) -> Problems:
     """Check that TPDOs are sent by their transmission type, and reserved types are rejected."""
     for each in _changed(node, _COB_ID, _TYPE):
         with each.invalid():
+            own = node.upload((each.pdo.communication, _TYPE))
             for kind in _RESERVED:
                 code = each.set(_TYPE, kind)
                 yield refusal(f"{each.name}: type {kind}", code, sdo.VALUE_INVALID)
-            own = node.values[each.pdo.communication, _TYPE]
             accepted = node.write_code((each.pdo.communication, _TYPE), own) is None
             problem = f"{each.name}: its own type {own[0]} is refused"
             yield None if accepted else problem
@@ -331,14 +343,21 @@ def _remote(each: ChangedPdo, kind: int) -> str | None:
 def times(node: NodeUnderTest) -> Problems:
     """Check that the event timer of a TPDO is its period, and the inhibit time the minimum."""
     for each in _changed(node, _COB_ID, _TYPE, _EVENT_TIMER):
-        if not each.is_sent:
+        if not each.is_sent or not each.can_set(_EVENT_TIMER, _PERIOD):
             continue
         if not each.take_type(EVENT_PROFILE):
             continue
         with each.invalid():
             each.set(_EVENT_TIMER, _PERIOD)
+            # A node may have one that is longer than the event timer.
+            if each.can_set(_INHIBIT, 0):
+                each.set(_INHIBIT, 0)
+        if each.inhibit_time > _PERIOD * MILLISECOND:
+            continue
         yield _spaced(each, "event timer")
-        if each.can_set(_INHIBIT):
+        if each.can_set(_INHIBIT, 10 * _PERIOD) and each.can_set(
+            _EVENT_TIMER, _PERIOD // 5
+        ):
             with each.invalid():
                 each.set(_EVENT_TIMER, _PERIOD // 5)
                 each.set(_INHIBIT, 10 * _PERIOD)
@@ -375,10 +394,10 @@ def synchronous_reception(node: NodeUnderTest) -> Problems:
             held = before
             for values in (other, before):
                 node.line.send(Frame(each.can_id, b"".join(values)))
-                now = [node.upload(thing.number) for thing in mapped]
+                now = node.values_later(mapped)
                 yield None if now == held else f"{each.name}: taken before a SYNC"
                 node.line.send(Frame(SYNC))
-                now = [node.upload(thing.number) for thing in mapped]
+                now = node.values_soon(mapped, values)
                 yield None if now == values else f"{each.name}: not taken at a SYNC"
                 held = values
 

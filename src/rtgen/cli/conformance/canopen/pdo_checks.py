@@ -101,8 +101,8 @@ def reception(node: NodeUnderTest) -> Problems:
             other = [bytes((value[0] ^ 1,)) + value[1:] for value in before]
             for values in (other, before):
                 node.line.send(Frame(can_id, b"".join(values)))
-                for thing, wanted in zip(mapped, values, strict=True):
-                    found = node.upload(thing.number)
+                now = node.values_soon(mapped, values)
+                for thing, found, wanted in zip(mapped, now, values, strict=True):
                     same = found == wanted
                     yield (
                         None
@@ -130,20 +130,20 @@ def wrong_lengths(node: NodeUnderTest) -> Problems:
                 shown = "none" if code is None else f"{code:04X}h"
                 problem = f"rpdo{pdo.number}: the emergency is {shown}"
                 yield None if code == PDO_TOO_SHORT else problem
-            kept = [node.upload(thing.number) for thing in mapped] == before
+            kept = node.values_later(mapped) == before
             yield None if kept else f"rpdo{pdo.number}: its objects have changed"
         for pdo, can_id, mapped in acting:
-            whole = b"".join(node.upload(thing.number) for thing in mapped)
+            values = [node.upload(thing.number) for thing in mapped]
+            whole = b"".join(values)
             if len(whole) == MAX_DATA:
                 continue
-            other = bytes((whole[0] ^ 1,)) + whole[1:]
-            node.line.send(Frame(can_id, other))
-            if b"".join(node.upload(thing.number) for thing in mapped) != other:
+            other = [bytes((values[0][0] ^ 1,)) + values[0][1:], *values[1:]]
+            node.line.send(Frame(can_id, b"".join(other)))
+            if node.values_soon(mapped, other) != other:
                 continue  # `reception` reports it.
             node.line.send(Frame(can_id, whole + bytes(1)))
-            now = b"".join(node.upload(thing.number) for thing in mapped)
             problem = f"rpdo{pdo.number}: one that is too long is ignored"
-            yield None if now == whole else problem
+            yield None if node.values_soon(mapped, values) == values else problem
             node.line.send(Frame(can_id, whole))
     finally:
         node.command(NmtCommand.ENTER_PRE_OPERATIONAL)
@@ -168,7 +168,7 @@ def pre_operational(node: NodeUnderTest) -> Problems:
         before = [node.upload(thing.number) for thing in mapped]
         other = [bytes((value[0] ^ 1,)) + value[1:] for value in before]
         node.line.send(Frame(can_id, b"".join(other)))
-        kept = [node.upload(thing.number) for thing in mapped] == before
+        kept = node.values_later(mapped) == before
         yield None if kept else f"rpdo{pdo.number}: it is not ignored"
         if not kept:
             node.line.send(Frame(can_id, b"".join(before)))
