@@ -273,7 +273,9 @@ def run(
         report.end_run = running.end_run
         # A run limited by --until is not evaluated by its end.
         judged = until is None or condition.instance is not None
-        view = View(running, profile, simulated=simulated, judged=judged)
+        view = View(
+            running, profile, simulated=simulated, judged=judged, transport=transport
+        )
         curves = Curves(running, (*in_table, *in_picture))
         of_poses = (csv_file and not in_table) or (plot and not in_picture)
         if of_poses and not view.poses:
@@ -299,7 +301,7 @@ def run(
             bar = progress(shown, condition.limit, quiet=quiet)
             report.before_debugging = shown.close
             shown.enter_context(report.breakpoints())
-            _show(running, bar)
+            _show(running, bar, transport)
             if transport is not None:
                 transports.await_others(transport, carrying.patience, console)
             before_exit = (
@@ -458,12 +460,19 @@ def _reached(
     return lambda _: participant.state is state
 
 
-def _show(running: runtime.System, view: Progress) -> None:
+def _show(running: runtime.System, view: Progress, transport: object) -> None:
     known = {instance: running.state(instance) for instance in running.instances}
+    foreign = transport if isinstance(transport, ForeignTransport) else None
+    outside: dict[str, runtime.LifeCycleState] = {}
 
     def look() -> None:
         now = running.time
         view.at(now)
+        for instance, found in (foreign.foreign_states() if foreign else {}).items():
+            before = outside.get(instance, runtime.INACTIVE_STATE)
+            if found is not None and found is not before:
+                outside[instance] = found
+                view.state(now, instance, name_of(found))
         for instance, before in known.items():
             state = running.state(instance)
             if state is not before:

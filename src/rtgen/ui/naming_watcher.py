@@ -30,6 +30,7 @@ from rtgen.runtime.corba.rt_objects.wire import (
 )
 from rtgen.runtime.errors import TransportError
 from rtgen.runtime.marshalling.descriptors import DataType
+from rtgen.runtime.return_codes import RTC_OK
 from rtgen.runtime.services.servants import Servant
 from rtgen.ui.calls import carried_out
 from rtgen.ui.edits import Edit
@@ -523,10 +524,27 @@ class NamingWatcher:
     def end(self, wanted: ui.Connect, connector_id: str) -> None:
         """End a connection. Raises CommandError."""
         source, target = wanted.source, wanted.target
-        known = self._found.get(source.instance)
-        end = target if known is None or known.component.silent else source
-        self._at(end.instance).disconnect(end.port, connector_id)
+        if not self._end_here(wanted, connector_id):
+            # At a component of rtgen, which makes a connection again that the other end ends.
+            known = [self._found.get(each.instance) for each in (source, target)]
+            ends = [
+                end
+                for end, found in zip((source, target), known, strict=True)
+                if found is not None and not found.component.silent
+            ]
+            ends.sort(key=lambda end: not self._found[end.instance].is_of_rtgen)
+            end = ends[0] if ends else source
+            self._at(end.instance).disconnect(end.port, connector_id)
         self._query_again([source.instance, target.instance])
+
+    def _end_here(self, wanted: ui.Connect, connector_id: str) -> bool:
+        """End a connection at a port of this process; return whether it is connected there."""
+        for end in (wanted.source, wanted.target):
+            if self._own is not None and end.instance not in self._found:
+                for port in self._own.ports_at(end.instance, end.port):
+                    if port.is_linked(connector_id):
+                        return port.disconnect(connector_id) is RTC_OK
+        return False
 
 
 class _Wire:

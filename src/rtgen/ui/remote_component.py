@@ -9,10 +9,10 @@ from typing import Any, Final, NoReturn
 from msgspec.structs import replace
 from omniORB import CORBA
 
-from rtgen.facts.openrtm_ports import known_name
+from rtgen.facts.openrtm_ports import RUNTIME, known_name
 from rtgen.runtime.corba.faults import is_silent
-from rtgen.runtime.corba.rt_objects.objects import Exported
-from rtgen.runtime.corba.rt_objects.remote import FAULTS, NilError, RemoteRtc
+from rtgen.runtime.corba.rt_objects.objects import CallError, Exported
+from rtgen.runtime.corba.rt_objects.remote import FAULTS, RemoteRtc
 from rtgen.runtime.corba.rt_objects.wire import (
     ComponentProfile,
     ConnectorProfile,
@@ -119,6 +119,11 @@ class RemoteComponent:
         )
 
     @property
+    def is_of_rtgen(self) -> bool:
+        """Whether the component is run by rtgen."""
+        return self._profile is not None and RUNTIME in texts(self._profile.properties)
+
+    @property
     def connectors(self) -> list[ConnectorProfile]:
         """The connectors of all ports."""
         return [
@@ -208,7 +213,7 @@ def explained(error: Exception) -> str:
         return error.description or type(error).__name__
     if isinstance(error, CORBA.SystemException) and is_silent(error):
         return f"it does not answer ({type(error).__name__})"
-    return str(error) if isinstance(error, NilError) else f"a call has failed: {error}"
+    return str(error) if isinstance(error, CallError) else f"a call has failed: {error}"
 
 
 def described(name: str, profile: PortProfile) -> ui.Port:

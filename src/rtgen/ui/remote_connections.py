@@ -16,7 +16,7 @@ from typing import Any, Final, NamedTuple
 from rtgen import runtime
 from rtgen.runtime.corba.objects import Objects
 from rtgen.runtime.corba.orb import Orb
-from rtgen.runtime.corba.rt_objects.data import is_little_endian
+from rtgen.runtime.corba.rt_objects.data import Losses, is_little_endian
 from rtgen.runtime.corba.rt_objects.ends import OutEnd, ServiceEnd
 from rtgen.runtime.corba.rt_objects.objects import Exported
 from rtgen.runtime.corba.rt_objects.ports import End, Offer, PortService
@@ -81,7 +81,7 @@ class _InEnd:
         return Offer({_IN_IOR: self._exported.text(reference)}, None, withdraw)
 
     def accept(
-        self, name: str, properties: Mapping[str, str], lost: Callable[[], None]
+        self, name: str, properties: Mapping[str, str], losses: Losses
     ) -> Connector | None:
         """See `End`; there is nothing to do after `offer`."""
         return None
@@ -147,6 +147,9 @@ class RemoteConnections:
     def at(self, connector: Connector) -> list[PortService]:
         """See `Ports`; connections of pages end at one of them alone."""
         return []
+
+    def give_up(self, place: str, reason: str) -> None:
+        """See `Ports`; the thread that polls components ends these connections."""
 
     def close(self, patience: float) -> None:
         """End the connections, if other processes answer within that time [s]."""

@@ -11,6 +11,7 @@ from rtgen.cli.running.summary import Outcome, Row, Tolerance
 from rtgen.cli.running.trajectory import Pose, Sample
 from rtgen.diagnostics import InputError
 from rtgen.model import System
+from rtgen.runtime.services.transports import ForeignTransport, LinkReport
 from rtgen.systems import timeline
 from rtgen.systems.measures import Course, Result
 from rtgen.systems.rules import OBSERVABLE, TOLERANCE
@@ -91,6 +92,16 @@ def overruns(context: runtime.ExecutionContext) -> str:
     return f"ticks began late, the machine was busy; {times}"
 
 
+def _times(link: LinkReport) -> str:
+    """Return what has happened to a connection, and how often."""
+    parts = []
+    if link.breaks:
+        parts.append(f"ended {link.breaks} times, made again {link.renewals} times")
+    if link.lost:
+        parts.append(f"at least {link.lost} samples lost")
+    return ", ".join(parts)
+
+
 class View:
     """Pose and goal of the robots, as the system's properties define them for the report."""
 
@@ -101,9 +112,11 @@ class View:
         *,
         simulated: bool,
         judged: bool,
+        transport: object = None,
     ) -> None:
         properties = dict(profile.properties)
         self._running = running
+        self._foreign = transport if isinstance(transport, ForeignTransport) else None
         self._simulated = simulated
         names = properties.get("rtgen.run.pose", "").split(",")
         poses = [self._checked(profile, "rtgen.run.pose", n.strip()) for n in names]
@@ -175,7 +188,11 @@ class View:
         """
         poses = zip(self.robots, map(self._pose, self.poses), strict=True)
         return Outcome(
-            rows=[self._row(name, blocked) for name in self._running.instances],
+            rows=[
+                *(self._row(name, blocked) for name in self._running.instances),
+                *self._foreign_rows(),
+            ],
+            links=self._links(),
             goal=self._pose(self._goal_name),
             poses=[(robot, pose) for robot, pose in poses if pose is not None],
             time=self._running.time / SECOND,
@@ -197,6 +214,25 @@ class View:
         notes += losses(self._running.component(instance), s.state)
         state = name_of(s.state)
         return Row(instance, state, s.ticks, s.overruns, s.lost, notes)
+
+    def _foreign_rows(self) -> Iterator[Row]:
+        """Yield the components that rtgen does not run, with the samples not delivered to them."""
+        if self._foreign is None:
+            return
+        reports = self._foreign.link_reports()
+        for instance, state in self._foreign.foreign_states().items():
+            lost = sum(
+                each.lost - each.not_received
+                for each in reports
+                if each.there.instance == instance
+            )
+            shown = "lost" if state is None else name_of(state)
+            yield Row(instance, shown, None, None, lost)
+
+    def _links(self) -> list[str]:
+        """Return a line for each connection to another process that has failed."""
+        reports = () if self._foreign is None else self._foreign.link_reports()
+        return [f"{each.name}: {_times(each)}: {each.reason}" for each in reports]
 
     def _pose(self, name: str | None) -> Pose | None:
         values = self._running.observable(name) if name else ()

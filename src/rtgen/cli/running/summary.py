@@ -26,13 +26,14 @@ class Tolerance(NamedTuple):
 class Row:
     """A component at the end of a run.
 
-    `notes` give the cause of ERROR, the awaited provider, and lost samples with their causes.
+    `notes` give the cause of ERROR, the awaited provider, and lost samples with their causes. Ticks
+    and overruns of a component of another process are not known (None).
     """
 
     instance: str
     state: str
-    ticks: int
-    overruns: int
+    ticks: int | None
+    overruns: int | None
     lost: int
     notes: Sequence[str] = ()
 
@@ -53,6 +54,8 @@ class Outcome:
     wall: float | None
     measured: Sequence[Result] = ()
     tolerance: Tolerance | None = None
+    links: Sequence[str] = ()
+    """What has happened to connections to other processes."""
     end: tuple[str, str] | None = None
     """`met` or `not met`, and the condition, for a run that waited for a state."""
 
@@ -86,7 +89,7 @@ class Outcome:
 def summary(outcome: Outcome) -> str:
     """Return the report as text."""
     cells = [
-        (r.instance, r.state, str(r.ticks), str(r.overruns), str(r.lost))
+        (r.instance, r.state, *map(_count, (r.ticks, r.overruns, r.lost)))
         for r in outcome.rows
     ]
     lines = [*table(_HEADER, cells, texts=(0, 1)), ""]
@@ -96,11 +99,16 @@ def summary(outcome: Outcome) -> str:
     if outcome.measured:
         lines += ["", *table(_MEASURES, map(_measured, outcome.measured), (0, 5, 6))]
     reasons = [note for row in outcome.rows for note in row.notes]
+    reasons += outcome.links
     if outcome.missed:
         reasons.append(f"the goal is not reached: {outcome.missed}")
     if reasons:
         lines += ["", *reasons]
     return "".join(f"{line}\n" for line in lines)
+
+
+def _count(number: int | None) -> str:
+    return "-" if number is None else str(number)
 
 
 def table(

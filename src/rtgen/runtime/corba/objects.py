@@ -12,6 +12,7 @@ import omniORB
 from omniORB import CORBA, PortableServer, tcInternal
 
 from rtgen.runtime.cdr import UserException
+from rtgen.runtime.corba.code_sets import unsendable
 from rtgen.runtime.corba.faults import caught, raised
 from rtgen.runtime.corba.operations import Operations
 from rtgen.runtime.corba.orb import Orb
@@ -70,7 +71,11 @@ class Remote:
             result = self._invoke(operation, found.descriptor, given)
         except CORBA.UserException as error:
             raise found.caught(error) from None
-        except (CORBA.BAD_PARAM, CORBA.DATA_CONVERSION, CORBA.MARSHAL) as error:
+        except CORBA.DATA_CONVERSION as error:
+            _tell_fault(operation, found, arguments)
+            why = unsendable(self.reference, arguments)
+            raise MarshalError(f"{operation}: {why}") from error
+        except (CORBA.BAD_PARAM, CORBA.MARSHAL) as error:
             if error.completed == CORBA.COMPLETED_NO:
                 _tell_fault(operation, found, arguments)
             raise

@@ -60,6 +60,11 @@ class Orb:
         """Bound the calls of a reference, since an existing ORB may have other options."""
         omniORB.setClientCallTimeout(reference, self._milliseconds)
 
+    @property
+    def limit_in_seconds(self) -> float:
+        """The time-out of calls [s]."""
+        return self._milliseconds / 1000
+
     def hasten(self, seconds: float) -> None:
         """Bound the calls made from now on by a shorter time-out, too."""
         self._milliseconds = min(self._milliseconds, max(1, round(seconds * 1000)))

@@ -24,10 +24,14 @@ from rtgen.runtime.corba.rt_objects.peers import PeerConnection, ServicePeer
 from rtgen.runtime.corba.rt_objects.publishing import RtObjects
 from rtgen.runtime.errors import TransportError
 from rtgen.runtime.ports.data_ports import InPort, OutPort
-from rtgen.runtime.return_codes import ACTIVE_STATE
+from rtgen.runtime.return_codes import ACTIVE_STATE, LifeCycleState
 from rtgen.runtime.rtc.component import Component
 from rtgen.runtime.services.ports import Carrier, PortOwner, Provider, ServicePort
-from rtgen.runtime.services.transports import ForeignComponent, RemotePort
+from rtgen.runtime.services.transports import (
+    ForeignComponent,
+    LinkReport,
+    RemotePort,
+)
 from rtgen.runtime.timing.guards import Guard
 
 if TYPE_CHECKING:
@@ -264,6 +268,7 @@ class CorbaTransport:
                 )
             time.sleep(_POLL_INTERVAL)
         foreign.configure()
+        foreign.look()
 
     def _rest(self) -> None:
         """Stop monitoring other processes."""
@@ -292,6 +297,15 @@ class CorbaTransport:
         if self._directory is not None:
             self._directory.foreign[instance].wanted = False
             self._directory.activations.release(instance)
+
+    def foreign_states(self) -> dict[str, LifeCycleState | None]:
+        """See `ForeignTransport`."""
+        foreign = {} if self._directory is None else self._directory.foreign
+        return {name: each.last_state for name, each in foreign.items()}
+
+    def link_reports(self) -> list[LinkReport]:
+        """See `ForeignTransport`."""
+        return [report for peer in self._peers if (report := peer.report) is not None]
 
     def release_foreign(self) -> None:
         """See `ForeignTransport`."""

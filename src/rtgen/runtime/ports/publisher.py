@@ -9,7 +9,7 @@ from rtgen.facts.connector_properties import PushPolicy
 from rtgen.runtime.marshalling.descriptors import DataType
 from rtgen.runtime.ports.buffers import RingBuffer
 from rtgen.runtime.ports.connector_properties import ConnectorSettings
-from rtgen.runtime.return_codes import PORT_OK
+from rtgen.runtime.return_codes import PORT_OK, PortStatus
 from rtgen.runtime.timing.guards import Guard
 
 T = TypeVar("T", bound=DataType)
@@ -23,7 +23,7 @@ class Publisher(Generic[T]):
     """The sending half of a `new` or `periodic` connection: a buffer and a push policy.
 
     `signal` is called after each write; the publisher's driver sets it. A sample that the reader's
-    buffer rejects is kept and offered again next time.
+    buffer rejects is kept and offered again next time, one that cannot be sent at all is dropped.
     """
 
     def __init__(
@@ -99,7 +99,10 @@ class Publisher(Generic[T]):
 
     def _deliver(self) -> bool:
         sample = self._in_hand
-        if sample is None or self._target.write(sample) is not PORT_OK:
+        if sample is None:
+            return False
+        status = self._target.write(sample)
+        if status not in (PORT_OK, PortStatus.PORT_ERROR):
             return False
         self._in_hand = None
         return True

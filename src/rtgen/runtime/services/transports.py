@@ -19,13 +19,14 @@ a write is a call of the other one, and a loss is detected by the next call.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import AbstractContextManager
 from typing import Any, Protocol, runtime_checkable
 
 import msgspec
 
 from rtgen.runtime.ports.data_ports import DataConnector, InPort, OutPort
+from rtgen.runtime.return_codes import LifeCycleState
 from rtgen.runtime.services.ports import Carrier, PortOwner, Provider, ServicePort
 from rtgen.runtime.timing.guards import Guard
 
@@ -51,6 +52,23 @@ class ForeignComponent(msgspec.Struct, frozen=True, gc=False):
     path: str = ""
     configuration: Mapping[str, Mapping[str, str]] = msgspec.field(default_factory=dict)
     active_set: str = "default"
+
+
+class LinkReport(msgspec.Struct, frozen=True, gc=False):
+    """The failures of a connection with another process; `name` includes its ports.
+
+    `lost` samples did not arrive, at least; `not_received` of them were sent to this process, and
+    count for its InPort. The connection has ended `breaks` times without a
+    request of this process, and was made again `renewals` times.
+    """
+
+    name: str
+    there: RemotePort
+    lost: int
+    not_received: int
+    breaks: int
+    renewals: int
+    reason: str
 
 
 class RemoteConnector(Protocol):
@@ -187,6 +205,12 @@ class ForeignTransport(Protocol):
 
         One that was ACTIVE before remains ACTIVE. It is not activated again.
         """
+
+    def foreign_states(self) -> Mapping[str, LifeCycleState | None]:
+        """Return the last known states of the expected components; None: it does not answer."""
+
+    def link_reports(self) -> Sequence[LinkReport]:
+        """Return the failures of connections with other processes."""
 
     def release_foreign(self) -> None:
         """Deactivate all of them, the last one first; in a bounded time, from any thread."""

@@ -12,8 +12,8 @@ from omniORB import CORBA
 from rtgen.cli.conformance.check import SkipError
 from rtgen.cli.conformance.rtc.expected import Expected
 from rtgen.facts.openrtm_ports import RUNTIME
-from rtgen.runtime.corba.rt_objects.objects import Exported
-from rtgen.runtime.corba.rt_objects.remote import NilError, RemoteRtc
+from rtgen.runtime.corba.rt_objects.objects import CallError, Exported
+from rtgen.runtime.corba.rt_objects.remote import FAULTS, NilError, RemoteRtc
 from rtgen.runtime.corba.rt_objects.wire import NotAvailable, SdoError, texts
 from rtgen.runtime.return_codes import (
     ACTIVE_STATE,
@@ -41,14 +41,12 @@ class Condition:
 
 
 class RtcUnderTest(RemoteRtc):
-    """A running component. Methods raise omniORB's exceptions and NilError.
+    """A running component. Methods raise omniORB's exceptions and CallError.
 
     `timeout` is the time-out for reaching a state, in seconds.
     """
 
-    faults: ClassVar[tuple[type[Exception], ...]] = (
-        *(CORBA.SystemException, SdoError, NilError),
-    )
+    faults: ClassVar[tuple[type[Exception], ...]] = FAULTS
 
     def __init__(
         self, expected: Expected, reference: Any, exported: Exported, timeout: float
@@ -64,7 +62,7 @@ class RtcUnderTest(RemoteRtc):
         """See `Subject`."""
         if isinstance(fault, SdoError):
             return f"{type(fault).__name__}: {fault.description}"
-        if isinstance(fault, NilError | SkipError):
+        if isinstance(fault, CallError | SkipError):
             return str(fault)
         return f"a call has failed: {fault!r}"
 
@@ -170,7 +168,7 @@ class RtcUnderTest(RemoteRtc):
         ):
             try:
                 yield part(self.before)
-            except (CORBA.SystemException, SdoError, NilError, SkipError) as fault:
+            except (*FAULTS, SkipError) as fault:
                 yield self.explained(fault)
 
     def _restore_connectors(self, before: Condition) -> str | None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -15,6 +14,7 @@ from rtgen.files import read_file
 from rtgen.runtime.corba.faults import is_silent, is_timeout
 from rtgen.runtime.corba.rt_objects.objects import Exported
 from rtgen.runtime.corba.rt_objects.remote import FAULTS, RemoteRtc
+from rtgen.runtime.corba.rt_objects.wire import EXECUTION_CONTEXT
 from rtgen.runtime.failures import log
 from rtgen.runtime.return_codes import ACTIVE_STATE
 
@@ -135,11 +135,14 @@ def _deactivated(known: _Activated, exported: Exported) -> str:
     rtc = known.rtc
     try:
         state = rtc.deactivate(_PATIENCE, pending=known.pending)
+    except CORBA.OBJECT_NOT_EXIST:
+        return ""  # the component has ended
     except FAULTS as error:
         if isinstance(error, CORBA.SystemException) and is_timeout(error):
             # A process that has stopped executes the request when it continues.
-            with suppress(*FAULTS):
-                rtc.ask(known.context, "deactivate_component", rtc.reference)
+            exported.post(
+                known.context, EXECUTION_CONTEXT, "deactivate_component", rtc.reference
+            )
             return "is not deactivated: it does not answer"
         silent = isinstance(error, CORBA.SystemException) and is_silent(error)
         return f"is not deactivated: {'it does not answer' if silent else error}"

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, Protocol
 
+import omniORB
 from omniORB import CORBA
 
 from rtgen.facts.connector_properties import EMBEDDED_DATA, Dataflow
 from rtgen.runtime.cdr import CdrError
-from rtgen.runtime.corba.faults import is_silent
+from rtgen.runtime.corba.faults import is_silent, is_timeout
+from rtgen.runtime.corba.orb import MAX_MESSAGE
 from rtgen.runtime.corba.rt_objects.objects import Exported
 from rtgen.runtime.corba.rt_objects.wire import IN_PORT_CDR, OUT_PORT_CDR
 from rtgen.runtime.errors import ConnectorPropertyError, PortTypeError
@@ -28,8 +30,37 @@ _TYPE = "dataport.data_type"
 _SENDERS = ("dataport.subscription_type", "dataport.io_mode", "dataport.publisher.")
 """Properties that only concern the sending end, by prefix."""
 
-Lost = Callable[[], None]
-"""Function called once when the other end of a connection does not respond any more."""
+DEFAULT_LIMIT = 2 << 20
+"""The `giopMaxMsgSize` of omniORB, and so of OpenRTM, unless it is configured [octets]."""
+_OVERHEAD = 1 << 10
+"""More than a message has besides its sample [octets]."""
+
+
+class Losses(Protocol):
+    """What happens after a failure of one connection."""
+
+    def refused(self, reason: str) -> None:
+        """Report a sample that cannot be sent; the connection remains."""
+
+    def lost(self, reason: str, *, silent: bool) -> None:
+        """End the connection; `silent`: the other process did not answer in time."""
+
+
+def explained(error: Any, size: int = 0) -> str:
+    """Return why a call failed; `size` is that of its sample [octets]."""
+    if size > MAX_MESSAGE - _OVERHEAD:
+        return f"a sample of {size} octets; at most {MAX_MESSAGE} are sent"
+    if is_timeout(error):
+        return "the other process does not answer in time"
+    if size > DEFAULT_LIMIT - _OVERHEAD and isinstance(error, CORBA.COMM_FAILURE):
+        return (
+            f"a sample of {size} octets, probably above giopMaxMsgSize of the other process: "
+            f"{DEFAULT_LIMIT} unless its options have -ORBgiopMaxMsgSize (OpenRTM: corba.args "
+            "in rtc.conf)"
+        )
+    if is_silent(error):
+        return f"the other process does not answer ({type(error).__name__})"
+    return f"{type(error).__name__} ({omniORB.minorCodeToString(error) or error.minor})"
 
 
 def settings_of(properties: Mapping[str, str], type_: type[DataType]) -> dict[str, str]:
@@ -75,7 +106,7 @@ class SentConnector(DataConnector[Any]):
         guard: Callable[[], Guard],
         objects: Exported,
         reference: Any,
-        lost: Lost,
+        losses: Losses,
     ) -> None:
         outside: InPort[Any] = InPort(name, source.type)
         super().__init__(
@@ -86,12 +117,22 @@ class SentConnector(DataConnector[Any]):
             guard(),
             objects,
             reference,
-            lost,
+            losses,
             little=is_little_endian(properties),
         )
         self.buffer = put
+        self._put = put
         if self.publisher is not None:
             self.publisher = Publisher(self.settings, put, guard())
+
+    @property
+    def failed(self) -> int:
+        """Number of samples that the other end has not taken."""
+        return self._put.failed
+
+    def abandon(self) -> None:
+        """Send nothing from now on."""
+        self._put.closed = True
 
     def send(self, value: Any) -> PortStatus:
         """Marshal and send a sample, or leave its snapshot to the publisher."""
@@ -106,7 +147,7 @@ class SentConnector(DataConnector[Any]):
 class _Put(RingBuffer[Any]):
     """Buffer of a foreign InPort: each `write` calls `InPortCdr::put`."""
 
-    __slots__ = ("_little", "_lost", "_objects", "_reference")
+    __slots__ = ("_little", "_losses", "_objects", "_reference", "failed")
 
     def __init__(
         self,
@@ -114,19 +155,21 @@ class _Put(RingBuffer[Any]):
         guard: Guard,
         objects: Exported,
         reference: Any,
-        lost: Lost,
+        losses: Losses,
         *,
         little: bool,
     ) -> None:
         super().__init__(settings, guard)
         self._objects = objects
         self._reference = reference
-        self._lost = lost
+        self._losses = losses
         self._little = little
+        self.failed = 0
 
     def write(self, value: Any) -> PortStatus:
         """Send a sample. Raises CdrError for a value that is not of its type."""
         if self.closed:
+            self.failed += 1
             return PortStatus.CONNECTION_LOST
         octets = _octets(value, self._little)
         try:
@@ -134,13 +177,16 @@ class _Put(RingBuffer[Any]):
                 self._reference, IN_PORT_CDR, "put", octets
             )
         except CORBA.SystemException as error:
+            self.failed += 1
+            reason = explained(error, len(octets))
             if not is_silent(error):
-                log.warning("a sample is not taken: %s", error)
+                self._losses.refused(reason)
                 return PortStatus.PORT_ERROR
             self.closed = True
-            log.warning("a connection is lost: %s", error)
-            self._lost()
+            self._losses.lost(reason, silent=is_timeout(error))
             return PortStatus.CONNECTION_LOST
+        if status is not PORT_OK:
+            self.failed += 1
         return status
 
 
@@ -238,14 +284,14 @@ class Pulled(DataConnector[Any]):
         guard: Callable[[], Guard],
         objects: Exported,
         reference: Any,
-        lost: Lost,
+        losses: Losses,
     ) -> None:
         kept = settings_of(properties, target.type)
         outside: OutPort[Any] = OutPort(name, target.type)
         super().__init__(name, outside, target, kept, guard)
         self._objects = objects
         self._reference = reference
-        self._lost = lost
+        self._losses = losses
         self._little = is_little_endian(properties)
         self._last = b""
 
@@ -261,6 +307,10 @@ class Pulled(DataConnector[Any]):
         self.target._feed = None
         for connector in pulled:
             self.target._feed = connector._next(self.target._feed)
+
+    def abandon(self) -> None:
+        """Fetch nothing from now on."""
+        self._reference = None
 
     def _next(self, others: Callable[[], None] | None) -> Callable[[], None]:
         def feed() -> None:
@@ -280,8 +330,7 @@ class Pulled(DataConnector[Any]):
             if not is_silent(error):
                 return
             self._reference = None
-            log.warning("%s: the connection is lost: %s", self.target, error)
-            self._lost()
+            self._losses.lost(explained(error), silent=is_timeout(error))
             return
         if status is not PORT_OK or octets == self._last:
             return

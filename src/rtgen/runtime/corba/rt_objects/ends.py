@@ -9,6 +9,7 @@ from typing import Any
 from rtgen.runtime.corba.objects import Objects
 from rtgen.runtime.corba.rt_objects.data import (
     INTERFACE_TYPE,
+    Losses,
     Pulled,
     Receiver,
     SentConnector,
@@ -71,14 +72,14 @@ class InEnd:
         return Offer({_IN_IOR: self._exported.text(reference)}, connector, withdraw)
 
     def accept(
-        self, name: str, properties: Mapping[str, str], lost: Callable[[], None]
+        self, name: str, properties: Mapping[str, str], losses: Losses
     ) -> Connector | None:
         """Return a connection to the other end for pulled samples. Raises ConnectError."""
         if not is_pull(properties):
             return None
         reference = _reference(self._exported, properties, _OUT_IOR)
         return Pulled(
-            name, self._port, properties, self._guard, self._exported, reference, lost
+            name, self._port, properties, self._guard, self._exported, reference, losses
         )
 
     def has(self, connector: Connector) -> bool:
@@ -108,14 +109,14 @@ class OutEnd:
         return Offer({_OUT_IOR: ior}, source.connector, withdraw)
 
     def accept(
-        self, name: str, properties: Mapping[str, str], lost: Callable[[], None]
+        self, name: str, properties: Mapping[str, str], losses: Losses
     ) -> Connector | None:
         """Return a connection to the other end for pushed samples. Raises ConnectError."""
         if is_pull(properties):
             return None
         reference = _reference(self._exported, properties, _IN_IOR)
         return SentConnector(
-            name, self._port, properties, self._guard, self._exported, reference, lost
+            name, self._port, properties, self._guard, self._exported, reference, losses
         )
 
     def has(self, connector: Connector) -> bool:
@@ -155,7 +156,7 @@ class ServiceEnd:
         return Offer(offers(self._port.instance, self._known, self._iors))
 
     def accept(
-        self, name: str, properties: Mapping[str, str], lost: Callable[[], None]
+        self, name: str, properties: Mapping[str, str], losses: Losses
     ) -> Connector | None:
         """Return the connection of the consumers. Raises ConnectError."""
         return link(

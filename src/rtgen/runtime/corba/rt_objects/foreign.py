@@ -15,7 +15,7 @@ from omniORB import any as anys
 from rtgen.facts.openrtm_ports import KIND
 from rtgen.runtime.corba.naming import Naming, is_alive
 from rtgen.runtime.corba.rt_objects.activation import Activations
-from rtgen.runtime.corba.rt_objects.objects import Exported
+from rtgen.runtime.corba.rt_objects.objects import CallError, Exported
 from rtgen.runtime.corba.rt_objects.remote import FAULTS, RemoteRtc
 from rtgen.runtime.corba.rt_objects.wire import (
     CONFIGURATION,
@@ -44,6 +44,8 @@ class Foreign:
         """The component found last."""
         self.wanted = False
         """Whether it should be ACTIVE."""
+        self.last_state: LifeCycleState | None = None
+        """The state when it was asked last; None if it did not respond."""
         self._exported = exported
 
     @property
@@ -65,6 +67,8 @@ class Foreign:
             raise ConfigurationError(
                 f"{self.instance} refuses its configuration: {error.description}"
             ) from error
+        except CallError as error:
+            raise ConfigurationError(f"{self.instance}: {error}") from error
         except CORBA.SystemException as error:
             raise self._lost(error) from error
 
@@ -101,11 +105,16 @@ class Foreign:
             raise TransportError(f"{self.instance}: {error}") from error
         except FAULTS as error:
             raise self._lost(error) from error
+        self.look()
 
     @property
     def rtc(self) -> RemoteRtc:
         """The component found last, to call."""
         return RemoteRtc(self.reference, self._exported)
+
+    def look(self) -> None:
+        """Update `last_state`."""
+        self.last_state = self.state
 
     @property
     def state(self) -> LifeCycleState | None:

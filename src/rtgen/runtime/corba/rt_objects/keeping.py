@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterable
 from functools import partial
+from typing import TypeVar
 
 from rtgen.runtime.corba.naming import is_alive
 from rtgen.runtime.corba.rt_objects.foreign import Directory, Foreign
@@ -16,6 +17,7 @@ from rtgen.runtime.return_codes import ERROR_STATE
 _PERIOD = 0.25
 
 Peer = PeerConnection | ServicePeer
+T = TypeVar("T")
 
 
 class Keeper:
@@ -46,9 +48,13 @@ class Keeper:
         while not self._ended.wait(_PERIOD):
             for foreign in self._directory.foreign.values():
                 self._look(foreign)
+            missing: set[str] = set()
             for peer in self._peers():
-                if not self._ended.is_set():
-                    self._tried(peer.name, partial(peer.renew, self._directory))
+                if not self._ended.is_set() and peer.there.instance not in missing:
+                    found = self._tried(peer.name, partial(peer.renew, self._directory))
+                    if found is False:
+                        # Each further attempt would wait for it again.
+                        missing.add(peer.there.instance)
             for instance in sorted(self._lost):
                 foreign = self._directory.foreign[instance]
                 if is_alive(foreign.reference):
@@ -57,6 +63,7 @@ class Keeper:
     def _look(self, foreign: Foreign) -> None:
         instance = foreign.instance
         if not is_alive(foreign.reference):
+            foreign.last_state = None
             if instance not in self._lost:
                 self._lost.add(instance)
                 log.warning(
@@ -65,7 +72,8 @@ class Keeper:
                 )
             self._tried(instance, partial(self._directory.find, instance))
             return
-        failed = foreign.wanted and foreign.state is ERROR_STATE
+        foreign.look()
+        failed = foreign.wanted and foreign.last_state is ERROR_STATE
         if failed and instance not in self._failed:
             log.warning("%s, which rtgen does not run, is in ERROR", instance)
         (self._failed.add if failed else self._failed.discard)(instance)
@@ -78,13 +86,14 @@ class Keeper:
         self._lost.discard(foreign.instance)
         log.log(NOTE, "%s is there again", foreign.instance)
 
-    def _tried(self, what: str, action: Callable[[], object]) -> None:
-        """Execute an action; a failure is reported once."""
+    def _tried(self, what: str, action: Callable[[], T]) -> T | None:
+        """Return the result of an action; None after a failure, which is reported once."""
         try:
-            action()
+            result = action()
         except RtcError as error:
             if self._reported.get(what) != str(error):
                 self._reported[what] = str(error)
                 log.warning("%s", error)
-        else:
-            self._reported.pop(what, None)
+            return None
+        self._reported.pop(what, None)
+        return result

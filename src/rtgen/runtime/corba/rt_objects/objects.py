@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
-import struct
+import time
+from contextlib import suppress
 from functools import cache
 from typing import Any, Final
 
+import omniORB
 from omniORB import CORBA, PortableServer
 
+from rtgen.runtime.corba import iors
+from rtgen.runtime.corba.code_sets import unsendable
+from rtgen.runtime.corba.faults import is_timeout
 from rtgen.runtime.corba.objects import SkeletonClass
 from rtgen.runtime.corba.orb import Orb
 from rtgen.runtime.corba.rt_objects.wire import Interface
 from rtgen.runtime.failures import log
-from rtgen.runtime.marshalling.octets import read_reference
 
-_IIOP: Final = 0
-"""The tag of a profile that has the object key."""
+_POSTING: Final = 100
+"""Milliseconds in which a request is sent."""
+
+
+class CallError(Exception):
+    """A call that cannot be carried out, with the reason."""
 
 
 class Exported:
@@ -23,6 +31,8 @@ class Exported:
 
     def __init__(self, orb: Orb) -> None:
         self._orb = orb
+        self._silent: dict[str, float] = {}
+        """Processes that did not answer in time, and until when they are not called again."""
 
     def serve(self, interface: Interface, target: object) -> Any:
         """Return a reference to an object whose calls are those of `target`."""
@@ -49,10 +59,36 @@ class Exported:
     def call(
         self, reference: Any, interface: Interface, operation: str, *arguments: Any
     ) -> Any:
-        """Call an object of another process. Raises omniORB's exceptions."""
+        """Call an object of another process. Raises omniORB's exceptions and CallError.
+
+        After a call that was not answered in time, others to that process fail at once, for as long
+        as it has waited.
+        """
+        if self._silent and time.monotonic() < self._silent.get(
+            iors.place(self.text(reference)), 0.0
+        ):
+            raise CORBA.TIMEOUT(0, CORBA.COMPLETED_NO)
         self._orb.limit(reference)
         descriptor = interface.operations[operation]
-        return reference._obj.invoke(operation, descriptor, arguments)
+        try:
+            return reference._obj.invoke(operation, descriptor, arguments)
+        except CORBA.SystemException as error:
+            if is_timeout(error):
+                until = time.monotonic() + self._orb.limit_in_seconds
+                self._silent[iors.place(self.text(reference))] = until
+            if isinstance(error, CORBA.DATA_CONVERSION):
+                why = unsendable(reference, arguments)
+                raise CallError(why) from error
+            raise
+
+    def post(
+        self, reference: Any, interface: Interface, operation: str, *arguments: Any
+    ) -> None:
+        """Send a request without waiting for its answer, also to a process that does not answer."""
+        omniORB.setClientCallTimeout(reference, _POSTING)
+        descriptor = interface.operations[operation]
+        with suppress(CORBA.SystemException):
+            reference._obj.invoke(operation, descriptor, arguments)
 
     def hasten(self, seconds: float) -> None:
         """Bound the calls made from now on by a shorter time-out, too."""
@@ -70,13 +106,7 @@ class Exported:
         thread that looks up or activates a servant acquires them in the reverse order, so both
         threads would wait for each other forever.
         """
-        octets = bytes.fromhex(self.text(reference).removeprefix("IOR:"))
-        try:
-            found, _ = read_reference(octets, 4, bool(octets[0]))
-            profiles = () if found is None else found.profiles
-            return next((_key(each) for tag, each in profiles if tag == _IIOP), b"")
-        except (ValueError, struct.error):
-            return b""
+        return iors.key(self.text(reference))
 
     def reference(self, text: str) -> Any:
         """Return the reference of an IOR or corbaloc; None if there is none."""
@@ -86,16 +116,6 @@ class Exported:
             return self._orb.orb.string_to_object(text)
         except CORBA.SystemException:
             return None
-
-
-def _key(profile: bytes) -> bytes:
-    """Return the object key of an IIOP profile (CORBA 3.3 part 2, 9.7.2)."""
-    length = struct.Struct("<I" if profile[:1] == b"\1" else ">I")
-    (host,) = length.unpack_from(profile, 4)
-    port = 8 + host + host % 2
-    place = port + 2 + -(port + 2) % 4
-    (size,) = length.unpack_from(profile, place)
-    return profile[place + 4 : place + 4 + size]
 
 
 @cache

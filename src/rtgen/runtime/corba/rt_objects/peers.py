@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from rtgen.facts.connector_properties import STRICTNESS
 from rtgen.facts.openrtm_ports import RUNTIME, known_name
 from rtgen.runtime.corba.naming import is_alive
+from rtgen.runtime.corba.rt_objects.data import DEFAULT_LIMIT, SentConnector
 from rtgen.runtime.corba.rt_objects.foreign import Directory
 from rtgen.runtime.corba.rt_objects.remote import FAULTS, RemoteRtc
 from rtgen.runtime.corba.rt_objects.services import type_names
@@ -20,15 +21,19 @@ from rtgen.runtime.corba.rt_objects.wire import (
     values,
 )
 from rtgen.runtime.errors import PortTypeError, TransportError
+from rtgen.runtime.failures import NOTE, log
 from rtgen.runtime.ports.data_ports import InPort, OutPort
 from rtgen.runtime.return_codes import RTC_OK
 from rtgen.runtime.services.ports import ServicePort
-from rtgen.runtime.services.transports import RemotePort
+from rtgen.runtime.services.transports import LinkReport, RemotePort
+from rtgen.runtime.system.joining import Connector
 
 if TYPE_CHECKING:
     from rtgen.runtime.corba.rt_objects.publishing import RtObjects
 
 _POLL_INTERVAL = 0.05
+_FIRST_DELAY, _MAX_DELAY = 0.25, 10.0
+"""First and longest delay before a connection ended by the other component is made again [s]."""
 DATA_DEFAULTS = {
     "dataport.interface_type": "corba_cdr",
     "dataport.dataflow_type": "push",
@@ -60,6 +65,27 @@ class _Peer:
         self.connected = False
         self._objects = objects
         self._component: Any = None
+        self._is_rtgen = False
+        self._made = 0.0
+        """When the connection was made last, by `time.monotonic`; 0 before."""
+        self._ended = False
+        """Whether the other component has ended it, and it is to be made again."""
+        self._delay = _FIRST_DELAY
+        self._due = 0.0
+        self._failed = 0
+        """Samples not taken by the other end of former connections."""
+        self._not_received = 0
+        self._breaks = 0
+        self._renewals = 0
+        self._reason = ""
+
+    def __str__(self) -> str:
+        source, target = map(str, self.ways())
+        return f"{self.name} ({source} to {target})"
+
+    def ways(self) -> tuple[object, object]:
+        """Return the two ports, that of an OutPort first."""
+        return self.here, self.there
 
     def attach(self) -> None:
         """Do nothing: `establish` makes the connection."""
@@ -99,37 +125,103 @@ class _Peer:
         except FAULTS:
             return False
         other = self._found(profile)
+        self._is_rtgen = RUNTIME in texts(profile.properties)
+        port.watch(self.name, self)
         if port.has_link(self.name, other):
             self._component = component
             return True
         silent = port.has_lost(self.name) and self._is_known(component)
         if silent:
             port.end_there(self.name, other)
-        elif self.is_made_there(texts(profile.properties)):
+        elif self.is_made_there():
             return False
         asked = ConnectorProfile(
             self.name,
             self.name,
-            self.ends(port.reference, other),
+            # Tools cut a connection at its first port, which knows that it was cut on purpose.
+            [port.reference, other],
             values(self.requested()),
         )
         code, _ = port.connect(asked)
         if code is not RTC_OK:
             raise PortTypeError(f"{self.there} refuses {self.here}: {code.name}")
         self._component = component
+        if self._made:
+            self._renewals += 1
+            log.log(NOTE, "%s is connected again", self)
+        self._made = time.monotonic()
+        self._ended = False
         return True
 
-    def renew(self, directory: Directory) -> None:
-        """Re-establish the connection if the other component was restarted, or did not respond.
+    def renew(self, directory: Directory) -> bool:
+        """Re-establish the connection if it was lost, or ended by a component not of rtgen.
 
-        A connection that was removed on purpose is not re-established. Raises as `attempt` does.
+        A connection that was removed on purpose is not re-established. Returns False if the other
+        component is missing. Raises as `attempt` does.
         """
         if not self.connected:
-            return
+            return True
         port = self._objects.port(self.here)
         is_lost = port is not None and port.has_lost(self.name)
-        if is_lost or not is_alive(self._component):
-            self.attempt(directory)
+        if not is_lost and is_alive(self._component):
+            is_due = self._ended and time.monotonic() >= self._due
+            return not is_due or self.attempt(directory)
+        return self.attempt(directory)
+
+    @property
+    def report(self) -> LinkReport | None:
+        """The failures of the connection; None without."""
+        port = self._objects.port(self.here)
+        live = None if port is None else port.live(self.name)
+        failed = live.failed if isinstance(live, SentConnector) else 0
+        lost = self._failed + failed + self._not_received
+        if not lost and not self._breaks:
+            return None
+        return LinkReport(
+            *(str(self), self.there, lost, self._not_received),
+            *(self._breaks, self._renewals, self._reason),
+        )
+
+    # Failures, see `Watcher`
+
+    def on_refusal(self, reason: str) -> None:
+        """Report the first sample that cannot be sent."""
+        if not self._reason:
+            log.warning("%s: a sample is not sent: %s", self, reason)
+        self._reason = reason
+
+    def on_loss(self, reason: str) -> None:
+        """Report the loss; `renew` makes the connection again."""
+        self._breaks += 1
+        self._reason = reason
+        log.warning(
+            "%s is lost: %s; it is made again when %s answers",
+            *(self, reason, self.there.instance),
+        )
+
+    def on_end(self) -> None:
+        """Report the end, and make the connection again later, unless rtgen has ended it."""
+        if self._is_rtgen:
+            log.log(NOTE, "%s was cut in the other process", self)
+            return
+        now = time.monotonic()
+        if now - self._made > _MAX_DELAY:
+            self._delay = _FIRST_DELAY
+        self._due = now + self._delay
+        self._delay = min(2 * self._delay, _MAX_DELAY)
+        self._breaks += 1
+        self._ended = True
+        self._reason = f"by {self.there.instance}{self.cause_of_end()}"
+        log.warning("%s was ended %s; it is made again", self, self._reason)
+
+    def cause_of_end(self) -> str:
+        """Return why the other component may have ended the connection."""
+        return ""
+
+    def on_removal(self, connector: Connector | None) -> None:
+        """Count the samples that were not taken."""
+        if isinstance(connector, SentConnector):
+            self._failed += connector.failed
 
     def _is_known(self, component: Any) -> bool:
         """Return whether a component is that of the last connection, not a restarted one."""
@@ -152,16 +244,12 @@ class _Peer:
             f"{', '.join(names) or 'none'}"
         )
 
-    def ends(self, here: Any, there: Any) -> list[Any]:
-        """Return the port services in the order of the connector."""
-        return [here, there]
-
     def requested(self) -> dict[str, str]:
         """Return the properties of the connector."""
         return self.properties
 
-    def is_made_there(self, properties: Mapping[str, str]) -> bool:
-        """Return whether a component with these properties makes the connection itself."""
+    def is_made_there(self) -> bool:
+        """Return whether the other component makes the connection itself."""
         return False
 
     def check(self, found: PortProfile) -> None:
@@ -188,19 +276,30 @@ class PeerConnection(_Peer):
         self.kind = "DataInPort" if self._sends else "DataOutPort"
         self.suffix = "_out"
 
-    def ends(self, here: Any, there: Any) -> list[Any]:
-        """Return the port services, the OutPort first."""
-        return [here, there] if self._sends else [there, here]
-
     def requested(self) -> dict[str, str]:
         """Return the properties with defaults and type."""
         descriptor: Any = self.here.type._descriptor_
         stated = DATA_DEFAULTS | {"dataport.data_type": descriptor.repository_id}
         return stated | self.properties
 
-    def is_made_there(self, properties: Mapping[str, str]) -> bool:
+    def is_made_there(self) -> bool:
         """Return whether the process of the OutPort makes the connection, if that is rtgen's."""
-        return not self._sends and RUNTIME in properties
+        return not self._sends and self._is_rtgen
+
+    def cause_of_end(self) -> str:
+        """Return why; the sender ends a connection after a sample that it cannot send."""
+        if not isinstance(self.here, InPort):
+            return ""
+        self._not_received += 1
+        self.here.lost_when_cut += 1
+        return (
+            f", perhaps for a sample above its giopMaxMsgSize ({DEFAULT_LIMIT} octets unless "
+            "corba.args of its rtc.conf has -ORBgiopMaxMsgSize)"
+        )
+
+    def ways(self) -> tuple[object, object]:
+        """Return the two ports, the OutPort first."""
+        return (self.here, self.there) if self._sends else (self.there, self.here)
 
     def check(self, found: PortProfile) -> None:
         """Compare the data types."""

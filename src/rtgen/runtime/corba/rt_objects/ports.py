@@ -12,7 +12,9 @@ import msgspec
 from msgspec.structs import replace
 from omniORB import CORBA
 
-from rtgen.runtime.corba.rt_objects.objects import Exported
+from rtgen.runtime.corba.iors import place
+from rtgen.runtime.corba.rt_objects.data import Losses, Pulled, SentConnector
+from rtgen.runtime.corba.rt_objects.objects import CallError, Exported
 from rtgen.runtime.corba.rt_objects.wire import (
     PORT_SERVICE,
     ConnectorProfile,
@@ -58,7 +60,7 @@ class End(Protocol):
         """Return the port's offer to a connection. Raises ConnectError."""
 
     def accept(
-        self, name: str, properties: Mapping[str, str], lost: Callable[[], None]
+        self, name: str, properties: Mapping[str, str], losses: Losses
     ) -> Connector | None:
         """Return the connection to the other end's offer; None if `offer` has made it.
 
@@ -67,6 +69,22 @@ class End(Protocol):
 
     def has(self, connector: Connector) -> bool:
         """Return whether a connection of the system ends here."""
+
+
+class Watcher(Protocol):
+    """Is told of the failures of one connection to a port of another process."""
+
+    def on_refusal(self, reason: str) -> None:
+        """A sample cannot be sent."""
+
+    def on_loss(self, reason: str) -> None:
+        """The other process does not answer any more."""
+
+    def on_end(self) -> None:
+        """The other port has ended the connection, without a request of this process."""
+
+    def on_removal(self, connector: Connector | None) -> None:
+        """The connection has been removed here, for any reason."""
 
 
 class _Link(msgspec.Struct):
@@ -88,6 +106,27 @@ class Ports(Protocol):
     def at(self, connector: Connector) -> list[PortService]:
         """Return the port services at which a connection ends."""
 
+    def give_up(self, place: str, reason: str) -> None:
+        """End the connections to a process that does not answer."""
+
+
+class _Losses:
+    """What happens after a failure of a connection of a port."""
+
+    def __init__(self, port: PortService, connector_id: str) -> None:
+        self._port = port
+        self._id = connector_id
+
+    def refused(self, reason: str) -> None:
+        """See `Losses`."""
+        self._port.refuse(self._id, reason)
+
+    def lost(self, reason: str, *, silent: bool) -> None:
+        """See `Losses`; a process that does not answer loses all its connections."""
+        if silent:
+            self._port.give_up(self._id, reason)
+        self._port.lose(self._id, reason)
+
 
 class PortService:
     """`RTC::PortService` of a port; it includes the system's own connections."""
@@ -101,6 +140,9 @@ class PortService:
         self._links: dict[str, _Link] = {}
         self._lost_ids: set[str] = set()
         """Connections that ended here because the other end did not respond."""
+        self._cut_ids: set[str] = set()
+        """Connections that this port is ending on request."""
+        self._watchers: dict[str, Watcher] = {}
         self._connecting = threading.Lock()
         self.reference: Any = ports.exported.serve(PORT_SERVICE, self)
 
@@ -178,7 +220,7 @@ class PortService:
                 code, made = exported.call(
                     first, PORT_SERVICE, "notify_connect", profile
                 )
-        except CORBA.SystemException as error:
+        except (CORBA.SystemException, CallError) as error:
             log.warning("%s: the other port cannot be reached: %s", self.name, error)
             code, made = RTC_ERROR, profile
         if code is not RTC_OK:
@@ -239,7 +281,7 @@ class PortService:
                     if (p.name, text_of(p.value)) not in own
                 ]
                 connector = connector or self.end.accept(
-                    name, texts(theirs), self._lost(identity)
+                    name, texts(theirs), _Losses(self, identity)
                 )
                 if connector is not None:
                     system.establish(connector)
@@ -259,7 +301,7 @@ class PortService:
             code, changed = self._ports.exported.call(
                 following, PORT_SERVICE, "notify_connect", profile
             )
-        except CORBA.SystemException as error:
+        except (CORBA.SystemException, CallError) as error:
             log.warning("%s: the other port cannot be reached: %s", self.name, error)
             return RTC_ERROR, profile
         return code, changed
@@ -273,9 +315,13 @@ class PortService:
     def disconnect(self, connector_id: str) -> ReturnCode_t:
         """See `RTC::PortService`. BAD_PARAMETER for an unknown id."""
         link = self._links.get(connector_id)
-        if link is not None:
+        if link is None:
+            return self._cut(connector_id)
+        self._cut_ids.add(connector_id)
+        try:
             return self._notify_all(link.profile)
-        return self._cut(connector_id)
+        finally:
+            self._cut_ids.discard(connector_id)
 
     def has_link(self, connector_id: str, other: Any) -> bool:
         """Return whether there is a connection with this id to a port of another process.
@@ -298,10 +344,24 @@ class PortService:
         """Make another port end a connection that it does not know to be lost."""
         self._notify(other, connector_id)
 
+    def watch(self, connector_id: str, watcher: Watcher) -> None:
+        """Tell a watcher of the failures of a connection, until `leave`."""
+        self._watchers[connector_id] = watcher
+
+    def is_linked(self, connector_id: str) -> bool:
+        """Return whether there is a connection with this id to a port of another process."""
+        return connector_id in self._links
+
+    def live(self, connector_id: str) -> Connector | None:
+        """Return a connection to a port of another process; None if there is none."""
+        link = self._links.get(connector_id)
+        return None if link is None else link.connector
+
     def leave(self, connector_id: str) -> None:
         """End a connection here, then at the other end, which may be gone."""
         self._lost_ids.discard(connector_id)
         link = self._forget(connector_id)
+        self._watchers.pop(connector_id, None)
         for port in () if link is None else link.profile.ports:
             if self._ports.exported.local(port) is None:
                 self._notify(port, connector_id)
@@ -338,6 +398,11 @@ class PortService:
         if following is not None:
             self._notify(following, connector_id)
         self._end(link)
+        watcher = self._watchers.get(connector_id)
+        if watcher is not None and not {connector_id} & (
+            self._cut_ids | self._lost_ids
+        ):
+            watcher.on_end()
         return RTC_OK
 
     def _notify_all(self, profile: ConnectorProfile) -> ReturnCode_t:
@@ -359,7 +424,7 @@ class PortService:
             self._ports.exported.call(
                 port, PORT_SERVICE, "notify_disconnect", connector_id
             )
-        except CORBA.SystemException as error:
+        except (CORBA.SystemException, CallError) as error:
             log.info("%s: the other port is gone: %s", self.name, error)
             return False
         return True
@@ -384,21 +449,54 @@ class PortService:
                 system.disconnect(link.connector)
             self._ports.ids.pop(link.connector.name, None)
         link.withdraw()
+        watcher = self._watchers.get(link.profile.connector_id)
+        if watcher is not None:
+            watcher.on_removal(link.connector)
 
-    def _lost(self, connector_id: str) -> Callable[[], None]:
-        """Return a function that ends a connection to a silent peer, in a new thread.
+    def refuse(self, connector_id: str, reason: str) -> None:
+        """Report a sample that cannot be sent."""
+        watcher = self._watchers.get(connector_id)
+        if watcher is not None:
+            watcher.on_refusal(reason)
+        else:
+            log.warning("%s, %s: %s", self.name, connector_id, reason)
+
+    def lose(self, connector_id: str, reason: str) -> None:
+        """End a connection to a silent peer, in a new thread.
 
         The thread that detects it sends or publishes samples, and ending a connection waits for
         that.
         """
+        if connector_id in self._lost_ids:
+            return
+        self._lost_ids.add(connector_id)
+        watcher = self._watchers.get(connector_id)
+        if watcher is not None:
+            watcher.on_loss(reason)
+        else:
+            log.warning("%s, %s is lost: %s", self.name, connector_id, reason)
+        threading.Thread(
+            target=self.notify_disconnect, args=(connector_id,), daemon=True
+        ).start()
 
-        def end() -> None:
-            self._lost_ids.add(connector_id)
-            threading.Thread(
-                target=self.notify_disconnect, args=(connector_id,), daemon=True
-            ).start()
+    def give_up(self, connector_id: str, reason: str) -> None:
+        """End the connections of the process to the silent one of a connection's other end."""
+        link = self._links.get(connector_id)
+        for port in () if link is None else link.profile.ports:
+            if self._ports.exported.local(port) is None:
+                found = place(self._ports.exported.text(port))
+                self._ports.give_up(found, reason)
 
-        return end
+    def lose_all(self, silent: str, reason: str) -> None:
+        """End the connections of this port to the process at a place."""
+        exported = self._ports.exported
+        for identity, link in [*self._links.items()]:
+            ports = link.profile.ports
+            others = [port for port in ports if exported.local(port) is None]
+            if any(place(exported.text(port)) == silent for port in others):
+                if isinstance(link.connector, SentConnector | Pulled):
+                    link.connector.abandon()
+                self.lose(identity, reason)
 
     @contextmanager
     def _refusing(self) -> Iterator[list[ReturnCode_t]]:

@@ -119,6 +119,12 @@ class RtObjects:
         ]
         return sorted(found, key=lambda port: isinstance(port.end, InEnd))
 
+    def give_up(self, place: str, reason: str) -> None:
+        """See `Ports`."""
+        for made in tuple(self._published.values()):
+            for port in made.ports:
+                port.lose_all(place, reason)
+
     def _guard(self) -> Guard:
         assert self.system is not None  # connections are made while it runs
         return self.system.clock.guard()

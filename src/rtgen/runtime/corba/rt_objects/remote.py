@@ -9,7 +9,7 @@ from omniORB import CORBA
 from omniORB import any as anys
 
 from rtgen.runtime.corba.faults import is_lost, is_timeout
-from rtgen.runtime.corba.rt_objects.objects import Exported
+from rtgen.runtime.corba.rt_objects.objects import CallError, Exported
 from rtgen.runtime.corba.rt_objects.wire import (
     CONFIGURATION,
     EXECUTION_CONTEXT,
@@ -41,16 +41,16 @@ _MAX_ENDED: Final = 8
 """Maximum number of ended processes to which one port is connected."""
 
 
-class NilError(Exception):
+class NilError(CallError):
     """The component returned nil where a reference is required."""
 
 
-FAULTS: Final = (CORBA.SystemException, SdoError, NilError)
+FAULTS: Final = (CORBA.SystemException, SdoError, CallError)
 """Exceptions of a call to a component."""
 
 
 class RemoteRtc:
-    """A component to call. Methods raise omniORB's exceptions and NilError."""
+    """A component to call. Methods raise omniORB's exceptions and CallError."""
 
     def __init__(self, reference: Any, exported: Exported) -> None:
         self.reference = reference
