@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 import struct
+from decimal import Decimal
 from typing import NamedTuple
 
 from rtgen.diagnostics import Span
@@ -25,6 +26,8 @@ _STANDARD_FORMULA = re.compile(r"\$NODEID(?:\+(?:0x[0-9a-fA-F]+|[0-9]+))?")
 _COMMENT = re.compile(r"\s+[;#].*", re.DOTALL)
 _HEX_OCTETS = re.compile(r"(?:0[xX])?((?:[0-9a-fA-F]{2})*)")
 _REAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?([fF]?)")
+_DECIMAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?")
+_MAX_DIGITS = 30
 _KNOWN = frozenset(map(int, DataType))
 _WORDS = {"true": 1, "false": 0, "yes": 1, "no": 0}
 _TEXTS = frozenset({DataType.VISIBLE_STRING, DataType.UNICODE_STRING})
@@ -173,14 +176,29 @@ def _integer(
         findings.add(values.ODD_NUMBER, entry.span, message)
         return result
     parsed = parse(text)
-    if parsed is None:
+    number = _whole(text) if parsed is None else parsed.value
+    if number is None:
         _bad(entry, findings, "a number")
         return None
-    _report(parsed, entry, findings)
-    fitted = _fitted(parsed.value, type_)
+    fitted = _fitted(number, type_)
     if fitted is None:
         _out_of_range(entry, type_, findings)
+    elif parsed is None:
+        message = f"{entry.key}: {text} is taken for {number}"
+        findings.add(values.ODD_NUMBER, entry.span, message)
+    if parsed is not None:
+        _report(parsed, entry, findings)
     return fitted
+
+
+def _whole(text: str) -> int | None:
+    """Return the integer that a number with a fraction or an exponent is; None for others."""
+    if len(text) > _MAX_DIGITS or _DECIMAL.fullmatch(text) is None:
+        return None
+    number = Decimal(text)
+    if number.adjusted() > _MAX_DIGITS or number != number.to_integral_value():
+        return None
+    return int(number)
 
 
 def _out_of_range(entry: Entry, type_: DataType, findings: Findings) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -35,6 +36,9 @@ from rtgen.model.canopen import (
     Object,
 )
 from rtgen.typemap.canopen.names import module_name
+
+_ETHERNET_IP = re.compile(r"^\s*VendCode\s*=.*;", re.MULTILINE)
+"""A key of section [Device] that each EDS of CIP has; its values end with a semicolon."""
 
 
 def load(
@@ -124,6 +128,11 @@ def _read(
     """
     findings = Findings()
     document = ini.read(data, file, findings, encoding)
+    if _ETHERNET_IP.search(document.text):
+        findings = Findings()  # no line means what CiA 306 says
+        message = "this is an EDS of EtherNet/IP (CIP), not of CANopen"
+        hint = "the two formats have no more in common than the suffix"
+        findings.add(lexical.NO_DEVICE, document.start, message, hint=hint)
     device = None if findings.failed else _described(document, findings, node_id)
     findings.rewrite(lambda found: _in_section(found, document))
     if device is not None:
