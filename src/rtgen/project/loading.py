@@ -24,6 +24,7 @@ from rtgen.project.kinds import (
     XML_DEVICES,
     is_definition,
     is_system,
+    plugin_suffixes,
 )
 from rtgen.project.ros2 import Ros2Settings, ros2_settings
 from rtgen.project.rules import PATH_OVERLAP, PROJECT_NAME, SOURCE_KIND, SOURCE_NONE
@@ -300,6 +301,7 @@ def with_arguments(
         named = [Path(p) for p in paths]
         target_of_it = target or project.target
         findings = [f for p in named if (f := _check_kind(p, target_of_it)) is not None]
+        findings += _without_definitions(named, changes.output)
         if findings:
             raise InputError(findings)
         known = [*project.sources, *project.systems] if add else []
@@ -343,8 +345,25 @@ def require_sources(project: Project) -> None:
         hint = f"name definition files, or write a {FILE_NAME} with [sources] paths"
     else:
         message = f"{shown(project.file)}: [sources] paths names no definition files"
-        hint = 'paths = ["FOLDER"]; rtgen reads ' + ", ".join(f"*{s}" for s in SUFFIXES)
+        hint = f'paths = ["FOLDER"]; {_searched()}'
     raise InputError([SOURCE_NONE.at(None, message, hint=hint)])
+
+
+def _searched() -> str:
+    """Return a hint: the files that a folder is searched for."""
+    suffixes = ", ".join(f"*{s}" for s in (*SUFFIXES, *plugin_suffixes()))
+    return (
+        f"searched for {suffixes}, bus files (*.toml with [bus]), and profiles of "
+        "components and systems (*.xml, *.yaml)"
+    )
+
+
+def _without_definitions(paths: Iterable[Path], output: Path) -> Iterator[Diagnostic]:
+    """Yield diagnostics for folders in which there is nothing to read."""
+    for path in paths:
+        if path.is_dir() and not _below(path, output):
+            message = f"no definition file is in the folder {path.as_posix()}"
+            yield SOURCE_NONE.at(None, message, hint=_searched())
 
 
 def load_around(path: Path) -> Project:

@@ -2,6 +2,8 @@
 
 from mistake import Mistake, unknown
 
+from rtgen.frontends.idl.names.lookup import CASE_ALLOWED
+
 NAMES: dict[str, Mistake] = {
     "using namespace": (
         "§using namespace std;\nstruct S { long a; };",
@@ -31,7 +33,7 @@ NAMES: dict[str, Mistake] = {
     "foo": (
         "struct Foo { long a; };\nstruct S { Foo §foo; };",
         "IDL0204: foo clashes with Foo, which is used in this scope",
-        "write ::Foo there, or rename this",
+        f"write ::Foo there, or rename this; {CASE_ALLOWED}",
     ),
     "keyword name": (
         "struct S { long §in; };",
@@ -41,7 +43,7 @@ NAMES: dict[str, Mistake] = {
     "keyword name type": (
         "struct §object { long a; };",
         "IDL0206: object differs from the keyword 'Object' in case only",
-        "'_object' is the escaped form of object",
+        f"'_object' is the escaped form of object; {CASE_ALLOWED}",
     ),
     "keyword parameter": (
         "interface I { void f(in string §context); };",

@@ -343,6 +343,35 @@ def test_what_is_not_needed_is_not_imported() -> None:
     assert done.stdout == "[]\n"
 
 
+@pytest.mark.parametrize("command", ["generate", "check", "inspect", "lint", "docs"])
+@pytest.mark.parametrize("settings", [None, '[sources]\npaths = ["idl"]\n'])
+def test_a_folder_without_definitions(
+    command: str,
+    settings: str | None,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    """The message names the folder, the hint what was searched for."""
+    monkeypatch.chdir(tmp_path)
+    for folder in ("idl", "empty/.hidden", "generated"):
+        Path(folder).mkdir(parents=True)
+    Path("idl/a.idl").write_text("struct A { long x; };\n")
+    Path("empty/notes.txt").write_text("struct A { long x; };\n")
+    Path("empty/.hidden/a.idl").write_text("struct A { long x; };\n")
+    if settings is not None:
+        Path("rtgen.toml").write_text(settings)
+    assert run([command, "empty"]) == 2
+    printed = capfd.readouterr().err
+    assert "PRJ0007]: no definition file is in the folder empty" in printed
+    assert "hint: searched for *.idl, *.cdl, *.eds" in printed
+    assert run([command, "idl", "empty"]) == 2
+    assert "the folder empty" in capfd.readouterr().err
+    monkeypatch.chdir("empty")
+    assert run([command, "."]) == 2
+    assert "the folder ." in capfd.readouterr().err
+
+
 CASE_CLASHES = {
     "IDL0203": "struct Foo { long a; long A; };",
     "IDL0204": "struct Path { long n; }; struct Plan { Path path; };",

@@ -212,6 +212,7 @@ class _Run:
             missing=files.MISSING_FILE,
             unreadable=files.UNREADABLE,
             beside="*.cdl",
+            apart=True,
         )
 
     def read(self, source: Source) -> _Read:

@@ -101,6 +101,7 @@ class _Run:
             missing=lexical.MISSING_FILE,
             unreadable=lexical.UNREADABLE,
             beside="*.[ed][dc][sf]",
+            apart=True,
         )
         if file is None:
             return

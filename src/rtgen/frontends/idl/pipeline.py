@@ -124,7 +124,8 @@ class _Run:
             self._report(lexical.BAD_MACRO_NAME.at(None, error.message))
             macros = predefined({})
         mains = [*map(self._of_name, self._given), *map(self._of_path, self._paths)]
-        known = [each for each in mains if each is not None]
+        # Two links to one file are one.
+        known = list({id(each): each for each in mains if each is not None}.values())
         self._main = {
             (each.source if isinstance(each, Translation) else each).name
             for each in known

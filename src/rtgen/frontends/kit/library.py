@@ -69,6 +69,9 @@ class Library(Generic[F]):
         self._dependencies: dict[str, Dependency] = {}
         self._virtual = dict(virtual or {})
         self._made: dict[str, F] = {}
+        # One path of each file, by the path without links: for those given, the first of `main`,
+        # which is in reverse order.
+        self._paths = {os.path.realpath(each): each for each in self._main}
         self.trail: dict[str, None] = {}
         """The absolute paths that `open` has searched since this was cleared."""
 
@@ -107,11 +110,13 @@ class Library(Generic[F]):
             self._made[name] = source
         return self._made[name]
 
-    def open(self, path: Path | str, folder: Path | None = None) -> F | None:
+    def open(
+        self, path: Path | str, folder: Path | None = None, *, apart: bool = False
+    ) -> F | None:
         """Return the file of a path; None if there is none.
 
-        `folder` is the include folder in which it was found. Raises OSError for a file that cannot
-        be read.
+        A file that a link leads to is that of the first path, unless it is kept `apart`. `folder`
+        is the include folder in which it was found. Raises OSError for a file that cannot be read.
         """
         absolute = absolute_path(path)
         self.trail[absolute] = None
@@ -120,7 +125,13 @@ class Library(Generic[F]):
         source = None
         digest = None
         file = Path(absolute)
-        if files.is_file(file):
+        is_file = files.is_file(file)
+        if is_file and not apart:
+            known = self._paths.setdefault(os.path.realpath(absolute), absolute)
+            if known != absolute:
+                source = self.open(known, folder)
+                digest = self.dependency(known).sha256
+        if is_file and source is None:
             data = files.read_start(file, MAX_BYTES + 1)
             digest = sha256(data).hexdigest()
             source = self._make(

@@ -19,15 +19,16 @@ def open_main(
     missing: Rule,
     unreadable: Rule,
     beside: str,
+    apart: bool = False,
 ) -> F | None:
     """Return the file of a path, displayed as `shown`; None, after a diagnostic, if unreadable.
 
     The hint for a missing file is a similar name in its folder that matches the glob pattern
-    `beside`.
+    `beside`. `apart`: links to one file are files of their own.
     """
     span = Span(shown, 1, 1, 1, 1)
     try:
-        source = library.open(path)
+        source = library.open(path, apart=apart)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         report(unreadable.at(span, f"{shown} cannot be read: {reason}"))

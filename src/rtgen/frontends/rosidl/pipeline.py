@@ -92,9 +92,6 @@ class _Run:
 
     def read_main(self, path: Path, shown: str) -> None:
         stages.file(shown)
-        if absolute_path(path) in self._read:
-            self._mark_main(shown)
-            return
         file = open_main(
             self._library,
             path,
@@ -104,7 +101,11 @@ class _Run:
             unreadable=rules.UNREADABLE,
             beside=f"*{path.suffix}",
         )
-        if file is not None:
+        if file is None:
+            return
+        if absolute_path(file.path) in self._read:
+            self._mark_main(file.name)
+        else:
             self._interface(file, main=True)
 
     def _mark_main(self, shown: str) -> None:
