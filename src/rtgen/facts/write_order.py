@@ -274,11 +274,10 @@ class _Order:
         others = (number for number in self._of(index) if number != cob_id)
         yield from self._values(others)
         mapping = index + _TO_MAPPING
-        is_mapped = bool(self._of(mapping))
-        if is_mapped:
+        if self._of(mapping):
             yield from self._mapping(mapping, name)
-        # A PDO whose mapping was removed stays off: nodes refuse to switch it on.
-        is_empty = is_mapped and node.after((mapping, 0)) == 0
+        # A PDO that maps nothing stays off: nodes refuse to switch it on.
+        is_empty = node.after((mapping, 0)) == 0
         if switched and not is_empty and service.exists(node.after(cob_id) or 0):
             yield Step(cob_id, How.VALUE, f"{name} on")
 

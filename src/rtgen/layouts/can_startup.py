@@ -12,7 +12,7 @@ import msgspec
 from msgspec.structs import replace
 
 from rtgen.facts import write_order
-from rtgen.facts.cob_ids import service_of
+from rtgen.facts.cob_ids import configurable, service_of
 from rtgen.facts.write_order import How, Step
 from rtgen.layouts.can_values import CanValueError, octets
 from rtgen.model.can_bus import BusNode, DeviceKind
@@ -177,7 +177,19 @@ class _StartUp:
         return variable.initial(self._device.node_id)
 
     def _final(self, variable: Variable) -> Value | None:
-        return variable.in_force(self._device.node_id)
+        """Return the value in force afterwards; a service is off with an identifier it can have."""
+        value = variable.in_force(self._device.node_id)
+        service = service_of((variable.index, variable.subindex))
+        cob_id = self._number(value)
+        if service is None or cob_id is None or value is None:
+            return value
+        if service.exists(cob_id) or configurable(cob_id):
+            return value
+        initial = self._initial(variable)
+        before = self._number(initial)
+        if initial is None or before is None or not configurable(before):
+            return value
+        return self._switched_off(variable, initial)
 
     def _number(self, value: Value | None) -> int | None:
         number = resolved(value, self._id)

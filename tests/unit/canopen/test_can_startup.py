@@ -132,10 +132,14 @@ def test_a_pdo_that_is_switched_off_stays_off(written: Callable[..., Written]) -
     assert writes == [("1401:1", "03030080"), ("1401:2", "ff")]
 
 
-def test_a_pdo_whose_mapping_is_removed_stays_off(
-    written: Callable[..., Written],
-) -> None:
+def test_a_pdo_that_maps_nothing_stays_off(written: Callable[..., Written]) -> None:
+    """Nodes refuse to switch it on: CANopenNode does, with 06090030h."""
     assert written('"1A02:0" = 0') == [("1802:1", "83030080"), ("1A02:0", "00")]
+
+
+def test_a_pdo_is_off_with_its_own_identifier(written: Callable[..., Written]) -> None:
+    """Nodes may refuse a restricted identifier of a service that is off, too."""
+    assert written('"1802:1" = 0x80000000') == [("1802:1", "83030080")]
 
 
 def test_what_a_device_stores_comes_last_and_is_not_read_back(

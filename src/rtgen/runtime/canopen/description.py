@@ -11,6 +11,7 @@ from msgspec.structs import replace
 from rtgen.facts.canopen import (
     NUMBER_KINDS,
     RPDO_COMMUNICATION,
+    RPDO_MAPPING,
     SYNC,
     TPDO_COMMUNICATION,
     nearest_zero,
@@ -108,11 +109,21 @@ class PdoDescription(msgspec.Struct, frozen=True, gc=False):
         cob_id = self.cob_id
         if self.relative and cob_id is not None:
             cob_id += node_id
-        received = self.direction == "rpdo"
-        base = RPDO_COMMUNICATION if received else TPDO_COMMUNICATION
-        found = in_force((base + self.number - 1, 1), cob_id, node_id, chosen=True)
+        found = in_force((self.communication_index, 1), cob_id, node_id, chosen=True)
         assert found is not None
         return found
+
+    @property
+    def communication_index(self) -> int:
+        """The index of its communication parameter."""
+        received = self.direction == "rpdo"
+        base = RPDO_COMMUNICATION if received else TPDO_COMMUNICATION
+        return base + self.number - 1
+
+    @property
+    def mapping_index(self) -> int:
+        """The index of its mapping parameter."""
+        return self.communication_index + RPDO_MAPPING - RPDO_COMMUNICATION
 
 
 class DeviceDescription(msgspec.Struct, frozen=True, dict=True):

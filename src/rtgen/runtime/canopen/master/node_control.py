@@ -6,10 +6,9 @@ state; otherwise they raise NodeError, SdoAbort or LinkError. All I/O goes throu
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Callable, Generator, Mapping, Sequence
 from typing import Final, TypeAlias
 
-from rtgen.runtime.canopen import values
 from rtgen.runtime.canopen.bus.link import Link, no_guarding
 from rtgen.runtime.canopen.bus.sdo_channel import ATTEMPTS, Outcome
 from rtgen.runtime.canopen.description import (
@@ -17,7 +16,9 @@ from rtgen.runtime.canopen.description import (
     NodeDescription,
     ObjectNumber,
     ObjectValue,
+    Write,
 )
+from rtgen.runtime.canopen.master.parameter_writes import ParameterWriter
 from rtgen.runtime.canopen.master.proxied_node import ProxiedNode
 from rtgen.runtime.canopen.node_setup import IDENTITY, same
 from rtgen.runtime.canopen.wire import sdo
@@ -202,16 +203,37 @@ class NodeControl:
         if link.master is None and self._master:
             yield from self._set_up()
         yield from self._supervise()
-        for number, value in parameters().items():
+        wanted = parameters()
+        for number, octets in self.parameter_writes(wanted):
             described = self._description.by_number[number]
-            octets = values.encode(described.kind, value)
             attempts = ATTEMPTS if described.readable else 1
             yield from self._download(number, octets, attempts)
-            self.written[number] = value
+        self.written.update(wanted)
         foreign += channel.unexpected
         if foreign >= max(_FOREIGN_ANSWERS, self._transfers - 1):
             raise NodeError(f"{self} {_TWICE}")
         yield from self._go(NmtCommand.START, NmtState.OPERATIONAL)
+
+    def parameter_writes(
+        self, wanted: Mapping[ObjectNumber, ObjectValue]
+    ) -> list[tuple[ObjectNumber, bytes]]:
+        """Return the writes of parameters. Raises ObjectValueError for an invalid value."""
+        is_known = self._placed is not None or self._master
+        writer = ParameterWriter(
+            self._description,
+            self._node.node_id,
+            self._configuration if is_known else None,
+            self.written,
+            wanted,
+        )
+        return list(writer.writes())
+
+    @property
+    def _configuration(self) -> Sequence[Write]:
+        placed = self._placed
+        return (
+            self._description.configuration if placed is None else placed.configuration
+        )
 
     def _await_master(self, wanted: NmtState | None) -> Steps:
         """Wait for an NMT master here, or until another one has changed the node's state."""
@@ -236,12 +258,12 @@ class NodeControl:
 
     def _set_up(self) -> Steps:
         """Identify and configure the node, in place of a manager."""
-        placed = self._placed
-        yield from self._await_answer()
+        placed, writes = self._placed, self._configuration
+        if writes and self._node.state is not NmtState.OPERATIONAL:
+            yield from self._reset_communication()
+        else:
+            yield from self._await_answer()
         identity = (None,) * len(IDENTITY) if placed is None else placed.identity
-        writes = (
-            self._description.configuration if placed is None else placed.configuration
-        )
         for (index, subindex, what), wanted in zip(IDENTITY, identity, strict=True):
             if wanted is None:
                 continue
@@ -266,6 +288,21 @@ class NodeControl:
                     f"{self} does not keep the value written to {_text(number)}"
                 )
 
+    def _reset_communication(self) -> Steps:
+        """Reset the communication of the node, so that its configuration is known."""
+        link, node = self._link, self._node
+        boots, limit = node.boots, link.now() + self._boot_timeout
+        self.command(NmtCommand.RESET_COMMUNICATION)
+        while node.boots == boots:
+            if link.now() >= limit:
+                raise self._missing()
+            yield f"the boot-up message of {self}"
+        self._boots = node.boots
+
+    def _missing(self) -> NodeError:
+        time = _seconds(self._boot_timeout)
+        return NodeError(f"{self} is missing: no answer within {time}")
+
     def _await_answer(self) -> Steps:
         """Wait until the node responds, or the boot time-out has expired."""
         link = self._link
@@ -279,9 +316,7 @@ class NodeControl:
             else:
                 return
             if link.now() >= limit:
-                raise NodeError(
-                    f"{self} is missing: no answer within {_seconds(self._boot_timeout)}"
-                )
+                raise self._missing()
 
     def _supervise(self) -> Steps:
         """Start supervision by the node's heartbeat, or by node guarding."""

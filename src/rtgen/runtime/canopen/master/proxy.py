@@ -329,19 +329,15 @@ class CanopenProxy(ProxyHooks, Component):
                 for number, value in self._parameter_values().items()
                 if written.get(number) != value
             }
-            octets = {
-                number: values.encode(self.description.by_number[number].kind, value)
-                for number, value in changed.items()
-            }
+            writes = connection.control.parameter_writes(changed)
         except ValueError as error:
             self._warn(str(error))
             return
+        written.update(changed)
         channel = connection.link.sdo(node.node_id)
-        for number, value in changed.items():
-            written[number] = value
-            channel.submit_download(
-                *number, octets[number], self._written(connection, number)
-            )
+        for number, octets in writes:
+            done = self._written(connection, number)
+            channel.submit_download(*number, octets, done)
 
     def _written(
         self, connection: ProxyConnection, number: ObjectNumber

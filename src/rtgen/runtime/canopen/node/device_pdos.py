@@ -5,14 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from typing import Final, TypeAlias
 
-from rtgen.facts.canopen import (
-    INVALID,
-    MAX_SYNC_CYCLIC,
-    RPDO_COMMUNICATION,
-    RPDO_MAPPING,
-    TPDO_COMMUNICATION,
-    TPDO_MAPPING,
-)
+from rtgen.facts.canopen import INVALID, MAX_SYNC_CYCLIC
 from rtgen.facts.write_order import MULTIPLEXED
 from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue, PdoDescription
 from rtgen.runtime.canopen.node.emergency_producer import EmergencyProducer
@@ -52,10 +45,6 @@ IsEvent: TypeAlias = Callable[[bytes | None, bytes], bool]
 The old octets are None when the node enters OPERATIONAL.
 """
 
-_BASES: Final = {
-    "rpdo": (RPDO_COMMUNICATION, RPDO_MAPPING),
-    "tpdo": (TPDO_COMMUNICATION, TPDO_MAPPING),
-}
 _COB_ID, _TYPE, _INHIBIT, _EVENT_TIMER, _SYNC_START = 1, 2, 3, 5, 6
 _LOCKED: Final = 0x06010003
 """Abort code for mapping entries while sub-index 0 is not 0."""
@@ -77,9 +66,8 @@ class DevicePdo:
         self.label = pdo.number.to_bytes(2, "little")
         """The PDO number, which identifies the PDO in emergency messages."""
         self.cob_id = CobId(INVALID)
-        communication, mapping = _BASES[pdo.direction]
-        self.communication = communication + pdo.number - 1
-        self.mapped = mapping + pdo.number - 1
+        self.communication = pdo.communication_index
+        self.mapped = pdo.mapping_index
         self._dictionary = dictionary
         self._own = own
         self._defaults: dict[int, int] = {}
