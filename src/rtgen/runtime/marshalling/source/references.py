@@ -43,7 +43,7 @@ class References:
         key = (kind, id(descriptor))
         if key not in self.needed:
             made = descriptor.name.rpartition("::")[2]
-            name = self.namespace.free(f"{kind}_{made}".replace(" ", "_"))
+            name = self.namespace.free(f"{kind}_{made}")
             self.needed[key] = (name, kind, descriptor)
         return self.needed[key][0]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import linecache
+import re
 from keyword import iskeyword
 from typing import Any
 
@@ -11,6 +12,7 @@ from rtgen.runtime.marshalling.layouts.nodes import (
 )
 
 _MAX_NAME = 32
+_NO_IDENTIFIER = re.compile("[^A-Za-z0-9_]")
 _FIXED = frozenset(
     {"cls", "data", "discriminator", "failure", "inner", "item", "little_endian"}
     | {"offset", "out", "same", "selected", "self", "size", "unpack", "value"}
@@ -68,8 +70,13 @@ class Namespace:
         return known
 
     def free(self, wanted: str) -> str:
-        """Return an unused name."""
-        name = wanted
+        """Return an unused identifier, similar to a name of any characters.
+
+        It has ASCII characters alone, since Python changes others (PEP 3131).
+        """
+        name = _NO_IDENTIFIER.sub("_", wanted)
+        if not name.strip("_") or name[0].isdigit():
+            name = f"of_{name}"
         while name in self._taken or iskeyword(name):
             name += "_"
         self._taken.add(name)
