@@ -35,6 +35,7 @@ class LocalMap:
 
     def __init__(self) -> None:
         self._seen: dict[Cell, int] = {}
+        self._closed: dict[Cell, int] = {}
         self._scan: list[Point] = []
         self._base = Pose(0.0, 0.0, 0.0)
 
@@ -48,6 +49,10 @@ class LocalMap:
                 base.y + x * across + y * along,
             )
             self._seen[_cell(place)] = now
+
+    def close(self, place: Point, now: int) -> None:
+        """Treat a place as an obstacle that no scan shows, for as long as one is remembered."""
+        self._closed[_cell(place)] = now
 
     def way(self, base: Pose, gate: Pose, radius: float, now: int) -> list[Point]:
         """Return the shortest way that leads `BEYOND` a place, in the direction of its heading.
@@ -88,12 +93,15 @@ class LocalMap:
     def _forget(self, base: Pose, now: int) -> None:
         most = (RANGE / CELL) ** 2
         here = _cell((base.x, base.y))
-        self._seen = {
-            cell: seen
-            for cell, seen in self._seen.items()
-            if now - seen <= MEMORY
-            and (cell[0] - here[0]) ** 2 + (cell[1] - here[1]) ** 2 <= most
-        }
+        self._seen, self._closed = (
+            {
+                cell: seen
+                for cell, seen in cells.items()
+                if now - seen <= MEMORY
+                and (cell[0] - here[0]) ** 2 + (cell[1] - here[1]) ** 2 <= most
+            }
+            for cells in (self._seen, self._closed)
+        )
 
     def _remove_seen_through(self) -> None:
         """Forget cells in front of what the latest scan has hit: obstacles move, and so do bases
@@ -123,7 +131,7 @@ class LocalMap:
             if i * i + j * j < reach * reach
         ]
         distances: dict[Cell, float] = {}
-        for x, y in self._seen:
+        for x, y in {**self._seen, **self._closed}:
             for i, j, distance in around:
                 cell = (x + i, y + j)
                 if distance < distances.get(cell, radius):

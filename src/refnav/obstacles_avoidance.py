@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import pi, sin, sqrt
+from math import copysign, cos, pi, sin, sqrt
 
 from refnav.free_way import STRAIGHT, free_way
 from refnav.newest import complaints
@@ -19,13 +19,20 @@ DETOUR_COST = 0.1
 CHANGE_COST = 0.05
 """Cost of leaving the current arc, per 1/m."""
 
+MIN_WAY = 0.3
+"""A free way shorter than this is left, if the base can turn to a longer one [m]."""
+TURN_STEP = pi / 12
+"""Angle between directions in which a way is searched [rad]."""
+MAX_TURNS = 8
+"""Number of these directions on either side: no scan covers what is behind the base."""
+
 
 class ObstaclesAvoidance(ObstaclesAvoidanceBase):
     """Plans with each scan; between scans the points are moved by the commanded velocity.
 
-    If no arc makes progress, the base takes the shortest way round on the map that it has drawn,
-    turning on the spot and back out of a dead end if it must. Its observable `free` is the free
-    way ahead [m].
+    If no arc makes progress, the base turns on the spot towards a direction that does; if there is
+    none, it takes the shortest way round on the map that it has drawn, back out of a dead end and
+    past the other side. Its observable `free` is the free way ahead [m].
     """
 
     def on_initialize(self) -> ReturnCode_t:
@@ -89,6 +96,7 @@ class ObstaclesAvoidance(ObstaclesAvoidanceBase):
     def _follow(self) -> None:
         """Pass the commanded velocity on, because it is free of obstacles."""
         self._detour: float | None = None
+        self._turning = 0.0
         self._round.leave()
         self.report("")
 
@@ -108,14 +116,24 @@ class ObstaclesAvoidance(ObstaclesAvoidanceBase):
             return v, w
         if fresh or self._detour is None:
             self._detour = self._plan(asked)
+            free = self._way(self._detour)
+            # The base turns until the way ahead is long enough.
+            if free < MIN_WAY and (self._turning or free == 0.0):
+                self._turning = self._direction(self._turning)
+            else:
+                self._turning = 0.0
         free = self._way(self._detour)
-        if free == 0.0 and self._round.take(self._radius):
+        stuck = free == 0.0 and not self._turning
+        if stuck and self._round.take(self._radius):
             return self._drive_round(v)
-        self.report("" if free else "no way ahead, and none to turn to")
+        self.report("no way ahead, and none to turn to" if stuck else "")
+        if self._turning:
+            return 0.0, self._turning
         return self._drive(self._detour, v)
 
     def _drive_round(self, v: float) -> tuple[float, float]:
         self._detour = 0.0
+        self._turning = 0.0
         self.report("")
         curvature, turn = self._round.curvature()
         if turn:
@@ -148,6 +166,24 @@ class ObstaclesAvoidance(ObstaclesAvoidanceBase):
             )
 
         return max(tried, key=worth)
+
+    def _direction(self, turn: float) -> float:
+        """Return the angular speed that turns to the nearest way; 0 if there is none to turn to.
+
+        The direction of a turn is kept until it ends: otherwise the base would oscillate.
+        """
+        radius, points = self._radius, self._around.points
+        for step in range(1, MAX_TURNS + 1):
+            for side in (1.0, -1.0) if turn >= 0.0 else (-1.0, 1.0):
+                if turn and side != copysign(1.0, turn):
+                    continue
+                along, across = cos(step * TURN_STEP), side * sin(step * TURN_STEP)
+                turned = [
+                    (x * along + y * across, y * along - x * across) for x, y in points
+                ]
+                if free_way(0.0, turned, radius, self.config.horizon) >= MIN_WAY:
+                    return side * self.config.max_w
+        return 0.0
 
     @property
     def _radius(self) -> float:

@@ -18,6 +18,10 @@ MAX_BEARING = 0.5
 """The base turns on the spot towards a point in a direction farther from its own [rad]."""
 RETRY = SECOND
 """Time between two searches without a result [ns]."""
+SAME_PLACE = 0.5
+"""A dead end nearer than this to one that was left is the same one [m]."""
+FORGET = 120 * SECOND
+"""Time after which it is left again [ns]."""
 
 
 class WayRound:
@@ -33,6 +37,7 @@ class WayRound:
         self._now = now
         self._map = LocalMap()
         self._searched = now - RETRY
+        self._left: list[tuple[int, Pose]] = []
         self.leave()
 
     def leave(self) -> None:
@@ -65,10 +70,21 @@ class WayRound:
     def take(self, radius: float) -> bool:
         """Return whether there is a way past this place, along the course; the base is on it then.
 
-        The centre of the base keeps `radius` [m] from obstacles.
+        It keeps `radius` [m] from obstacles. A dead end is left only once.
         """
-        if self._now - self._searched >= RETRY:
-            self._search(Pose(self._pose.x, self._pose.y, self._course), radius)
+        if self._now - self._searched < RETRY:
+            return False
+        here = self._pose
+        self._left = [one for one in self._left if self._now - one[0] <= FORGET]
+        if any(
+            hypot(gate.x - here.x, gate.y - here.y) < SAME_PLACE
+            for _, gate in self._left
+        ):
+            return False
+        gate = Pose(here.x, here.y, self._course)
+        self._search(gate, radius)
+        if self.is_taken:
+            self._left.append((self._now, gate))
         return self.is_taken
 
     def curvature(self) -> tuple[float, float]:
@@ -83,16 +99,22 @@ class WayRound:
         )
         bearing = wrap(atan2(y - here.y, x - here.x) - here.theta)
         curvature = 2.0 * sin(bearing) / max(hypot(x - here.x, y - here.y), CELL)
-        if abs(bearing) > MAX_BEARING or self._free_way(curvature) == 0.0:
+        if abs(bearing) > MAX_BEARING:
             # The side is kept: a base before a way straight behind it would turn to and fro.
             self._turn = self._turn or copysign(1.0, bearing)
         else:
             self._turn = 0.0
+            if self._free_way(curvature) == 0.0:
+                # The gap is too narrow, seen from here.
+                self._map.close((x, y), self._now)
         return curvature, self._turn
 
     def _search(self, gate: Pose, radius: float) -> None:
         self._searched = self._now
-        self._way = self._map.way(self._pose, gate, radius + 0.5 * CELL, self._now)
+        # Cells are coarse: a gap that is just wide enough is found with the lesser radius.
+        self._way = self._map.way(
+            self._pose, gate, radius + 0.5 * CELL, self._now
+        ) or self._map.way(self._pose, gate, radius - CELL, self._now)
         if len(self._way) > 1:
             self._gate = gate
         else:

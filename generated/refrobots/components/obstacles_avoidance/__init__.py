@@ -38,9 +38,9 @@ class ObstaclesAvoidanceBase(Component):
     The base is taken as a circle that goes along arcs. If the arc asked for is free, the velocity
     is passed on. Else the base takes the nearest arc that is free for longer, slower the less of
     it is free, down to a stop. Turning on the spot is always free: where no arc gets on, the base
-    turns to the shortest way round on the map of what it has seen, back out of a dead end where it
-    must, and reports if there is none. Of the source's component only the name survived; ports and
-    method are ours.
+    turns to where it sees a way. If there is none, it takes the shortest way round on the map of
+    what it has seen, back out of a dead end, and reports if there is none either. Of the source's
+    component only the name survived; ports and method are ours.
     """
 
     profile: ClassVar[ComponentProfile] = ComponentProfile(
