@@ -19,7 +19,17 @@ RULES: tuple[Rule, ...] = (
     *modules.RULES,
 )
 
-DEVIATIONS = frozenset(
-    rule.code for rule in RULES if rule.severity is not Severity.ERROR
+_ABOUT_SERVICES = (
+    values.BAD_COB_ID,
+    pdos.BAD_COB_ID,
+    pdos.NO_NODE_ID,
+    pdos.MULTIPLEXED,
 )
-"""Codes of deviations from CiA 306 and CiA 301 with which a description is read."""
+DEVIATIONS = frozenset(
+    rule.code
+    for rule in RULES
+    if rule.severity is not Severity.ERROR and rule not in _ABOUT_SERVICES
+)
+"""Codes of deviations from CiA 306 and CiA 301 that are tolerated: no service gets another
+identifier for them, or is switched off.
+"""
