@@ -18,7 +18,7 @@ from rtgen.frontends import FrontendResult
 from rtgen.frontends.kit.library import VirtualFile
 from rtgen.frontends.stage import read_idl
 from rtgen.model import Model
-from rtgen.printed_idl import printed_idl
+from rtgen.printed_idl import interfaces, printed_idl
 from rtgen.project import load, with_arguments
 
 Paths = str | os.PathLike[str]
@@ -62,7 +62,10 @@ def read(
     if isinstance(source, str):
         text = VirtualFile(TEXT, source, given=True)
         printed = printed_idl(Model())
-        also.append(read_idl((), project.reading, text=text, printed=printed))
+        found = interfaces(project.reading)
+        also.append(
+            read_idl((), project.reading, text=text, printed=printed, interfaces=found)
+        )
     return compiler.read(project, lowered=lowered, also=also)
 
 

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
+from pathlib import Path
 
 from msgspec.structs import replace
 
 from rtgen.backends import stage as backends
-from rtgen.diagnostics import has_errors
-from rtgen.facts.ros import INTERFACE_SUFFIXES
+from rtgen.diagnostics import Severity, has_errors
+from rtgen.facts.ros import INTERFACE_KINDS, interface_beside, is_interface
+from rtgen.files import is_file
 from rtgen.frontends import FrontendResult, together
 from rtgen.frontends.idl.rules.lexical import INCLUDE_NOT_FOUND
+from rtgen.frontends.idl.text.source import Interfaces, Printed
+from rtgen.frontends.stage import Settings
 from rtgen.model import Model
 from rtgen.resources import ros_file, ros_interfaces
 
@@ -38,6 +42,41 @@ def _idl_of_shipped(name: str) -> str:
     return ros_idl.idl_of(model, f"{name.rpartition('.')[0]}.idl")
 
 
+def interfaces(settings: Settings) -> Interfaces:
+    """Return the function for IDL files of packages of ROS 2 that definitions include.
+
+    An installation has them beside the interface files that they were generated from, which are
+    read in their place; a file without one is read in the form that ROS 2 generates. One that is in
+    another form is no interface, but plain IDL.
+    """
+
+    def interface(path: Path, in_package: bool) -> Printed | None:
+        if path.parent.name not in INTERFACE_KINDS.values() or not is_file(path):
+            return None
+        from rtgen.frontends import rosidl
+
+        beside = interface_beside(path)
+        source = beside if beside is not None and is_file(beside) else None
+        if source is None and not in_package:
+            return None
+        found = rosidl.load(
+            [source or path],
+            root=settings.root,
+            include=settings.include,
+            encoding=settings.encoding,
+        )
+        errors = tuple(d for d in found.diagnostics if d.severity is Severity.ERROR)
+        if errors and source is None:
+            return None
+        from rtgen.backends import ros_idl
+
+        name = "/".join((*path.parts[-3:-1], f"{path.stem}.idl"))
+        text = "" if errors else ros_idl.idl_of(found.model, name)
+        return Printed(name, text, found.dependencies, errors)
+
+    return cache(interface)
+
+
 def merged(of_idl: FrontendResult, others: FrontendResult) -> FrontendResult:
     """Merge all definitions. A ROS 2 interface that was read replaces the IDL printed from it.
 
@@ -46,7 +85,7 @@ def merged(of_idl: FrontendResult, others: FrontendResult) -> FrontendResult:
     if has_errors(others.diagnostics):
         found = tuple(d for d in of_idl.diagnostics if d.code != INCLUDE_NOT_FOUND.code)
         of_idl = replace(of_idl, diagnostics=found)
-    if not any(file.name.endswith(INTERFACE_SUFFIXES) for file in others.model.files):
+    if not any(is_interface(d.name[:3]) for d in others.model.declarations):
         return together([of_idl, others])
     from rtgen.backends.ros_idl import idl_names
 

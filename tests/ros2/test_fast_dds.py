@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import importlib
 import logging
-import shutil
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -74,14 +73,10 @@ def calls(
     name = f"calls_{ros2.distribution}"
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
-        for path in ros2.share.glob("test_msgs/*/*"):
-            if path.suffix in (".msg", ".srv", ".action"):
-                copy = folder / path.relative_to(ros2.share)
-                copy.parent.mkdir(parents=True, exist_ok=True)
-                shutil.copy(path, copy)
         Path("t.idl").write_text(IDL)
         Path("rtgen.toml").write_text(
-            f'[sources]\npaths = ["t.idl", "test_msgs"]\n[output]\npackage = "{name}"\n'
+            f'[sources]\npaths = ["t.idl"]\ninclude = ["{ros2.share.as_posix()}"]\n'
+            f'[output]\npackage = "{name}"\n'
         )
         assert rtgen(["generate", "-q", "--no-cache"]) == 0
         patch.syspath_prepend(str(folder / "generated"))

@@ -13,13 +13,16 @@ from rtgen.backends.kit.idl_text import idl_text
 from rtgen.facts.ros import INTERFACE_SUFFIXES
 from rtgen.model import Model
 
+_IDL = ".idl"
+
 
 def idl_names(model: Model) -> dict[str, str]:
     """Return the interface files of a model: displayed names by the names of their IDL files."""
     found = {}
     for declaration in model.declarations:
         path = PurePosixPath(declaration.file)
-        if path.suffix in INTERFACE_SUFFIXES:
+        is_idl = path.suffix == _IDL and declaration.name[1:2] == (path.parent.name,)
+        if path.suffix in INTERFACE_SUFFIXES or is_idl:
             name = "/".join((*declaration.name[:2], f"{path.stem}.idl"))
             found[name] = declaration.file
     return found

@@ -11,7 +11,8 @@ import msgspec
 from msgspec.structs import replace
 
 from rtgen import plugins, stages
-from rtgen.facts.ros import INTERFACE_SUFFIXES
+from rtgen.facts.ros import GENERATED_IDL, INTERFACE_KINDS, INTERFACE_SUFFIXES
+from rtgen.files import read_start
 from rtgen.frontends import FrontendResult, together
 from rtgen.frontends.kit.library import VirtualFile, absolute_path
 from rtgen.model import Model
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from rtgen.frontends.cdl.names.table import Table
     from rtgen.frontends.cdl.syntax.unit import Unit as CdlUnit
     from rtgen.frontends.idl.names.tables import Tables
+    from rtgen.frontends.idl.text.source import Interfaces
     from rtgen.frontends.kit.memo import Memo
 
 
@@ -179,7 +181,10 @@ _IDL: Final = (".idl",)
 def read(paths: Sequence[Path], settings: Settings) -> Iterator[FrontendResult]:
     """Yield the result of each front end except IDL's. Raises ToolError for a plug-in."""
     for name, suffixes, load in FRONTENDS:
-        if chosen := ending_with(paths, suffixes):
+        chosen = ending_with(paths, suffixes)
+        if suffixes is INTERFACE_SUFFIXES:
+            chosen += filter(_is_of_ros2, ending_with(paths, _IDL))
+        if chosen:
             with stages.stage(f"read {name}"):
                 result = load(chosen, settings)
             yield result
@@ -203,13 +208,16 @@ def read_idl(
     named: Sequence[Path] = (),
     needed: Sequence[str] = (),
     printed: Mapping[str, Callable[[], str]] | None = None,
+    interfaces: Interfaces | None = None,
 ) -> FrontendResult:
     """Read the IDL files of the paths, a `text`, and files required by other definitions.
 
     `named` are files, `needed` names of IDL files that ship with rtgen. `printed` are texts of IDL
-    files that exist only when they are included, by name.
+    files that exist only when they are included, by name; `interfaces` returns that of a file that
+    ROS 2 has generated.
     """
-    chosen = (*ending_with(paths, _IDL), *named)
+    own = (p for p in ending_with(paths, _IDL) if not _is_of_ros2(p))
+    chosen = (*own, *named)
     if not chosen and not needed and text is None:
         return together(())
     from rtgen.frontends import idl
@@ -231,9 +239,20 @@ def read_idl(
             observe=None if settings.observer is None else settings.observer.idl,
             memo=settings.memo,
             encoding=settings.encoding,
+            interfaces=interfaces,
         )
     shipped = library.dependencies(found.model.files)
     return replace(found, dependencies=(*found.dependencies, *shipped))
+
+
+def _is_of_ros2(idl: Path) -> bool:
+    """Return whether an IDL file is an interface of ROS 2 in the form that it generates."""
+    if idl.absolute().parent.name not in INTERFACE_KINDS.values():
+        return False
+    try:
+        return read_start(idl, len(GENERATED_IDL)) == GENERATED_IDL
+    except OSError:
+        return False
 
 
 def ending_with(paths: Sequence[Path], suffixes: Sequence[str]) -> list[Path]:

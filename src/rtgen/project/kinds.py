@@ -8,8 +8,8 @@ from functools import cache
 from pathlib import Path
 
 from rtgen import plugins
-from rtgen.facts.ros import INTERFACE_SUFFIXES
-from rtgen.files import read_start
+from rtgen.facts.ros import INTERFACE_SUFFIXES, interface_beside
+from rtgen.files import is_file, read_start
 
 FILE_NAME = "rtgen.toml"
 
@@ -47,6 +47,12 @@ def plugin_suffixes() -> tuple[str, ...]:
     return tuple(
         s for _, f in plugins.loaded(plugins.Group.FRONTENDS) for s in f.suffixes
     )
+
+
+def is_generated(path: Path) -> bool:
+    """Return whether it is IDL beside the interface file that ROS 2 has generated it from."""
+    source = interface_beside(path)
+    return source is not None and is_file(source)
 
 
 def is_component_profile(path: Path) -> bool:

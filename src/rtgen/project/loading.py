@@ -23,6 +23,7 @@ from rtgen.project.kinds import (
     SUFFIXES,
     XML_DEVICES,
     is_definition,
+    is_generated,
     is_system,
     plugin_suffixes,
 )
@@ -435,7 +436,11 @@ def _below(folder: Path, skip: Path) -> list[Path]:
             if not f.startswith(".") and _normal((here / f).absolute()) != skip
         ]
         found += [
-            here / f for f in files if not f.startswith(".") and is_definition(here / f)
+            here / f
+            for f in files
+            if not f.startswith(".")
+            and is_definition(here / f)
+            and not is_generated(here / f)
         ]
     return sorted(found, key=lambda p: p.parts)
 

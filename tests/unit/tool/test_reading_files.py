@@ -75,7 +75,10 @@ WRITERS = {
 }
 """Writers of new files, of outputs that a command names, and of rtgen's own state."""
 
-OTHERS = {"lowering/profiles/definitions.py Definitions.component"}
+OTHERS = {
+    "lowering/profiles/definitions.py Definitions.component",
+    "runtime/dds/c_log.py _Log.__init__",
+}
 """Functions of the same names that have nothing to do with files."""
 
 _MODE = re.compile(r"[rwaxbt+]{1,3}")

@@ -13,7 +13,7 @@ from rtgen.frontends.idl.names.tables import Tables
 from rtgen.frontends.idl.rules import lexical, names, syntax
 from rtgen.frontends.idl.text.macros import ExpansionError, Macro
 from rtgen.frontends.idl.text.predefined import predefined
-from rtgen.frontends.idl.text.source import Library, Source
+from rtgen.frontends.idl.text.source import Interfaces, Library, Source
 from rtgen.frontends.idl.text.unit import Inclusion
 from rtgen.frontends.idl.translation import Translation, Translator
 from rtgen.frontends.kit.findings import Findings
@@ -45,6 +45,7 @@ def load(
     observe: Callable[[Tables], None] | None = None,
     memo: Memo | None = None,
     encoding: str = "auto",
+    interfaces: Interfaces | None = None,
 ) -> FrontendResult:
     """Read definition files, each as a translation unit, into one model.
 
@@ -53,16 +54,17 @@ def load(
     in case are different names. `virtual` are files that can be included by name if no such file
     exists; those that are `given` are read before `paths`. `observe` is called with the resolved
     names of each translation unit; units whose files have not changed are taken from `memo`.
-    `encoding`, of `encodings.NAMES`, is that of files that do not tell theirs. All
-    errors in the input are among the diagnostics, sorted; no exception is raised for them.
-    Declarations with errors, and their dependents, are not in the model.
+    `encoding`, of `encodings.NAMES`, is that of files that do not tell theirs. `interfaces` returns
+    the IDL of an included file that ROS 2 has generated. All errors in the input are among the
+    diagnostics, sorted; no exception is raised for them. Declarations with errors, and their
+    dependents, are not in the model.
     """
     limit = sys.getrecursionlimit()
     sys.setrecursionlimit(max(limit, _FRAMES))
     try:
         run = _Run(
             *(paths, root, include, define or {}, ignore_case_clashes),
-            *(virtual or {}, observe, memo, encoding),
+            *(virtual or {}, observe, memo, encoding, interfaces),
         )
         return run.result()
     finally:
@@ -81,9 +83,10 @@ class _Run:
         observe: Callable[[Tables], None] | None,
         memo: Memo | None,
         encoding: str,
+        interfaces: Interfaces | None,
     ) -> None:
         shown = {absolute_path(path): path.as_posix() for path in reversed(paths)}
-        self._library = Library(root, include, shown, virtual, encoding)
+        self._library = Library(root, include, shown, virtual, encoding, interfaces)
         self._given = [
             name
             for name, file in virtual.items()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
 from typing import Generic, Protocol, TypeVar
@@ -143,6 +143,11 @@ class Library(Generic[F]):
         self._read[absolute] = source
         self._dependencies[absolute] = Dependency(file, digest)
         return source
+
+    def note(self, dependencies: Iterable[Dependency]) -> None:
+        """Record paths that were searched for a virtual file."""
+        for each in dependencies:
+            self._dependencies.setdefault(str(each.path), each)
 
     @property
     def virtual_names(self) -> tuple[str, ...]:

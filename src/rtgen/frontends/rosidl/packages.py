@@ -31,8 +31,8 @@ def identity(path: Path, findings: Findings, span: Span) -> tuple[str, str, str]
 
     A file outside of a folder of its kind is in the package `interfaces`.
     """
-    kind = INTERFACE_KINDS[path.suffix.lower()]
     folder = path.absolute().parent
+    kind = INTERFACE_KINDS.get(path.suffix.lower(), folder.name)
     package = folder.parent.name if folder.name == kind else _DEFAULT_PACKAGE
     name = path.stem
     if not MESSAGE_NAME.fullmatch(name):

@@ -18,7 +18,7 @@ from rtgen.frontends.kit.findings import Findings
 from rtgen.frontends.kit.library import Library, absolute_path
 from rtgen.frontends.kit.main_files import open_main
 from rtgen.frontends.kit.suggestions import nearest
-from rtgen.frontends.rosidl import rules
+from rtgen.frontends.rosidl import idl_form, rules
 from rtgen.frontends.rosidl.interfaces import PARTS, Message, messages_of
 from rtgen.frontends.rosidl.lowering import action_interfaces, declarations
 from rtgen.frontends.rosidl.packages import (
@@ -28,12 +28,19 @@ from rtgen.frontends.rosidl.packages import (
     identity,
     shipped,
 )
-from rtgen.frontends.rosidl.syntax import PRIMITIVES, STRINGS, FieldType, parts_of
+from rtgen.frontends.rosidl.syntax import (
+    PRIMITIVES,
+    STRINGS,
+    FieldType,
+    Part,
+    parts_of,
+)
 from rtgen.frontends.rosidl.types import scoped
 from rtgen.model import Declaration, Model, ScopedName, SourceFile
 
 _FORM: Final = "an interface file of ROS 2"
 _MAX_FILES: Final = 10_000
+_IDL: Final = ".idl"
 
 
 class InterfaceFile(msgspec.Struct, frozen=True):
@@ -122,7 +129,10 @@ class _Run:
         if text is None or names is None:
             return
         package, kind, stem = names
-        parts = parts_of(text, file.name, self._findings)
+        if file.path.suffix.lower() == _IDL:
+            parts = self._parts_of_idl(text, file.name, names)
+        else:
+            parts = parts_of(text, file.name, self._findings)
         expected = len(PARTS[kind])
         if len(parts) != expected:
             text = f"number of parts: {len(parts)}; a .{kind} file has {expected}"
@@ -154,6 +164,17 @@ class _Run:
             if kind == "action":
                 action = (package, kind, stem)
                 self._declarations += action_interfaces(action, file.name, start)
+
+    def _parts_of_idl(
+        self, text: str, file: str, names: tuple[str, str, str]
+    ) -> list[Part]:
+        try:
+            return idl_form.parts_of(text, file, names)
+        except idl_form.OtherFormError as error:
+            place = Span(file, error.line, 1, error.line, 1)
+            message = "this is not IDL in the form that ROS 2 generates"
+            self._findings.add(rules.SYNTAX, place, message)
+            return [Part((), (), "")] * len(PARTS[names[1]])
 
     def _text(self, file: InterfaceFile, start: Span) -> str | None:
         if file.data is None:
@@ -236,7 +257,9 @@ class _Run:
         found = None
         for path, folder in candidates(name, file.path, self._library.include):
             try:
-                found = self._library.open(path, folder)
+                found = self._library.open(path, folder) or self._library.open(
+                    path.with_suffix(_IDL), folder
+                )
             except OSError as error:
                 span = Span(file.name, 1, 1, 1, 1)
                 self._findings.add(rules.UNREADABLE, span, f"{path.name}: {error}")

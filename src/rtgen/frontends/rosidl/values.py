@@ -177,7 +177,14 @@ def _through_idl(text: str) -> str:
 def _strings_through_idl(values: list[Scalar]) -> tuple[Scalar, ...]:
     """Return the strings of an array, which pass through IDL as the text of a tuple in Python."""
     text = repr(tuple(values)).replace("\\", "\\\\").replace('"', '\\"')
-    text = _of_literal(text).removeprefix("(").removesuffix(")").removesuffix(",")
+    return of_tuple(_of_literal(text), None)
+
+
+def of_tuple(text: str, kind: Primitive | None) -> tuple[Scalar, ...]:
+    """Return the values of an array that is written as a tuple in Python. Raises ValueError."""
+    text = text.removeprefix("(").removesuffix(")").removesuffix(",")
+    if kind is not None:
+        return tuple(_scalar(each.strip(), kind, None) for each in _numbers(text))
     found = []
     at = 0
     while at < len(text):
@@ -202,6 +209,11 @@ def _of_literal(text: str) -> str:
         raise ValueError("has a line break, which rosidl cannot convert")
     if not _is_one_literal(text):
         raise ValueError("has a backslash before a quote or its end")
+    return unescaped(text)
+
+
+def unescaped(text: str) -> str:
+    """Return the string that rosidl_parser reads from the text of a literal. Raises ValueError."""
     text = _ESCAPE_OF_IDL.sub(_character, text)
     return re.sub(r'\\(["\\])', r"\1", text)
 

@@ -74,6 +74,14 @@ class IncludePath:
                     where = folder or beside or ""
                     path = os.path.join(where, name)  # noqa: PTH118 (time)
                     searched.append(absolute_path(path))
+                    interface = self._library.interface(path, folder)
+                    if interface is not None:
+                        source, printed = interface
+                        searched += (str(each.path) for each in printed.dependencies)
+                        for each in printed.findings:
+                            unit.findings.report(each)
+                        self._origins.setdefault(source, folder)
+                        return source, tuple(searched), False
                     found = self._library.open(path, folder)
                     if found is not None:
                         self._origins.setdefault(found, folder)

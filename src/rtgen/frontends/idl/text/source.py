@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, partial
 from pathlib import Path
+from typing import TypeAlias
+
+import msgspec
 
 from rtgen.diagnostics import Diagnostic, Span
 from rtgen.facts.encodings import digest
+from rtgen.frontends import Dependency
 from rtgen.frontends.idl.rules import lexical
 from rtgen.frontends.kit import characters, library
 from rtgen.frontends.kit.characters import TOKENS, Joined
 from rtgen.frontends.kit.doc_comments import Comment
-from rtgen.frontends.kit.library import MAX_BYTES, VirtualFile
+from rtgen.frontends.kit.library import MAX_BYTES, VirtualFile, absolute_path
 from rtgen.frontends.kit.lines import LineTable
 
 _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f\x7f]")
@@ -136,6 +140,25 @@ def _source(
     return source
 
 
+class Printed(msgspec.Struct, frozen=True):
+    """The IDL of an interface of ROS 2, by its name in `#include`.
+
+    `findings` are those in the files that it depends on.
+    """
+
+    name: str
+    text: str
+    dependencies: tuple[Dependency, ...]
+    findings: tuple[Diagnostic, ...] = ()
+
+
+Interfaces: TypeAlias = Callable[[Path, bool], Printed | None]
+"""Function that returns the IDL of the file at a path, if that is an interface of ROS 2.
+
+Its second argument: the path is in an include folder.
+"""
+
+
 class Library(library.Library[Source]):
     """The IDL files of a run."""
 
@@ -146,8 +169,32 @@ class Library(library.Library[Source]):
         main: Mapping[str, str] | None = None,
         virtual: Mapping[str, VirtualFile | Path] | None = None,
         encoding: str = "auto",
+        interfaces: Interfaces | None = None,
     ) -> None:
-        """See `library.Library`; `encoding` is that of files that do not tell theirs."""
+        """See `library.Library`; `encoding` is that of files that do not tell theirs.
+
+        `interfaces` returns the IDL of a file that ROS 2 has generated.
+        """
         make = partial(_source, encoding=encoding)
         super().__init__(make, root, include, main, virtual)
         self.encoding = encoding
+        self._interfaces = interfaces
+        self._printed: dict[str, tuple[Source, Printed] | None] = {}
+
+    def interface(
+        self, path: str, folder: Path | None
+    ) -> tuple[Source, Printed] | None:
+        """Return the IDL of an interface of ROS 2, in place of the file at a path."""
+        absolute = absolute_path(path)
+        if self._interfaces is None or absolute in self._main:
+            return None
+        if absolute not in self._printed:
+            made = self._interfaces(Path(absolute), folder is not None)
+            found = None
+            if made is not None:
+                place = self._root / made.name
+                text = made.text.encode()
+                found = self._make(made.name, made.name, place, text), made
+                self.note(made.dependencies)
+            self._printed[absolute] = found
+        return self._printed[absolute]
