@@ -1,14 +1,16 @@
 """Reads MCAP files in file order, including truncated ones.
 
 A file whose writer was killed can end anywhere: its complete chunks are read, the rest is ignored.
-Lengths in the file are checked against its size before memory is allocated.
+Lengths in the file are checked against its size before memory is allocated, and what compressed
+chunks can require is limited by it, too.
 """
 
 from __future__ import annotations
 
+import os
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.util import find_spec
@@ -28,8 +30,19 @@ if TYPE_CHECKING:
 _DAMAGE = (ValueError, OverflowError, struct.error)
 """Exceptions for invalid octets, in addition to `McapError`."""
 _FRAMING = struct.Struct("<BQ")
-_MAX_SIZE = 1 << 28
+_MESSAGE = struct.Struct("<HIQQ")
+"""Channel, sequence number, time of the log and of the publication."""
+_MAX_SIZE = 1 << 27
 """Maximum uncompressed size of a chunk or record in octets."""
+_NO_OPCODE = 0
+"""The opcode that is none: space that a writer has reserved, and never used."""
+_FREE_OCTETS, _OCTETS_PER_OCTET = 1 << 29, 1_000
+"""Uncompressed octets of a file: any number up to the first, then so many for each of its own."""
+_FREE_RECORDS, _OCTETS_PER_RECORD = 500_000, 4
+"""Records of a file: any number up to the first, then one for so many octets of its own.
+
+In a compressed chunk, a message of a constant takes 21.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,20 +142,25 @@ class McapFile:
                         yield Message(channel, record.log_time, record.data)
 
     def _unpacked(self, stream: BinaryIO) -> Iterator[McapRecord]:
-        """Yield the records; complete chunks are replaced by their records."""
+        """Yield the records; complete chunks are replaced by their records.
+
+        Raises RecordingError for chunks that decompress to more than a recording has.
+        """
         from mcap.records import Chunk
 
+        work = _Work(self.path, os.fstat(stream.fileno()).st_size)
         for record in _records(stream):
             if not isinstance(record, Chunk):
                 yield record
                 continue
             try:
+                work.take_octets(record.uncompressed_size)
                 content = _content(record)
             except ValueError:
                 self.damaged += 1
                 continue
             # One at a time: a small chunk may contain very many records.
-            yield from _records(BytesIO(content))
+            yield from _records(BytesIO(content), work.take_record)
 
     def _opened(self) -> BinaryIO:
         try:
@@ -155,6 +173,34 @@ class McapFile:
             stream.close()
             raise RecordingError(f"{self.path} is not an MCAP file")
         return stream
+
+
+class _Work:
+    """What may still be read of a file whose size is known."""
+
+    def __init__(self, path: Path, size: int) -> None:
+        self._path = path
+        self._octets = _FREE_OCTETS + size * _OCTETS_PER_OCTET
+        self._records = _FREE_RECORDS + size // _OCTETS_PER_RECORD
+
+    def take_octets(self, number: int) -> None:
+        """Count the octets of a chunk. Raises RecordingError, ValueError for one too large."""
+        if number > _MAX_SIZE:
+            raise ValueError(f"a chunk of {number} octets")
+        self._octets -= number
+        if self._octets < 0:
+            raise self._error()
+
+    def take_record(self) -> None:
+        """Count a record of a chunk. Raises RecordingError."""
+        self._records -= 1
+        if self._records < 0:
+            raise self._error()
+
+    def _error(self) -> RecordingError:
+        return RecordingError(
+            f"{self._path}: its compressed chunks have more content than a recording of its size"
+        )
 
 
 def _channel(record: Any, schema: Any) -> Channel:
@@ -172,8 +218,13 @@ def _channel(record: Any, schema: Any) -> Channel:
     )
 
 
-def _records(stream: BinaryIO) -> Iterator[McapRecord]:
-    """Yield the following complete records, up to the end of the data."""
+def _records(
+    stream: BinaryIO, count: Callable[[], None] = lambda: None
+) -> Iterator[McapRecord]:
+    """Yield the following complete records, up to the end of the data.
+
+    `count` is called for each record, also for those that are skipped.
+    """
     from mcap import records
     from mcap.data_stream import ReadDataStream
     from mcap.exceptions import McapError
@@ -192,28 +243,37 @@ def _records(stream: BinaryIO) -> Iterator[McapRecord]:
     while here + _FRAMING.size <= end:
         opcode, length = _FRAMING.unpack(stream.read(_FRAMING.size))
         here += _FRAMING.size + length
-        if here > end:
+        if here > end or opcode == _NO_OPCODE:
             return
+        count()
         if (opcode not in known and opcode != Opcode.MESSAGE) or length > _MAX_SIZE:
             stream.seek(here)
             continue
-        data = ReadDataStream(BytesIO(stream.read(length)))
+        if opcode == Opcode.MESSAGE:
+            yield from _message(stream, length)
+            continue
         try:
-            if opcode == Opcode.MESSAGE:
-                yield records.Message.read(data, length)
-            else:
-                yield known[opcode].read(data)
+            yield known[opcode].read(ReadDataStream(BytesIO(stream.read(length))))
         except (*_DAMAGE, McapError):
             continue
         if opcode == Opcode.DATA_END:
             return
 
 
+def _message(stream: BinaryIO, length: int) -> Iterator[McapRecord]:
+    """Yield the message of the next `length` octets, unless they are too few."""
+    from mcap.records import Message as MessageRecord
+
+    head = stream.read(min(length, _MESSAGE.size))
+    if len(head) == _MESSAGE.size:
+        channel, sequence, time, published = _MESSAGE.unpack(head)
+        content = stream.read(length - _MESSAGE.size)
+        yield MessageRecord(channel, time, content, published, sequence)
+
+
 def _content(chunk: Chunk) -> bytes:
-    """Return the content of a chunk. Raises ValueError if it is damaged, or too large."""
+    """Return the content of a chunk. Raises ValueError if it is damaged."""
     size = chunk.uncompressed_size
-    if size > _MAX_SIZE:
-        raise ValueError(f"a chunk of {size} octets")
     data = _decompressed(chunk.compression, chunk.data, size + 1)
     if len(data) != size or chunk.uncompressed_crc not in (0, zlib.crc32(data)):
         raise ValueError("the chunk is damaged")

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
+from collections.abc import Callable
+from functools import reduce
 from pathlib import Path
 
 import pytest
@@ -289,3 +292,95 @@ def test_folders_without_a_project(
     assert run(["diff", "old", "new", "--json"]) == 1
     [change] = changes(capfd)
     assert change["old"] is not None
+
+
+def stored(kind: str, content: bytes) -> str:
+    """Store an object in the repository as it is, and return its name."""
+    command = ["git", "hash-object", "-t", kind, "--literally", "-w", "--stdin"]
+    done = subprocess.run(command, input=content, capture_output=True, check=True)
+    return done.stdout.decode().strip()
+
+
+def tree(*entries: tuple[str, bytes, str]) -> str:
+    """Store a tree: mode, name and object of each entry."""
+    parts = (
+        mode.encode() + b" " + name + b"\0" + bytes.fromhex(object_)
+        for mode, name, object_ in entries
+    )
+    return stored("tree", b"".join(parts))
+
+
+def committed(tree_: str) -> str:
+    who = "me <me@example.com> 0 +0000"
+    text = f"tree {tree_}\nauthor {who}\ncommitter {who}\n\nstrange\n"
+    return stored("commit", text.encode())
+
+
+MISSING = "12345678" * 5
+STRANGE: dict[str, Callable[[str], str]] = {
+    "long name": lambda blob: tree(("100644", b"n" * 300 + b".idl", blob)),
+    "dot": lambda blob: tree(("100644", b".", blob)),
+    "two dots": lambda blob: tree(("40000", b"..", tree(("100644", b"a.idl", blob)))),
+    "folder called dot": lambda blob: tree(
+        ("40000", b".", tree(("100644", b"a.idl", blob)))
+    ),
+    "file and folder": lambda blob: tree(
+        ("100644", b"a", blob), ("40000", b"a", tree(("100644", b"b", blob)))
+    ),
+    "two of one name": lambda blob: tree(
+        ("100644", b"a.idl", blob), ("100644", b"a.idl", stored("blob", b"other"))
+    ),
+    "missing content": lambda blob: tree(("100644", b"a.idl", MISSING)),
+    "missing folder": lambda blob: tree(("40000", b"a", MISSING)),
+    "folder as a file": lambda blob: tree(("100644", b"a.idl", tree())),
+    "deep folders": lambda blob: reduce(
+        lambda inner, _: tree(("40000", b"n" * 200, inner)),
+        range(100),
+        tree(("100644", b"a.idl", blob)),
+    ),
+    "endless folders": lambda blob: reduce(
+        lambda inner, _: tree(*(("40000", b"%d" % n, inner) for n in range(10))),
+        range(12),
+        tree(("100644", b"a.idl", blob)),
+    ),
+    "slash in a name": lambda blob: tree(("100644", b"/a.idl", blob)),
+}
+
+
+@pytest.mark.once
+@pytest.mark.usefixtures("project")
+@pytest.mark.parametrize("kind", STRANGE)
+def test_strange_trees_are_refused_in_a_line(
+    kind: str, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(revisions, "_MAX_LISTING", 1 << 20)
+    commit = committed(STRANGE[kind](stored("blob", OLD.encode())))
+    assert run(["diff", commit]) == 2
+    error, *rest = capfd.readouterr().err.splitlines()
+    assert re.fullmatch(r"error\[DIF000[123]\]: .+", error), error
+    assert len(error) < 500
+    assert len(rest) <= 2
+
+
+@pytest.mark.once
+@pytest.mark.usefixtures("project")
+def test_damaged_content_is_reported(capfd: pytest.CaptureFixture[str]) -> None:
+    blob = stored("blob", OLD.encode() * 1000)
+    commit = committed(tree(("100644", b"pose.idl", blob)))
+    file = Path("../.git/objects", blob[:2], blob[2:])
+    file.chmod(0o600)
+    file.write_bytes(file.read_bytes()[:40])
+    assert run(["diff", commit]) == 2
+    assert "error[DIF0002]" in capfd.readouterr().err
+
+
+@pytest.mark.once
+@pytest.mark.usefixtures("project")
+def test_names_that_are_not_text_are_read(capfd: pytest.CaptureFixture[str]) -> None:
+    blob = stored("blob", OLD.encode())
+    settings = stored("blob", b'[sources]\npaths = ["specs"]\n')
+    specs = tree(("100644", b"a \n\xff.idl", blob), ("100644", b"pose.idl", blob))
+    robot = tree(("100644", b"rtgen.toml", settings), ("40000", b"specs", specs))
+    commit = committed(tree(("40000", b"robot", robot)))
+    assert run(["diff", commit]) in (1, 2)
+    assert "internal error" not in capfd.readouterr().err

@@ -9,11 +9,14 @@ import subprocess
 import sys
 import tracemalloc
 import zlib
+from collections import deque
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+import lz4.frame
 import pytest
 import seeds
+import zstandard
 from recorded_runs import record
 
 from rtgen.cli import run
@@ -242,10 +245,10 @@ def test_values_nested_too_deep_are_an_error(tmp_path: Path) -> None:
 
 def test_a_chunk_of_very_many_records_is_read_in_bounded_memory(tmp_path: Path) -> None:
     path = tmp_path / "bomb.mcap"
-    size = 9 << 19  # Records of type 0 without octets.
+    size = 9 << 17
     with mcap_writer.McapWriter(path) as writer:
         channel = writer.channel("/a", "json", 0, {})
-        writer._chunk += bytes(size)
+        writer._chunk += struct.pack("<BQ", 0x80, 0) * (1 << 17)
         writer.message(channel, 0, b"1")
     assert path.stat().st_size < 10_000
     tracemalloc.start()
@@ -256,3 +259,66 @@ def test_a_chunk_of_very_many_records_is_read_in_bounded_memory(tmp_path: Path) 
         tracemalloc.stop()
     assert message.data == b"1"
     assert peak < 4 * size
+
+
+def packed(content: bytes, compression: str = "zstd", size: int | None = None) -> bytes:
+    """Return a chunk."""
+    pack = {"zstd": zstandard.compress, "lz4": lz4.frame.compress, "": bytes}
+    data = pack[compression](content)
+    name = compression.encode()
+    head = struct.pack("<QQQII", 0, 1, size or len(content), 0, len(name)) + name
+    body = head + struct.pack("<Q", len(data)) + data
+    return struct.pack("<BQ", 6, len(body)) + body
+
+
+CHANNEL = struct.pack("<BQHHI2sI4sI", 4, 22, 1, 0, 2, b"/a", 4, b"json", 0)
+MESSAGE = struct.pack("<BQHIQQ", 5, 23, 1, 0, 7, 7) + b"1"
+MEGABYTE = 1 << 20
+
+
+@pytest.mark.parametrize("inside", [False, True])
+def test_octets_without_an_opcode_end_the_records(tmp_path: Path, inside: bool) -> None:
+    """A file system can leave zeros at the end of a file whose writer was killed."""
+    path = tmp_path / "a.mcap"
+    records = CHANNEL + MESSAGE + bytes(9 * MEGABYTE) + MESSAGE
+    path.write_bytes(MAGIC + (packed(records) if inside else records))
+    assert messages(path) == [("/a", 7, b"1")]
+    with path.open("r+b") as stream:
+        stream.truncate(8 << 30)
+    assert messages(path) == [("/a", 7, b"1")]
+    assert not McapFile(path).is_whole
+
+
+@pytest.mark.parametrize(
+    "content",
+    [bytes(16 * MEGABYTE), struct.pack("<BQ", 0x80, 0) * MEGABYTE, MESSAGE * MEGABYTE],
+    ids=["zeros", "empty records", "messages"],
+)
+def test_work_is_limited_by_the_octets_of_the_file(
+    tmp_path: Path, content: bytes
+) -> None:
+    path = tmp_path / "a.mcap"
+    path.write_bytes(MAGIC + CHANNEL + 64 * packed(content))
+    with pytest.raises(RecordingError, match="than a recording of its size"):
+        deque(McapFile(path).messages(), maxlen=0)
+
+
+def test_chunks_whose_size_is_a_lie_are_damaged(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    chunk = packed(CHANNEL + MESSAGE)
+    lies = packed(bytes(64 * MEGABYTE), size=100), packed(b"", size=1 << 60)
+    path.write_bytes(MAGIC + b"".join(lies) + chunk)
+    file = McapFile(path)
+    assert [m.data for m in file.messages()] == [b"1"]
+    assert file.damaged == 2
+
+
+def test_a_recording_that_compresses_well_is_read(tmp_path: Path) -> None:
+    """Images that are black for a minute, with the numbers and times of messages."""
+    path = tmp_path / "a.mcap"
+    with mcap_writer.McapWriter(path) as writer:
+        channel = writer.channel("/a", "json", 0, {})
+        for number in range(600):
+            writer.message(channel, 100_000_000 * number, bytes(MEGABYTE))
+    assert path.stat().st_size < 2 * MEGABYTE
+    assert len(messages(path)) == 600

@@ -60,7 +60,7 @@ WRITERS = {
     "cli/running/trajectory.py check_picture",
     "cli/ui_tokens.py _read",
     "cli/ui_tokens.py _write",
-    "diff/revisions.py _write",
+    "diff/revisions.py _create",
     "formatting/toml.py _formatted",
     "project/cache.py Cache.store",
     "project/output.py _lock",
