@@ -261,20 +261,24 @@ def test_a_frame_in_a_line_without_an_end_is_shown_and_not_sent(
         assert peer.recv(0) is None
 
 
+class SmallContainers(can.BLFWriter):
+    """A log with containers of some 85 frames."""
+
+    max_container_size = 1 << 12
+
+
 @pytest.mark.parametrize("seed", cases(20))
 def test_a_flipped_bit_in_a_container_costs_at_most_its_frames(
     seed: int, tmp_path: Path
 ) -> None:
     chance = Random(seed)
     path = tmp_path / "a.blf"
-    with logs.writer(path) as writer:
+    with SmallContainers(path) as writer:
         for number in range(400):
             data = chance.randbytes(8)
             message = can.Message(arbitration_id=number, data=data, timestamp=1.0)
             message.is_extended_id = False
-            writer.on_message_received(message)
-            if number % 100 == 99:
-                writer._flush()  # type: ignore[attr-defined]
+            writer(message)
     whole = path.read_bytes()
     all_frames, _ = read(path)
     assert len(all_frames) == 400
