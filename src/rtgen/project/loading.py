@@ -14,6 +14,7 @@ from msgspec.structs import replace
 from rtgen.backends import Options
 from rtgen.diagnostics import Diagnostic, InputError, Span
 from rtgen.facts import python_modules
+from rtgen.facts.file_names import is_device
 from rtgen.facts.numeric import Numeric
 from rtgen.facts.version import __version__
 from rtgen.files import is_file
@@ -481,6 +482,11 @@ def _check_names(
         owner = python_modules.owner(parts[0])
         if not all(map(_is_module, parts)):
             message = f"{what} {'.'.join(parts)!r} is not a Python identifier"
+            yield PROJECT_NAME.at(where, message)
+        elif device := next(filter(is_device, parts), None):
+            message = (
+                f"{what} {device!r}: Windows takes a file of this name for a device"
+            )
             yield PROJECT_NAME.at(where, message)
         elif parts[0] == "generated" or owner:
             yield PROJECT_NAME.at(

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 from rtgen.diagnostics import InputError
 from rtgen.facts import python_modules
+from rtgen.facts.file_names import is_device
 from rtgen.scaffold.rules import UNUSABLE_NAME
 from rtgen.typemap.idl_keywords import escaped
 from rtgen.typemap.python.names import module_name
@@ -82,6 +83,8 @@ def _fault(given: str, inner: bool) -> str | None:
     owner = None if inner else python_modules.owner(made.module)
     if owner:
         return f"is a module of {owner}, which it would hide"
+    if is_device(made.module.rstrip("_")):
+        return "is a device of Windows, and no file can be called so there"
     if made.module in _RESERVED:
         return "is a package that rtgen generates"
     return None

@@ -257,6 +257,13 @@ def test_a_disk_that_fails_leaves_nothing(
         "acme..rover",
         "json.rover",
         "acme.class",
+        "msgspec",
+        "click",
+        "con",
+        "Nul",
+        "AUX",
+        "com1",
+        "acme.prn",
     ],
 )
 def test_names_that_something_cannot_have_are_refused(

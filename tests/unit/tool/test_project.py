@@ -126,6 +126,7 @@ def test_the_file_is_found_upwards_and_paths_are_shown_from_here(
         ('[output]\npackage = "generated"\n', "PRJ0004", 2, 1, "hide"),
         ('[output]\npackage = "RTC"\n', "PRJ0004", 2, 1, "hide"),
         ('[output]\npackage = "json"\n', "PRJ0004", 2, 1, "hide"),
+        ('[output]\npackage = "acme.con"\n', "PRJ0004", 2, 1, "device"),
         ('[output]\npackage = "a"\nskeletons = "src/a"\n', "PRJ0004", 3, 1, "both"),
         ('[output]\nskeletons = "src/1a"\n', "PRJ0004", 2, 1, "identifier"),
         ('[sources]\npaths = ["idl",\n  "gone"]\n', "PRJ0005", 3, 3, "gone"),
