@@ -49,7 +49,6 @@ _RESERVED: Final = 0x1FFFF800
 """Bits of a COB-ID with an 11-bit identifier that are 0."""
 _IDENTIFIER: Final = 0x1FFFFFFF
 _WORD: Final = 0xFFFFFFFF
-_FLAGS: Final = INVALID | NO_RTR
 _RPDO_BASE: Final = 0x200
 _TPDO_BASE: Final = 0x180
 _NEXT_PDO: Final = 0x100
@@ -60,13 +59,15 @@ class Service(NamedTuple):
 
     `base` is its predefined identifier, to which the node-id is added if it is `relative`; None:
     none is predefined. The flags in `on` mean that the service exists; without such flags, bit 31
-    means that it does not. `fixed`: the identifier cannot be configured.
+    means that it does not. `flags` are those with another meaning. `fixed`: the identifier cannot
+    be configured.
     """
 
     name: str
     base: int | None = None
     relative: bool = False
     on: int = 0
+    flags: int = 0
     fixed: bool = False
 
     def predefined(self, node_id: int) -> int:
@@ -74,6 +75,10 @@ class Service(NamedTuple):
         if self.base is None:
             return INVALID
         return self.base + node_id if self.relative else self.base
+
+    def flags_of(self, cob_id: int) -> int:
+        """Return the flags of a COB-ID that have a meaning, besides that it is not valid."""
+        return cob_id & (self.on | self.flags)
 
     def exists(self, cob_id: int) -> bool:
         """Return whether the COB-ID's identifier is in use, so that it cannot be changed."""
@@ -118,14 +123,16 @@ def service_of(number: Number) -> Service | None:
         return _sdo_server(index - SDO_SERVERS.start + 1, subindex)
     if index in SDO_CLIENTS and subindex in (1, 2):
         return Service(f"SDO client {index - SDO_CLIENTS.start + 1}")
-    for name, first, base in (
-        ("RPDO", RPDO_COMMUNICATION, _RPDO_BASE),
-        ("TPDO", TPDO_COMMUNICATION, _TPDO_BASE),
+    for name, first, base, flags in (
+        ("RPDO", RPDO_COMMUNICATION, _RPDO_BASE, 0),
+        ("TPDO", TPDO_COMMUNICATION, _TPDO_BASE, NO_RTR),
     ):
         place = index - first
         if 0 <= place < PDOS and subindex == 1:
             identifier = base + _NEXT_PDO * place if place < PREDEFINED_PDOS else None
-            return Service(f"{name} {place + 1}", identifier, relative=True)
+            return Service(
+                f"{name} {place + 1}", identifier, relative=True, flags=flags
+            )
     return None
 
 
@@ -165,11 +172,6 @@ def standing(service: Service, cob_id: int | None, *, chosen: bool = False) -> S
     return Standing.STATED if configurable(cob_id) else Standing.OFF
 
 
-def flags_of(cob_id: int) -> int:
-    """Return bits 31 and 30 of a COB-ID."""
-    return cob_id & _FLAGS
-
-
 def in_force(
     number: Number, cob_id: int | None, node_id: int, *, chosen: bool = False
 ) -> int | None:
@@ -184,7 +186,7 @@ def in_force(
         cob_id &= _WORD
     match standing(service, cob_id, chosen=chosen):
         case Standing.PREDEFINED:
-            return service.predefined(node_id) | flags_of(cob_id or 0)
+            return service.predefined(node_id) | service.flags_of(cob_id or 0)
         case Standing.OFF:
             assert cob_id is not None
             return service.switched_off(cob_id)

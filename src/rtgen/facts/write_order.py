@@ -55,8 +55,8 @@ _PROFILES: Final = 0x2000
 _MAX_ENTRIES: Final = 64
 _TO_MAPPING: Final = RPDO_MAPPING - RPDO_COMMUNICATION
 _SYNC_OBJECTS: Final = (COB_ID_SYNC, PERIOD, _WINDOW, OVERFLOW)
-_WHILE_INVALID: Final = (3, 6)
-"""Sub-indices of communication parameters that cannot change while the PDO is valid."""
+_WHILE_INVALID: Final = (2, 3, 6)
+"""Sub-indices of communication parameters that nodes may refuse while the PDO is valid."""
 
 
 class How(Enum):
@@ -83,7 +83,7 @@ class Target(Protocol):
     """The node to be written, with its values before and afterwards."""
 
     def before(self, number: Number) -> int | None:
-        """Return the value from before; None if there is no such object, or no number."""
+        """Return the value from before, 0 if it is unknown; None if there is no such object."""
 
     def after(self, number: Number) -> int | None:
         """Return the new value, or the unchanged one."""

@@ -152,12 +152,12 @@ class _StartUp:
     def before(self, number: tuple[int, int]) -> int | None:
         """See `Target`."""
         variable = self._device.find(*number)
-        return None if variable is None else self._number(self._initial(variable))
+        return None if variable is None else self._number(self._initial(variable)) or 0
 
     def after(self, number: tuple[int, int]) -> int | None:
         """See `Target`."""
         variable = self._device.find(*number)
-        return None if variable is None else self._number(self._final(variable))
+        return None if variable is None else self._number(self._final(variable)) or 0
 
     def moves(self, number: tuple[int, int]) -> bool:
         """See `Target`."""

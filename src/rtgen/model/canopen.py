@@ -26,7 +26,7 @@ from rtgen.facts.canopen import TPDO_COMMUNICATION as TPDO_COMMUNICATION
 from rtgen.facts.canopen import TPDO_MAPPING as TPDO_MAPPING
 from rtgen.facts.canopen import UNSIGNED as UNSIGNED
 from rtgen.facts.canopen import DataType as DataType
-from rtgen.facts.cob_ids import Standing, flags_of, service_of, standing
+from rtgen.facts.cob_ids import Standing, service_of, standing
 
 
 class ObjectType(IntEnum):
@@ -133,7 +133,7 @@ def cob_id_in_force(
             assert cob_id is not None
             return service.switched_off(cob_id)
         case Standing.PREDEFINED:
-            flags = flags_of(cob_id or 0)
+            flags = service.flags_of(cob_id or 0)
             if service.base is None:
                 return INVALID | flags
             base = service.base | flags

@@ -30,7 +30,6 @@ _IMPOSSIBLE = {
         pdo_rules.WRONG_WAY,
         pdo_rules.EMPTY_ENTRY,
         pdo_rules.BAD_GAP,
-        pdo_rules.BAD_COB_ID,
     )
 }
 

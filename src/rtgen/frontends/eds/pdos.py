@@ -39,7 +39,7 @@ _TO_MAPPING = 0x200
 class PdoReader:
     """Reads and checks the PDOs of one device.
 
-    `accepted` are entries that may be mapped although access and PDOMapping do not allow it.
+    `accepted` are entries that may be mapped, whatever they are.
     """
 
     def __init__(
@@ -188,6 +188,8 @@ class PdoReader:
         return used
 
     def _check_entry(self, pdo: Pdo, entry: PdoEntry, span: Span) -> None:
+        if (pdo.direction, entry) in self._accepted:
+            return
         if not entry.index or not entry.bits:
             message = f"the entry {_shown(entry)} of {entry.bits} bits is empty"
             self._findings.add(rules.EMPTY_ENTRY, span, message)
@@ -196,10 +198,8 @@ class PdoReader:
         if unit and entry.bits % unit:
             message = f"{entry.bits} bits do not fit a granularity of {unit}"
             self._findings.add(rules.GRANULARITY, span, message)
-        is_accepted = (pdo.direction, entry) in self._accepted
         if entry.dummy:
-            if not is_accepted:
-                self._check_gap(pdo, entry, span)
+            self._check_gap(pdo, entry, span)
             return
         variable = self._variables.get((entry.index, entry.subindex))
         if variable is None:
@@ -211,8 +211,7 @@ class PdoReader:
                 f"{variable.name} has {variable.bits} bits; {entry.bits} are mapped"
             )
             self._findings.add(rules.OTHER_LENGTH, span, message)
-        if not is_accepted:
-            self._check_access(pdo, variable, span)
+        self._check_access(pdo, variable, span)
 
     def _check_access(self, pdo: Pdo, variable: Variable, span: Span) -> None:
         if not variable.pdo_mappable:

@@ -206,6 +206,11 @@ class ManagedNode:
         return self._consumer.state
 
     @property
+    def setting_up(self) -> bool:
+        """Whether the node is being set up."""
+        return self.phase in _SETTING_UP
+
+    @property
     def in_use(self) -> bool:
         """Whether the node is configured and supervised."""
         return self.phase in _IN_USE

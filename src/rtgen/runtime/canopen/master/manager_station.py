@@ -32,6 +32,7 @@ from rtgen.runtime.canopen.wire.nmt import (
 from rtgen.runtime.canopen.wire.sync import SyncProducer
 
 _MICROSECOND: Final = 1000
+_SYNC_OBJECTS: Final = (0x1005, 0x1019)
 _SETTLING: Final = 5 * MILLISECOND
 _FASTEST: Final = 1000
 """Bit rate in kbit/s that is assumed if the network does not state one."""
@@ -89,6 +90,13 @@ class ManagerStation:
             if network.sync
             else None
         )
+        self._sync_nodes = {
+            node.id
+            for node in network.nodes
+            if any(write.index in _SYNC_OBJECTS for write in node.configuration)
+        }
+        self._awaited: set[int] = set()
+        """Nodes that must be set up before they understand SYNC."""
         self._heartbeat = HeartbeatProducer(
             network.manager, network.heartbeat * MILLISECOND
         )
@@ -281,6 +289,11 @@ class ManagerStation:
             self._failed[node.description.id] = node
         else:
             self._failed.pop(node.description.id, None)
+        is_over = node.restarts or not node.setting_up
+        if node.description.id in self._awaited and is_over:
+            self._awaited.discard(node.description.id)
+            if self._sync is not None and self.running and not self._awaited:
+                self._sync.start(self.link.now())
         self._listener(node.report())
 
     def settle(self, node: ManagedNode) -> None:
@@ -310,7 +323,8 @@ class ManagerStation:
         manager = self.network.manager
         self._frames.append(heartbeat_frame(manager, NmtState.INITIALISING))
         self._heartbeat.booted(now)
-        if self._sync is not None:
+        self._awaited = set(self._sync_nodes)
+        if self._sync is not None and not self._awaited:
             self._sync.start(now)
         for node in self.nodes.values():
             node.activate()

@@ -54,13 +54,11 @@ class ParameterWriter:
 
     def before(self, number: ObjectNumber) -> int | None:
         """See `Target`."""
-        value = self._present(number)
-        return value if isinstance(value, int) else None
+        return self._number(number, self._present(number))
 
     def after(self, number: ObjectNumber) -> int | None:
         """See `Target`."""
-        value = self._final(number)
-        return value if isinstance(value, int) else None
+        return self._number(number, self._final(number))
 
     def moves(self, number: ObjectNumber) -> bool:
         """See `Target`."""
@@ -86,6 +84,11 @@ class ParameterWriter:
             return service.switched_off(value)
         assert value is not None
         return value
+
+    def _number(self, number: ObjectNumber, value: ObjectValue | None) -> int | None:
+        if number not in self._description.by_number:
+            return None
+        return value if isinstance(value, int) else 0
 
     def _final(self, number: ObjectNumber) -> ObjectValue | None:
         value = self._wanted.get(number)

@@ -94,7 +94,8 @@ class DeviceSync:
 
     def _check_cob_id(self, number: ObjectNumber, value: ObjectValue) -> None:
         old, new = self._cob_id, CobId(int(value))
-        if old.bit30 and new.bit30 and old.value != new.value:
+        moves = (old.can_id, old.extended) != (new.can_id, new.extended)
+        if old.bit30 and new.bit30 and moves:
             raise SdoAbort(sdo.VALUE_INVALID)
         if not new.configurable:
             raise SdoAbort(sdo.VALUE_INVALID)
@@ -135,7 +136,8 @@ class DeviceTime:
     def _check(self, number: ObjectNumber, value: ObjectValue) -> None:
         old, new = self._cob_id, CobId(int(value))
         exists = (old.bit31 or old.bit30) and (new.bit31 or new.bit30)
-        if exists and (old.can_id, old.extended) != (new.can_id, new.extended):
+        moves = (old.can_id, old.extended) != (new.can_id, new.extended)
+        if exists and moves:
             raise SdoAbort(sdo.VALUE_INVALID)
         if not new.configurable:
             raise SdoAbort(sdo.VALUE_INVALID)

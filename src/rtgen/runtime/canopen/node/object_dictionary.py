@@ -39,7 +39,8 @@ def check_cob_id(old: int, new: ObjectValue) -> None:
     Raises SdoAbort for a change of one that is valid, and for a restricted identifier.
     """
     before, after = CobId(old), CobId(int(new))
-    if before.valid and not after.bit31 and before.value != after.value:
+    moves = (before.can_id, before.extended) != (after.can_id, after.extended)
+    if before.valid and not after.bit31 and moves:
         raise SdoAbort(sdo.VALUE_INVALID)
     if not after.bit31 and not after.configurable:
         raise SdoAbort(sdo.VALUE_INVALID)
