@@ -36,8 +36,10 @@ SDOPackage::ConfigurationSetList* Configuration::get_configuration_sets() {
 }
 
 SDOPackage::ConfigurationSet* Configuration::get_configuration_set(const char* id) {
-  if (std::string(id) != "default") throw SDOPackage::InvalidParameter(id);
-  return get_active_configuration_set();
+  SDOPackage::ConfigurationSetList_var list = get_configuration_sets();
+  for (CORBA::ULong i = 0; i < list->length(); ++i)
+    if (std::string(list[i].id) == id) return new SDOPackage::ConfigurationSet(list[i]);
+  throw SDOPackage::InternalError(id);
 }
 
 CORBA::Boolean Configuration::set_configuration_set_values(
@@ -71,12 +73,25 @@ CORBA::Boolean Configuration::activate_configuration_set(const char* id) {
 void Context::begin(RTC::RTObject_ptr component) {
   component_ = RTC::RTObject::_duplicate(component);
   thread_ = std::thread([this] {
-    const std::chrono::duration<double> period(1.0 / rate_);
     while (!ends_) {
-      step();
-      std::this_thread::sleep_for(period);
+      if (running_) step();
+      std::this_thread::sleep_for(std::chrono::duration<double>(1.0 / rate_));
     }
   });
+}
+
+RTC::ReturnCode_t Context::run(bool runs) {
+  return running_.exchange(runs) == runs ? RTC::PRECONDITION_NOT_MET : RTC::RTC_OK;
+}
+
+RTC::ReturnCode_t Context::set_rate(CORBA::Double rate) {
+  if (!(rate > 0)) return RTC::BAD_PARAMETER;
+  rate_ = rate;
+  return RTC::RTC_OK;
+}
+
+bool Context::is_own(RTC::LightweightRTObject_ptr component) {
+  return component_->_is_equivalent(component);
 }
 
 void Context::step() {
@@ -110,16 +125,19 @@ RTC::ReturnCode_t Context::go(RTC::LifeCycleState from, RTC::LifeCycleState to,
                                                                        : RTC::RTC_ERROR;
 }
 
-RTC::ReturnCode_t Context::activate_component(RTC::LightweightRTObject_ptr) {
+RTC::ReturnCode_t Context::activate_component(RTC::LightweightRTObject_ptr component) {
+  if (!is_own(component)) return RTC::BAD_PARAMETER;
   if (refuses) return RTC::UNSUPPORTED;
   return go(RTC::INACTIVE_STATE, RTC::ACTIVE_STATE, activated);
 }
 
-RTC::ReturnCode_t Context::deactivate_component(RTC::LightweightRTObject_ptr) {
+RTC::ReturnCode_t Context::deactivate_component(RTC::LightweightRTObject_ptr component) {
+  if (!is_own(component)) return RTC::BAD_PARAMETER;
   return go(RTC::ACTIVE_STATE, RTC::INACTIVE_STATE, deactivated);
 }
 
-RTC::ReturnCode_t Context::reset_component(RTC::LightweightRTObject_ptr) {
+RTC::ReturnCode_t Context::reset_component(RTC::LightweightRTObject_ptr component) {
+  if (!is_own(component)) return RTC::BAD_PARAMETER;
   static const Callback nothing;
   return go(RTC::ERROR_STATE, RTC::INACTIVE_STATE, nothing);
 }
@@ -172,7 +190,7 @@ RTC::ComponentProfile* Component::get_component_profile() {
   profile->instance_name = instance_.c_str();
   profile->type_name = type_.c_str();
   profile->description = "by hand in C++";
-  profile->version = "1";
+  profile->version = "1.0.0";
   profile->vendor = "lab";
   profile->category = "lab";
   profile->port_profiles.length(ports_.size());
@@ -184,6 +202,8 @@ RTC::ComponentProfile* Component::get_component_profile() {
       std::abort();  // OpenRTM-aist 2.1.0 returns no profile then, and omniORB reads it.
     }
   set(profile->properties, "language", "C++");
+  for (const auto& each : properties)
+    set(profile->properties, each.first.c_str(), each.second);
   return profile._retn();
 }
 

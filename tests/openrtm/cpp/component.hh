@@ -22,6 +22,12 @@ class Configuration : public POA_SDOPackage::Configuration {
 
   double number(const std::string& name);
 
+  // OpenRTM has no operations for single parameters.
+  CORBA::Any* get_configuration_parameter_value(const char*) override { return new CORBA::Any; }
+  CORBA::Boolean set_configuration_parameter(const char*, const CORBA::Any&) override {
+    return true;
+  }
+
   SDOPackage::ConfigurationSetList* get_configuration_sets() override;
   SDOPackage::ConfigurationSet* get_configuration_set(const char* id) override;
   CORBA::Boolean set_configuration_set_values(const SDOPackage::ConfigurationSet& set) override;
@@ -45,16 +51,16 @@ class Context : public POA_RTC::ExecutionContextService {
   void begin(RTC::RTObject_ptr component);
   void end();
 
-  CORBA::Boolean is_running() override { return true; }
-  RTC::ReturnCode_t start() override { return RTC::PRECONDITION_NOT_MET; }
-  RTC::ReturnCode_t stop() override { return RTC::UNSUPPORTED; }
+  CORBA::Boolean is_running() override { return running_; }
+  RTC::ReturnCode_t start() override { return run(true); }
+  RTC::ReturnCode_t stop() override { return run(false); }
   CORBA::Double get_rate() override { return rate_; }
-  RTC::ReturnCode_t set_rate(CORBA::Double) override { return RTC::UNSUPPORTED; }
+  RTC::ReturnCode_t set_rate(CORBA::Double rate) override;
   RTC::ReturnCode_t add_component(RTC::LightweightRTObject_ptr) override {
     return RTC::UNSUPPORTED;
   }
-  RTC::ReturnCode_t remove_component(RTC::LightweightRTObject_ptr) override {
-    return RTC::UNSUPPORTED;
+  RTC::ReturnCode_t remove_component(RTC::LightweightRTObject_ptr component) override {
+    return is_own(component) ? RTC::UNSUPPORTED : RTC::BAD_PARAMETER;
   }
   RTC::ReturnCode_t activate_component(RTC::LightweightRTObject_ptr component) override;
   RTC::ReturnCode_t deactivate_component(RTC::LightweightRTObject_ptr component) override;
@@ -69,9 +75,12 @@ class Context : public POA_RTC::ExecutionContextService {
  private:
   using Callback = std::function<RTC::ReturnCode_t()>;
   RTC::ReturnCode_t go(RTC::LifeCycleState from, RTC::LifeCycleState to, const Callback& callback);
+  RTC::ReturnCode_t run(bool runs);
+  bool is_own(RTC::LightweightRTObject_ptr component);
   void step();
 
-  double rate_;
+  std::atomic<double> rate_;
+  std::atomic<bool> running_{true};
   RTC::RTObject_var component_;
   std::mutex lock_;
   std::condition_variable changed_;
@@ -93,6 +102,7 @@ class Component : public POA_RTC::RTObject {
 
   Context context;
   Configuration configuration;
+  std::map<std::string, std::string> properties;
 
   // RTC::ComponentAction and LightweightRTObject: a component is driven by its own context.
   RTC::ReturnCode_t on_initialize() override { return RTC::UNSUPPORTED; }

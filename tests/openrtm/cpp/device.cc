@@ -2,7 +2,7 @@
 //
 // Its InPort `command` and OutPort `measured` have samples of RTC::TimedDoubleSeq. While ACTIVE it
 // prints each command, and sends a sample of `size` numbers at each step, if that is not 0. Arguments: `instance`, `rate` [Hz], `delay`
-// of requests [ms], `type` that its ports declare, `refuses` activation.
+// of requests [ms], `type` that its ports declare, `activity` of its profile, `refuses` activation.
 #include <BasicDataType.hh>
 
 #include <cstdlib>
@@ -23,6 +23,7 @@ class Device : public Component {
     context.delay = std::chrono::milliseconds(std::atoi(options.at("delay").c_str()));
     configuration.described["__constraints__"] = {{"size", "0<=x<=1000"}};
     configuration.described["__type__"] = {{"size", "long"}, {"label", "string"}};
+    properties["activity_type"] = options.at("activity");
     context.refuses = options.at("refuses") == "1";
     add(out_);
     add(in_);
@@ -76,6 +77,7 @@ int main(int argc, char** argv) {
   Parameters options{{"instance", "Device0"},
                      {"rate", "50"},
                      {"delay", "0"},
+                     {"activity", "PERIODIC"},
                      {"refuses", "0"},
                      {"type", "IDL:RTC/TimedDoubleSeq:1.0"}};
   for (int i = 2; i < argc; ++i) {

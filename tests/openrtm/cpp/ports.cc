@@ -114,6 +114,7 @@ RTC::ReturnCode_t Port::disconnect_all() {
 
 RTC::ReturnCode_t Port::notify_connect(RTC::ConnectorProfile& profile) {
   const std::string id(profile.connector_id);
+  if (text(profile.properties, "dataport.interface_type") != "corba_cdr") return RTC::BAD_PARAMETER;
   offer(profile);
   RTC::PortService_var following = next(profile);
   RTC::ReturnCode_t code = RTC::RTC_OK;

@@ -239,7 +239,7 @@ def test_the_command(
     command = ["conformance", "gauge.idl", "--component", "Gauge", "--connect"]
     place, page = f"{names}/Gauge0.rtc", tmp_path / "report.html"
     assert rtgen([*command, place, "--html", str(page)]) == 0
-    assert "Gauge Gauge0: 18 passed, 0 failed, 23 skipped" in capfd.readouterr().out
+    assert "Gauge Gauge0: 19 passed, 0 failed, 23 skipped" in capfd.readouterr().out
     assert "configuration.names" in page.read_text()
     by_name = f"corbaname::{names}#Gauge0.rtc"
     every = ["--actuate", "--defaults", "--exit"]

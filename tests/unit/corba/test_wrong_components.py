@@ -20,6 +20,8 @@ from wrong_components import (
     Mutant,
     in_port,
     install,
+    instead,
+    ok,
     profile,
 )
 
@@ -28,7 +30,7 @@ from rtgen.cli.conformance.report import Verdict
 from rtgen.cli.conformance.rtc.checks import CHECKS
 from rtgen.diagnostics import ToolError
 from rtgen.runtime import RTC_OK
-from rtgen.runtime.corba.rt_objects.component import RtObject
+from rtgen.runtime.corba.rt_objects.component import ContextService, RtObject
 from rtgen.runtime.corba.rt_objects.configuration import Configuration
 from rtgen.runtime.corba.rt_objects.ports import PortService
 from rtgen.runtime.corba.rt_objects.wire import texts, values
@@ -70,6 +72,18 @@ def failed_of(
             if found == [name]:
                 break
     return found
+
+
+def test_a_request_that_is_taken_and_without_effect_may_take_effect_later(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    install((ContextService, "activate_component", instead(ok)), monkeypatch)
+    report = bench.report([Permission.ACTUATE], SOON)
+    assert failed(report) == ["life-cycle.activation", "contexts.strangers", "left"]
+    [outcome] = [o for o in report.outcomes if o.check == "left"]
+    assert outcome.problems == (
+        "it is INACTIVE_STATE, and activate_component may take effect later",
+    )
 
 
 def of_another_type(profile: Any) -> Any:

@@ -199,6 +199,11 @@ MUTANTS: dict[str, Mutant] = {
         "get_configuration_set",
         instead(lambda self, name: self.get_active_configuration_set()),
     ),
+    "configuration.unknown-parameters": (
+        Configuration,
+        "get_configuration_parameter_value",
+        instead(lambda self, name: anys.to_any("0"), lambda self, name: "-" in name),
+    ),
     "contexts.profile": (
         ContextService,
         "get_profile",
@@ -219,7 +224,7 @@ MUTANTS: dict[str, Mutant] = {
     "life-cycle.activation": (
         ContextService,
         "activate_component",
-        instead(ok, is_state("INACTIVE_STATE")),
+        instead(but("activate_component"), is_state("INACTIVE_STATE")),
     ),
     "life-cycle.inactive": (
         ContextService,

@@ -131,6 +131,13 @@ class ConfigurationServant(SDOPackage__POA.Configuration):
     def __init__(self, admin: ConfigAdmin) -> None:
         self._admin = admin
 
+    def get_configuration_parameter_value(self, name: str) -> Any:
+        """Return None, which omniORBpy cannot marshal: OpenRTM has no single values."""
+        return None
+
+    def set_configuration_parameter(self, name: str, value: Any) -> bool:
+        return True
+
     def get_configuration_sets(self) -> list[Any]:
         return [_as_set(node) for node in self._admin.getConfigurationSets()]
 

@@ -32,7 +32,9 @@ def properties(rtc: RtcUnderTest) -> Problems:
     for name, wanted in rtc.expected.properties.items():
         if name in found:
             known = found[name] in wanted
-            yield None if known else f"{name} is {found[name]!r}, not {wanted[0]!r}"
+            hint = rtc.expected.saying(name, found[name])
+            problem = f"{name} is {found[name]!r}, not {wanted[0]!r}{hint}"
+            yield None if known else problem
 
 
 def identity(rtc: RtcUnderTest) -> Problems:
@@ -137,9 +139,15 @@ CHECKS: Final = (
     ),
     Check(
         "configuration.unknown",
-        "unknown sets and parameters are refused",
+        "unknown sets are refused",
         _SETS,
-        configuration_checks.unknown_names,
+        configuration_checks.unknown_sets,
+    ),
+    Check(
+        "configuration.unknown-parameters",
+        "unknown parameters are refused",
+        _SETS,
+        configuration_checks.unknown_parameters,
     ),
     Check(
         "contexts.kind",

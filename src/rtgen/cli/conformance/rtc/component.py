@@ -12,6 +12,7 @@ from omniORB import CORBA
 from rtgen.cli.conformance.check import SkipError
 from rtgen.cli.conformance.rtc.expected import Expected
 from rtgen.facts.openrtm_ports import RUNTIME
+from rtgen.runtime.corba.faults import is_timeout
 from rtgen.runtime.corba.rt_objects.objects import CallError, Exported
 from rtgen.runtime.corba.rt_objects.remote import FAULTS, NilError, RemoteRtc
 from rtgen.runtime.corba.rt_objects.wire import NotAvailable, SdoError, texts
@@ -19,7 +20,10 @@ from rtgen.runtime.return_codes import (
     ACTIVE_STATE,
     ERROR_STATE,
     INACTIVE_STATE,
+    RTC_ERROR,
+    RTC_OK,
     LifeCycleState,
+    ReturnCode_t,
 )
 
 _POLL_INTERVAL = 0.01
@@ -57,6 +61,8 @@ class RtcUnderTest(RemoteRtc):
         self.profile = self.read_profile()
         self.before: Condition | None = None
         """The condition that `restore` restores, set by `keep`."""
+        self.pending: tuple[str, LifeCycleState] | None = None
+        """A request that was accepted and has not taken effect in time, and its state."""
 
     def explained(self, fault: Exception) -> str:
         """See `Subject`."""
@@ -124,19 +130,36 @@ class RtcUnderTest(RemoteRtc):
         except CORBA.SystemException:
             return True
 
+    def is_running(self) -> bool:
+        """Return whether its context runs. Raises SkipError."""
+        return bool(self.ask(self.context, "is_running"))
+
     def inactive(self) -> Any:
         """Return the context after making the component INACTIVE. Raises SkipError."""
         context = self.context
-        if not self.ask(context, "is_running"):
+        if not self.is_running():
             raise SkipError("its execution context does not run")
         state = self.state()
         if state is ERROR_STATE:
             raise SkipError("it is in ERROR, and stays there")
-        if state is ACTIVE_STATE:
-            self.ask(context, "deactivate_component", self.reference)
-            if not self.becomes(INACTIVE_STATE):
-                raise SkipError("it does not become INACTIVE")
+        if state is ACTIVE_STATE and self.pending is None:
+            self.request("deactivate_component", INACTIVE_STATE)
+        if self.pending is not None:
+            raise SkipError(f"{self.pending[0]} has not taken effect")
         return context
+
+    def request(self, operation: str, wanted: LifeCycleState) -> ReturnCode_t:
+        """Request a state of the context, and wait for it; the request is `pending` until then."""
+        try:
+            code: ReturnCode_t = self.ask(self.context, operation, self.reference)
+        except CORBA.SystemException as error:
+            if is_timeout(error):
+                self.pending = operation, wanted
+            raise
+        if code in (RTC_OK, RTC_ERROR):  # the latter from OpenRTM if it takes long
+            ended = self.becomes(wanted) or self.state() is ERROR_STATE
+            self.pending = None if ended else (operation, wanted)
+        return code
 
     # Restoring
 
@@ -218,16 +241,21 @@ class RtcUnderTest(RemoteRtc):
         return None if same else f"its context {words[now]} now"
 
     def _restore_state(self, before: Condition) -> str | None:
+        if self.pending is not None:
+            operation, wanted = self.pending
+            if not self.becomes(wanted):
+                now = self.state().name
+                return f"it is {now}, and {operation} may take effect later"
+            self.pending = None
         state = self.state()
         if state is not before.state:
             if state is ERROR_STATE:
                 self.ask(self.context, "reset_component", self.reference)
                 self.becomes(INACTIVE_STATE)
-            wanted = before.state is ACTIVE_STATE
-            change = "activate_component" if wanted else "deactivate_component"
+            is_active = before.state is ACTIVE_STATE
+            change = "activate_component" if is_active else "deactivate_component"
             if self.state() is not before.state:
-                self.ask(self.context, change, self.reference)
-            self.becomes(before.state)
+                self.request(change, before.state)
         state = self.state()
         same = state is before.state
         return None if same else f"it is {state.name}, and was {before.state.name}"

@@ -83,11 +83,29 @@ def _refused(rtc: RtcUnderTest, what: str, operation: str, name: str) -> str | N
     return None if answer is False else f"{what} was not refused"
 
 
-def unknown_names(rtc: RtcUnderTest) -> Problems:
-    """Check that requests for unknown sets and parameters are rejected."""
+def unknown_sets(rtc: RtcUnderTest) -> Problems:
+    """Check that requests for unknown sets are rejected."""
     yield _refused(rtc, "an unknown set", "get_configuration_set", UNKNOWN)
+
+
+def unknown_parameters(rtc: RtcUnderTest) -> Problems:
+    """Check that a request for an unknown parameter is rejected."""
     operation = "get_configuration_parameter_value"
+    if not rtc.is_of_rtgen and not _reads_parameters(rtc):
+        raise SkipError("it has no values of single parameters, like OpenRTM")
     yield _refused(rtc, "an unknown parameter", operation, UNKNOWN)
+
+
+def _reads_parameters(rtc: RtcUnderTest) -> bool:
+    """Return whether the component returns the values of its single parameters."""
+    known = next(iter(rtc.sets().get(rtc.active_set(), {})), None)
+    if known is None:
+        return False
+    try:
+        found = rtc.configure("get_configuration_parameter_value", known)
+    except (SdoError, CORBA.SystemException):
+        return False
+    return found.value() is not None
 
 
 def _parameters(rtc: RtcUnderTest) -> Iterator[tuple[str, ExpectedParameter, str]]:

@@ -13,6 +13,7 @@ from msgspec.structs import replace
 from rtgen.backends.components.locations import summary
 from rtgen.facts.constraints import parse, text_of
 from rtgen.facts.openrtm_ports import IN, OUT, SERVICE, known_name, registered_names
+from rtgen.frontends.rtc_profile.names import ACTIVITY_TYPES
 from rtgen.model import (
     Component,
     ConfigurationParameter,
@@ -148,8 +149,10 @@ class Expected:
             "description": summary(component),
         }
         self.properties = {
-            # Many modules of OpenRTM state the kind of component there.
-            "activity_type": (component.activity, component.component_type),
+            # Many modules of OpenRTM state the type or the kind of the component there.
+            "activity_type": (
+                *(component.activity, component.component_type, component.kind),
+            ),
             "max_instance": (str(component.max_instances),),
         }
         self.rate = component.rate
@@ -159,6 +162,16 @@ class Expected:
             for each in component.configuration
         }
         self.ports = _ports(model, component)
+
+    @staticmethod
+    def saying(name: str, text: str) -> str:
+        """Return how a definition says the text of a property; empty if it cannot."""
+        argument = {"activity_type": "activity", "max_instance": "max_instances"}[name]
+        if argument == "activity" and text in ACTIVITY_TYPES:
+            return f'; @rtc(activity="{text}") says so'
+        if argument == "max_instances" and text.isdecimal():
+            return f"; @rtc(max_instances={text}) says so"
+        return ""
 
 
 def _ports(model: Model, component: Component) -> dict[str, ExpectedPort]:

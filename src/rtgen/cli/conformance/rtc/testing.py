@@ -49,7 +49,7 @@ def tested(
     expected = _expected(file, name, include)
     try:
         with closing(Orb(timeout=timeout)) as orb:
-            exported = Exported(orb)
+            exported = Exported(orb, gives_up=False)
             found = located(connect, exported, partial(Naming, orb.orb))
             rtc = _answering(connect, expected, found, exported, timeout)
             subject = f"{expected.type_name} {rtc.profile.instance_name}"

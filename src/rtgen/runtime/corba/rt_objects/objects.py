@@ -27,10 +27,15 @@ class CallError(Exception):
 
 
 class Exported:
-    """Creates CORBA objects for Python objects that implement an interface."""
+    """Creates CORBA objects for Python objects that implement an interface, and calls others.
 
-    def __init__(self, orb: Orb) -> None:
+    `gives_up`: after a call that was not answered in time, others to that process fail at once, for
+    as long as it has waited.
+    """
+
+    def __init__(self, orb: Orb, *, gives_up: bool = True) -> None:
         self._orb = orb
+        self._gives_up = gives_up
         self._silent: dict[str, float] = {}
         """Processes that did not answer in time, and until when they are not called again."""
 
@@ -59,11 +64,7 @@ class Exported:
     def call(
         self, reference: Any, interface: Interface, operation: str, *arguments: Any
     ) -> Any:
-        """Call an object of another process. Raises omniORB's exceptions and CallError.
-
-        After a call that was not answered in time, others to that process fail at once, for as long
-        as it has waited.
-        """
+        """Call an object of another process. Raises omniORB's exceptions and CallError."""
         if self._silent and time.monotonic() < self._silent.get(
             iors.place(self.text(reference)), 0.0
         ):
@@ -73,7 +74,7 @@ class Exported:
         try:
             return reference._obj.invoke(operation, descriptor, arguments)
         except CORBA.SystemException as error:
-            if is_timeout(error):
+            if self._gives_up and is_timeout(error):
                 until = time.monotonic() + self._orb.limit_in_seconds
                 self._silent[iors.place(self.text(reference))] = until
             if isinstance(error, CORBA.DATA_CONVERSION):
