@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import re
 import signal
-from pathlib import Path
 
 import cpp_build
 import pytest
@@ -79,18 +78,6 @@ def test_a_component_that_does_not_let_the_run_end(processes: Processes) -> None
     assert run.code() == 1
     assert "does not end when interrupted; rtgen ends" in run.text
     assert are_released(base, arm)
-
-
-def test_an_error_of_the_timeline(processes: Processes, tmp_path: Path) -> None:
-    found = both(processes)
-    timeline = tmp_path / "timeline.toml"
-    timeline.write_text(
-        '[[at]]\nt = 0.3\ndisconnect = "to_arm"\n[[at]]\nt = 0.4\ndisconnect = "to_arm"\n'
-    )
-    run = processes.run("--timeline", str(timeline), "--until", "1")
-    assert run.code() == 2
-    assert "SYS0007" in run.text
-    assert are_released(*found)
 
 
 def test_an_error_of_rtgen_itself(processes: Processes) -> None:
