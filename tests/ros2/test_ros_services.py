@@ -269,7 +269,7 @@ def test_a_server_without_the_header_is_not_called(
     await_(other.get_matched_publications)
     await_(writer.get_matched_subscriptions)
     for _ in range(3):
-        with pytest.raises(ServiceError, match="is not called, because its middleware"):
+        with pytest.raises(ServiceError, match="is not called: its middleware"):
             consumer.set(lamp.std_srvs.srv.SetBool_Request(True))
     [message] = [m for m in caplog.messages if m.startswith(f"/lab/{NAME}: the server")]
     assert f"DDS entity {other.guid.bytes.hex()}" in message

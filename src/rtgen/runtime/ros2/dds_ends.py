@@ -136,10 +136,9 @@ class Strangers:
         node = self._graph.node(guid)
         name = f"DDS entity {guid.hex()}" if node is None else f"node {node}"
         text = (
-            f"{service}: the {role.name} in {name} {role.fate}, because its middleware "
-            "(rmw_fastrtps, the default of ROS 2, or another) has other service messages than "
-            "rmw_cyclonedds: start it with RMW_IMPLEMENTATION=rmw_cyclonedds_cpp, or use "
-            "--ros2 zenoh with rmw_zenoh_cpp"
+            f"{service}: the {role.name} in {name} {role.fate}: its middleware, such as "
+            "rmw_fastrtps, has other service messages than rmw_cyclonedds; start the node with "
+            "RMW_IMPLEMENTATION=rmw_cyclonedds_cpp, or use --ros2 zenoh with rmw_zenoh_cpp"
         )
         key = _key(service, guid)
         with self._lock:

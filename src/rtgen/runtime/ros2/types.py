@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from rtgen.facts import ros_hash
@@ -161,9 +162,7 @@ _BYTE_ORDERS = {b"\x00\x00": False, b"\x00\x01": True}
 
 def encoded(value: Any) -> bytes:
     """Return a message as ROS 2 sends it, with its encapsulation header. Raises CdrError."""
-    descriptor = type(value)._descriptor_
-    encode = compiled("to_cdr", descriptor, ros2_format(descriptor))
-    body: bytes = encode(value, True)
+    body: bytes = _codec("to_cdr", type(value)._descriptor_)(value, True)
     return _HEAD + body
 
 
@@ -176,6 +175,14 @@ def decoded(type_: type[Any], octets: bytes) -> Any:
     little_endian = _BYTE_ORDERS.get(octets[:2])
     if little_endian is None or len(octets) < len(_HEAD):
         return deserialize(type_, octets)  # another representation, or an error
-    descriptor = type_._descriptor_
-    decode = compiled("from_prefix", descriptor, ros2_format(descriptor))
+    decode = _codec("from_prefix", type_._descriptor_)
     return decode(type_, octets[len(_HEAD) :], little_endian)
+
+
+def _codec(kind: str, descriptor: Any) -> Callable[..., Any]:
+    """Return a compiled function of a message, which is kept with its others."""
+    known: Callable[..., Any] | None = descriptor.codecs.get(("ros2", kind))
+    if known is None:
+        known = compiled(kind, descriptor, ros2_format(descriptor))
+        descriptor.codecs["ros2", kind] = known
+    return known
