@@ -26,6 +26,7 @@ from rtgen.facts.canopen import TPDO_COMMUNICATION as TPDO_COMMUNICATION
 from rtgen.facts.canopen import TPDO_MAPPING as TPDO_MAPPING
 from rtgen.facts.canopen import UNSIGNED as UNSIGNED
 from rtgen.facts.canopen import DataType as DataType
+from rtgen.facts.canopen import nearest_zero
 from rtgen.facts.cob_ids import Standing, service_of, standing
 
 
@@ -181,6 +182,17 @@ class Variable(msgspec.Struct, frozen=True, kw_only=True):
         """Return the value that is in force: the current one, or a COB-ID in its place."""
         number, chosen = (self.index, self.subindex), self.value is not None
         return cob_id_in_force(number, self.current, node_id, chosen=chosen)
+
+    def start(self, node_id: int | None) -> Value | None:
+        """Return the value in force; without one, that within its limits nearest to 0."""
+        value = self.in_force(node_id)
+        if value is not None or (self.low is None and self.high is None):
+            return value
+        low, high = resolved(self.low, node_id), resolved(self.high, node_id)
+        return nearest_zero(
+            low if isinstance(low, int | float) else None,
+            high if isinstance(high, int | float) else None,
+        )
 
     def initial(self, node_id: int | None) -> Value | None:
         """Return the value that is in force before the configuration."""

@@ -194,6 +194,27 @@ def test_a_bus_file_says_how_components_are(make: Make) -> None:
     assert parameters("CanopenManager")["network"].default == "bus"
 
 
+@pytest.mark.parametrize(
+    ("limits", "start"),
+    [
+        ("LowLimit=5\nHighLimit=50\n", 5),
+        ("LowLimit=-50\nHighLimit=-3\n", -3),
+        ("LowLimit=-5\nHighLimit=5\n", None),
+    ],
+)
+def test_an_object_without_a_default_begins_within_its_limits(
+    make: Make, limits: str, start: int | None
+) -> None:
+    """As a parameter, and as a member of an RPDO before its first sample."""
+    settings = 'ports = "object"\nparameters = ["2000"]\n'
+    drive = DRIVE.replace("DefaultValue=1500\n", limits)
+    made = make(drive_eds=drive, bus_toml=BUS.replace("{settings}", settings))
+    assert codes(made) == ["EDS0804"]
+    assert parameters("DriveProxy")["Speed"].default == (start or 0)
+    [proxy] = [a for a in made.artifacts if a.path.endswith("drive_proxy/__init__.py")]
+    assert f"Gathering(1, (_Speed_in, {start or 0}))" in proxy.text
+
+
 def test_a_factor_out_of_this_world(make: Make) -> None:
     settings = SETTINGS.replace("-0.5", "1e308").replace(', "2001"', "")
     made = make(drive_eds=DRIVE, bus_toml=BUS.replace("{settings}", settings))

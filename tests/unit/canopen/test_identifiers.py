@@ -11,10 +11,12 @@ from pathlib import Path
 
 import pytest
 from can_nodes import description
+from conformance_nodes import report_of
 from device_bench import Bench
 
 from rtgen.cli.can.decoding.decoder import Decoder
 from rtgen.cli.can.decoding.node_index import read_node_index
+from rtgen.cli.conformance.report import as_text
 from rtgen.frontends.eds import load
 from rtgen.runtime.canopen.description import DeviceDescription
 from rtgen.runtime.canopen.master.proxied_node import wiring
@@ -33,6 +35,7 @@ SILENT = [MISSING, "0", "0x0", "0x00000000", UNREADABLE, "none"]
 
 
 def variable(section: str, value: str, type_: int = 7, access: str = "rw") -> str:
+    type_ = 5 if section == "1019" else type_
     text = (
         f"\n[{section}]\nParameterName=Object {section}\nObjectType=7\n"
         f"DataType={type_}\nAccessType={access}\nPDOMapping=0\n"
@@ -242,3 +245,20 @@ def test_objects_without_a_default_begin_within_their_limits(
     assert bench.node.get(0x2F00) == wanted
     bench.node.reset(bench.now)
     assert bench.node.get(0x2F00) == wanted
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"1005": "0", "1014": "0"},
+        {"1005": MISSING, "1014": UNREADABLE, "1012": "0x80000000"},
+        {"1005": "0x90", "1019": "10", "1014": "0x6A0"},
+        {"1800sub1": MISSING, "1400sub1": "0x200", "1801sub1": "0x40000000"},
+        {"1800sub1": "0x585", "1400sub1": "0x10"},
+    ],
+)
+def test_our_own_nodes_conform_whatever_their_identifiers_are(
+    values: dict[str, str], tmp_path: Path
+) -> None:
+    report = report_of(eds(tmp_path, values))
+    assert report.passed, as_text(report)

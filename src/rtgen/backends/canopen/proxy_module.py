@@ -161,8 +161,9 @@ class _ProxyModule(ComponentModule):
     def _initial(self, quantity: Quantity) -> str:
         """The value of a member before the first sample: that of the object."""
         variable = quantity.variable
-        value = object_value(variable.data_type, variable.current)
-        if isinstance(variable.current, NodeRelative):
+        start = variable.start(self.ports.device.node_id)
+        value = object_value(variable.data_type, start)
+        if isinstance(start, NodeRelative):
             value = None
         if quantity.factor is not None:
             number = value if isinstance(value, int | float) else 0

@@ -6,18 +6,17 @@ from collections.abc import Collection, Iterator
 
 from rtgen.diagnostics import Span
 from rtgen.model.canopen import (
-    INVALID,
     PDOS,
     RPDO_COMMUNICATION,
     TPDO_COMMUNICATION,
     Access,
     DataType,
     DeviceInfo,
-    NodeRelative,
     Object,
     ObjectType,
     Value,
     Variable,
+    cob_id_in_force,
 )
 
 _U8, _U16, _U32 = DataType.UNSIGNED8, DataType.UNSIGNED16, DataType.UNSIGNED32
@@ -30,12 +29,8 @@ _COMMUNICATION = (
     (6, "SYNC start value", _U8),
 )
 _ENTRIES = 64
-_PREDEFINED = 4
 _EVENT_DRIVEN = 255
-_NAMES = {
-    RPDO_COMMUNICATION: ("RPDO", 0x200),
-    TPDO_COMMUNICATION: ("TPDO", 0x180),
-}
+_NAMES = {RPDO_COMMUNICATION: "RPDO", TPDO_COMMUNICATION: "TPDO"}
 
 
 def implied(info: DeviceInfo, known: Collection[int], span: Span) -> Iterator[Object]:
@@ -55,12 +50,9 @@ def implied(info: DeviceInfo, known: Collection[int], span: Span) -> Iterator[Ob
 def _pdo(
     base: int, number: int, subs: int, known: Collection[int], span: Span
 ) -> Iterator[Object]:
-    name, cob_id = _NAMES[base]
-    first = number < _PREDEFINED
-    defaults: dict[int, Value] = {
-        1: NodeRelative(cob_id + 0x100 * number) if first else INVALID,
-        2: _EVENT_DRIVEN,
-    }
+    name = _NAMES[base]
+    cob_id = cob_id_in_force((base + number, 1), None, None)
+    defaults = {1: cob_id, 2: _EVENT_DRIVEN}
     members = [
         _variable(base + number, sub, label, type_, span, defaults.get(sub, 0))
         for sub, label, type_ in _COMMUNICATION
@@ -107,7 +99,7 @@ def _variable(
     name: str,
     type_: DataType,
     span: Span,
-    default: Value,
+    default: Value | None,
     access: Access = Access.RW,
 ) -> Variable:
     return Variable(

@@ -304,7 +304,8 @@ def _of_objects(ports: DevicePorts) -> Iterator[ConfigurationParameter]:
         if not can_be_parameter(quantity):
             continue  # reported by the back end
         variable = quantity.variable
-        default = _shown(quantity, resolved(variable.current, ports.device.node_id))
+        node_id = ports.device.node_id
+        default = _shown(quantity, resolved(variable.start(node_id), node_id))
         low, high = _limits(quantity, ports.device.node_id)
         if isinstance(default, int | float) and not isinstance(default, bool):
             low = None if low is not None and low > default else low

@@ -8,6 +8,7 @@ from rtgen.cli.conformance.canopen.node import NodeUnderTest
 from rtgen.cli.conformance.canopen.pdo_checks import receptions
 from rtgen.cli.conformance.canopen.sdo_checks import HEARTBEAT, writable_heartbeat
 from rtgen.cli.conformance.check import Problems, SkipError
+from rtgen.facts.write_order import CONSUMERS, consumed_node
 from rtgen.runtime.canopen.wire.emergency import (
     HEARTBEAT_LOST,
     PDO_TOO_LONG,
@@ -72,12 +73,21 @@ def _is(code: int | None, wanted: int, what: str) -> str | None:
     return None if code == wanted else problem
 
 
+def _unwatched(node: NodeUnderTest) -> int:
+    """Return the highest node-id of which no entry of 1016h consumes the heartbeat."""
+    taken = {node.id}
+    for (index, sub), octets in node.values.items():
+        if index == CONSUMERS and sub:
+            taken.add(consumed_node(int.from_bytes(octets, "little")) or 0)
+    return max(set(range(1, MAX_NODE_ID + 1)) - taken)
+
+
 def consumer(node: NodeUnderTest) -> Problems:
     """Check that the node reports a lost heartbeat, and none that is in time."""
     thing = node.described.objects.get(_CONSUMER)
     if thing is None or not thing.access.writable:
         raise SkipError("1016h:1 is not described as writable")
-    producer = MAX_NODE_ID if node.id != MAX_NODE_ID else MAX_NODE_ID - 1
+    producer = _unwatched(node)
     beat = Frame(ERROR_CONTROL + producer, bytes((NmtState.OPERATIONAL,)))
     try:
         node.configure(_CONSUMER, producer << 16 | _PERIOD)

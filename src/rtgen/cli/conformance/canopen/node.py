@@ -8,7 +8,9 @@ from typing import ClassVar, Protocol
 
 from rtgen.cli.can.decoding.node_index import DescribedNode, DescribedObject
 from rtgen.cli.conformance.check import SkipError
-from rtgen.facts.canopen import INVALID
+from rtgen.facts.canopen import INVALID, SYNC
+from rtgen.facts.cob_ids import COB_ID_SYNC
+from rtgen.facts.write_order import OVERFLOW
 from rtgen.model.canopen import NodeRelative, resolved
 from rtgen.runtime.canopen.description import ObjectNumber
 from rtgen.runtime.canopen.values import encode
@@ -71,6 +73,8 @@ class NodeUnderTest:
     bounds: Bounds = Bounds()
     values: dict[ObjectNumber, bytes] = field(default_factory=dict)
     """The values read by the first check."""
+    syncs: int = 0
+    """Number of SYNC messages sent so far."""
     _asked: ObjectNumber = (0, 0)
 
     def explained(self, fault: Exception) -> str:
@@ -91,18 +95,31 @@ class NodeUnderTest:
         """The CAN identifier of its emergencies; None if it has no valid 1014h."""
         octets = self.values.get(_EMERGENCY)
         cob_id = CobId(INVALID if octets is None else int.from_bytes(octets, "little"))
-        return None if cob_id.bit31 else cob_id.can_id
+        return cob_id.can_id if cob_id.valid else None
+
+    def synchronise(self) -> None:
+        """Send a SYNC as the node expects it, with a counter if it has one (1005h, 1019h)."""
+        octets = self.values.get(COB_ID_SYNC)
+        cob_id = CobId(SYNC if octets is None else int.from_bytes(octets, "little"))
+        highest = int.from_bytes(self.values.get(OVERFLOW, b""), "little")
+        data = bytes((self.syncs % highest + 1,)) if highest else b""
+        self.syncs += 1
+        known = cob_id if cob_id.configurable else CobId(SYNC)
+        self.line.send(known.frame(data))
 
     def described_values(self, number: ObjectNumber) -> list[int | float | str]:
         """Return the values that the description gives an object after a reset.
 
         That is the default, or the configured value of a DCF, if the node has stored it (CiA 301,
-        7.3.2.2.1; CiA 306, ParameterValue). An object without a default may have any value.
+        7.3.2.2.1; CiA 306, ParameterValue). An object without a default may have any value. A
+        COB-ID may be the one in force in place of the described one.
         """
         variable = self.described.device.find(*number)
         if variable is None or variable.default is None:
             return []
-        found = [resolved(v, self.id) for v in (variable.default, variable.value)]
+        stated = (variable.default, variable.value)
+        in_force = (variable.initial(self.id), variable.in_force(self.id))
+        found = [resolved(v, self.id) for v in (*stated, *in_force)]
         return [
             v
             for v in dict.fromkeys(found)

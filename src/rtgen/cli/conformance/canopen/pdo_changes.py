@@ -21,7 +21,6 @@ from rtgen.runtime.canopen.wire import sdo
 from rtgen.runtime.canopen.wire.frames import (
     MAX_DATA,
     MILLISECOND,
-    SYNC,
     CobId,
     Frame,
 )
@@ -132,7 +131,7 @@ def _changed(node: NodeUnderTest, *needed: int) -> Iterator[ChangedPdo]:
             number = pdo.communication, _COB_ID
             if all(_is_writable(node, (pdo.communication, sub)) for sub in needed):
                 cob_id = int.from_bytes(node.upload(number), "little")
-                if not cob_id & INVALID:
+                if CobId(cob_id).valid:
                     yield ChangedPdo(node, pdo, cob_id)
     finally:
         node.restart()
@@ -250,7 +249,7 @@ def _carried(each: ChangedPdo, mapped: list[DescribedObject]) -> str | None:
     node = each.node
     with _operational(node):
         before = [node.upload(thing.number) for thing in mapped]
-        node.line.send(Frame(SYNC))
+        node.synchronise()
         frame = node.await_frame(each.can_id, node.bounds.answer)
         after = [node.upload(thing.number) for thing in mapped]
     if frame is None:
@@ -305,7 +304,7 @@ def _cyclic(each: ChangedPdo, kind: int) -> str | None:
     with _operational(node):
         counted, cycles = 0, 2 if kind <= _SENT else 1
         for place in range(1, cycles * kind + 1):
-            node.line.send(Frame(SYNC))
+            node.synchronise()
             within = max(_QUIET // kind, _SYNC_PERIOD) if place % kind else _QUIET
             counted += node.await_frame(each.can_id, within) is not None
     problem = f"{each.name}, type {kind}: {counted} after {cycles * kind} SYNCs"
@@ -318,7 +317,7 @@ def _acyclic(each: ChangedPdo) -> str | None:
         if node.await_frame(each.can_id, _QUIET) is not None:
             return f"{each.name}, type 0: sent without SYNC"
         for _ in range(_REPEATED):
-            node.line.send(Frame(SYNC))
+            node.synchronise()
             frame = node.await_frame(each.can_id, _QUIET)
             sent += [] if frame is None else [frame.data]
     cyclic = len(sent) == _REPEATED and len(set(sent)) == 1
@@ -331,7 +330,7 @@ def _remote(each: ChangedPdo, kind: int) -> str | None:
     node = each.node
     with _operational(node):
         for _ in range(2):
-            node.line.send(Frame(SYNC))
+            node.synchronise()
         if node.await_frame(each.can_id, _QUIET) is not None:
             return f"{each.name}, type {kind}: sent without a remote frame"
         node.line.send(Frame(each.can_id, remote=True))
@@ -396,7 +395,7 @@ def synchronous_reception(node: NodeUnderTest) -> Problems:
                 node.line.send(Frame(each.can_id, b"".join(values)))
                 now = node.values_later(mapped)
                 yield None if now == held else f"{each.name}: taken before a SYNC"
-                node.line.send(Frame(SYNC))
+                node.synchronise()
                 now = node.values_soon(mapped, values)
                 yield None if now == values else f"{each.name}: not taken at a SYNC"
                 held = values

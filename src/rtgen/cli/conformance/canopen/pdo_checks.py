@@ -11,7 +11,7 @@ from rtgen.cli.conformance.canopen.pdo_changes import present_entries, whole_obj
 from rtgen.cli.conformance.check import Problems
 from rtgen.model.canopen import Pdo, PdoDirection
 from rtgen.runtime.canopen.wire.emergency import PDO_TOO_SHORT
-from rtgen.runtime.canopen.wire.frames import MAX_DATA, MILLISECOND, SYNC, CobId, Frame
+from rtgen.runtime.canopen.wire.frames import MAX_DATA, MILLISECOND, CobId, Frame
 from rtgen.runtime.canopen.wire.nmt import NmtCommand
 
 _MAX_SYNCHRONOUS: Final = 240
@@ -52,7 +52,7 @@ def synchronous(node: NodeUnderTest) -> Problems:
             pdo.direction == "tpdo"
             and 1 <= kind <= _MAX_SYNCHRONOUS
             and present_entries(node, pdo)
-            and not cob_id.bit31
+            and cob_id.valid
         ):
             found.append((pdo, kind, cob_id.can_id))
     node.command(NmtCommand.START)
@@ -61,7 +61,7 @@ def synchronous(node: NodeUnderTest) -> Problems:
             counted = 0
             bits = sum(entry.bits for entry in present_entries(node, pdo))
             for _ in range(2 * kind):
-                node.line.send(Frame(SYNC))
+                node.synchronise()
                 frame = node.await_frame(can_id, 20 * MILLISECOND)
                 counted += frame is not None
                 if frame is not None and 8 * len(frame.data) != (bits + 7) // 8 * 8:
@@ -86,7 +86,7 @@ def receptions(
         )
         mapped = whole_objects(node, pdo)
         is_reception = pdo.direction is PdoDirection.RPDO and kind >= _EVENT_DRIVEN
-        if is_reception and not cob_id.bit31 and mapped:
+        if is_reception and cob_id.valid and mapped:
             yield pdo, cob_id.can_id, mapped
 
 
@@ -158,7 +158,7 @@ def pre_operational(node: NodeUnderTest) -> Problems:
         if pdo.direction is PdoDirection.TPDO and (pdo.communication, 1) in node.values
     }
     node.restart()
-    node.line.send(Frame(SYNC))
+    node.synchronise()
     end = node.line.now() + _QUIET
     sent = False
     while (frame := node.line.receive(end)) is not None:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from rtgen.facts import write_order
 from rtgen.facts.canopen import INVALID, NO_RTR
-from rtgen.facts.cob_ids import service_of
+from rtgen.facts.cob_ids import in_force, service_of
 from rtgen.facts.write_order import How, Step
 from rtgen.runtime.canopen import values
 from rtgen.runtime.canopen.description import (
@@ -91,8 +91,13 @@ class ParameterWriter:
         return value if isinstance(value, int) else 0
 
     def _final(self, number: ObjectNumber) -> ObjectValue | None:
+        """Return the value afterwards; a COB-ID of 0 stands for the predefined one."""
         value = self._wanted.get(number)
-        return self._present(number) if value is None else value
+        if value is None:
+            return self._present(number)
+        if service_of(number) is not None and isinstance(value, int):
+            return in_force(number, value, self._node_id, chosen=True)
+        return value
 
     def _present(self, number: ObjectNumber) -> ObjectValue | None:
         if number in self._written:
