@@ -44,14 +44,18 @@ TOKENS = re.compile(
 """A comment or a literal of IDL or C, in a text whose continued lines are joined."""
 
 _SPLICE = re.compile(r"\\\n")
+_SPLICE_WITH_BLANKS = re.compile(r"\\[ \t]*\n")
 _NOT_ASCII = re.compile(r"[^\x00-\x7f]")
 _RAW_LINE = re.compile(rb"\r\n?|\n")
 
 
 class Joined:
-    """A text whose lines are joined at backslashes, as C does, with the places in the original."""
+    """A text whose lines are joined at backslashes, as C does, with the places in the original.
 
-    def __init__(self, text: str) -> None:
+    `blanks`: blanks may follow the backslash, as gcc allows.
+    """
+
+    def __init__(self, text: str, *, blanks: bool = False) -> None:
         self.starts: list[int] = []
         """The offsets where a line was joined to the one before."""
         self._removed = [0]
@@ -60,7 +64,7 @@ class Joined:
             return
         parts = []
         start = length = 0
-        for match in _SPLICE.finditer(text):
+        for match in (_SPLICE_WITH_BLANKS if blanks else _SPLICE).finditer(text):
             parts.append(text[start : match.start()])
             length += match.start() - start
             start = match.end()

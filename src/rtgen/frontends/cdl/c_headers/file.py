@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 from rtgen.facts.encodings import digest
 from rtgen.frontends.kit import characters
 from rtgen.frontends.kit.characters import TOKENS, Joined
 
-_BLANK_AND_END = re.compile(r"\\[ \t]+\n")
 _BREAKS = str.maketrans(dict.fromkeys("\v\f\x1c\x1d\x1e\x85\u2028\u2029", " "))
 """Characters that end a line to `str.splitlines`, as pcpp uses it, and not in C."""
 _READERS = "gcc and tecsgen"
@@ -43,11 +41,7 @@ class HeaderFile:
 
     def _checked(self, source: str) -> str:
         """Return the text with its lines joined; report its comments."""
-        # gcc also joins lines if blanks follow the backslash.
-        blanks = _BLANK_AND_END.sub(
-            lambda match: " " * (len(match[0]) - 2) + "\\\n", source
-        )
-        joined = Joined(blanks)
+        joined = Joined(source, blanks=True)
         for match in TOKENS.finditer(joined.text):
             if match[0].startswith("//"):
                 self._characters.check_comment(*match.span(), _READERS, joined)
