@@ -6,8 +6,9 @@
 
 KIND is grammar, mutation, octets, cdl, eds, components (of EDS), slave or bus (frames), profiles,
 hostile (definitions whose texts would be code without quoting, eight in a case), conversions (the
-same for systems, modules of OpenRTM and convert), names (words of Python and of generated code) or
-growing (short definitions with large effects; a fixed number of cases). A case's number determines
+same for systems, modules of OpenRTM and convert), names (words of Python and of generated code),
+texts (Japanese ones in three encodings) or growing (short definitions with large effects; a fixed
+number of cases). A case's number determines
 its input for one version of the fuzzer and, for mutations, of the definition files of this
 repository. Each input that shows a defect is stored in DIR.
 """
@@ -35,6 +36,7 @@ from idl_mutations import mutant
 from idl_target import HELPERS, IdlTarget
 from octets import OctetsTarget
 from profiles import ProfileTarget
+from texts import TextsTarget
 
 KINDS: dict[str, Factory] = {
     "grammar": partial(IdlTarget, make=program, is_valid=is_valid),
@@ -50,6 +52,7 @@ KINDS: dict[str, Factory] = {
     "growing": GrowthTarget,
     "conversions": ConversionsTarget,
     "names": NamesTarget,
+    "texts": TextsTarget,
 }
 
 
