@@ -24,6 +24,7 @@ from rtgen.diagnostics.report import FORMS, report
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.idl import load
 from rtgen.frontends.idl.rules import RULES
+from rtgen.frontends.kit import characters
 from rtgen.inspection.models import inspect, tree
 from rtgen.lint import lint
 from rtgen.lint import rules as lint_rules
@@ -55,7 +56,7 @@ CHECK_INTERVALS = {
 _MARKER = re.compile(
     rb"line|#(?:[^\"\w/]|/(?!\*)|/\*(?:[^*]|\*(?!/))*\*/)*\d", re.DOTALL
 )
-_CODES = {rule.code: rule for rule in (*RULES, *lint_rules.RULES)}
+_CODES = {rule.code: rule for rule in (*RULES, *lint_rules.RULES, *characters.RULES)}
 _ON_DEMAND = [rule.code for rule in lint_rules.ON_DEMAND]
 
 

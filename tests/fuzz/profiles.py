@@ -17,7 +17,7 @@ from rtgen.backends.rtc_profile import profile_text
 from rtgen.diagnostics import Diagnostic, InputError, has_errors
 from rtgen.diagnostics.report import report
 from rtgen.frontends import idl, profile_yaml, rtc_profile, rts_profile
-from rtgen.frontends.kit import located_xml
+from rtgen.frontends.kit import characters, located_xml
 from rtgen.inspection.models import inspect
 from rtgen.lowering.profiles.lower import lower
 from rtgen.lowering.settings import Settings
@@ -28,7 +28,10 @@ from rtgen.typemap.profiles.rules import RULES
 ROOT = Path(__file__).parents[2]
 CASES = ROOT / "tests/golden"
 
-_CODES = {r.code for r in (*RULES, *located_xml.RULES, *profile_yaml.RULES)}
+_CODES = {
+    r.code
+    for r in (*RULES, *located_xml.RULES, *profile_yaml.RULES, *characters.RULES)
+}
 _OPTIONS = Options(package="fuzzed", skeleton_package="", version="0")
 _MAX_CHARACTERS = 200_000
 _ATTRIBUTE = re.compile(r'([\w.-]+(?::[\w.-]+)?)\s*=\s*"([^"]*)"')

@@ -41,6 +41,8 @@ _LABELS: Final = {
         " cp932 ms932 x-ms932 mskanji 932"
     ),
 }
+_SAMPLE: Final = 256 * 1024
+"""Number of octets by which a file is judged; a larger one is not read line by line."""
 _PRIOR: Final = 10.0
 """How much likelier UTF-8 is than another encoding, in bits."""
 _DAMAGE: Final = 30.0
@@ -55,6 +57,7 @@ _MARKS: Final = (
 )
 MARKS: Final = tuple(mark for mark, _ in _MARKS)
 """The byte-order marks."""
+_NOT_ASCII: Final = re.compile(rb"[\x80-\xff]")
 _LINES: Final = re.compile(rb"[^\n\r]*[\n\r]+|[^\n\r]+")
 _WINDOWS: Final = "".join(
     bytes((octet,)).decode("cp1252", "ignore") or chr(octet) for octet in range(256)
@@ -241,7 +244,7 @@ def _marked(body: bytes, encoding: str, mark: bytes) -> Decoded:
     """Read a file with a byte-order mark."""
     if _fits(body, encoding):
         return replace(_uniform(body, encoding), mark=mark)
-    if encoding == "utf8":
+    if encoding == "utf8" and len(body) <= _SAMPLE:
         return replace(_mixed(body), mark=mark)
     doubt = f"the file is not {TITLES[encoding]}, as its byte-order mark says"
     return replace(_uniform(body, encoding), mark=mark, doubt=doubt)
@@ -256,7 +259,9 @@ def _asked(data: bytes, encoding: str) -> Decoded:
     read = _uniform(data, encoding)
     if encoding == "none" or guess.encoding in ("none", encoding):
         return read
-    if _cost(guess) + 2 * _PRIOR > _cost(read):
+    sample = _sample(data)
+    costs = [_cost(_uniform(sample, each)) for each in (guess.encoding, encoding)]
+    if costs[0] + 2 * _PRIOR > costs[1]:
         return read
     doubt = f"the file looks like {guess.title}; read as {read.title}, as asked for"
     return replace(read, doubt=doubt)
@@ -264,6 +269,30 @@ def _asked(data: bytes, encoding: str) -> Decoded:
 
 def _guessed(data: bytes) -> Decoded:
     """Read a file in the encoding that gives the most likely text."""
+    sample = _sample(data)
+    if sample is data:
+        return _likeliest(data)
+    if _fits(data, "utf8"):
+        return _uniform(data, "utf8")
+    guess = _likeliest(sample)
+    if _fits(data, guess.encoding):
+        return replace(_uniform(data, guess.encoding), doubt=guess.doubt)
+    doubt = f"some octets are not {guess.title}, as others are"
+    return replace(_uniform(data, guess.encoding), doubt=doubt)
+
+
+def _sample(data: bytes) -> bytes:
+    """Return some lines of a large file, from the first one that is not ASCII."""
+    found = _NOT_ASCII.search(data)
+    if len(data) <= _SAMPLE or found is None:
+        return data
+    start = data.rfind(b"\n", 0, found.start()) + 1
+    start = max(start, found.start() - _SAMPLE // 2)
+    end = data.rfind(b"\n", found.end(), start + _SAMPLE) + 1
+    return data[start : end or start + _SAMPLE]
+
+
+def _likeliest(data: bytes) -> Decoded:
     fitting = [each for each in ("utf8", "sjis", "euc") if _fits(data, each)]
     if fitting == ["utf8"]:
         return _uniform(data, "utf8")
@@ -321,7 +350,7 @@ def _mixed(data: bytes) -> Decoded:
     text = "".join(_read(octets, encoding) for encoding, octets in parts)
     numbered = [*zip(encodings, lines, strict=True)]
     if all(line.isascii() for encoding, line in numbered if encoding == "utf8"):
-        doubt = f"these octets are not {TITLES[second]}, as others are"
+        doubt = f"some octets are not {TITLES[second]}, as others are"
         return Decoded(text, second, parts, doubt=doubt, line=_odd_line(numbered))
     doubt = f"this line is not UTF-8, as others are; read as {TITLES[second]}"
     return Decoded(text, "utf8", parts, doubt=doubt, line=_odd_line(numbered, second))
@@ -377,7 +406,7 @@ def _read(data: bytes, encoding: str) -> str:
 
 def _of_windows(data: bytes) -> str:
     """Return the text of octets in Windows-1252, without backslashes in characters of Shift_JIS."""
-    if not _IN_WINDOWS.search(data):
+    if len(data) > _SAMPLE or not _IN_WINDOWS.search(data):
         return codecs.charmap_decode(data, "strict", _WINDOWS)[0]
     parts = _IN_WINDOWS.split(data)
     parts_read = [codecs.charmap_decode(part, "strict", _WINDOWS)[0] for part in parts]

@@ -7,11 +7,9 @@ the frequencies of characters in comments of Japanese and European sources (JIS 
 from __future__ import annotations
 
 import re
-from itertools import islice, pairwise
+from itertools import pairwise
 from typing import Final
 
-_MAX_RUNS: Final = 20_000
-_MAX_RUN: Final = 1_000
 _RUN: Final = re.compile(r"[A-Za-z]?[^\x00-\x7f]+[A-Za-z]?")
 _WHOLE: Final = re.compile(r"[^\x00-\x7f]+")
 _LETTER: Final = r"[À-ÖÙ-öù-ÿĀ-\u017f]"
@@ -146,9 +144,8 @@ _ANY: Final = _Any()
 
 
 def _runs(text: str) -> str:
-    """Return the first runs that are not ASCII, one a line, with a letter before and after."""
-    found = (match[0][:_MAX_RUN] for match in _RUN.finditer(text))
-    return "\n".join(islice(found, _MAX_RUNS))
+    """Return the runs that are not ASCII, one a line, with a letter before and after."""
+    return "\n".join(_RUN.findall(text))
 
 
 def _count(pattern: re.Pattern[str], text: str) -> int:

@@ -54,7 +54,7 @@ def text_of(
     """Return the text of a profile, with a line feed as its line end. Raises InputError."""
     if not file.lower().endswith(YAML_SUFFIXES):
         return with_line_feeds(located_xml.decode(data, file))
-    read = characters.read(data, file, encoding, standard="YAML")
+    read = characters.read(data, file, encoding, standard=characters.YAML)
     for problem in read.problems:
         report(problem)
     return read.text

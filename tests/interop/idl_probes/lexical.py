@@ -14,12 +14,36 @@ PROBES = [
     alone(
         "shift-jis that ends in a backslash",
         "// 表\nstruct T { long b; };\n".encode("shift-jis"),
+        "TXT0002",
+        T="struct T; b: long",
+    ),
+    same(
+        "shift-jis with a full stop behind it",
+        "// 表.\nstruct T { long b; };\n".encode("shift-jis"),
+    ),
+    alone(
+        "shift-jis before other members",
+        "struct T { long a; // X座標の表\n long b; // Y\n};".encode("shift-jis"),
+        "TXT0002",
+        T="struct T; a: long; b: long",
+    ),
+    alone(
+        "shift-jis in a string",
+        'const string A = "能力";'.encode("shift-jis"),
+        "TXT0005",
+        A="const A: string = 能力",
+    ),
+    # omniidl reads the comment up to the line feed
+    alone(
+        "lone cr after a comment",
+        b"// a\rstruct T { long b; };\n",
+        "TXT0004",
         T="struct T; b: long",
     ),
     same(
         "shift-jis in a block comment", "/* ソ表 */\n".encode("shift-jis") + _S.encode()
     ),
-    same("latin-1 in a string", b'const string A = "gr\xf6\xdfe";'),
+    same("latin-1 in a string", b'const string A = "gr\xf6\xdfe";', "TXT0001"),
     # omniidl reads nothing from such a file
     alone("byte-order mark", b"\xef\xbb\xbf" + _S.encode(), S="struct S; a: long"),
     alone(
@@ -45,7 +69,7 @@ PROBES = [
     same("only comments", "// a\n/* b */\n"),
     same("only white space", " \t\n\n"),
     same("joined lines in a word", "str\\\nuct S { lo\\\nng a; };"),
-    same("joined lines in a comment", "// a \\\n still a\n" + _S),
+    same("joined lines in a comment", "// a \\\n still a\n" + _S, "TXT0003"),
     same("joined lines in a string", 'const string A = "a\\\nb";'),
     same("joined lines in a number", "const long A = 1\\\n2;"),
     refused("backslash before a blank", "str\\ \nuct S { long a; };", "IDL01"),
@@ -79,7 +103,9 @@ PROBES = [
     refused("underscore alone", "struct _ { long x; };", "IDL0207"),
     refused("underscore and digit", "struct _1 { long x; };", "IDL0207"),
     refused("non-ascii letter, utf-8", "struct Größe { long x; };", "IDL0207"),
-    refused("non-ascii letter, latin-1", b"struct Gr\xf6 { long x; };", "IDL0207"),
+    refused(
+        "non-ascii letter, latin-1", b"struct Gr\xf6 { long x; };", "IDL0207", "TXT0001"
+    ),
     refused("full-width digit", "struct A\uff11 { long x; };", "IDL0207"),
     refused(
         "differ in case only",

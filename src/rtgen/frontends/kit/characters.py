@@ -43,10 +43,12 @@ TOKENS = re.compile(
 )
 """A comment or a literal of IDL or C, in a text whose continued lines are joined."""
 
+YAML = "YAML"
+"""The format that may be UTF-16, too (YAML 1.2.2, 5.2)."""
+
 _SPLICE = re.compile(r"\\\n")
 _SPLICE_WITH_BLANKS = re.compile(r"\\[ \t]*\n")
 _NOT_ASCII = re.compile(r"[^\x00-\x7f]")
-_RAW_LINE = re.compile(rb"\r\n?|\n")
 
 
 class Joined:
@@ -109,33 +111,22 @@ class Characters:
         self.file = file
         self.text = decoded.normal
         self.problems: list[Diagnostic] = []
-        self._decoded = decoded
-        self._is_sjis = any(encoding == "sjis" for encoding, _ in decoded.parts)
+        self._lone_return = decoded.lone_return
+        # Lines of Windows-1252 may end in such a character of Shift_JIS, too.
+        self._may_end_in_backslash = any(
+            encoding in ("sjis", "none") and b"\\" in part
+            for encoding, part in decoded.parts
+        )
+        self._is_sjis = decoded.encoding == "sjis"
 
     @cached_property
     def _lines(self) -> LineTable:
         return LineTable(self.file, self.text)
 
-    @cached_property
-    def _octet_lines(self) -> frozenset[int]:
-        """The lines, from 1, that end in the octet of a backslash, but in another character."""
-        if all(encoding == "utf8" for encoding, _ in self._decoded.parts):
-            return frozenset()
-        octets = b"".join(part for _, part in self._decoded.parts)
-        if self._decoded.title == "UTF-16" or b"\\" not in octets:
-            return frozenset()
-        lines = zip(_RAW_LINE.split(octets), self.text.split("\n"), strict=True)
-        return frozenset(
-            number
-            for number, (line, text) in enumerate(lines, 1)
-            if line.rstrip(b" \t").endswith(b"\\")
-            and not text.rstrip(" \t").endswith("\\")
-        )
-
-    def doubt(self, rule: Rule, message: str) -> None:
+    def doubt(self, rule: Rule, message: str, line: int) -> None:
         """Report a doubt about the encoding, at the first character that is not ASCII."""
         starts = self._lines.starts
-        first = starts[min(self._decoded.line, len(starts)) - 1]
+        first = starts[min(line, len(starts)) - 1]
         found = _NOT_ASCII.search(self.text, first)
         span = self._lines.span(*((first, first) if found is None else found.span()))
         self.problems.append(rule.at(span, message))
@@ -147,11 +138,11 @@ class Characters:
 
         `readers` are programs that read octets; offsets are those of the `joined` text.
         """
-        if not self._octet_lines:
+        if not self._may_end_in_backslash:
             return
         start, end = joined.original(start), joined.original(end - 1) + 1
         end = start + len(self.text[start:end].rstrip(" \t"))
-        if self._lines.position(end)[0] not in self._octet_lines:
+        if not _ends_in_backslash().match(self.text, end - 1):
             return
         message = (
             f"the last octet of {self.text[end - 1]} is 5Ch, a backslash: to {readers} the"
@@ -186,10 +177,9 @@ class Characters:
 
     def check_line_ends(self) -> None:
         """Report the first carriage return without a line feed."""
-        place = self._decoded.lone_return
-        if place is not None:
+        if self._lone_return is not None:
             message = "a lone carriage return is read as a line end"
-            span = self._lines.span(place, place)
+            span = self._lines.span(self._lone_return, self._lone_return)
             self.problems.append(LONE_RETURN.at(span, message))
 
 
@@ -217,10 +207,12 @@ def read(
     decoded = encodings.decode(data, encoding, standard=standard is not None)
     made = Characters(file, decoded)
     doubt = decoded.doubt
-    if standard is not None and decoded.encoding != "utf8":
+    is_utf16 = decoded.title == "UTF-16"
+    if standard is None:
+        if doubt is None and is_utf16:
+            doubt = "the file is UTF-16, which other compilers do not read"
+    elif decoded.encoding != "utf8" and not (is_utf16 and standard == YAML):
         doubt = f"{standard} is UTF-8; read as {decoded.title}"
-    elif doubt is None and decoded.title == "UTF-16":
-        doubt = "the file is UTF-16, which other compilers do not read"
     if doubt is not None:
-        made.doubt(rule, doubt)
+        made.doubt(rule, doubt, decoded.line)
     return made
