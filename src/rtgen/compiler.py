@@ -67,7 +67,11 @@ def emitted(project: Project, result: FrontendResult) -> Compilation:
         from rtgen.systems import reading
 
         result = reading.added(
-            result, project.emitted_systems, root=project.root, output=project.output
+            result,
+            project.emitted_systems,
+            root=project.root,
+            output=project.output,
+            encoding=project.encoding,
         )
     emission = Emission()
     if not has_errors(result.diagnostics):

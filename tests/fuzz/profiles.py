@@ -29,8 +29,7 @@ ROOT = Path(__file__).parents[2]
 CASES = ROOT / "tests/golden"
 
 _CODES = {
-    r.code
-    for r in (*RULES, *located_xml.RULES, *profile_yaml.RULES, *characters.RULES)
+    r.code for r in (*RULES, *located_xml.RULES, *profile_yaml.RULES, *characters.RULES)
 }
 _OPTIONS = Options(package="fuzzed", skeleton_package="", version="0")
 _MAX_CHARACTERS = 200_000

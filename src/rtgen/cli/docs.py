@@ -69,7 +69,11 @@ def docs(
     result = compiler.read(project, lowered=True)
     if not has_errors(result.diagnostics):
         result = reading.added(
-            result, all_systems, root=project.root, output=project.output
+            result,
+            all_systems,
+            root=project.root,
+            output=project.output,
+            encoding=project.encoding,
         )
     console.findings(in_order(result.diagnostics), result.sources)
     if has_errors(result.diagnostics):

@@ -107,7 +107,11 @@ def _findings(
         if not has_errors(result.diagnostics):
             definitions = compiler.read(project, lowered=True, memo=memo)
         added = reading.added(
-            definitions, project.systems, root=project.root, output=project.output
+            definitions,
+            project.systems,
+            root=project.root,
+            output=project.output,
+            encoding=project.encoding,
         )
         of_systems = added.diagnostics[len(definitions.diagnostics) :]
         result = replace(result, sources=added.sources)

@@ -170,7 +170,11 @@ def _read(source: Source, project: Project, relabel: Relabel) -> Version:
         result = compiler.read(project, lowered=True)
         if project.systems and not has_errors(result.diagnostics):
             result = systems.added(
-                result, project.systems, root=project.root, output=project.output
+                result,
+                project.systems,
+                root=project.root,
+                output=project.output,
+                encoding=project.encoding,
             )
     if has_errors(result.diagnostics):
         raise InputError(_relabelled(result.diagnostics, relabel))

@@ -196,9 +196,15 @@ def _with_systems(
 
 def _system(project: Project, path: Path, memo: Memo) -> reading.Systems:
     def make() -> reading.Systems:
-        return reading.read([path], root=project.root, output=project.output)
+        return reading.read(
+            [path],
+            root=project.root,
+            output=project.output,
+            encoding=project.encoding,
+        )
 
-    key = ("system", str(Path.cwd()), project.root, project.output, path)
+    place = (str(Path.cwd()), project.root, project.output, path)
+    key = ("system", *place, project.encoding)
     return memo.read(key, make, lambda read: read.dependencies[0].sha256 is not None)
 
 

@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 
 from rtgen import plugins
+from rtgen.facts.encodings import MARKS
 from rtgen.facts.ros import INTERFACE_SUFFIXES, interface_beside
 from rtgen.files import is_file, read_start
 
@@ -70,10 +71,17 @@ def _begins_as(path: Path, forms: Mapping[str, re.Pattern[bytes]]) -> bool:
     if form is None:
         return False
     try:
-        head = read_start(path, _MAX_PROLOG_BYTES)
+        return form.search(_head(path, _MAX_PROLOG_BYTES)) is not None
     except OSError:
         return False
-    return form.search(head.replace(b"\0", b"")) is not None
+
+
+def _head(path: Path, limit: int) -> bytes:
+    """Return the start of a file as lines of ASCII, whatever its encoding. Raises OSError."""
+    head = read_start(path, limit)
+    for mark in MARKS:
+        head = head.removeprefix(mark)
+    return head.replace(b"\0", b"").replace(b"\r", b"\n")
 
 
 def is_bus_file(path: Path) -> bool:
@@ -81,6 +89,6 @@ def is_bus_file(path: Path) -> bool:
     if path.suffix.lower() != ".toml" or path.name == FILE_NAME:
         return False
     try:
-        return _BUS.search(read_start(path, _MAX_BUS_BYTES)) is not None
+        return _BUS.search(_head(path, _MAX_BUS_BYTES)) is not None
     except OSError:
         return False

@@ -39,11 +39,52 @@ NEAT = b"struct S { long a; };\n"
         ),
         ("a.idl", b"// \xff\x85\xa0 \nlong  a;", b"// \xff\x85\xa0\nlong a;\n"),
         ("a.idl", b"", b""),
+        (
+            "a.idl",
+            "// 約 \u2252 ｺﾝ\rlong  a; // 表\r".encode("cp932").replace(
+                b"\x81\xe0", b"\x87\x90"
+            ),
+            "// 約 \u2252 ｺﾝ\nlong a; // 表\n".encode("cp932").replace(
+                b"\x81\xe0", b"\x87\x90"
+            ),
+        ),
+        (
+            "a.idl",
+            "// 速度\nlong  a; // ".encode() + "予定".encode("cp932"),
+            "// 速度\nlong a; // ".encode() + "予定\n".encode("cp932"),
+        ),
+        (
+            "a.idl",
+            b"\xff\xfe" + "long  a; // 表\r\n".encode("utf-16-le"),
+            b"\xff\xfe" + "long a; // 表\r\n".encode("utf-16-le"),
+        ),
     ],
 )
 def test_the_bytes_of_a_file_are_kept(name: str, data: bytes, form: bytes) -> None:
     assert format_bytes(data, name) == form
     assert format_bytes(form, name) == form
+
+
+def test_characters_that_cannot_be_written_back_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A character with two forms in the file has no octets to be written as."""
+    monkeypatch.chdir(tmp_path)
+    data = b"// \x87\x90 \x81\xe0 " + "ほぼ等しい\nlong  a;\n".encode("cp932")
+    Path("a.idl").write_bytes(data)
+    assert run(["fmt", "a.idl"]) == 2
+    assert "convert the file to UTF-8 first" in capsys.readouterr().err
+    assert Path("a.idl").read_bytes() == data
+
+
+def test_the_encoding_can_be_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    data = "// ｵｰﾅｰ\nlong  a;\n".encode("cp932")
+    Path("a.idl").write_bytes(data)
+    assert run(["fmt", "-q", "--kcode", "sjis", "a.idl"]) == 0
+    assert Path("a.idl").read_bytes() == data.replace(b"  ", b" ")
 
 
 def test_links_and_permissions_stay(

@@ -12,6 +12,7 @@ import rtgen
 from rtgen.cli import run
 from rtgen.frontends.kit import characters
 from rtgen.project import load
+from rtgen.project.kinds import is_definition
 
 ENCODINGS = {"utf-8": "utf8", "cp932": "sjis", "euc_jp": "euc"}
 
@@ -205,6 +206,26 @@ def test_each_encoding_gives_the_same_files(
     )
     for part in ("X座標の表", "Y座標", "ﾓｰﾀｰの予", "対応表", "位置を調べる機能"):
         assert part in text
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize("codec", ["utf-8", "utf-8-sig", "utf-16", "cp932"])
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("net.toml", "[bus]\nbit_rate = 500\n"),
+        ("hand.yaml", PROFILE),
+        ("pair.yaml", "rtsProfile:\n  id: 系\n"),
+        ("pair.xml", '<rts:RtsProfile xmlns:rts="x" rts:abstract="系"/>\n'),
+    ],
+)
+def test_kinds_of_files(
+    name: str, text: str, codec: str, end: str, tmp_path: Path
+) -> None:
+    """What a file is is known in each encoding."""
+    path = tmp_path / name
+    path.write_bytes(text.replace("\n", end).encode(codec))
+    assert is_definition(path)
 
 
 @pytest.mark.once

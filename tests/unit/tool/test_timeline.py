@@ -53,6 +53,14 @@ def findings(text: str) -> list[Diagnostic]:
     return list(error.value.diagnostics)
 
 
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "cp932", "euc_jp"])
+def test_a_timeline_in_any_encoding(encoding: str, tmp_path: Path) -> None:
+    text = "# 予定の表\n[[at]]\nt = 1.0\nset = \"A0.label = '表示'\"  # 能\n"
+    (tmp_path / "t.toml").write_text(text, encoding=encoding, newline="\r\n")
+    [step] = load(tmp_path / "t.toml", SYSTEM).steps
+    assert "表示" in repr(step.action)
+
+
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
