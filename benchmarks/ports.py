@@ -1,7 +1,8 @@
 """A data port's write and read in one process, compared with `collections.deque`.
 
 Run: `python benchmarks/ports.py`. Rounds are interleaved; medians and ratios are printed. The deque
-passes a reference; the port passes a snapshot, through a ring buffer that counts losses.
+passes a reference; the port passes a snapshot, through a ring buffer that counts losses. Values are
+checked as `System(check_values=...)` says, by default the first ones.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from collections import deque
 from collections.abc import Callable
 
 from refrobots import iis
+from rtgen.facts.value_checks import CheckValues
 from rtgen.runtime import (
     RTC_OK,
     SECOND,
@@ -49,16 +51,16 @@ def sample(elements: int) -> iis.TimedVelocity2D:
 
 
 def port_case(
-    value: iis.TimedVelocity2D, properties: dict[str, str]
+    value: iis.TimedVelocity2D, check: CheckValues = CheckValues.FIRST
 ) -> Callable[[], None]:
     """Return write and read over a connection in simulated time."""
-    system = System()
+    system = System(check_values=check)
     writer, reader = Idle("writer"), Idle("reader")
     out = writer.add_out_port("velocity", iis.TimedVelocity2D)
     port = reader.add_in_port("InTargetVelocity", iis.TimedVelocity2D)
     system.add(writer)
     system.add(reader)
-    system.connect(("writer", "velocity"), ("reader", "InTargetVelocity"), properties)
+    system.connect(("writer", "velocity"), ("reader", "InTargetVelocity"))
 
     def run() -> None:
         write, read = out.write, port.read
@@ -118,7 +120,9 @@ def main() -> None:
     for elements in (0, 3):
         value = sample(elements)
         label = f"TimedVelocity2D, {elements} ids and errors"
-        cases[f"port write and read, {label}"] = port_case(value, {})
+        cases[f"port write and read, {label}"] = port_case(value)
+        for check in (CheckValues.NEVER, CheckValues.ALWAYS):
+            cases[f"  checked {check}, {label}"] = port_case(value, check)
         cases[f"  of that the snapshot, {label}"] = snapshot_case(value)
     times: dict[str, list[float]] = {name: [] for name in cases}
     shares: list[float] = []

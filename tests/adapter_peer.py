@@ -7,9 +7,9 @@ from typing import Any
 from rtgen.runtime import Component, SimulatedClock, System
 
 
-def connected(adapter: Component) -> tuple[System, Any, Any]:
+def connected(adapter: Component, check: str = "first") -> tuple[System, Any, Any]:
     """Return a system with an adapter, and the ports of a peer: to it, and from it."""
-    system = System(SimulatedClock())
+    system = System(SimulatedClock(), check_values=check)
     peer = Component("Peer0")
     out = peer.add_out_port("out", adapter.in_ports["input"].type)
     back = peer.add_in_port("in", adapter.out_ports["output"].type)

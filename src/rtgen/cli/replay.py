@@ -37,10 +37,15 @@ from rtgen.cli.running.failures import (
 )
 from rtgen.cli.running.interrupts import ending
 from rtgen.cli.running.pace import RATE, Pace, pace
-from rtgen.cli.running.recording_options import RecordingOptions, with_recording
+from rtgen.cli.running.recording_options import (
+    RecordingOptions,
+    tell_missing,
+    with_recording,
+)
 from rtgen.cli.running.run_view import View
 from rtgen.cli.running.summary import summary
 from rtgen.cli.running.trajectory import opened
+from rtgen.cli.running.value_checks import with_value_checks
 from rtgen.diagnostics import Span, has_errors, in_order
 from rtgen.model import Connection, PortReference, System, SystemComponent
 from rtgen.project import Project, load_around
@@ -92,6 +97,7 @@ _MAX_SECONDS = 1e9
 @click.option(
     "--log", metavar="FILE", help="Write state changes and samples as JSON lines."
 )
+@with_value_checks
 @with_recording
 @with_failures
 @with_console
@@ -104,6 +110,7 @@ def replay(
     until: float | None,
     settings: tuple[str, ...],
     log: str | None,
+    check_values: str,
     recording: RecordingOptions,
     shown_failures: FailureOptions,
 ) -> int:
@@ -155,11 +162,14 @@ def replay(
             steps,
             report=report,
             prepare=player.prepare,
+            check_values=check_values,
         ) as running,
     ):
         report.end_run = running.end_run
+        logging = None
         if (stream := opened(files, log)) is not None:
-            running.add_listener(JsonLinesRecorder(stream))
+            logging = JsonLinesRecorder(stream)
+            running.add_listener(logging)
         recorder = recording.begin(files, running)
         if rate is not None:
             pace(running, rate)
@@ -179,12 +189,14 @@ def replay(
             recorder.end(through=course.through)
         view = View(running, _plain(profile), simulated=True, judged=False)
         outcome = view.outcome(wall, (), None, report.still_blocked())
-    recording.tell(console, recorder)
+    lacking = recording.tell(console, recorder)
+    if logging is not None:
+        lacking |= tell_missing(console, log or "", logging.missing)
     report.close()
     if not console.quiet:
         rows = [row for row in outcome.rows if row.instance in present]
         write_out(summary(dataclasses.replace(outcome, rows=rows)))
-    if report.raised:
+    if report.raised or lacking:
         return NO
     return INTERRUPTED if unfinished else OK
 

@@ -35,7 +35,11 @@ from rtgen.cli.running.failures import (
 from rtgen.cli.running.interrupts import ending
 from rtgen.cli.running.live_options import LiveOptions, with_live
 from rtgen.cli.running.progress import Progress, progress
-from rtgen.cli.running.recording_options import RecordingOptions, with_recording
+from rtgen.cli.running.recording_options import (
+    RecordingOptions,
+    tell_missing,
+    with_recording,
+)
 from rtgen.cli.running.ros2 import join, with_ros2
 from rtgen.cli.running.run_view import View, name_of
 from rtgen.cli.running.summary import summary
@@ -47,6 +51,7 @@ from rtgen.cli.running.trajectory import (
     write_csv,
 )
 from rtgen.cli.running.transports import TransportOptions, with_transport
+from rtgen.cli.running.value_checks import with_value_checks
 from rtgen.diagnostics import InputError, ToolError, has_errors, in_order
 from rtgen.model import System
 from rtgen.project import load_around
@@ -136,6 +141,7 @@ _PROGRESS_PERIOD = SECOND // 10
     metavar="NUMBER",
     help="Maximum number of consecutive restarts of a process (--supervise).",
 )
+@with_value_checks
 @with_recording
 @with_ros2
 @with_live
@@ -156,6 +162,7 @@ def run(
     supervise: str | None,
     groups: tuple[str, ...],
     restarts: int,
+    check_values: str,
     recording: RecordingOptions,
     ros2: str | None,
     live: LiveOptions,
@@ -268,6 +275,7 @@ def run(
             carrying.patience,
             report,
             checkpoints=_kept(checkpoints),
+            check_values=check_values,
         ) as running,
     ):
         report.end_run = running.end_run
@@ -288,8 +296,10 @@ def run(
         if folder is not None and wanted:
             csv_file, plot = _files(console, folder, csv_file, plot)
         csv_stream = opened(files, csv_file)
+        logging = None
         if (log_stream := opened(files, log)) is not None:
-            running.add_listener(JsonLinesRecorder(log_stream))
+            logging = JsonLinesRecorder(log_stream)
+            running.add_listener(logging)
         recorder = recording.begin(files, running)
         join(ros2, files, running, project, profile.name, simulated=simulated)
         live.begin(files, running, console, profile.name)
@@ -325,7 +335,10 @@ def run(
             write_curves(csv_stream, curves.of(in_table))
         elif csv_stream is not None:
             write_csv(csv_stream, view.robots, samples)
-    recording.tell(console, recorder)
+    lacking = recording.tell(console, recorder)
+    if logging is not None:
+        lacking |= tell_missing(console, log or "", logging.missing)
+    lacking |= tell_missing(console, csv_file or plot or "", curves.missing)
     report.close()
     if plot is not None and in_picture:
         draw_curves(plot, profile.name, curves.of(in_picture), view.time_axis)
@@ -338,7 +351,8 @@ def run(
     if unfinished and not report.raised:
         return INTERRUPTED
     kept = all(result.kept for result in measured) and not outcome.missed
-    return OK if met and kept and not report.raised else NO
+    complete = kept and not lacking
+    return OK if met and complete and not report.raised else NO
 
 
 def _kept(folder: str | None) -> runtime.CheckpointFolder | None:

@@ -23,6 +23,7 @@ from rtgen.cli.common import (
     write_out,
 )
 from rtgen.cli.running.recording_options import RecordingOptions, with_recording
+from rtgen.cli.running.value_checks import with_value_checks
 from rtgen.cli.signals import terminable
 from rtgen.cli.ui_project import CommandProject
 from rtgen.diagnostics import ToolError
@@ -101,6 +102,7 @@ def _opened(name_server: str, closing: ExitStack) -> CorbaTransport:
     default="direct",
     help="corba: also bind the components of this system in the naming service (real time).",
 )
+@with_value_checks
 @with_recording
 @click.option("--read-only", is_flag=True, help="Also print a read-only address.")
 @click.option("--open/--no-open", "opened", default=True, help="Open a browser.")
@@ -119,6 +121,7 @@ def ui(
     buses: tuple[str, ...],
     name_servers: tuple[str, ...],
     transport: str,
+    check_values: str,
     recording: RecordingOptions,
     read_only: bool,
     opened: bool,
@@ -198,7 +201,9 @@ def ui(
                     "--transport corba needs --nameserver, --clock real and one system"
                 )
             carrier = _opened(name_servers[0], closing)
-        project = CommandProject(console, others, described, carrier, recording)
+        project = CommandProject(
+            console, others, described, carrier, recording, check_values
+        )
         beside = next(iter(recordings), "")
         session = _session(project, clocks[kind], name_servers, carrier, beside)
         server = Server(session, _LOOPBACK, port, tokens=tokens)

@@ -60,9 +60,11 @@ class CommandProject:
         buses: Mapping[str, Path] | None = None,
         transport: CorbaTransport | None = None,
         recording: RecordingOptions | None = None,
+        check_values: str = "first",
     ) -> None:
         self._console = console
         self._recording = recording or RecordingOptions(None, None)
+        self._check_values = check_values
         self._runs = 0
         self._buses = buses or {}
         self._transport = transport
@@ -180,6 +182,7 @@ class CommandProject:
             self._transport,
             report=report,
             skipped=skipped,
+            check_values=self._check_values,
         )
 
         def on_failure(failure: Failure) -> None:

@@ -19,7 +19,7 @@ from rtgen.runtime.marshalling.layouts.trees import parts, tree_of
 from rtgen.runtime.ports.data_ports import OutPort
 from rtgen.runtime.system.json_printers import json_printer
 from rtgen.runtime.system.observation import connection_change
-from rtgen.runtime.system.records import Record, StateRecord
+from rtgen.runtime.system.records import MissingSamples, Record, StateRecord
 from rtgen.runtime.system.system import System
 from rtgen.runtime.timing.clocks import SimulatedClock
 from rtgen.runtime.timing.traffic import (
@@ -70,11 +70,11 @@ class Recorder:
     """A listener that records all events of a system, to an MCAP file or for a live view.
 
     Times are those of the clock: simulated from 0, real as UTC since 1970, in ns. Attach it before
-    the first `run`. `skipped` counts samples that violate their type, by port.
+    the first `run`.
     """
 
     def __init__(self, system: System, writer: Writer) -> None:
-        self.skipped: dict[str, tuple[int, str]] = {}
+        self.missing = MissingSamples()
         self._system = system
         self._writer = writer
         self._simulated = isinstance(system.clock, SimulatedClock)
@@ -151,8 +151,7 @@ class Recorder:
             try:
                 data = encode(value)
             except CdrError as error:
-                count, _ = self.skipped.get(str(port), (0, ""))
-                self.skipped[str(port)] = count + 1, str(error)
+                self.missing.add(port, error)
                 return
             during = self._ticking
             with lock:

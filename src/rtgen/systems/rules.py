@@ -26,6 +26,7 @@ NOTICE = Rule("SYS0024", "notice of the runtime", Severity.WARNING)
 ROS_TOPIC = Rule("SYS0025", "port that cannot be a topic of ROS 2", Severity.ERROR)
 FOREIGN = Rule("SYS0026", "foreign component out of reach", Severity.ERROR)
 SKIPPED = Rule("SYS0027", "event of a timeline that is skipped", Severity.WARNING)
+MISSING = Rule("SYS0028", "samples that could not be written", Severity.ERROR)
 
 RULES: tuple[Rule, ...] = (
     UNKNOWN_TYPE,
@@ -46,4 +47,5 @@ RULES: tuple[Rule, ...] = (
     ROS_TOPIC,
     FOREIGN,
     SKIPPED,
+    MISSING,
 )

@@ -61,9 +61,9 @@ class Adder(Component):
         return RTC_OK
 
 
-def counting(clock: SimulatedClock | None = None) -> System:
+def counting(clock: SimulatedClock | None = None, check: str = "first") -> System:
     """Return a system of a counter at 1000 Hz and an adder at 300 Hz."""
-    system = System(clock or SimulatedClock())
+    system = System(clock or SimulatedClock(), check_values=check)
     system.add(Adder("Adder0"), 300.0)
     system.add(Counter("Counter0"), 1000.0)
     properties = {"dataport.buffer.length": "64"}

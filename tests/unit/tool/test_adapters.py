@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from importlib import import_module
 from math import pi, tau
@@ -17,7 +16,6 @@ from type_checkers import check_by_mypy
 from rtgen.cli import run
 from rtgen.project.output import component_types
 from rtgen.runtime import Component
-from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.marshalling.numeric import NumericArray
 
 INTEGERS = {
@@ -47,9 +45,11 @@ def fits(to: str, from_: str) -> bool:
     return to in INTEGERS and INTEGERS[to][0] <= low and high <= INTEGERS[to][1]
 
 
-def run_adapter(adapter: Component, *samples: object) -> tuple[list[Any], list[str]]:
+def run_adapter(
+    adapter: Component, *samples: object, check: str = "first"
+) -> tuple[list[Any], list[str]]:
     """Return what an adapter makes of samples, and the errors of its cycles."""
-    system, out, back = connected(adapter)
+    system, out, back = connected(adapter, check)
     failures: list[str] = []
     system.on_failure = lambda failure: failures.append(str(failure.error))
     for sample in samples:
@@ -338,18 +338,15 @@ def test_an_adapter_converts_forms(one: str, other: str, forms: Path) -> None:
 def test_numbers_beyond_float_are_reported_with_their_place(
     one: str, other: str, forms: Path
 ) -> None:
-    """An array of numpy has no place for them; other forms have, until they are marshalled."""
+    """An array of numpy has no place for them; other forms have, until they are written."""
     types = import_module("formed.adc")
     grid = in_form(one.replace("array", "list"), [[1.0, 2.0]], "f")
     few = in_form(one, [1.0, 2.0**120], "f")
     sent = getattr(types, one.title())(in_form(one, [1.0], "d"), few, None, grid)
     found, failures = run_adapter(adapter_between(one, other, "mm"), sent)
     text = f"{other.title()}.few[1]: {1000 * 2.0**120} is out of the range of float"
-    if other == "numpy":
-        assert failures == [text]
-    else:
-        with pytest.raises(CdrError, match=re.escape(text)):
-            found[0].to_cdr()
+    port = "" if other == "numpy" else "X0.output: "
+    assert (found, failures) == ([], [port + text])
 
 
 def test_structs_of_numbers_change_their_form(forms: Path) -> None:
@@ -367,7 +364,9 @@ def test_structs_of_numbers_change_their_form(forms: Path) -> None:
     [back], _ = run_adapter(to_list, records)
     assert back == listed
     again = import_module("formed.adapters.list_p_to_numpy_p").ListPToNumpyP("X0")
-    _, [failure] = run_adapter(again, types.ListP([types.P(1e300, [2, 3])]))
+    _, [failure] = run_adapter(
+        again, types.ListP([types.P(1e300, [2, 3])]), check="never"
+    )
     assert failure.startswith("NumpyP.points: ")
 
 

@@ -157,6 +157,24 @@ def test_pages_say_what_is_defined(reference: Path) -> None:
     assert "| load | " in bus
 
 
+def test_pages_say_with_what_members_start() -> None:
+    model = rtgen.compile("""
+        enum Colour { RED, @default_literal GREEN };
+        @default(7) typedef long Seven;
+        struct S { @default("a|b") string words; Seven usual; @optional Seven none; };
+        union U switch (long) { case 1: @default("1, 2") sequence<long> many; };
+        bitset B { @default(3) bitfield<4> low; };
+        """)
+    [page] = [f.text for f in site("x", model, ()) if "enum Colour" in f.text]
+    lines = page.splitlines()
+    assert "Values start with <code>GREEN</code>." in lines
+    assert "Another name of <code>long</code>. Default: <code>7</code>." in page
+    rows = {line.split(" | ")[0].strip("| "): line for line in lines if "|" in line}
+    assert "Default: 7." in rows["<code>usual</code>"]
+    assert "Default" not in rows["<code>none</code>"]
+    assert page.count("Default: ") == 5
+
+
 def test_the_same_definitions_give_the_same_files(
     reference: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

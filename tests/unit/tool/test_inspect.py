@@ -255,6 +255,7 @@ def test_struct() -> None:
                 "optional": True,
                 "key": True,
                 "id": 7,
+                "initial": None,
                 "doc": "How far.",
                 "annotations": [],
             }
@@ -317,6 +318,7 @@ def test_bits() -> None:
         "name": None,
         "bits": 3,
         "type": None,
+        "initial": None,
         "doc": "",
         "annotations": [],
     }

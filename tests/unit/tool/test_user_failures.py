@@ -107,17 +107,58 @@ def test_traceback(
         assert text not in err
 
 
-def test_samples_that_cannot_be_recorded_are_reported(
-    project: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def write_bad_samples(project: Path) -> None:
+    """Let the controller write texts, and the heater not read them."""
     file = project / CONTROLLER
     file.write_text(file.read_text().replace("Power(100.0 if", "Power('hot' if"))
     heater = project / "src/heating/heater.py"
     heater.write_text(heater.read_text().replace("= power.watt", "= 0.0"))
-    assert run([*WARM, "-q", "--record", "warm.mcap"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("options", "file"),
+    [
+        (["--record", "warm.mcap"], "warm.mcap"),
+        (["--csv", "Controller0.power", "--csv", "warm.csv"], "warm.csv"),
+        (["--csv", "Heater0.power", "--csv", "warm.csv"], "warm.csv"),
+    ],
+)
+def test_samples_that_cannot_be_written_are_reported(
+    options: list[str], file: str, project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    write_bad_samples(project)
+    assert run([*WARM, "-q", "--check-values", "never", *options]) == 1
     [line] = capfd.readouterr().err.splitlines()
-    assert line.startswith("warning[SYS0024]: warm.mcap: ")
+    assert line.startswith(f"error[SYS0028]: {file}: ")
+    port = options[1] if "." in options[1] and options[0] == "--csv" else ""
+    reason = "missing: Power.watt: a value of double is needed, not 'hot'"
+    assert f"samples of {port or 'Controller0.power'} are {reason}" in line
+
+
+def test_samples_that_a_log_cannot_hold_are_reported(
+    project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    write_bad_samples(project)
+    file = project / CONTROLLER
+    file.write_text(file.read_text().replace("'hot'", "object()"))
+    options = ["-q", "--check-values", "never", "--log", "warm.jsonl"]
+    assert run([*WARM, *options]) == 1
+    [line] = capfd.readouterr().err.splitlines()
+    assert line.startswith("error[SYS0028]: warm.jsonl: ")
     assert "samples of Controller0.power are missing: Power.watt: " in line
+
+
+@pytest.mark.parametrize("check", ["always", "first"])
+def test_a_value_of_a_wrong_type_stops_its_writer(
+    check: str, project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    write_bad_samples(project)
+    assert run([*WARM, "--check-values", check, "--traceback", "none"]) == 1
+    err = capfd.readouterr().err
+    assert (
+        f"{CONTROLLER}:18:13: error[SYS0021]: Controller0.on_execute at 0.000 s: CdrError: "
+        "Controller0.power: Power.watt: a value of double is needed, not 'hot'"
+    ) in err
 
 
 def test_a_callback_with_other_parameters_is_shown_where_it_is_defined(

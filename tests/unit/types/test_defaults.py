@@ -176,10 +176,10 @@ def test_numpy(tmp_path: Path) -> None:
       @default("1, 2, 3") sequence<float> several; Point points[2]; Zero zeroes[2];
     };
     """
-    with project(tmp_path, {"a.idl": text}, "formed", python='numeric = "numpy"'):
-        import formed
+    with project(tmp_path, {"a.idl": text}, "as_numpy", python='numeric = "numpy"'):
+        import as_numpy
 
-        found = formed.Arrays()
+        found = as_numpy.Arrays()
         assert found.given.dtype == numpy.float64
         assert found.given.tolist() == [1.5, 2.0]
         assert found.zeros.tolist() == [[0.0, 0.0]] * 2
@@ -187,7 +187,7 @@ def test_numpy(tmp_path: Path) -> None:
         assert found.sevens.dtype == numpy.int32
         assert found.several.tolist() == [1.0, 2.0, 3.0]
         assert found.several.dtype == numpy.float32
-        again = formed.Arrays.from_cdr(found.to_cdr())
+        again = as_numpy.Arrays.from_cdr(found.to_cdr())
         assert again == found
 
 
@@ -215,7 +215,7 @@ def test_numpy(tmp_path: Path) -> None:
         ('@default("maybe") boolean x[1]', "maybe is neither true nor false"),
         ('@default("RED,PINK") Colour x[2]', "PINK is not an enumerator of Colour"),
         ('@default("1.234") fixed<4,2> x[1]', "1.234 does not fit into fixed<4,2>"),
-        ('@default("ああ") string<5> x', "6 octets of UTF-8 do not fit"),
+        ('@default("ああ") string<5> x', "the default has 6 octets of UTF-8"),
         ('@default("abc") sequence<string<2>> x', "'abc' does not fit into string<2>"),
         ('@default("abcd") sequence<char,3> x', "4 items do not fit"),
         ('@default("あ") char x[1]', "あ is not a character of ISO 8859-1"),

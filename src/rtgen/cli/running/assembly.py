@@ -73,6 +73,7 @@ def assemble(
     report: FailureReport | None = None,
     prepare: Callable[[runtime.System], None] | None = None,
     checkpoints: runtime.CheckpointFolder | None = None,
+    check_values: str = "first",
     skipped: Callable[[Diagnostic], None] | None = None,
 ) -> runtime.System:
     """Assemble the system: all components INACTIVE, their start scheduled on its timeline.
@@ -98,7 +99,7 @@ def assemble(
     ]
     _raise_if_any(findings)
     report = report or FailureReport(Console("text", False, False), FailureOptions())
-    system = runtime.System(clock, transport, checkpoints)
+    system = runtime.System(clock, transport, checkpoints, check_values)
     system.on_failure = report
     publishing: AbstractContextManager[None] = nullcontext()
     if isinstance(transport, PublishingTransport):

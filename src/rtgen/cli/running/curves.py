@@ -21,7 +21,9 @@ from rtgen.cli.running.trajectory import (
 )
 from rtgen.diagnostics import InputError
 from rtgen.model import System
+from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.system.json_printers import plain
+from rtgen.runtime.system.records import MissingSamples
 from rtgen.runtime.timing.clocks import SECOND
 from rtgen.systems.rules import OBSERVABLE, UNKNOWN_INSTANCE
 
@@ -137,6 +139,7 @@ class Curves:
     """
 
     def __init__(self, running: runtime.System, selectors: Sequence[str]) -> None:
+        self.missing = MissingSamples()
         self._running = running
         self._of = {each: Selection(each) for each in dict.fromkeys(selectors)}
         for selection in self._of.values():
@@ -156,10 +159,18 @@ class Curves:
         def add(value: Any) -> None:
             selection.add(running.time / SECOND, value, unit)
 
+        def add_sample(sample: Any) -> None:
+            try:
+                sample.to_cdr()
+            except CdrError as error:
+                self.missing.add(selection.whole, error)
+            else:
+                add(plain(sample))
+
         if name in component.out_ports:
-            running.watch_port(instance, name, lambda value: add(plain(value)))
+            running.watch_port(instance, name, add_sample)
         elif name in component.in_ports:
-            self._look_at(instance, component.in_ports[name], add)
+            self._look_at(instance, component.in_ports[name], add_sample)
         elif name in component.observables:
             whole = selection.whole
             running.every(_PERIOD, lambda: add([*running.observable(whole)]))
@@ -181,7 +192,7 @@ class Curves:
             nonlocal last
             if port.last is not None and port.last is not last:
                 last = port.last
-                add(plain(last))
+                add(last)
 
         self._running.every(self._running.context(instance).period, look)
 

@@ -13,7 +13,8 @@ import click
 from rtgen import runtime
 from rtgen.cli.common import Console, Refusal
 from rtgen.diagnostics import ToolError
-from rtgen.systems.rules import NOTICE
+from rtgen.runtime.system.records import MissingSamples
+from rtgen.systems.rules import MISSING
 
 if TYPE_CHECKING:
     from rtgen.recording.recorder import Recorder
@@ -63,15 +64,19 @@ class RecordingOptions:
         except RecordingError as error:
             raise ToolError(str(error), hint=error.hint) from error
 
-    def tell(self, console: Console, recorder: Recorder | None) -> None:
-        """Report the samples that are missing in the recording, also if quiet."""
-        if recorder is None or not recorder.skipped:
-            return
-        messages = [
-            f"{self.file}: {count} samples of {port} are missing: {why}"
-            for port, (count, why) in recorder.skipped.items()
-        ]
-        console.findings([NOTICE.at(None, message) for message in messages])
+    def tell(self, console: Console, recorder: Recorder | None) -> bool:
+        """Report the samples that are missing in the recording; return whether there are some."""
+        return recorder is not None and tell_missing(
+            console, self.file or "", recorder.missing
+        )
+
+
+def tell_missing(console: Console, file: str, missing: MissingSamples) -> bool:
+    """Report the samples that are missing in a file; return whether there are some."""
+    console.findings(
+        [MISSING.at(None, f"{file}: {message}") for message in missing.messages()]
+    )
+    return bool(missing)
 
 
 def with_recording(command: Callable[..., int]) -> Callable[..., int]:

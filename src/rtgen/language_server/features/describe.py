@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from struct import calcsize
 
+from rtgen.backends.kit.idl_text.literals import default_text
 from rtgen.inspection import tecs as tecs_text
 from rtgen.language_server.analysis import Analysis
 from rtgen.language_server.indexing.cdl import file_and_name
@@ -39,6 +40,7 @@ from rtgen.model import (
     Valuetype,
 )
 from rtgen.model.canopen import Device, Object, Variable
+from rtgen.model.initial import default_of
 from rtgen.model.tecs import Signature, TecsDeclaration, TecsUnit
 
 _MAX_ROWS = 40
@@ -186,7 +188,11 @@ def _part(analysis: Analysis, holder: Declaration, way: ScopedName) -> str | Non
         case Member(name=name, type=type_):
             head = f"{type_} {scope}::{name}"
             notes.append(_member_note(analysis, holder, found))
-        case Case(name=name, type=type_) | Attribute(name=name, type=type_):
+            notes.append(_default_note(analysis.model, found))
+        case Case(name=name, type=type_):
+            head = f"{type_} {scope}::{name}"
+            notes.append(_default_note(analysis.model, found))
+        case Attribute(name=name, type=type_):
             head = f"{type_} {scope}::{name}"
         case Enumerator(name=name, value=value):
             head = f"{name} = {value}  // {scope}"
@@ -239,6 +245,12 @@ def _member_note(analysis: Analysis, holder: Declaration, member: Member) -> str
         if place.member is member:
             return place_text(place)
     return ""
+
+
+def _default_note(model: Model, entry: Member | Case) -> str:
+    """Return the value with which a member or branch starts, if the definition gives one."""
+    found = default_of(model, entry.type, entry.initial)
+    return "" if found is None else f"default: {default_text(found)}"
 
 
 def place_text(place: offsets.MemberPlace) -> str:

@@ -96,7 +96,10 @@ class OutTopic:
         """
         if value.__class__ is not self._type:
             self._port._checked(value)
-        octets = self._encode(value)
+        try:
+            octets = self._encode(value)
+        except CdrError as error:
+            raise self._port.located(error) from None
         try:
             with self._lock:
                 publisher = self._publisher or self._opened()

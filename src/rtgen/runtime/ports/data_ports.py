@@ -18,6 +18,7 @@ from rtgen.facts.connector_properties import (
     FullPolicy,
     Subscription,
 )
+from rtgen.facts.value_checks import CheckValues, count_of
 from rtgen.runtime.errors import (
     ConnectionLimitError,
     DuplicateConnectionError,
@@ -26,6 +27,8 @@ from rtgen.runtime.errors import (
 )
 from rtgen.runtime.marshalling.comparison import difference
 from rtgen.runtime.marshalling.descriptors import DataType
+from rtgen.runtime.marshalling.errors import CdrError
+from rtgen.runtime.marshalling.layouts.formats import UnsupportedError
 from rtgen.runtime.marshalling.reference_counts import COUNTS_VARIABLES
 from rtgen.runtime.ports import connector_properties
 from rtgen.runtime.ports.buffers import RingBuffer
@@ -197,12 +200,17 @@ class InPort(Generic[T]):
 
 
 class OutPort(Generic[T]):
-    """The sending end of data connections."""
+    """The sending end of data connections.
+
+    Those of components check values; see `docs/runtime.md`, Values.
+    """
 
     __slots__ = (
+        "_check",
         "_connectors",
         "_outlets",
         "_record",
+        "_unchecked",
         "_ways",
         "_write",
         "name",
@@ -222,6 +230,9 @@ class OutPort(Generic[T]):
         """Functions that send samples out of this process; they store none."""
         self._record: Callable[[T], None] | None = None
         self._ways: tuple[Callable[[T], PortStatus], ...] = ()
+        self._check = CheckValues.NEVER
+        self._unchecked = count_of(self._check)
+        """Number of values that have to be checked."""
         self._write: Callable[[T], PortStatus] = self._write_to_nobody
 
     def __repr__(self) -> str:
@@ -240,7 +251,8 @@ class OutPort(Generic[T]):
 
         PORT_OK if all accepted it, else the status of the first that did not: BUFFER_FULL
         (`do_nothing`), BUFFER_TIMEOUT (`block`; at once in simulated time), CONNECTION_LOST;
-        PRECONDITION_NOT_MET without connection. Raises SampleTypeError for another type.
+        PRECONDITION_NOT_MET without connection. Raises SampleTypeError for another type, and
+        CdrError for a value that is checked and that its type does not allow.
         """
         if (
             move
@@ -250,8 +262,50 @@ class OutPort(Generic[T]):
             and self._connectors
             and not self._outlets
         ):
+            if self._unchecked:
+                self._check_value(value)
             return self._give(value)
         return self._write(value)
+
+    def check_values(self, check: CheckValues) -> None:
+        """Set which values are checked from now on."""
+        self._check, self._unchecked = check, count_of(check)
+        self._rewire()
+
+    def check_next(self) -> None:
+        """Check the next value, if only some are checked."""
+        if self._check is CheckValues.FIRST and not self._unchecked:
+            self._unchecked = 1
+            self._write = self._checking(self._write)
+
+    def _checking(self, write: Callable[[T], PortStatus]) -> Callable[[T], PortStatus]:
+        """Return the function that checks values, until it is replaced by `write`."""
+
+        def write_checked(value: T) -> PortStatus:
+            if not self._unchecked:
+                self._write = write
+            else:
+                if value.__class__ is not self.type:
+                    self._checked(value)
+                self._check_value(value)
+            return write(value)
+
+        return write_checked
+
+    def _check_value(self, value: T) -> None:
+        """Raise CdrError for a value that could not be sent to another process."""
+        try:
+            value.to_cdr()
+        except CdrError as error:
+            raise self.located(error) from None
+        except UnsupportedError:
+            self._unchecked = 0  # values of this type never leave a process
+            return
+        self._unchecked -= 1
+
+    def located(self, error: CdrError) -> CdrError:
+        """Return the error of a value with the port in its path."""
+        return CdrError(f"{self}: {error.path}", error.message)
 
     @property
     def connectors(self) -> tuple[DataConnector[T], ...]:
@@ -290,7 +344,8 @@ class OutPort(Generic[T]):
             write = self._ways[0]
         else:
             write = self._write_to_all
-        self._write = write if self._record is None else self._recorded(write)
+        write = write if self._record is None else self._recorded(write)
+        self._write = self._checking(write) if self._unchecked else write
 
     def _give(self, value: T) -> PortStatus:
         if self._record is not None:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar, cast
 
+from rtgen.facts.value_checks import CheckValues
 from rtgen.runtime.errors import CheckpointError, DuplicatePortError
 from rtgen.runtime.failures import Failure, described, ends_run, log, log_failure
 from rtgen.runtime.marshalling.descriptors import DataType
@@ -78,6 +79,7 @@ class Component:
         self.providers: dict[tuple[str, str], Provider[Any]] = {}
         """Providers by service port and instance, as `consumers`."""
         self.consumers: dict[tuple[str, str], Consumer[Any]] = {}
+        self._check = CheckValues.FIRST
         self._chores: deque[Callable[[], None]] = deque()
         self.configuration_sets = ConfigurationSets(
             self.instance_name, self._at_end_of_cycle
@@ -110,7 +112,9 @@ class Component:
 
     def add_out_port(self, name: str, type_: type[T]) -> OutPort[T]:
         """Add an OutPort; an InPort may have the same name. Raises DuplicatePortError."""
-        return self._add(self.out_ports, name, OutPort(name, type_, self.instance_name))
+        port = OutPort(name, type_, self.instance_name)
+        port.check_values(self._check)
+        return self._add(self.out_ports, name, port)
 
     def add_provider(
         self, port: str, instance: str, interface: Callable[..., S]
@@ -122,6 +126,7 @@ class Component:
         """
         known = self._type_name(port, instance)
         provider = Provider(port, instance, cast("type[S]", interface), self, known)
+        provider.check_values(self._check)
         return self._add(self.providers, (port, instance), provider)
 
     def add_consumer(
@@ -155,6 +160,20 @@ class Component:
             raise CheckpointError(f"{self.instance_name} has a checkpoint already")
         self._checkpoint = Checkpoint(type_, self.instance_name)
         return self._checkpoint
+
+    def _check_values(self, check: CheckValues) -> None:
+        """Set which values of samples and calls are checked: all, the first ones, or none."""
+        self._check = check
+        for port in self.out_ports.values():
+            port.check_values(check)
+        for provider in self.providers.values():
+            provider.check_values(check)
+
+    def _check_next_values(self) -> None:
+        for port in self.out_ports.values():
+            port.check_next()
+        for provider in self.providers.values():
+            provider.check_next()
 
     def _add(self, ports: dict[Any, P], key: object, port: P) -> P:
         if key in ports:

@@ -136,7 +136,7 @@ class Client:
     def __call__(self, operation: str, arguments: tuple[object, ...]) -> object:
         """Make a call."""
         call = call_of(self._calls, operation)
-        given = _references(arguments, call.request_objects, self._objects)
+        given = references(arguments, call.request_objects, self._objects)
         body = encoded(operation, call.request, given, self._little_endian)
         reply = self._send(operation, body, call.oneway)
         if call.oneway:
@@ -207,7 +207,7 @@ class Server:
         except UserException as error:
             return self._raised(call, error, little_endian)
         try:
-            results = _references(
+            results = references(
                 as_tuple(call, result), call.reply_objects, self._objects
             )
             octets = encoded(operation, call.reply, results, little_endian)
@@ -287,9 +287,10 @@ def as_tuple(call: Call, result: object) -> tuple[object, ...]:
     return result
 
 
-def _references(
+def references(
     values: tuple[object, ...], interfaces: Interfaces, objects: Objects | None
 ) -> tuple[object, ...]:
+    """Return values with references in place of objects. Raises MarshalError."""
     if not interfaces:
         return values
     return tuple(

@@ -7,10 +7,15 @@ the caller's thread, concurrently with the provider's ticks.
 from __future__ import annotations
 
 from array import array
-from typing import Any, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
+from rtgen.facts.value_checks import CheckValues, count_of
+from rtgen.runtime.cdr import UserException
 from rtgen.runtime.marshalling.numeric import copied
 from rtgen.runtime.services.servants import ObjectNotExist, Servant, Skeleton
+
+if TYPE_CHECKING:
+    from rtgen.runtime.services.checking import CallChecks
 
 S = TypeVar("S", bound=Servant)
 
@@ -49,9 +54,12 @@ class Provider(Generic[S]):
     """
 
     __slots__ = (
+        "_check",
+        "_checks",
         "_component",
         "_skeleton",
         "_type_name",
+        "_unchecked",
         "connections",
         "in_every_state",
         "instance",
@@ -77,6 +85,10 @@ class Provider(Generic[S]):
         self.in_every_state = False
         self._component = owner
         self._skeleton: Skeleton | None = None
+        self._check = CheckValues.NEVER
+        self._checks: CallChecks | None = None
+        self._unchecked: dict[str, float] = {}
+        """Number of calls of each operation that have to be checked."""
 
     def __str__(self) -> str:
         return f"{self._component.instance_name}.{self.port}:{self.instance}"
@@ -118,9 +130,41 @@ class Provider(Generic[S]):
     def call(self, operation: str, arguments: tuple[object, ...]) -> object:
         """Make a call with copies of arguments and result.
 
-        Raises as `carry_out` does.
+        Raises as `carry_out` does; in a call that is checked CdrError for arguments that their
+        types do not allow, and MarshalError for such a result.
         """
+        left = self._unchecked.get(operation)
+        if left is None:
+            left = self._unchecked[operation] = count_of(self._check)
+        if left:
+            self._unchecked[operation] = left - 1
+            return self._call_checked(operation, arguments)
         return _snapshot(self.carry_out(operation, _snapshot(arguments)))
+
+    def check_values(self, check: CheckValues) -> None:
+        """Set which calls within the process are checked from now on."""
+        self._check = check
+        self._unchecked.clear()
+
+    def check_next(self) -> None:
+        """Check the next call of each operation, if only some are checked."""
+        if self._check is CheckValues.FIRST:
+            for operation, left in self._unchecked.items():
+                self._unchecked[operation] = left or 1
+
+    def _call_checked(self, operation: str, arguments: tuple[object, ...]) -> object:
+        if self._checks is None:
+            from rtgen.runtime.services.checking import CallChecks
+
+            self._checks = CallChecks(self.interface, str(self))
+        self._checks.arguments(operation, arguments)
+        try:
+            result = self.carry_out(operation, _snapshot(arguments))
+        except UserException as error:
+            self._checks.exception(operation, error)
+            raise
+        self._checks.result(operation, result)
+        return _snapshot(result)
 
     def carry_out(self, operation: str, arguments: tuple[object, ...]) -> object:
         """Make a call. Raises what the IDL declares, ObjectNotExist or UnknownException.

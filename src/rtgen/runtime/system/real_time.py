@@ -205,6 +205,9 @@ class RealTimeScheduler:
         self.at(first, lambda: turn(first))
         return end
 
+    def between_instants(self, period: int, action: Action) -> None:
+        return None
+
     def drive(self, publisher: Publisher[Any], writer: Component) -> Action:
         key = id(publisher)
 

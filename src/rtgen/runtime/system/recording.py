@@ -7,9 +7,11 @@ import threading
 from collections.abc import Callable
 from typing import Any, TextIO
 
+from rtgen.runtime.marshalling.dynamic.faults import encoding_error
+from rtgen.runtime.marshalling.errors import FAILURES
 from rtgen.runtime.ports.data_ports import OutPort
 from rtgen.runtime.system.json_printers import json_printer, plain
-from rtgen.runtime.system.records import Record, SampleRecord
+from rtgen.runtime.system.records import MissingSamples, Record, SampleRecord
 
 
 class JsonLinesRecorder:
@@ -22,6 +24,7 @@ class JsonLinesRecorder:
     """
 
     def __init__(self, stream: TextIO) -> None:
+        self.missing = MissingSamples()
         self._stream = stream
         self._lock = threading.Lock()
 
@@ -42,8 +45,16 @@ class JsonLinesRecorder:
         printed = json_printer(port.type)
         write, lock = self._stream.write, self._lock
 
+        missing = self.missing
+
         def write_sample(value: Any) -> None:
-            line = f'{{"t": {elapsed()}{between}{printed(value)}}}\n'
+            try:
+                line = f'{{"t": {elapsed()}{between}{printed(value)}}}\n'
+            except FAILURES as failure:
+                missing.add(
+                    port, encoding_error(port.type._descriptor_, value, failure)
+                )
+                return
             with lock:
                 write(line)
 

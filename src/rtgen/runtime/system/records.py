@@ -53,6 +53,28 @@ class SampleWriter(Protocol):
         """Return a function that receives the samples of a port in place of the listener."""
 
 
+class MissingSamples:
+    """Samples that could not be written, since they violate their type."""
+
+    def __init__(self) -> None:
+        self._found: dict[str, tuple[int, str]] = {}
+
+    def __bool__(self) -> bool:
+        return bool(self._found)
+
+    def add(self, port: object, error: Exception) -> None:
+        """Count a sample of a port."""
+        count, first = self._found.get(str(port), (0, str(error)))
+        self._found[str(port)] = count + 1, first
+
+    def messages(self) -> list[str]:
+        """Return a message for each port, with the first reason."""
+        return [
+            f"{count} samples of {port} are missing: {first}"
+            for port, (count, first) in self._found.items()
+        ]
+
+
 class Statistics(msgspec.Struct, frozen=True, gc=False):
     """Statistics of a component.
 

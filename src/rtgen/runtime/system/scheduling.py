@@ -24,6 +24,12 @@ class Scheduler(Driver, Protocol):
     def every(self, period: int, action: Action) -> Action:
         """Call an action now and every period, after the ticks; return a function that ends it."""
 
+    def between_instants(self, period: int, action: Action) -> None:
+        """Call an action about once a period of simulated time, while something runs.
+
+        It must schedule nothing. In real time it is not called: writers are in other threads.
+        """
+
     def drive(self, publisher: Publisher[Any], writer: Component) -> Action:
         """Run a publisher of a port of `writer`; return a function that ends it."""
 

@@ -19,6 +19,8 @@ from rtgen.runtime.timing.clocks import SimulatedClock, period_of
 # Order of actions due at the same time; within a band, in order of insertion.
 _ACTIONS, _PUBLISHERS, _CONTEXTS, _BUSES, _WATCHERS = (band << 32 for band in range(5))
 
+_NEVER = 1 << 62
+
 _MIN_WAIT, _MAX_WAIT = 64, 65536
 """Number of steps without a timetable after one was interrupted: the first and the maximum."""
 
@@ -54,6 +56,10 @@ class SimulatedScheduler:
         self._place = -1
         """Number of the task called last in the current row."""
         self._wait = self._next_wait = _MIN_WAIT
+        self._between: Action = _nothing
+        self._pause = 0
+        self._due = _NEVER
+        """The time of the next call of `_between`."""
         clock.instants = self
 
     def start(self) -> None:
@@ -78,6 +84,10 @@ class SimulatedScheduler:
         task = Task(action, period)
         self._push(self._clock.time, _WATCHERS, task)
         return self._end_of(task)
+
+    def between_instants(self, period: int, action: Action) -> None:
+        self._between, self._pause = action, period
+        self._due = self._clock.time + period
 
     def drive(self, publisher: Publisher[Any], writer: Component) -> Action:
         if publisher.subscription is Subscription.PERIODIC:
@@ -165,6 +175,8 @@ class SimulatedScheduler:
                     self._raise_end()
                 continue
             clock.time = instant
+            if instant >= self._due:
+                self._interpose(instant)
             while heap and heap[0][0] == instant:
                 _, order, task = heap[0]
                 if task.period:
@@ -232,6 +244,12 @@ class SimulatedScheduler:
                     if self._table is None:
                         return
             begin += table.length
+            if begin >= self._due:
+                self._interpose(begin)
+
+    def _interpose(self, instant: int) -> None:
+        self._due = instant + self._pause
+        self._between()
 
     def _leave_table(self) -> None:
         """Put the tasks of the timetable back into the heap."""

@@ -9,6 +9,7 @@ from functools import partial
 from types import TracebackType
 from typing import Any
 
+from rtgen.facts.value_checks import PERIOD, CheckValues
 from rtgen.runtime.errors import (
     CheckpointError,
     ConnectError,
@@ -72,6 +73,10 @@ class System:
     With `checkpoints` the declared state of components is stored there, and components start from
     the stored state.
 
+    Values of samples and calls within the process are checked against their types: with
+    `check_values` "always", "first" (the first values of each port and operation, then one each
+    100 ms), or "never". A wrong one raises CdrError in `write` or in the call.
+
     A failure of a component's code is reported to `on_failure`, by default to the logger
     `rtgen.runtime` with its traceback, and not raised by `run`, except exceptions that end the run:
     see `docs/runtime.md`, Failures.
@@ -82,6 +87,7 @@ class System:
         clock: Clock | None = None,
         transport: Transport | None = None,
         checkpoints: CheckpointFolder | None = None,
+        check_values: CheckValues | str = CheckValues.FIRST,
     ) -> None:
         self.clock: Clock = clock or SimulatedClock()
         self._transport = transport
@@ -97,6 +103,9 @@ class System:
         )
         self._dependencies = Dependencies(self._participants, self._connectors)
         self._observation = Observation(self.clock.elapsed, self.end_run)
+        self._check = CheckValues(check_values)
+        if self._check is CheckValues.FIRST:
+            self._scheduler.between_instants(PERIOD, self._check_next_values)
         self.on_failure: Callable[[Failure], None] = log_failure
         """Called with each failure of a component's code; in real time from its thread."""
         if isinstance(transport, SteeringTransport):
@@ -133,6 +142,7 @@ class System:
             rate, owner=component, driver=self._scheduler, listener=self._state_changed
         )
         component._join(self.clock)
+        component._check_values(self._check)
         failures: list[Failure] = []
         component._report = failures.append
         if component.initialize() is not RTC_OK:
@@ -509,6 +519,10 @@ class System:
 
     def _components(self) -> list[Component]:
         return [self.component(instance) for instance in self.instances]
+
+    def _check_next_values(self) -> None:
+        for participant in self._participants.values():
+            participant.component._check_next_values()
 
     def _failed(self, failure: Failure) -> None:
         self.on_failure(failure)

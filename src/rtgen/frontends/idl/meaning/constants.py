@@ -24,7 +24,6 @@ from rtgen.frontends.idl.meaning.operands import (
     brief,
     is_literal,
     operand_class_of,
-    string_size,
     wider,
     without_zeros,
 )
@@ -439,11 +438,8 @@ class Constants:
                 return self._fit_float(value, kind, node)
             case StringType(bound=bound) if bound is not None:
                 assert isinstance(value, str)
-                size = string_size(type_, value)
-                if size > bound:
-                    what = "units of UTF-16" if type_.wide else "octets of UTF-8"
-                    what = "characters" if size == len(value) else what
-                    message = f"{size} {what} do not fit into {type_}"
+                if len(value) > bound:
+                    message = f"{len(value)} characters do not fit into {type_}"
                     hint = "shorten it, or raise the bound"
                     self._fail(rules.TEXT_TOO_LONG, node, message, hint)
             case FixedType(digits, scale):

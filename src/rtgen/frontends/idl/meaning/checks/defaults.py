@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from rtgen.facts.primitives import INTEGER_RANGES
 from rtgen.frontends.idl.meaning.annotations import contradictions, limits
 from rtgen.frontends.idl.meaning.checks.context import Context
+from rtgen.frontends.idl.meaning.operands import string_size
 from rtgen.frontends.idl.names.scopes import Entity
 from rtgen.frontends.idl.rules import annotations as rules
 from rtgen.model import (
@@ -19,6 +20,7 @@ from rtgen.model import (
     InitialValue,
     Member,
     NamedType,
+    StringType,
     Struct,
     Type,
     Typedef,
@@ -41,6 +43,8 @@ def defaults(entity: Entity, context: Context) -> None:
             context.report(rules.DEFAULT_RANGE.at(entry.span, message, hint=hint))
         if isinstance(entry, Bitfield):
             _fits(entry, context)
+        elif isinstance(entry.initial, str):
+            _is_within_bound(entry, entry.initial, context)
         if isinstance(entry, Member) and entry.optional and entry.initial is not None:
             message = f"@default means nothing for {entry.name}, which is optional"
             hint = "it starts absent: remove @default, or @optional"
@@ -78,6 +82,23 @@ def _typedefs(type_: Type | None, context: Context) -> Iterator[Typedef]:
             return
         yield declaration
         type_ = declaration.type
+
+
+def _is_within_bound(
+    entry: Member | Case | Typedef, text: str, context: Context
+) -> None:
+    """Check a text in octets or units of UTF-16, as codecs do; its characters are checked."""
+    type_ = context.types.unaliased(entry.type)
+    if not isinstance(type_, StringType) or type_.bound is None:
+        return
+    size = string_size(type_, text)
+    if len(text) <= type_.bound < size:
+        what = "units of UTF-16" if type_.wide else "octets of UTF-8"
+        message = (
+            f"the default has {size} {what}, and {type_} has room for {type_.bound}"
+        )
+        hint = "shorten it, or raise the bound"
+        context.report(rules.DEFAULT_RANGE.at(entry.span, message, hint=hint))
 
 
 def _fits(field: Bitfield, context: Context) -> None:
