@@ -42,7 +42,7 @@ def read(
         named=others.idl,
         needed=lowering.needed_idl(others.model, complete=lowered),
         printed=printed_idl.printed_idl(others.model),
-        interfaces=printed_idl.interfaces(settings),
+        interfaces=printed_idl.interfaces(settings, project.sources),
     )
     result = printed_idl.merged(of_idl, others)
     if has_errors(result.diagnostics):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache, partial
 from pathlib import Path
 
@@ -10,8 +10,8 @@ from msgspec.structs import replace
 
 from rtgen.backends import stage as backends
 from rtgen.diagnostics import Severity, has_errors
-from rtgen.facts.ros import INTERFACE_KINDS, interface_beside, is_interface
-from rtgen.files import is_file
+from rtgen.facts.ros import interface_beside, is_interface
+from rtgen.files import absolute_path, is_file
 from rtgen.frontends import FrontendResult, together
 from rtgen.frontends.idl.rules.lexical import INCLUDE_NOT_FOUND
 from rtgen.frontends.idl.text.source import Interfaces, Printed
@@ -42,23 +42,26 @@ def _idl_of_shipped(name: str) -> str:
     return ros_idl.idl_of(model, f"{name.rpartition('.')[0]}.idl")
 
 
-def interfaces(settings: Settings) -> Interfaces:
+def interfaces(settings: Settings, sources: Sequence[Path] = ()) -> Interfaces:
     """Return the function for IDL files of packages of ROS 2 that definitions include.
 
-    An installation has them beside the interface files that they were generated from, which are
-    read in their place; a file without one is read in the form that ROS 2 generates. One that is in
-    another form is no interface, but plain IDL.
+    The interface file of that name is read in place of IDL, which an installation has beside it.
+    IDL alone is read in the form that ROS 2 generates; in another form it is plain IDL. Those among
+    the `sources` are read as such.
     """
+    read = {absolute_path(path) for path in sources}
 
     def interface(path: Path, in_package: bool) -> Printed | None:
-        if path.parent.name not in INTERFACE_KINDS.values() or not is_file(path):
+        beside = interface_beside(path)
+        if beside is None:
+            return None
+        if absolute_path(beside) in read:
+            return None
+        source = beside if is_file(beside) else None
+        if source is None and not (in_package and is_file(path)):
             return None
         from rtgen.frontends import rosidl
 
-        beside = interface_beside(path)
-        source = beside if beside is not None and is_file(beside) else None
-        if source is None and not in_package:
-            return None
         found = rosidl.load(
             [source or path],
             root=settings.root,
@@ -70,7 +73,7 @@ def interfaces(settings: Settings) -> Interfaces:
             return None
         from rtgen.backends import ros_idl
 
-        name = "/".join((*path.parts[-3:-1], f"{path.stem}.idl"))
+        name = "/".join((*path.absolute().parts[-3:-1], f"{path.stem}.idl"))
         text = "" if errors else ros_idl.idl_of(found.model, name)
         return Printed(name, text, found.dependencies, errors)
 

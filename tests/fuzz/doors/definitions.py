@@ -20,6 +20,7 @@ from doors.mixing import files, mixing
 from rtgen.diagnostics import Diagnostic, has_errors
 from rtgen.diagnostics.explain import rules
 from rtgen.diagnostics.report import report
+from rtgen.facts.ros import GENERATED_IDL
 from rtgen.frontends import cdl, openrtm_python, rosidl
 from rtgen.inspection.models import inspect
 
@@ -105,14 +106,34 @@ def _described(suffix: str, folder: Path) -> Door:
     return of_target(EdsTarget(folder), way=way)
 
 
+_INPUT_IDL = b"""
+#include "std_msgs/msg/Header.idl"
+module fuzzed_msgs { module msg {
+    typedef double double__2[2];
+    module Input_Constants {
+        @verbatim (language="comment", text="a" "\\n") const string X = "a\\"b";
+    };
+    struct Input {
+        @default (value="(1, -2)") sequence<int16, 3> a;
+        @unit (value="m") double__2 b;
+        std_msgs::msg::Header c;
+        @default (value="('a', 'b')") sequence<string<5>> d;
+    };
+}; };
+"""
+
+
 def _msg(folder: Path) -> Door:
     package = folder / "fuzzed_msgs"
     paths = [package / kind / f"Input.{kind}" for kind in ("msg", "srv", "action")]
     for path in paths:
         path.parent.mkdir(parents=True)
+    generated = package / "msg" / "Input.idl"
 
     def enter(data: bytes) -> bool:
         path = paths[data.count(b"---") % 3]
+        if data.startswith(GENERATED_IDL):
+            path = generated
         path.write_bytes(data)
         result = rosidl.load([path], root=folder)
         report(result.diagnostics, result.sources)
@@ -121,7 +142,8 @@ def _msg(folder: Path) -> Door:
 
     seeds = files("tests/**/*.msg", "tests/**/*.srv", "tests/**/*.action")
     seeds += [
-        b"int32 a 3\nstring<=5[<=3] b\nuint8 X=1\nstd_msgs/Header h\n---\nbool ok\n"
+        b"int32 a 3\nstring<=5[<=3] b\nuint8 X=1\nstd_msgs/Header h\n---\nbool ok\n",
+        GENERATED_IDL + _INPUT_IDL,
     ]
     return Door(enter, mixing(seeds), seeds)
 

@@ -15,6 +15,7 @@ from msgspec.structs import replace
 from rtgen.diagnostics import Span
 from rtgen.frontends.rosidl.interfaces import PARTS
 from rtgen.frontends.rosidl.syntax import (
+    MAX_BOUND,
     PRIMITIVES,
     STRINGS,
     Field,
@@ -232,16 +233,25 @@ class _Reader:
         except ValueError:
             raise self._other() from None
 
+    def _bound(self) -> int:
+        text = self._of_kind("number").text
+        if not text.isdecimal() or len(text) > 10 or not 0 < int(text) <= MAX_BOUND:
+            raise self._other()
+        return int(text)
+
     def _type(self) -> FieldType:
+        if not self._next("sequence"):
+            return self._element()
+        self._take("<")
+        element = self._element()
+        size = self._bound() if self._next(",") else None
+        self._take(">")
+        if element.is_array:
+            raise self._other()
+        return replace(element, is_sequence=True, size=size)
+
+    def _element(self) -> FieldType:
         first = self._here
-        if self._next("sequence"):
-            self._take("<")
-            element = self._type()
-            size = int(self._of_kind("number").text) if self._next(",") else None
-            self._take(">")
-            if element.is_array or element.is_sequence:
-                raise self._other()
-            return replace(element, is_sequence=True, size=size)
         words = [self._of_kind("word").text]
         while words[-1] in _SIGNED and self._here.text in (*_SIGNED, "int", "double"):
             words.append(self._of_kind("word").text)
@@ -252,7 +262,7 @@ class _Reader:
         if base is not None:
             length = None
             if base in STRINGS and self._next("<"):
-                length = int(self._of_kind("number").text)
+                length = self._bound()
                 self._take(">")
             return FieldType(base, span, length)
         match words:
@@ -267,8 +277,8 @@ class _Reader:
         """Return the type of a declarator, which may have a length."""
         if not self._next("["):
             return element
-        size = int(self._of_kind("number").text)
+        size = self._bound()
         self._take("]")
-        if element.is_array or element.is_sequence or size == 0:
+        if element.is_array or element.is_sequence:
             raise self._other()
         return replace(element, is_array=True, size=size)

@@ -44,7 +44,7 @@ _TYPE: Final = re.compile(
     r"(?P<base>[A-Za-z][A-Za-z0-9_/]*)(?:<=(?P<length>[^\[]*))?"
     r"(?P<array>\[(?P<most><=)?(?P<size>[^\]\[]*)\])?"
 )
-_MAX_BOUND: Final = (1 << 32) - 1
+MAX_BOUND: Final = (1 << 32) - 1
 """Maximum bound: CDR's lengths have 32 bits."""
 
 
@@ -316,8 +316,8 @@ def _bound(text: str | None) -> int | None:
         bound = int(text)
     except ValueError:
         bound = 0
-    if not 0 < bound <= _MAX_BOUND:
-        raise ValueError(f"a bound is a number from 1 to {_MAX_BOUND}")
+    if not 0 < bound <= MAX_BOUND:
+        raise ValueError(f"a bound is a number from 1 to {MAX_BOUND}")
     return bound
 
 

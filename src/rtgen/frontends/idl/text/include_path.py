@@ -80,6 +80,9 @@ class IncludePath:
                         searched += (str(each.path) for each in printed.dependencies)
                         for each in printed.findings:
                             unit.findings.report(each)
+                        if printed.findings:
+                            unit.guessed = True
+                            return None, (), False
                         self._origins.setdefault(source, folder)
                         return source, tuple(searched), False
                     found = self._library.open(path, folder)

@@ -189,7 +189,8 @@ class Library(library.Library[Source]):
         if self._interfaces is None or absolute in self._main:
             return None
         if absolute not in self._printed:
-            made = self._interfaces(Path(absolute), folder is not None)
+            shown = Path(self._displayed(absolute))
+            made = self._interfaces(shown, folder is not None)
             found = None
             if made is not None:
                 place = self._root / made.name
