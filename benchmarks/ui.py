@@ -32,9 +32,9 @@ from websockets.sync.client import ClientConnection, connect  # noqa: E402
 from refrobots import rtc  # noqa: E402
 from rtgen import runtime  # noqa: E402
 from rtgen.model import System, SystemComponent  # noqa: E402
-from rtgen.runtime.failures import Failure  # noqa: E402
 from rtgen.runtime.rtc.profiles import ComponentProfile, data_port  # noqa: E402
 from rtgen.ui.buses import Describer  # noqa: E402
+from rtgen.ui.project import Known, Opened, RunWatcher  # noqa: E402
 from rtgen.ui.protocol import ui  # noqa: E402
 from rtgen.ui.serving import Server  # noqa: E402
 from rtgen.ui.session import Session  # noqa: E402
@@ -76,16 +76,27 @@ class Network:
 
     systems: Sequence[str] = ("network",)
 
-    def read(self, file: str) -> System:
+    def read(self, file: str) -> Opened:
         """Return an empty profile."""
-        return System(
+        profile = System(
             name=file, id="", file=file, abstract="", components=(), connections=()
         )
+        return Opened(profile, None)
 
-    def write(self, file: str, text: str) -> None:
+    def write(self, file: str, data: bytes, own: Known, *, replace: bool) -> str:
+        """Do nothing."""
+        return ""
+
+    def refusals(self, profile: System) -> Sequence[str]:
+        """Return nothing: no file is run."""
+        return ()
+
+    def report_end(self, reason: str) -> None:
         """Do nothing."""
 
-    def add(self, system: runtime.System, component: SystemComponent) -> None:
+    def add(
+        self, system: runtime.System, component: SystemComponent, folder: Path
+    ) -> None:
         """Do nothing."""
 
     def describer(self, bus: str, network: str) -> Describer:
@@ -107,7 +118,7 @@ class Network:
         return ()
 
     def assemble(
-        self, profile: System, clock: runtime.Clock, failed: Callable[[Failure], None]
+        self, profile: System, clock: runtime.Clock, watcher: RunWatcher
     ) -> runtime.System:
         """Return the components, each writer connected with four others."""
         system = runtime.System(clock)

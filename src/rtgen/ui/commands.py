@@ -59,6 +59,13 @@ READING: Final = frozenset(
     )
 )
 """Commands that a read-only page may send."""
+_URGENT: Final = frozenset(
+    (
+        CommandKind.COMMAND_ACTIVATE,
+        CommandKind.COMMAND_DEACTIVATE,
+        CommandKind.COMMAND_RESET,
+    )
+)
 _MAX_SEEK_TIME: Final = 3600.0
 """Maximum time to which a simulation can be set [s]."""
 _APART: Final = "the system of this page does not run over CORBA"
@@ -99,6 +106,18 @@ class Commands:
         }
         self._injector = calls.Injector()
         self._outside = RemoteCommands(session)
+
+    def is_urgent(self, page: Outbox, message: ui.ClientMessage) -> bool:
+        """Return whether a command can be carried out at once, in any thread.
+
+        That are requests for states in real time, by which people stop a robot.
+        """
+        runner = self._session.runner
+        return (
+            page.full
+            and message.asked.discriminator in _URGENT
+            and not runner.is_simulated
+        )
 
     def carry_out(self, page: Outbox, message: ui.ClientMessage) -> None:
         """Execute a command and send the page its result.

@@ -42,7 +42,7 @@ class Outbox:
 
     `full`: the page may change the system. `watched`: the channels whose samples it subscribes to.
     `missed_changes`: the page needs the whole state. `past`: the time that the page shows [s]; None
-    for the present.
+    for the present. `owes`: an answer to a request of the page waits.
     """
 
     wake: Callable[[], None]
@@ -51,6 +51,7 @@ class Outbox:
     missed_changes: bool = False
     past: float | None = None
     closed: bool = False
+    owes: bool = False
     _lock: threading.Lock = field(default_factory=threading.Lock)
     _changes: deque[Event] = field(default_factory=deque)
     _latest: dict[object, Event] = field(default_factory=dict)
@@ -87,6 +88,7 @@ class Outbox:
             self.missed_changes = False
         elif kind is EventKind.EVENT_RESULT or len(self._changes) < MAX_CHANGES:
             self._changes.append(event)
+            self.owes = self.owes or kind is EventKind.EVENT_RESULT
         else:
             self._dropped += 1
             self.missed_changes = True
@@ -99,12 +101,14 @@ class Outbox:
             self._statistics, self._latest = {}, {}
             self._samples, self._traffic = [], deque()
             self.past, self.missed_changes = past, False
+            self.owes = True
         self.wake()
 
     def show_more(self, events: list[Event]) -> None:
         """Add events of the time that the page shows."""
         with self._lock:
             self._changes.extend(events)
+            self.owes = True
         self.wake()
 
     @property
@@ -149,6 +153,7 @@ class Outbox:
             self._changes, self._traffic = deque(), deque()
             self._statistics, self._latest, self._samples = {}, {}, []
             self._dropped, self._thinned = 0, set()
+            self.owes = False
         if not events:
             return b""
         message = ServerMessage(events=events)

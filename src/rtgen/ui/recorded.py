@@ -12,6 +12,7 @@ from typing import Any
 from rtgen.diagnostics import ToolError
 from rtgen.recording.errors import RecordingError
 from rtgen.runtime.opaque_rpc.codecs import Codec
+from rtgen.runtime.requests import Client, Request, Requests
 from rtgen.ui.buses import DescriberOf
 from rtgen.ui.errors import IMPOSSIBLE, CommandError
 from rtgen.ui.history import History
@@ -22,20 +23,32 @@ from rtgen.ui.reading import MAX_OCTETS, Reading
 from rtgen.ui.type_table import TypeTable
 
 
+class _AtOnce(Requests):
+    """Executes requests of clients at once, in the calling thread."""
+
+    def __init__(self) -> None:
+        super().__init__(1.0)
+        self._lock = threading.Lock()
+
+    def put(self, client: Client | None, request: Request) -> bool:
+        """Execute a request."""
+        with self._lock:
+            request()
+        return True
+
+
 class AtOnce:
     """Executes requests at once, in the calling thread."""
 
     def __init__(self) -> None:
-        self._lock = threading.Lock()
+        self.requests = _AtOnce()
 
     def start(self) -> None:
         """Do nothing: no system runs."""
 
     def submit(self, request: Callable[[], None]) -> bool:
         """Execute a request."""
-        with self._lock:
-            request()
-        return True
+        return self.requests.put(None, request)
 
 
 class Recorded:
@@ -60,6 +73,7 @@ class Recorded:
                 reading.read(file, beside=beside > 0)
         except RecordingError as error:
             raise ToolError(str(error), hint=error.hint) from error
+        self._channels = frozenset(each.id for each in reading.channels)
         self.left_out = self.history.first > 0.0
         clock = ui.ClockState(
             kind=ui.ClockKind.CLOCK_RECORDING, speed=1.0, ended=True, past=True
@@ -89,6 +103,10 @@ class Recorded:
     def close(self) -> None:
         """Do nothing: no file is open."""
 
+    def is_urgent(self, page: Outbox, message: ui.ClientMessage) -> bool:
+        """Return False: nothing runs."""
+        return False
+
     def carry_out(self, page: Outbox, message: ui.ClientMessage) -> None:
         """Execute a command and send the page its result."""
         result = ui.Result(request=message.request, done=True)
@@ -96,8 +114,9 @@ class Recorded:
         try:
             match message.asked.discriminator:
                 case CommandKind.COMMAND_WATCH:
-                    added = frozenset(value) - page.watched
-                    page.watched = frozenset(value)
+                    watched = self._channels.intersection(value)
+                    added = watched - page.watched
+                    page.watched = watched
                     past = self.history.last if page.past is None else page.past
                     page.show_more(self.history.samples(past, added))
                 case CommandKind.COMMAND_LOOK:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import queue
 import threading
 import time
 from collections.abc import Callable
 from typing import Final
 
 from rtgen import runtime
+from rtgen.runtime.requests import Requests
 from rtgen.runtime.timing.clocks import SECOND
 
 _REQUEST_INTERVAL: Final = 0.02
@@ -18,8 +18,10 @@ _REPORT_INTERVAL: Final = 0.1
 _IDLE_INTERVAL: Final = 0.05
 _MAX_LAG: Final = 0.25
 """Maximum lag of simulated time behind its pace [s of the wall clock]."""
-MAX_WAITING: Final = 1024
-"""Maximum number of waiting requests."""
+_SHARE: Final = 0.1
+"""The part of the time for requests of pages that may only look, while time passes."""
+_LONGEST: Final = 0.01
+"""Time for requests between two parts of the run, if so many wait [s]."""
 
 
 class Runner:
@@ -41,7 +43,9 @@ class Runner:
         """Whether the run has ended by an error."""
         self._report = report
         self._ended = ended
-        self._requests: queue.Queue[Callable[[], None]] = queue.Queue(MAX_WAITING)
+        self.requests = Requests(_SHARE)
+        """The requests of pages, which are executed between two parts of the run."""
+        self._own = self.requests.join(None, first=True)
         self._closing = threading.Event()
         self._origin = (0.0, 0.0)
         self._thread = threading.Thread(target=self._run, name="rtgen-ui", daemon=True)
@@ -64,12 +68,8 @@ class Runner:
             self._thread.join()
 
     def submit(self, request: Callable[[], None]) -> bool:
-        """Execute a request between two instants; return False if too many wait."""
-        try:
-            self._requests.put_nowait(request)
-        except queue.Full:
-            return False
-        return True
+        """Execute a request of the server itself between two parts of the run; return True."""
+        return self._own.put(request)
 
     def play(self) -> None:
         """Let time pass from now on."""
@@ -130,11 +130,7 @@ class Runner:
 
     def _carry_out(self, patience: float) -> None:
         """Execute waiting requests, and wait a little for the first."""
-        try:
-            request = self._requests.get(timeout=patience) if patience else None
-            while True:
-                if request is not None:
-                    request()
-                request = self._requests.get_nowait()
-        except queue.Empty:
-            return
+        limited = self.playing
+        if patience:
+            self.requests.wait(patience, limited=limited)
+        self.requests.carry_out(_LONGEST, limited=limited)

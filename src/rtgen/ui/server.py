@@ -6,8 +6,13 @@ import asyncio
 import hmac
 import re
 import secrets
+import time
+from collections import Counter
 from collections.abc import Awaitable, Callable
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -20,8 +25,9 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from rtgen.runtime.cdr import CdrError
+from rtgen.runtime.requests import Client
 from rtgen.ui.commands import Commands
-from rtgen.ui.errors import BAD_MESSAGE, IMPOSSIBLE
+from rtgen.ui.errors import BAD_MESSAGE
 from rtgen.ui.outbox import Outbox
 from rtgen.ui.protocol import ui
 from rtgen.ui.recorded import Recorded
@@ -36,8 +42,19 @@ PAGE: Final = Path(__file__).parent / "page"
 SUBPROTOCOL: Final = "rtgen-ui.1"
 WRONG_TOKEN: Final = 4401
 WRONG_ORIGIN: Final = 4403
-MAX_MESSAGE_SIZE: Final = 4 << 20
-"""Maximum length of a message from a page [octets]."""
+MAX_MESSAGE_SIZE: Final = (1 << 20) + (1 << 16)
+"""Maximum length of a message from a page [octets]; longer ones close the socket."""
+MAX_PAGES: Final = 64
+"""Maximum number of pages with full rights, and of pages that may only look."""
+TOO_MANY: Final = 1013
+"""The code that closes the socket of a further page (RFC 6455, 7.4.2)."""
+_WAITING: Final = {True: 64, False: 8}
+"""Maximum number of waiting requests of a page, by whether it has full rights."""
+_ENCODING: Final = {
+    full: ThreadPoolExecutor(1, f"rtgen-ui-{name}")
+    for full, name in ((True, "full"), (False, "read"))
+}
+"""The threads that encode messages, by the rights of pages."""
 _MIN_INTERVAL: Final = 1 / 30
 """Minimum interval between two messages to a page [s]."""
 _ASSET: Final = re.compile(r"\w[\w.-]{0,200}", re.ASCII)
@@ -54,6 +71,10 @@ _HEADERS: Final = (
     (b"referrer-policy", b"no-referrer"),
     (b"cache-control", b"no-store"),
 )
+
+
+_LEFT: Final = (WebSocketDisconnect, OSError, RuntimeError)
+"""Exceptions of sending to a page that has left."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +96,7 @@ class Tokens:
 def application(session: Served, tokens: Tokens, page: Path = PAGE) -> Starlette:
     """Return the ASGI application. The session's runner must be started."""
     commands = session if isinstance(session, Recorded) else Commands(session)
+    pages = Counter[bool]()
 
     async def socket(websocket: WebSocket) -> None:
         right = tokens.right(websocket.query_params.get("token", ""))
@@ -87,8 +109,16 @@ def application(session: Served, tokens: Tokens, page: Path = PAGE) -> Starlette
             await websocket.close(WRONG_ORIGIN)
         elif right is None:
             await websocket.close(WRONG_TOKEN)
+        elif pages[right] >= MAX_PAGES:
+            await websocket.close(TOO_MANY)
         else:
-            await _serve(websocket, session, commands, full=right)
+            pages[right] += 1
+            try:
+                # When the server ends, it cancels what serves a page that does not read.
+                with suppress(asyncio.CancelledError):
+                    await _serve(websocket, session, commands, full=right)
+            finally:
+                pages[right] -= 1
 
     routes = [
         Route("/", _file(page, lambda _: "index.html")),
@@ -169,52 +199,91 @@ async def _serve(
             loop.call_soon_threadsafe(news.set)
 
     outbox = Outbox(wake, full=full)
-    session.runner.submit(lambda: session.join(outbox))
-    sending = asyncio.create_task(_send(websocket, outbox, news))
+    requests = session.runner.requests
+    # A page that may only look gets an answer before its next request is executed.
+    client = requests.join(
+        _WAITING[full], first=full, ready=lambda: full or not outbox.owes
+    )
+    page = _Page(websocket, session, commands, outbox, client)
+    client.put(lambda: session.join(outbox))
+    # A page that has left ends one of them, perhaps while the other one waits.
+    both = [asyncio.create_task(each) for each in (page.receive(), page.send(news))]
     try:
-        await _receive(websocket, session, commands, outbox)
-    except WebSocketDisconnect:
-        pass  # The page has left.
+        await asyncio.wait(both, return_when=asyncio.FIRST_COMPLETED)
     finally:
         outbox.closed = True
+        requests.leave(client)
         session.leave(outbox)
-        sending.cancel()
-        await asyncio.gather(sending, return_exceptions=True)
+        for task in both:
+            task.cancel()
+        results = await asyncio.gather(*both, return_exceptions=True)
+    for result in results:
+        if isinstance(result, Exception) and not isinstance(result, _LEFT):
+            raise result
 
 
-async def _send(websocket: WebSocket, outbox: Outbox, news: asyncio.Event) -> None:
-    """Send waiting messages; a page that does not read delays only this."""
-    while True:
-        await news.wait()
-        news.clear()
-        message = outbox.take()
-        if message:
-            await websocket.send_bytes(message)
-        await asyncio.sleep(_MIN_INTERVAL)
+@dataclass(frozen=True, slots=True)
+class _Page:
+    """A page: its socket, its requests and what it is sent."""
 
+    websocket: WebSocket
+    session: Served
+    commands: _Commands
+    outbox: Outbox
+    client: Client
 
-async def _receive(
-    websocket: WebSocket, session: Served, commands: _Commands, outbox: Outbox
-) -> None:
-    """Pass the page's commands to the runner."""
-    while True:
-        data = await websocket.receive_bytes()
-        while outbox.is_crowded:
+    async def send(self, news: asyncio.Event) -> None:
+        """Send waiting messages; a page that does not read delays only this."""
+        loop, full = asyncio.get_running_loop(), self.outbox.full
+        while True:
+            await news.wait()
+            news.clear()
+            # Long messages of one page do not delay those of others.
+            message = await loop.run_in_executor(_ENCODING[full], self._message)
+            self.session.runner.requests.wake()
+            if message:
+                await self.websocket.send_bytes(message)
             await asyncio.sleep(_MIN_INTERVAL)
+
+    def _message(self) -> bytes:
+        """Return the waiting messages; answers to the page count as time of its requests."""
+        owed, begun = self.outbox.owes, time.thread_time()
+        message = self.outbox.take()
+        if owed:
+            self.client.charge(time.thread_time() - begun)
+        return message
+
+    async def receive(self) -> None:
+        """Pass the page's commands to the runner; a page that sends more is not read meanwhile."""
+        while True:
+            message = await self.websocket.receive()
+            if message["type"] == "websocket.disconnect":
+                return
+            while self.client.is_full or self.outbox.is_crowded:
+                await asyncio.sleep(_MIN_INTERVAL)
+            begun = time.thread_time()
+            request = self._request(message.get("bytes"))
+            self.client.charge(time.thread_time() - begun)
+            if request is not None:
+                self.client.put(request)
+
+    def _request(self, data: bytes | None) -> Callable[[], None] | None:
+        """Return the request of a message, None for a text; None if it has been executed."""
         try:
-            if len(data) > MAX_MESSAGE_SIZE:
-                raise CdrError("ClientMessage", f"{len(data)} octets are too many")
+            if data is None:
+                raise CdrError("ClientMessage", "a message of text")
             message = ui.ClientMessage.from_cdr(data)
         except CdrError as error:
-            outbox.put(_failure(0, BAD_MESSAGE, str(error)))
-            continue
+            return partial(self.outbox.put, _failure(0, BAD_MESSAGE, str(error)))
+        if self.client.is_idle and self.commands.is_urgent(self.outbox, message):
+            self.commands.carry_out(self.outbox, message)
+            return None
 
-        def carry_out(message: ui.ClientMessage = message) -> None:
-            if not outbox.closed:
-                commands.carry_out(outbox, message)
+        def carry_out() -> None:
+            if not self.outbox.closed:
+                self.commands.carry_out(self.outbox, message)
 
-        if not session.runner.submit(carry_out):
-            outbox.put(_failure(message.request, IMPOSSIBLE, "too many commands wait"))
+        return carry_out
 
 
 def _failure(request: int, code: str, message: str) -> ui.Event:

@@ -50,6 +50,7 @@ class Server:
                 lifespan="off",
                 ws="websockets-sansio",
                 ws_max_size=MAX_MESSAGE_SIZE,
+                ws_per_message_deflate=False,  # loopback has no need of it
                 timeout_graceful_shutdown=_PATIENCE,
             )
         )

@@ -283,9 +283,14 @@ class Session:
         self.sample(ui.Sample(channel, self.now, data))
 
     def watch(self, page: Outbox, channels: Sequence[int]) -> None:
-        """Set the channels that a page watches, and send it the past samples of new ones."""
-        added = frozenset(channels) - page.watched
-        page.watched = frozenset(channels)
+        """Set the channels that a page watches, and send it the past samples of new ones.
+
+        Numbers of channels that do not exist are ignored.
+        """
+        known = (*self._channels.values(), *self._channels_beside)
+        watched = frozenset(channels).intersection(each.id for each in known)
+        added = watched - page.watched
+        page.watched = watched
         self.watch_changed()
         until = self.now if page.past is None else page.past
         page.show_more(self.history.samples(until, added))

@@ -12,6 +12,7 @@ from socket import SHUT_WR, create_connection
 from typing import Any
 
 import pytest
+from patience import PATIENCE
 from ui_bench import GOAL, QUIET
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
@@ -19,6 +20,7 @@ from websockets.sync.client import ClientConnection, connect
 from rtgen.cli.ui import CommandProject
 from rtgen.runtime import SimulatedClock
 from rtgen.ui.protocol import ui
+from rtgen.ui.server import MAX_MESSAGE_SIZE
 from rtgen.ui.serving import Server
 from rtgen.ui.session import Session
 
@@ -134,12 +136,14 @@ def test_requests_that_are_none_are_refused(
         b"GET /socket?token=%00%ff HTTP/1.1\r\nHost: 127.0.0.1\r\n"
         b"Upgrade: websocket\r\nConnection: Upgrade\r\n\r\n",
     ):
-        with create_connection((served.host, served.port), 60) as raw:
+        with (
+            create_connection((served.host, served.port), 60) as raw,
+            suppress(OSError),  # the server has not read all
+        ):
             raw.sendall(request)
             raw.shutdown(SHUT_WR)
-            with suppress(ConnectionResetError):  # of what was not read
-                answer = raw.recv(1 << 16)
-                assert answer.startswith(b"HTTP/1.1 4"), request[:40]
+            answer = raw.recv(1 << 16)
+            assert answer.startswith(b"HTTP/1.1 4"), request[:40]
     assert "Traceback" not in capfd.readouterr().err
     assert get(served, "/")[0] == 200
 
@@ -232,6 +236,79 @@ def test_a_page_that_does_not_read_slows_nobody(served: Server) -> None:
         assert ask(other, "time", 0.0).done
         assert ask(other, "step", 5.0).done
         assert ask(other, "time", 0.0).done
+
+
+def ended_with(socket: ClientConnection) -> int | None:
+    """Return the code with which the server closes a socket."""
+    with suppress(ConnectionClosed):
+        while True:
+            socket.recv(60)
+    return socket.close_code
+
+
+def test_texts_and_messages_that_are_too_long_are_refused(
+    served: Server, capfd: pytest.CaptureFixture[str]
+) -> None:
+    with opened(served, served.tokens.read_only) as socket:
+        joined(socket)
+        socket.send("text")
+        assert outcome(socket).code == "UIS0001"
+        socket.send(bytes(MAX_MESSAGE_SIZE + 1))
+        assert ended_with(socket) == 1009
+    assert "Traceback" not in capfd.readouterr().err
+
+
+def test_a_page_that_floods_waits_for_the_others(served: Server) -> None:
+    tokens = served.tokens
+    ends = ui.Command.of_ends(ui.PortAddress("Odometry0", "OdometryPosition"))
+    many = 2000
+    with (
+        opened(served, tokens.read_only) as flooding,
+        opened(served, tokens.read_only) as other,
+        opened(served, tokens.full) as operator,
+    ):
+        for socket in (flooding, other, operator):
+            joined(socket)
+        answered = threading.Semaphore(0)
+
+        def read() -> None:
+            with suppress(ConnectionClosed):
+                while True:
+                    outcome(flooding)
+                    answered.release()
+
+        def flood() -> None:
+            with suppress(ConnectionClosed):
+                for number in range(many):
+                    message = ui.ClientMessage(request=number, asked=ends)
+                    flooding.send(message.to_cdr())
+
+        for work in (read, flood):
+            threading.Thread(target=work, daemon=True).start()
+        assert answered.acquire(timeout=PATIENCE)
+        assert ask(operator, "played", True).done
+        for _ in range(3):
+            assert ask(other, "ends", ends.ends).fits
+            assert ask(operator, "deactivated", []).done
+            assert ask(operator, "activated", []).done
+        assert ask(operator, "paused", True).done
+        # Those that were sent later were executed while most of the flood waited.
+        assert answered._value < many / 4
+        assert ask(operator, "time", 0.0).done
+
+
+def test_pages_beyond_the_limit_are_refused_by_their_rights(
+    served: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rtgen.ui.server.MAX_PAGES", 2)
+    read_only = served.tokens.read_only
+    with opened(served, read_only), opened(served, read_only):
+        with opened(served, read_only) as third:
+            assert ended_with(third) == 1013
+        with opened(served, served.tokens.full) as operator:
+            assert joined(operator).components
+    with opened(served, read_only) as again:
+        assert joined(again).components
 
 
 def test_a_missing_page_is_told(served: Server, tmp_path: Path) -> None:

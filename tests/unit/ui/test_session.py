@@ -232,6 +232,12 @@ def test_samples_go_to_pages_that_watch(bench: Bench, page: Page) -> None:
     assert len(written) == 50
 
 
+def test_channels_that_do_not_exist_are_not_watched(page: Page) -> None:
+    numbers = {c.id for _, c in channels(whole(page.events()))}
+    page.done("channels", [*range(max(numbers) + 100_000)])
+    assert page.outbox.watched == numbers
+
+
 def test_a_page_gets_what_a_channel_had_before_it_is_watched(
     bench: Bench, page: Page
 ) -> None:

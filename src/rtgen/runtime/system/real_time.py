@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -24,6 +25,8 @@ from rtgen.runtime.system.watchdog import (
 )
 from rtgen.runtime.timing.clocks import SECOND, RealClock, period_of
 
+_SWITCH_INTERVAL = 0.0005
+"""Time after which a thread that computes lets another one run [s] (`sys.setswitchinterval`)."""
 _POLL_INTERVAL = 5_000_000
 """Polling period of a condition of `run`, in ns, while no state changes."""
 _ASKED_AGAIN = 0.05
@@ -155,12 +158,44 @@ class PeriodicThread:
             return not self._stopped
 
 
+class _Switching:
+    """Lets threads wait for the interpreter shortly, while a system runs in real time.
+
+    The interpreter's own interval is five periods of a component of 1 kHz, during which a thread
+    that computes, such as one that answers requests from outside, keeps all others waiting.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._users = 0
+        self._before = 0.0
+
+    def begin(self) -> None:
+        """Shorten the interval."""
+        with self._lock:
+            if self._users == 0:
+                self._before = sys.getswitchinterval()
+                sys.setswitchinterval(min(self._before, _SWITCH_INTERVAL))
+            self._users += 1
+
+    def end(self) -> None:
+        """Restore the interval after the last user."""
+        with self._lock:
+            self._users -= 1
+            if self._users == 0:
+                sys.setswitchinterval(self._before)
+
+
+_switching = _Switching()
+
+
 class RealTimeScheduler:
     """Threads for contexts and publishers; timeline and conditions run in the thread of `run`."""
 
     def __init__(self, clock: RealClock) -> None:
         self._clock = clock
         self._running = False
+        self._closed = False
         self._contexts: dict[ExecutionContext, PeriodicThread | None] = {}
         self._delayed: list[Action] = []
         self._closers: dict[int, Callable[[], object]] = {}
@@ -174,6 +209,7 @@ class RealTimeScheduler:
         if self._running:
             return
         self._clock.restart()
+        _switching.begin()
         self._watchdog.start()
         self._running = True
         for context in list(self._contexts):
@@ -304,6 +340,9 @@ class RealTimeScheduler:
         for context in list(self._contexts):
             self.stopped(context)
         self._watchdog.stop()
+        if self._running and not self._closed:
+            _switching.end()
+        self._closed = True
 
     def _begin(self, context: ExecutionContext) -> None:
         def count(overruns: int) -> None:

@@ -1,0 +1,171 @@
+"""Requests from outside during a run: a queue for each client, served in turn within a budget.
+
+The budget is a part of the time, which the requests of all clients share, so that they cannot take
+the time of the run. Clients that come first, such as an operator, are served before the others and
+are not limited by it.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from typing import Final
+
+Request = Callable[[], object]
+"""Is executed by the thread of the run; must not raise."""
+
+BURST: Final = 0.05
+"""Time that can be saved up for requests [s]."""
+
+
+class Client:
+    """The queue of a client; `put` and `charge` may be called from any thread."""
+
+    def __init__(
+        self,
+        requests: Requests,
+        limit: int | None,
+        ready: Callable[[], bool],
+        *,
+        first: bool,
+    ) -> None:
+        self.first = first
+        self._requests = requests
+        self._limit = limit
+        self._ready = ready
+        self._waiting: deque[Request] = deque()
+        self.spent = 0.0
+        """Time of the client's requests, by which clients are served in turn [s]."""
+
+    def put(self, request: Request) -> bool:
+        """Add a request; return False if the queue is full, or the client has left."""
+        return self._requests.put(self, request)
+
+    def charge(self, seconds: float) -> None:
+        """Count time that the client has taken elsewhere as time of its requests."""
+        self._requests._charge(self, seconds)
+
+    @property
+    def is_full(self) -> bool:
+        """Whether `put` would refuse a request."""
+        return self._limit is not None and len(self._waiting) >= self._limit
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether no request waits or is being executed."""
+        return not self._waiting and self._requests._served is not self
+
+    def _has_next(self) -> bool:
+        return bool(self._waiting) and self._ready()
+
+
+class Requests:
+    """The queues of all clients.
+
+    `share` is the part of the time for clients that do not come first, in [0, 1]; what they do not
+    use is saved up to `burst` [s]. One thread executes the requests.
+    """
+
+    def __init__(
+        self,
+        share: float,
+        burst: float = BURST,
+        clock: Callable[[], float] = time.perf_counter,
+    ) -> None:
+        self._share = share
+        self._burst = self._credit = burst
+        self._clock = clock
+        self._last = clock()
+        self._clients: list[Client] = []
+        self._served: Client | None = None
+        self._reached = {True: 0.0, False: 0.0}
+        """The time of the client that was served last, by whether it comes first."""
+        self._changed = threading.Condition()
+
+    def join(
+        self,
+        limit: int | None,
+        *,
+        first: bool = False,
+        ready: Callable[[], bool] = lambda: True,
+    ) -> Client:
+        """Return the queue of a new client, of at most `limit` requests.
+
+        Its requests are only executed while `ready` holds; `wake` reports that this may have
+        changed.
+        """
+        client = Client(self, limit, ready, first=first)
+        with self._changed:
+            self._clients.append(client)
+        return client
+
+    def leave(self, client: Client) -> None:
+        """Forget a client and its requests."""
+        with self._changed:
+            if client in self._clients:
+                self._clients.remove(client)
+
+    def wake(self) -> None:
+        """End a `wait`."""
+        with self._changed:
+            self._changed.notify_all()
+
+    def wait(self, timeout: float, *, limited: bool = True) -> None:
+        """Wait for a request that can be executed, at most some time [s]."""
+        with self._changed:
+            if self._next(limited=limited) is None:
+                self._changed.wait(timeout)
+
+    def carry_out(self, longest: float, *, limited: bool = True) -> None:
+        """Execute requests, until none waits or for a time [s]; without budget if not `limited`.
+
+        A request that is being executed is not ended.
+        """
+        end = self._clock() + longest
+        while True:
+            with self._changed:
+                client = self._next(limited=limited)
+                if client is None:
+                    return
+                request = client._waiting.popleft()
+                self._reached[client.first] = client.spent
+                self._served = client
+            begun = self._clock()
+            try:
+                request()
+            finally:
+                now = self._clock()
+                self._charge(client, now - begun)
+                self._served = None
+            if now >= end:
+                return
+
+    def put(self, client: Client, request: Request) -> bool:
+        """Add a request of a client; see `Client.put`."""
+        with self._changed:
+            if client.is_full or client not in self._clients:
+                return False
+            if not client._waiting:
+                # A client does not save up its turns.
+                client.spent = max(client.spent, self._reached[client.first])
+            client._waiting.append(request)
+            self._changed.notify_all()
+        return True
+
+    def _charge(self, client: Client, seconds: float) -> None:
+        with self._changed:
+            client.spent += seconds
+            if not client.first:
+                self._credit -= seconds
+
+    def _next(self, *, limited: bool) -> Client | None:
+        """Return the client whose turn it is; None if there is none within the budget."""
+        now = self._clock()
+        earned = self._credit + (now - self._last) * self._share
+        self._credit, self._last = min(earned, self._burst), now
+        waiting = [each for each in self._clients if each._has_next()]
+        if limited and self._credit <= 0.0:
+            waiting = [each for each in waiting if each.first]
+        return min(waiting, key=lambda c: (not c.first, c.spent), default=None)

@@ -1,0 +1,165 @@
+"""Requests of clients: in turn, within their part of the time, those of operators first."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rtgen.runtime.requests import Client, Requests
+
+
+class Time:
+    """A clock that requests let pass."""
+
+    now = 0.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+class Bench:
+    """Requests that take a time, and the order in which they are executed."""
+
+    def __init__(self, share: float = 0.1, burst: float = 0.05) -> None:
+        self.time = Time()
+        self.requests = Requests(share, burst, self.time)
+        self.order: list[str] = []
+
+    def taking(self, name: str, seconds: float) -> Callable[[], None]:
+        def request() -> None:
+            self.order.append(name)
+            self.time.now += seconds
+
+        return request
+
+    def fill(self, client: Client, name: str, seconds: float, count: int = 1) -> None:
+        for _ in range(count):
+            assert client.put(self.taking(name, seconds))
+
+    def executed(self, longest: float = 1.0, *, limited: bool = True) -> str:
+        """Return the names of the requests of one slice."""
+        self.order = []
+        self.requests.carry_out(longest, limited=limited)
+        return "".join(self.order)
+
+
+def test_clients_are_served_in_turn() -> None:
+    bench = Bench(share=1.0, burst=10.0)
+    one, other = bench.requests.join(10), bench.requests.join(10)
+    bench.fill(one, "a", 0.001, 5)
+    bench.fill(other, "b", 0.001, 2)
+    assert bench.executed() == "ababaaa"
+
+
+def test_a_client_with_long_requests_has_fewer_turns() -> None:
+    bench = Bench(share=1.0, burst=10.0)
+    slow, quick = bench.requests.join(10), bench.requests.join(10)
+    bench.fill(slow, "S", 0.004, 3)
+    bench.fill(quick, "q", 0.001, 8)
+    assert bench.executed() == "SqqqqSqqqqS"
+
+
+def test_a_client_does_not_save_up_turns() -> None:
+    bench = Bench(share=1.0, burst=100.0)
+    busy, late = bench.requests.join(10), bench.requests.join(10)
+    for _ in range(20):
+        bench.fill(busy, "b", 0.001, 5)
+        bench.executed()
+    bench.fill(busy, "b", 0.001, 4)
+    bench.fill(late, "l", 0.001, 4)
+    assert bench.executed() in ("blblblbl", "lblblblb")
+
+
+def test_requests_take_no_more_than_their_part_of_the_time() -> None:
+    bench = Bench(share=0.1)
+    clients = [bench.requests.join(100) for _ in range(3)]
+    count = 0
+    for _ in range(500):
+        for client in clients:
+            while client.put(bench.taking("a", 0.003)):
+                pass
+        count += len(bench.executed(0.01))
+        bench.time.now += 0.02
+    assert 0.09 < count * 0.003 / bench.time.now < 0.11
+
+
+def test_one_long_request_is_paid_for_later() -> None:
+    bench = Bench(share=0.1)
+    client = bench.requests.join(10)
+    bench.fill(client, "a", 1.0)
+    bench.fill(client, "b", 0.001)
+    assert bench.executed() == "a"
+    bench.time.now += 8.4
+    assert bench.executed() == ""
+    bench.time.now += 0.2
+    assert bench.executed() == "b"
+
+
+def test_time_that_a_client_has_taken_elsewhere_counts() -> None:
+    bench = Bench(share=0.1)
+    client = bench.requests.join(10)
+    client.charge(0.15)
+    bench.fill(client, "a", 0.001)
+    assert bench.executed() == ""
+    bench.time.now += 1.1
+    assert bench.executed() == "a"
+
+
+def test_those_who_come_first_wait_for_no_other_and_have_no_limit() -> None:
+    bench = Bench(share=0.0, burst=0.0)
+    reader = bench.requests.join(100)
+    operator = bench.requests.join(100, first=True)
+    bench.fill(reader, "r", 0.01, 50)
+    bench.fill(operator, "o", 0.01, 3)
+    assert bench.executed() == "ooo"
+    assert bench.executed(0.02, limited=False) == "rr"
+    bench.fill(operator, "o", 0.01)
+    assert bench.executed(0.02, limited=False) == "or"
+
+
+def test_a_slice_ends_after_its_time() -> None:
+    bench = Bench()
+    operator = bench.requests.join(100, first=True)
+    bench.fill(operator, "o", 0.004, 5)
+    assert bench.executed(0.01) == "ooo"
+    assert bench.executed(0.01) == "oo"
+
+
+def test_a_queue_is_bounded_and_ends_with_its_client() -> None:
+    bench = Bench(share=1.0)
+    client = bench.requests.join(2)
+    bench.fill(client, "a", 0.001, 2)
+    assert client.is_full
+    assert not client.put(bench.taking("b", 0.001))
+    bench.requests.leave(client)
+    assert not client.put(bench.taking("b", 0.001))
+    assert bench.executed() == ""
+
+
+def test_a_client_that_is_not_ready_is_left_out() -> None:
+    bench = Bench(share=1.0)
+    ready = [False]
+    client = bench.requests.join(10, ready=lambda: ready[0])
+    other = bench.requests.join(10)
+    bench.fill(client, "a", 0.001)
+    bench.fill(other, "b", 0.001)
+    assert bench.executed() == "b"
+    ready[0] = True
+    assert bench.executed() == "a"
+
+
+def test_a_request_that_raises_is_counted() -> None:
+    bench = Bench(share=0.1)
+    client = bench.requests.join(10)
+
+    def fail() -> None:
+        bench.time.now += 1.0
+        raise ValueError
+
+    client.put(fail)
+    bench.fill(client, "a", 0.001)
+    try:
+        bench.executed()
+    except ValueError:
+        assert bench.executed() == ""
+    else:
+        raise AssertionError
