@@ -25,18 +25,18 @@ def findings(
     project: Project,
     result: FrontendResult,
     *,
-    of_systems: Sequence[Diagnostic] = (),
+    beside: Sequence[Diagnostic] = (),
     select: Collection[str] = (),
     ignore: Collection[str] = (),
     whole: bool = True,
 ) -> list[Diagnostic]:
     """Return the diagnostics of a result of reading that are not suppressed, with fixes, in order.
 
-    `of_systems` are those about the project's systems, whose texts are among the sources. `select`
-    and `ignore` are codes in addition to those of rtgen.toml. `whole`: the result contains all
-    files of the project.
+    `beside` are those about the project's systems, whose texts are among the sources, and about its
+    behaviours. `select` and `ignore` are codes in addition to those of rtgen.toml. `whole`: the
+    result contains all files of the project.
     """
-    found = [*result.diagnostics, *of_systems]
+    found = [*result.diagnostics, *beside]
     active = None
     if not has_errors(result.diagnostics):
         selected = {code.upper() for code in (*select, *project.selected)}

@@ -15,13 +15,21 @@ from functools import cache, lru_cache
 from math import inf, ulp
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
-from rtgen.facts.unit_symbols import DEFINITIONS, PHRASES, SYMBOLS
+from rtgen.facts.unit_symbols import (
+    DEFINITIONS,
+    PHRASES,
+    SYMBOLS,
+    USUAL_NAMES,
+    USUAL_SYMBOLS,
+)
 
 if TYPE_CHECKING:
     from pint import UnitRegistry
 
 _MAX_LENGTH: Final = 80
 _HIGHEST_POWER: Final = 9
+_SHORTEST_WORD: Final = 4
+_MAX_CORRECTIONS: Final = 8
 _SUPERSCRIPTS: Final = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻·⋅\u00d7", "0123456789-***")
 _TOKEN: Final = re.compile(
     r"\s*(?:10[*^](?P<order>[+-]?\d+)|(?P<number>\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)"
@@ -56,6 +64,46 @@ class Relation(Enum):
 
 class UnitError(ValueError):
     """A text that does not denote a unit."""
+
+
+class UnknownSymbolError(UnitError):
+    """A symbol that does not denote a unit."""
+
+    def __init__(self, symbol: str) -> None:
+        super().__init__(f"the unit `{symbol}` is not known")
+        self.symbol = symbol
+
+
+def suggestion(text: str) -> str | None:
+    """Return the text of units that a text with unknown symbols was likely meant as."""
+    for _ in range(_MAX_CORRECTIONS):
+        try:
+            parse_list(text)
+        except UnknownSymbolError as error:
+            near = _nearest(error.symbol)
+            if near is None:
+                return None
+            text = re.sub(
+                rf"(?<![^\W\d_]){re.escape(error.symbol)}(?![^\W\d_])", near, text
+            )
+        except UnitError:
+            return None
+        else:
+            return text
+    return None
+
+
+def _nearest(symbol: str) -> str | None:
+    """Return the usual unit of this name: in another case, or with few other letters."""
+    folded = symbol.lower()
+    for unit in (*USUAL_SYMBOLS, *USUAL_NAMES):
+        if unit.lower() == folded:
+            return unit
+    if len(symbol) < _SHORTEST_WORD:
+        return None
+    from difflib import get_close_matches
+
+    return next(iter(get_close_matches(folded, USUAL_NAMES, n=1, cutoff=0.75)), None)
 
 
 @lru_cache(1024)
@@ -206,7 +254,7 @@ def _symbol(symbol: str) -> Unit:
     name = SYMBOLS.get(symbol, symbol)
     # `name in registry` would evaluate an expression: NAN is a number there, and _ an attribute.
     if name == symbol and not _registry().parse_unit_name(name):
-        raise UnitError(f"the unit `{symbol}` is not known")
+        raise UnknownSymbolError(symbol)
     try:
         return _known(name)
     except PintError:  # for example, pint has no mdB

@@ -105,7 +105,7 @@ def checked(folder: Path) -> list[Diagnostic] | InputError:
     of_systems = added.diagnostics[len(lowered.diagnostics) :]
     read = replace(read, sources=added.sources)
     found = [*linting.unknown_codes(project)] or linting.findings(
-        project, read, of_systems=of_systems
+        project, read, beside=of_systems
     )
     emitted = [*run.diagnostics]
     if not run.failed:

@@ -29,7 +29,7 @@ from rtgen.diagnostics import (
 )
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.kit.memo import Memo
-from rtgen.project import Project, shown
+from rtgen.project import Project, behaviours, shown
 from rtgen.project.rewriting import rewrite
 
 MAX_ROUNDS = 10
@@ -115,10 +115,11 @@ def _findings(
         )
         of_systems = added.diagnostics[len(definitions.diagnostics) :]
         result = replace(result, sources=added.sources)
+    of_behaviours = behaviours.misspelt_callbacks(project) if whole else []
     found = findings(
         project,
         result,
-        of_systems=of_systems,
+        beside=(*of_systems, *of_behaviours),
         select=select,
         ignore=ignore,
         whole=whole,

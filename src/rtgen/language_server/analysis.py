@@ -128,9 +128,7 @@ def analyse(
         result = _with_systems(project, result, complete, of_systems, memo)
         findings = [*unknown_codes(project)]
         if not has_errors(findings):
-            findings = linting.findings(
-                project, result, of_systems=of_systems, whole=whole
-            )
+            findings = linting.findings(project, result, beside=of_systems, whole=whole)
         texts = _texts(project, result, before, snapshot)
         _add_unread(collector, texts, project.encoding)
     _add_others(collector, project, result.model, texts)

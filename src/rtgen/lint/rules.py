@@ -29,6 +29,7 @@ NOT_PORTABLE = Rule("LINT0020", "IDL that other compilers refuse", Severity.NOTE
 UNKNOWN_UNIT = Rule("LINT0021", "text that is not a unit", Severity.NOTE)
 OTHER_FACTOR = Rule("LINT0022", "factor other than that of the drive", Severity.WARNING)
 DEVICE_NAME = Rule("LINT0023", "file name reserved by Windows", Severity.WARNING)
+MISSPELT_UNIT = Rule("LINT0024", "misspelt unit", Severity.WARNING)
 
 RULES: tuple[Rule, ...] = (
     UNUSED_INCLUDE,
@@ -54,6 +55,7 @@ RULES: tuple[Rule, ...] = (
     UNKNOWN_UNIT,
     OTHER_FACTOR,
     DEVICE_NAME,
+    MISSPELT_UNIT,
 )
 
 ON_DEMAND: tuple[Rule, ...] = (UNDOCUMENTED, UNBOUNDED, NOT_PORTABLE)

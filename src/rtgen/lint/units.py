@@ -27,15 +27,20 @@ def texts(context: Context) -> Iterator[Diagnostic]:
     found = list(_texts(context))
     if not found:
         return
-    from rtgen.units import UnitError, parse_list
+    from rtgen.units import UnitError, parse_list, suggestion
 
     for text, span in found:
         try:
             parse_list(text)
         except UnitError as error:
             message = f"{text!r} is not a unit: {error}"
-            hint = "units are written like m/s^2, rad/s, kg*m^2, deg C, %"
-            yield rules.UNKNOWN_UNIT.at(span, message, hint=hint)
+            meant = suggestion(text)
+            if meant is not None:
+                hint = f'did you mean "{meant}"?'
+                yield rules.MISSPELT_UNIT.at(span, message, hint=hint)
+            else:
+                hint = "units are written like m/s^2, rad/s, kg*m^2, deg C, %"
+                yield rules.UNKNOWN_UNIT.at(span, message, hint=hint)
 
 
 def _texts(context: Context) -> Iterator[tuple[str, Span]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path, PurePosixPath
@@ -12,12 +13,18 @@ from rtgen.diagnostics import Diagnostic, Span, ToolError
 from rtgen.facts.encodings import decode
 from rtgen.files import UnreadableError, is_file, read_file
 from rtgen.project import Project, shown
-from rtgen.project.rules import LEFTOVER_SKELETON, UNKNOWN_PORT
+from rtgen.project.rules import LEFTOVER_SKELETON, MISSPELT_CALLBACK, UNKNOWN_PORT
+from rtgen.typemap.components.actions import ACTIONS
 
 _USE = re.compile(r"\bself\.(\w+)\.(?:read|read_newest|is_new|write)\(")
 _SET = re.compile(r"\bself\.(\w+)\s*[,:=]")
 _NAMED = re.compile(r"^ +(?:def )?(\w+) *[:(=]", re.M)
 _CLASS = re.compile(r"^class \w+\(([^)]*)\):", re.M)
+_CALLBACKS = frozenset(action.method for action in ACTIONS)
+_MISSPELT = re.compile(
+    rf"^ +def (?!(?:{'|'.join(sorted(_CALLBACKS))})\b)[oO]n\w+\(", re.M
+)
+"""A method that begins as callbacks do, and is none."""
 _PARAMETERS = "Struct, gc=False"
 """The bases of a generated class of configuration parameters."""
 
@@ -29,6 +36,18 @@ def check(project: Project, artifacts: Sequence[Artifact]) -> list[Diagnostic]:
     """
     with stages.stage("check behaviours"):
         return [*_findings(project, artifacts)]
+
+
+def misspelt_callbacks(project: Project) -> list[Diagnostic]:
+    """Return diagnostics for misspelt callbacks in the modules of the folder of skeletons.
+
+    Raises ToolError for an unreadable module.
+    """
+    with stages.stage("check behaviours"):
+        modules = _modules(project, ())
+        return [
+            f for file, text in modules.items() for f in _callbacks(project, file, text)
+        ]
 
 
 def _findings(project: Project, artifacts: Sequence[Artifact]) -> Iterator[Diagnostic]:
@@ -44,6 +63,7 @@ def _findings(project: Project, artifacts: Sequence[Artifact]) -> Iterator[Diagn
         rf"^from {re.escape(project.package)}\.components\.(\w+)(?:\.\w+)? import", re.M
     )
     for file, text in _modules(project, artifacts).items():
+        yield from _callbacks(project, file, text)
         used = {match[1]: match for match in imported.finditer(text)}
         for module in used.keys() - bases.keys():
             near = _nearest(module, bases)
@@ -98,6 +118,59 @@ def _ports(file: str, text: str, base: str) -> Iterator[Diagnostic]:
                 f"the definition has no port {name!r}",
                 hint=f"did you mean {near}?" if near else None,
             )
+
+
+def _callbacks(project: Project, file: str, text: str) -> Iterator[Diagnostic]:
+    """Yield methods with nearly the name of a callback, which nothing in the module uses."""
+    if not _MISSPELT.search(text):
+        return
+    try:
+        tree = ast.parse(text)
+    except (SyntaxError, ValueError, RecursionError):
+        return  # reported when the module is imported
+    bases = {
+        alias.asname or alias.name
+        for node in tree.body
+        if isinstance(node, ast.ImportFrom)
+        and (node.module or "").startswith(f"{project.package}.")
+        for alias in node.names
+        if alias.name.endswith("Base")
+    }
+    for node in tree.body:
+        if not isinstance(node, ast.ClassDef) or not any(
+            isinstance(base, ast.Name) and base.id in bases for base in node.bases
+        ):
+            continue
+        for method in node.body:
+            if not isinstance(method, ast.FunctionDef):
+                continue
+            near = _callback_meant(method.name)
+            if near and len(re.findall(rf"\b{method.name}\b", text)) == 1:
+                column = method.col_offset + len("def ")
+                span = Span(
+                    file,
+                    method.lineno,
+                    column + 1,
+                    method.lineno,
+                    column + 1 + len(method.name),
+                )
+                yield MISSPELT_CALLBACK.at(
+                    span,
+                    f"{method.name} is no callback of a component, and nothing calls it",
+                    hint=f"did you mean {near}?",
+                )
+
+
+def _callback_meant(name: str) -> str | None:
+    """Return the callback that a method is likely meant as: `onExecute`, `on_excute`."""
+    if name in _CALLBACKS or not name.lower().startswith("on"):
+        return None
+    from difflib import get_close_matches
+
+    folded = {each.replace("_", ""): each for each in _CALLBACKS}
+    word = name.replace("_", "").lower()
+    close = get_close_matches(word, folded, n=1, cutoff=0.85)
+    return folded[close[0]] if close else None
 
 
 def _nearest(word: str, candidates: Iterable[str]) -> str | None:

@@ -19,6 +19,7 @@ LEFTOVER_SKELETON = Rule(
     "PRJ0012", "behaviour of a component that is not defined", Severity.WARNING
 )
 UNKNOWN_PORT = Rule("PRJ0013", "port that is not in the definition", Severity.WARNING)
+MISSPELT_CALLBACK = Rule("PRJ0014", "misspelt callback", Severity.WARNING)
 SAME_PATH = Rule("PRJ0101", "two files of one name", Severity.ERROR)
 LEAVES_OUTPUT = Rule("PRJ0102", "file outside the output folder", Severity.ERROR)
 LINK_IN_OUTPUT = Rule("PRJ0103", "link in the output folder", Severity.ERROR)
@@ -43,6 +44,7 @@ RULES: tuple[Rule, ...] = (
     WHICH_COMPONENT,
     LEFTOVER_SKELETON,
     UNKNOWN_PORT,
+    MISSPELT_CALLBACK,
     SAME_PATH,
     LEAVES_OUTPUT,
     LINK_IN_OUTPUT,

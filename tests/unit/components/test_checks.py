@@ -214,4 +214,4 @@ def test_rules_are_distinguished() -> None:
     assert len({rule.code for rule in rules.RULES}) == len(rules.RULES)
     assert all(rule.explanation.endswith("\n") and rule.title for rule in rules.RULES)
     warnings = {r.code for r in rules.RULES if r.severity is Severity.WARNING}
-    assert warnings == {"RTC0308"}
+    assert warnings == {"RTC0110", "RTC0308"}

@@ -231,6 +231,37 @@ STRUCTS: dict[str, Mistake] = {
         "IDL0800: @optionl is not known",
         "did you mean @optional?",
     ),
+    "annotation word": (
+        "@extensibility(§MUTBLE) struct S { long a; };",
+        "IDL0802: @extensibility cannot be MUTBLE",
+        "did you mean MUTABLE? It is one of FINAL, APPENDABLE, MUTABLE",
+    ),
+    "annotation words": (
+        "@data_representation(XCDR2 | §XDCR1) struct S { long a; };",
+        "IDL0802: @data_representation cannot be XDCR1",
+        "did you mean XCDR1? It is one of XCDR, XCDR1, XCDR2, XML",
+    ),
+    "annotation placement": (
+        '@verbatim(placement = §BEGIN_FIL, text = "x") struct S { long a; };',
+        "IDL0802: @verbatim cannot be BEGIN_FIL",
+        "did you mean BEGIN_FILE? It is one of BEGIN_FILE, BEFORE_DECLARATION,"
+        " BEGIN_DECLARATION, END_DECLARATION, AFTER_DECLARATION, END_FILE",
+    ),
+    "annotation far word": (
+        "@autoid(§SOMEHOW) struct S { long a; };",
+        "IDL0802: @autoid cannot be SOMEHOW",
+        "write one of SEQUENTIAL, HASH",
+    ),
+    "default enumerator": (
+        "enum E { HOT, COLD }; struct S { @default(§CLOD) E a; };",
+        "IDL0200: CLOD is unknown",
+        "did you mean COLD?",
+    ),
+    "default truth": (
+        "struct S { @default(§TRU) boolean a; };",
+        "IDL0200: TRU is unknown",
+        "did you mean TRUE?",
+    ),
     "annotation []": (
         "struct S { §[Key] long a; };",
         "IDL0121: annotations are not written in brackets",

@@ -83,3 +83,95 @@ def test_what_a_behaviour_makes_itself_is_no_port(
     file.write_text(text.replace(first, first + made))
     assert run(["generate", "-q"]) == 0
     assert capfd.readouterr().err == ""
+
+
+CALLBACKS = [
+    *("on_initialize", "on_finalize", "on_startup", "on_shutdown", "on_activated"),
+    *("on_deactivated", "on_aborting", "on_error", "on_reset", "on_execute"),
+    *("on_state_update", "on_rate_changed"),
+]
+
+
+def _methods(*names: str) -> None:
+    """Add methods to the behaviour, in front of its own."""
+    text = Path(CONTROLLER).read_text()
+    head, mark, rest = text.partition("    def on_execute")
+    made = "".join(f"    def {name}(self, ec_id: int) -> None: ...\n" for name in names)
+    Path(CONTROLLER).write_text(head + made + mark + rest)
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [
+        ("on_excute", "on_execute"),
+        ("on_exec", None),
+        ("on_activate", "on_activated"),
+        ("on_deactivate", "on_deactivated"),
+        ("on_intialize", "on_initialize"),
+        ("on_initialise", "on_initialize"),
+        ("on_start_up", "on_startup"),
+        ("on_stateupdate", "on_state_update"),
+        ("on_ratechanged", "on_rate_changed"),
+        ("onExecute", "on_execute"),
+        ("onRateChanged", "on_rate_changed"),
+        ("On_Execute", "on_execute"),
+        ("on_goal", None),
+        ("on_write", None),
+        ("only_once", None),
+        ("execute", None),
+    ],
+)
+def test_misspelt_callbacks(
+    written: str, meant: str | None, capfd: pytest.CaptureFixture[str]
+) -> None:
+    _methods(written)
+    for command in ("check", "lint"):
+        code = run([command, "--diagnostics", "json"])
+        found = [f for f in _findings(capfd) if f["code"] == "PRJ0014"]
+        if command == "check":
+            assert (code == 1) is bool(found)
+        assert [f["hint"] for f in found] == [f"did you mean {meant}?"] * bool(meant)
+        for finding in found:
+            line = Path(CONTROLLER).read_text().split("\n")[int(finding["line"]) - 1]  # type: ignore[call-overload]
+            assert line[int(finding["column"]) - 1 :].startswith(written)  # type: ignore[call-overload]
+
+
+@pytest.mark.parametrize("name", CALLBACKS)
+def test_each_callback_is_known(name: str, capfd: pytest.CaptureFixture[str]) -> None:
+    if name != "on_execute":
+        _methods(name)
+    assert run(["check"]) == 0
+    run(["lint"])
+    assert "PRJ0014" not in capfd.readouterr().err
+    cut = name[:6] + name[7:]
+    _methods(cut)
+    assert run(["check"]) == 1
+    assert f"did you mean {name}?" in capfd.readouterr().err
+
+
+def test_methods_that_are_called_or_of_other_classes_are_no_callbacks(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    text = Path(CONTROLLER).read_text()
+    Path(CONTROLLER).write_text(
+        text
+        + "        self.on_excute()\n        return RTC_OK\n\n"
+        + "    def on_excute(self) -> None: ...\n\n\n"
+        + "class Helper:\n    def on_activate(self) -> None: ...\n"
+    )
+    assert run(["check"]) == 0
+    run(["lint"])
+    assert "PRJ0014" not in capfd.readouterr().err
+
+
+def test_a_callback_can_be_ignored(capfd: pytest.CaptureFixture[str]) -> None:
+    _methods("on_excute")
+    run(["lint"])
+    assert "PRJ0014" in capfd.readouterr().err
+    run(["lint", "--ignore", "PRJ0014"])
+    assert "PRJ0014" not in capfd.readouterr().err
+    Path(CONTROLLER).write_text(Path(CONTROLLER).read_text() + "    def broken(:\n")
+    run(["lint"])
+    err = capfd.readouterr().err
+    assert "Traceback" not in err
+    assert "PRJ0014" not in err

@@ -70,4 +70,4 @@ def test_units_of_idl_are_in_python_and_linted(
     assert f"speed: [{unit}]\n        force: Limit [N]\n" in made.read_text()
     capsys.readouterr()
     run(["lint"])
-    assert capsys.readouterr().err.count("LINT0021") == findings
+    assert capsys.readouterr().err.count("LINT002") == findings

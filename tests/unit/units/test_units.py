@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rtgen.facts.unit_symbols import PHRASES, SYMBOLS
+from rtgen.facts.unit_symbols import PHRASES, SYMBOLS, USUAL_NAMES, USUAL_SYMBOLS
 from rtgen.units import (
     Relation,
     Unit,
@@ -17,6 +17,7 @@ from rtgen.units import (
     parse,
     parse_list,
     relation,
+    suggestion,
 )
 
 SAME = [
@@ -175,3 +176,41 @@ def test_there_and_back(first: str, second: str, value: float) -> None:
     factor, offset = conversion(one, other)
     back, rest = conversion(other, one)
     assert back * (factor * value + offset) + rest == pytest.approx(value, abs=1e-6)
+
+
+MISSPELT = {
+    "milimeter": "millimeter",
+    "milimetre": "millimetre",
+    "Newton": "newton",
+    "celcius": "celsius",
+    "amper": "ampere",
+    "secound": "second",
+    "degreess": "degree",
+    "hz": "Hz",
+    "KHz": "kHz",
+    "Kg": "kg",
+    "NM": "Nm",
+    "KM/h": "km/h",
+    "Kg*m/secnd^2": "kg*m/second^2",
+    "meterr, newtn": "meter, newton",
+}
+
+
+@pytest.mark.parametrize(("written", "meant"), MISSPELT.items())
+def test_misspelt_units(written: str, meant: str) -> None:
+    with pytest.raises(UnitError):
+        parse_list(written)
+    assert suggestion(written) == meant
+    parse_list(meant)
+
+
+@pytest.mark.parametrize(
+    "text", ["foo", "steps", "metres per tick", "x", "", "m/", "rotation", "m/s^99"]
+)
+def test_texts_that_are_no_misspelt_units(text: str) -> None:
+    assert suggestion(text) is None
+
+
+@pytest.mark.parametrize("text", [*USUAL_SYMBOLS, *USUAL_NAMES])
+def test_suggested_units_are_units(text: str) -> None:
+    parse_list(text)

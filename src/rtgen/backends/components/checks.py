@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from math import isfinite
 
 from rtgen.backends import Part
@@ -38,6 +38,18 @@ _VERSION = re.compile(r"[^\s:]+")
 _BREAKS_ID = re.compile(r"[:\r\n\t]")
 _ACTIVITIES = ("PERIODIC", "SPORADIC", "EVENTDRIVEN")
 _COMPONENT_TYPES = ("STATIC", "UNIQUE", "COMMUTATIVE")
+_KINDS = (
+    *("DataFlowComponent", "FiniteStateMachine", "DataFlowFiniteStateMachine"),
+    *("DataFlowMultiMode", "FiniteStateMachineMultiMode"),
+    "DataFlowFiniteStateMachineMultiMode",
+)
+"""Kinds of components in RtcProfiles; others are possible."""
+_CONTEXTS = (
+    *("PeriodicExecutionContext", "ExtTrigExecutionContext"),
+    *("OpenHRPExecutionContext", "SimulatorExecutionContext"),
+)
+"""Execution contexts of OpenRTM; others are possible."""
+_WIDGETS = ("text", "slider", "spin", "radio", "checkbox", "ordered_list")
 _DATA_PORTS = (PortKind.INPORT, PortKind.OUTPORT)
 
 
@@ -131,8 +143,18 @@ def _basic(component: Component) -> Iterator[Diagnostic]:
         ("component type", component.component_type, _COMPONENT_TYPES),
     ):
         if value not in known:
-            hint = f"one of {', '.join(known)}"
+            near = _nearest(value, known)
+            hint = f"did you mean {near}? " * bool(near) + f"one of {', '.join(known)}"
             yield finding(rules.CHOICE, f"unknown {key} {value!r}", hint)
+    usual: tuple[tuple[str, str, Sequence[str]], ...] = (
+        ("kind", component.kind, _KINDS),
+        ("kind of execution context", component.execution, _CONTEXTS),
+    )
+    for key, value, words in usual:
+        near = _nearest(value, words)
+        if near and value not in words:
+            hint = f"did you mean {near}?"
+            yield finding(rules.MISSPELT_KIND, f"unknown {key} {value!r}", hint)
     for key, value in (("vendor", component.vendor), ("category", component.category)):
         if _BREAKS_ID.search(value):
             yield finding(
@@ -146,6 +168,14 @@ def _basic(component: Component) -> Iterator[Diagnostic]:
         yield finding(
             rules.NUMBER, f"max_instances is {component.max_instances}", "0: no limit"
         )
+
+
+def _nearest(word: str, known: Sequence[str]) -> str | None:
+    from difflib import get_close_matches
+
+    folded = {each.lower(): each for each in known}
+    close = get_close_matches(word.lower(), folded, n=1, cutoff=0.8)
+    return folded[close[0]] if close else None
 
 
 def _texts(component: Component) -> Iterator[Diagnostic]:
@@ -306,6 +336,13 @@ def _bounds(
         )
 
 
+def _widget_hint(widget: str) -> str:
+    kind, dot, step = widget.partition(".")
+    near = _nearest(kind, _WIDGETS)
+    meant = f"did you mean {near}{dot}{step}? " if near and near != kind else ""
+    return f"{meant}text, slider.<step>, spin, radio, checkbox or ordered_list"
+
+
 def _widget(
     parameter: ConfigurationParameter, has_range: bool, has_values: bool
 ) -> Iterator[Diagnostic]:
@@ -314,7 +351,7 @@ def _widget(
         yield rules.WIDGET.at(
             parameter.span,
             f"unknown widget {widget!r} for {parameter.name!r}",
-            hint="text, slider.<step>, spin, radio, checkbox or ordered_list",
+            hint=_widget_hint(widget),
         )
     elif needs_range(widget) and not has_range:
         kind = widget.partition(".")[0]

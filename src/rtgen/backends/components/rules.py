@@ -13,6 +13,7 @@ ID_PART = Rule("RTC0106", "text would break the profile's id", Severity.ERROR)
 NUMBER = Rule("RTC0107", "bad rate or number of instances", Severity.ERROR)
 TEXT = Rule("RTC0108", "text that XML cannot hold", Severity.ERROR)
 SHADOWS = Rule("RTC0109", "skeleton that hides a module of Python", Severity.ERROR)
+MISSPELT_KIND = Rule("RTC0110", "misspelt kind of a component", Severity.WARNING)
 SAME_PORT = Rule("RTC0201", "two ports of one direction and name", Severity.ERROR)
 DATA_TYPE = Rule("RTC0202", "data port without a struct or union", Severity.ERROR)
 INTERFACE = Rule("RTC0203", "service port without an interface", Severity.ERROR)
@@ -36,6 +37,7 @@ RULES = (
     NUMBER,
     TEXT,
     SHADOWS,
+    MISSPELT_KIND,
     SAME_PORT,
     DATA_TYPE,
     INTERFACE,

@@ -13,6 +13,7 @@ from rtgen.frontends.idl.meaning.defaults import (
     flags_of,
     items_of,
     shortest,
+    words_of,
 )
 from rtgen.frontends.idl.meaning.typetable import PRIMITIVES, Types
 from rtgen.frontends.idl.names.annotation_definitions import (
@@ -191,23 +192,43 @@ class Annotations:
                 return self._named(value, plain, unit)
             wanted = self._scalar(type_)
         if wanted is None or isinstance(wanted, str):
-            words = definition.words if definition is not None else ()
-            if isinstance(value, tree.ScopedName) and str(value).upper() in words:
-                return str(value)  # not looked up, even if it is declared
-            found = self.natural(value, unit)
-            if words and str(found).upper() not in words:
-                self._report(
-                    rules.BAD_ARGUMENT.at(
-                        unit.span(value.start, value.end),
-                        f"@{node.name} cannot be {found}",
-                        hint=f"write one of {', '.join(words)}",
-                    )
-                )
-                return None
-            return found
+            words = definition.words.get(key, ()) if definition is not None else ()
+            return self._word(node, value, words, unit)
         found = self._evaluated(value, wanted, unit)
         single = self._types.unaliased(wanted) == PRIMITIVES[Primitive.FLOAT]
         return shortest(found) if single and isinstance(found, float) else found
+
+    def _word(
+        self,
+        node: tree.Annotation,
+        value: tree.Expression,
+        words: tuple[str, ...],
+        unit: Unit,
+    ) -> ConstantValue | None:
+        """Return an argument without a type: one of `words`, or several joined by `|`."""
+        if words and isinstance(value, tree.Chain):
+            parts = [value.first, *(operand for _, operand in value.rest)]
+            found = [self._word(node, part, words, unit) for part in parts]
+            return None if None in found else "|".join(map(str, found))
+        if isinstance(value, tree.ScopedName) and _last(value) in words:
+            return str(value)  # not looked up, even if it is declared
+        natural = self.natural(value, unit)
+        if not words or str(natural).upper().replace("-", "_") in words:
+            return natural
+        near = nearest(str(natural), words)
+        possible = f"one of {', '.join(words)}"
+        self._report(
+            rules.BAD_ARGUMENT.at(
+                unit.span(value.start, value.end),
+                f"@{node.name} cannot be {natural}",
+                hint=(
+                    f"did you mean {near}? It is {possible}"
+                    if near
+                    else f"write {possible}"
+                ),
+            )
+        )
+        return None
 
     def _named(
         self, value: tree.Expression, type_: NamedType, unit: Unit
@@ -234,7 +255,10 @@ class Annotations:
         unknown = [name for name in tree.parts_of(value) if self._is_unknown(name)]
         for name in unknown:
             message = f"{name} is unknown"
+            near = nearest(str(name), words_of(self._types, type_))
             hint = "declare it before its use, or include the file that declares it"
+            if near:
+                hint = f"did you mean {near}?"
             span = unit.span(name.start, name.end)
             self._report(name_rules.UNKNOWN_NAME.at(span, message, hint=hint))
         if unknown:
@@ -279,6 +303,10 @@ class Annotations:
                 return flag
         type_ = NUMBER if _has_point(value) else INTEGER
         return constants.evaluate(value, type_, unit, "argument")
+
+
+def _last(name: tree.ScopedName) -> str:
+    return name.parts[-1].text.upper()
 
 
 def _complete(node: tree.Annotation, definition: Definition) -> bool:

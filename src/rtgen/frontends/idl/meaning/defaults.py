@@ -14,7 +14,7 @@ from math import isfinite, prod
 from rtgen.facts import parameter_texts
 from rtgen.facts.primitives import FLOAT_LIMITS, INTEGER_RANGES
 from rtgen.frontends.idl.meaning.operands import string_size
-from rtgen.frontends.idl.meaning.typetable import Types
+from rtgen.frontends.idl.meaning.typetable import PRIMITIVES, Types
 from rtgen.frontends.idl.names.scopes import Kind
 from rtgen.frontends.idl.syntax import literals, tree
 from rtgen.frontends.kit.suggestions import nearest
@@ -100,6 +100,14 @@ def enumerator_of(types: Types, type_: NamedType, name: str) -> EnumeratorName |
         if member.name.text == name:
             return EnumeratorName((*type_.name[:-1], name))
     return None
+
+
+def words_of(types: Types, type_: Type) -> tuple[str, ...]:
+    """Return the words that denote values of a type: of an enum, a bitmask or a truth value."""
+    plain = types.unaliased(type_)
+    if isinstance(plain, NamedType):
+        return tuple(member.name.text for member in _members(types, plain))
+    return ("TRUE", "FALSE") if plain == PRIMITIVES[Primitive.BOOLEAN] else ()
 
 
 def _members(types: Types, type_: NamedType) -> tuple[tree.Enumerator, ...]:

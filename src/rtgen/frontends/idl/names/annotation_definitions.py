@@ -26,13 +26,13 @@ Wanted = Type | str
 class Definition(msgspec.Struct, frozen=True):
     """An annotation: its parameters, the places where it is allowed, its mandatory parameter.
 
-    `words` are the allowed values of a word argument; empty for any.
+    `words` are the allowed values of a word argument, by its name; without them, any.
     """
 
     arguments: Mapping[str, Wanted] = msgspec.field(default_factory=dict)
     places: frozenset[str] = frozenset()
     required: str = ""
-    words: tuple[str, ...] = ()
+    words: Mapping[str, tuple[str, ...]] = msgspec.field(default_factory=dict)
 
 
 def _define(
@@ -42,7 +42,11 @@ def _define(
         MappingProxyType(arguments),
         frozenset(places.split()),
         required,
-        tuple(words.split()),
+        {
+            key: tuple(words.split())
+            for key in arguments
+            if words and arguments[key] == WORD
+        },
     )
 
 
@@ -88,7 +92,13 @@ DEFINITIONS: Mapping[str, Definition] = MappingProxyType(
         "nested": _define(_TYPES, value=FLAG),
         "default_nested": _define("module", value=FLAG),
         "verbatim": _define(
-            _ANYWHERE, required="text", language=TEXT, placement=WORD, text=TEXT
+            _ANYWHERE,
+            required="text",
+            words="BEGIN_FILE BEFORE_DECLARATION BEGIN_DECLARATION END_DECLARATION"
+            " AFTER_DECLARATION END_FILE",
+            language=TEXT,
+            placement=WORD,
+            text=TEXT,
         ),
         "service": _define("interface", platform=TEXT),
         "oneway": _define("operation", value=FLAG),
@@ -96,7 +106,10 @@ DEFINITIONS: Mapping[str, Definition] = MappingProxyType(
         # DDS-XTypes 1.3, 7.3.1
         "topic": _define("struct union", name=TEXT, platform=TEXT),
         "data_representation": _define(
-            "struct union module", allowed_kinds=WORD, value=WORD
+            "struct union module",
+            words="XCDR XCDR1 XCDR2 XML",
+            allowed_kinds=WORD,
+            value=WORD,
         ),
         "try_construct": _define(
             "member case typedef", words="DISCARD USE_DEFAULT TRIM", value=WORD
