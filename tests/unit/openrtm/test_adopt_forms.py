@@ -47,6 +47,8 @@ def codes(result: openrtm_python.ModuleResult) -> list[str]:
         ("", "euc_jp", [rules.ASSUMED.code]),
         ("", "cp932", [rules.ASSUMED.code]),
         ("utf-8", "cp932", [rules.ASSUMED.code]),
+        ("utf-8", "euc_jp", [rules.ASSUMED.code]),
+        ("", "utf-16", [rules.ASSUMED.code]),
         ("rot13", "utf-8", [rules.ASSUMED.code]),
         ("no-such-code", "utf-8", [rules.ASSUMED.code]),
     ],

@@ -296,6 +296,21 @@ def test_a_shift_jis_file_says_what_other_programs_read(
     }
 
 
+@pytest.mark.parametrize("encoding", ENCODINGS)
+def test_convert(
+    encoding: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("hand.yaml").write_bytes(PROFILE.encode(encoding))
+    assert run(["convert", "hand.yaml", "--to", "rtc-xml", "-q"]) == 0
+    xml = capfd.readouterr().out
+    assert 'vendor="産業技術"' in xml
+    assert 'description="手の制御の表"' in xml
+
+
 LONE = {
     "a.idl": "struct P {\r  double x; // in m\r  double y;\r};\r",
     "a.cdl": 'import_C("a.h");\rsignature sP { // one\r  ER get(void);\r};\r',

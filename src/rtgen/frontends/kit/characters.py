@@ -98,9 +98,6 @@ class Joined:
             yield place + self._removed[number], place
 
 
-_UNJOINED = Joined("")
-
-
 class Characters:
     """The characters of a file, with a line feed as its only line end, and findings about them.
 
@@ -112,11 +109,13 @@ class Characters:
         self.text = decoded.normal
         self.problems: list[Diagnostic] = []
         self._lone_return = decoded.lone_return
-        # Lines of Windows-1252 may end in such a character of Shift_JIS, too.
-        self._may_end_in_backslash = any(
+        self.has_octets = any(
             encoding in ("sjis", "none") and b"\\" in part
             for encoding, part in decoded.parts
         )
+        """Whether a character may have the octet of a backslash; at the end of a line, it is read
+        as one of Shift_JIS in Windows-1252, too.
+        """
         self._is_sjis = decoded.encoding == "sjis"
 
     @cached_property
@@ -131,16 +130,26 @@ class Characters:
         span = self._lines.span(*((first, first) if found is None else found.span()))
         self.problems.append(rule.at(span, message))
 
-    def check_comment(
-        self, start: int, end: int, readers: str, joined: Joined = _UNJOINED
-    ) -> None:
-        """Report a `//` comment at [start, end) if it ends in the octet of a backslash.
+    def check(self, joined: Joined, readers: str, *, literals: bool) -> None:
+        """Report comments, and literals, that `readers` read otherwise, and continued comments.
 
-        `readers` are programs that read octets; offsets are those of the `joined` text.
+        `joined` is the text with its lines joined, `readers` are programs that read octets.
         """
-        if not self._may_end_in_backslash:
+        if not (self.has_octets or joined.starts):
             return
-        start, end = joined.original(start), joined.original(end - 1) + 1
+        for match in TOKENS.finditer(joined.text):
+            start, end = match.span()
+            place = joined.original(start), joined.original(end - 1) + 1
+            if match[0].startswith("//"):
+                self.check_comment(*place, readers)
+                self._check_continued(start, end, joined)
+            elif literals and match[0][0] != "/":
+                self.check_literal(*place, readers)
+
+    def check_comment(self, start: int, end: int, readers: str) -> None:
+        """Report a `//` comment at [start, end) of the text if it ends in such an octet."""
+        if not self.has_octets:
+            return
         end = start + len(self.text[start:end].rstrip(" \t"))
         if not _ends_in_backslash().match(self.text, end - 1):
             return
@@ -151,13 +160,10 @@ class Characters:
         span = self._lines.span(end - 1, end)
         self.problems.append(OCTET_OF_COMMENT.at(span, message))
 
-    def check_literal(
-        self, start: int, end: int, readers: str, joined: Joined = _UNJOINED
-    ) -> None:
-        """Report a literal at [start, end) with such an octet, as `check_comment`."""
-        if not self._is_sjis:
+    def check_literal(self, start: int, end: int, readers: str) -> None:
+        """Report a literal at [start, end) of the text with such an octet."""
+        if not (self.has_octets and self._is_sjis):
             return
-        start, end = joined.original(start), joined.original(end - 1) + 1
         found = _ends_in_backslash().search(self.text, start, end)
         if found is not None:
             message = (
@@ -167,7 +173,7 @@ class Characters:
             span = self._lines.span(*found.span())
             self.problems.append(OCTET_OF_LITERAL.at(span, message))
 
-    def check_continued(self, start: int, end: int, joined: Joined) -> None:
+    def _check_continued(self, start: int, end: int, joined: Joined) -> None:
         """Report a `//` comment at [start, end) of the joined text that contains other lines."""
         for backslash, place in joined.backslashes(start, end):
             if joined.text[place:end].strip():

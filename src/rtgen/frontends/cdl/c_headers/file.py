@@ -6,7 +6,7 @@ from pathlib import Path
 
 from rtgen.facts.encodings import digest
 from rtgen.frontends.kit import characters
-from rtgen.frontends.kit.characters import TOKENS, Joined
+from rtgen.frontends.kit.characters import Joined
 
 _BREAKS = str.maketrans(dict.fromkeys("\v\f\x1c\x1d\x1e\x85\u2028\u2029", " "))
 """Characters that end a line to `str.splitlines`, as pcpp uses it, and not in C."""
@@ -37,13 +37,6 @@ class HeaderFile:
         self._characters.check_line_ends()
         self.source = self._characters.text
         self.problems = self._characters.problems
-        self.text = self._checked(self.source).translate(_BREAKS)
-
-    def _checked(self, source: str) -> str:
-        """Return the text with its lines joined; report its comments."""
-        joined = Joined(source, blanks=True)
-        for match in TOKENS.finditer(joined.text):
-            if match[0].startswith("//"):
-                self._characters.check_comment(*match.span(), _READERS, joined)
-                self._characters.check_continued(*match.span(), joined)
-        return joined.with_all_lines()
+        joined = Joined(self.source, blanks=True)
+        self._characters.check(joined, _READERS, literals=False)
+        self.text = joined.with_all_lines().translate(_BREAKS)

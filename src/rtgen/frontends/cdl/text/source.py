@@ -81,6 +81,7 @@ class Source:
     def _marked(self, text: str) -> str:
         parts: list[str] = []
         done = position = dead = 0
+        has_octets = self._characters.has_octets
         while match := _TOKENS.search(text, position):
             start, position = match.span()
             token = match[0]
@@ -97,12 +98,12 @@ class Source:
                     len(token) < 4 or not token.endswith("*/")
                 ):
                     self._unclosed(start)
-                elif token[1] == "/":
+                elif token[1] == "/" and has_octets:
                     self._characters.check_comment(start, position, _PROGRAMS)
                 self.comments.append(Comment(start, position, token))
                 parts += text[done:start], _blank(token)
                 done = position
-            else:
+            elif has_octets:
                 self._characters.check_literal(start, position, _READERS)
         parts.append(text[done:])
         return "".join(parts)

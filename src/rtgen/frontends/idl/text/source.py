@@ -46,6 +46,7 @@ class Source:
         self.unfinished = False
         self.comments: list[Comment] = []
         self._joined = Joined(self._acceptable_text())
+        self._characters.check(self._joined, _READERS, literals=True)
         self.code = self._blank_comments(self._joined.text)
 
     def _acceptable_text(self) -> str:
@@ -70,7 +71,6 @@ class Source:
         for match in TOKENS.finditer(text):
             comment = match[0]
             if comment[0] != "/":
-                self._characters.check_literal(*match.span(), _READERS, self._joined)
                 continue
             if comment[1] == "*" and (len(comment) < 4 or not comment.endswith("*/")):
                 self.unfinished = True
@@ -81,9 +81,6 @@ class Source:
                         hint="comments do not nest; close it with */",
                     )
                 )
-            if comment[1] == "/":
-                self._characters.check_comment(*match.span(), _READERS, self._joined)
-                self._characters.check_continued(*match.span(), self._joined)
             self.comments.append(Comment(match.start(), match.end(), comment))
             parts += text[start : match.start()], " " * len(comment)
             start = match.end()
