@@ -294,14 +294,14 @@ def _communication(old: Pdo, new: Pdo, name: str) -> Iterator[Change]:
             yield change(kind, name, text, *spans)
 
 
-def _identifier(cob_id: int | NodeRelative | None) -> tuple[bool, int | None]:
+def _identifier(cob_id: int | NodeRelative) -> tuple[bool, int]:
     """Return the identifier without flags, and whether it depends on the node-id."""
     relative = isinstance(cob_id, NodeRelative)
     number = cob_id.offset if isinstance(cob_id, NodeRelative) else cob_id
-    return relative, None if number is None else number & ~INVALID
+    return relative, number & ~INVALID
 
 
-def _cob_id(cob_id: int | NodeRelative | None) -> str:
+def _cob_id(cob_id: int | NodeRelative) -> str:
     if isinstance(cob_id, int):
         return f"0x{cob_id & ~INVALID:X}"
     return str(cob_id)

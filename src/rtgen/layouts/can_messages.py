@@ -49,7 +49,7 @@ Writings: TypeAlias = Mapping[tuple[str, int], Writing]
 
 def identifier_of(pdo: Pdo, node: BusNode) -> int | None:
     """Return the CAN identifier of a valid PDO."""
-    if not pdo.valid or pdo.cob_id is None:
+    if not pdo.valid:
         return None
     cob_id = resolved(pdo.cob_id, node.id)
     assert isinstance(cob_id, int)

@@ -201,7 +201,8 @@ def test_cob_ids(communication: int) -> None:
     old = int(bench.node.get(communication, 1))
     assert bench.refusal(communication, 1, old) == 0
     assert bench.refusal(communication, 1, old + 1) == sdo.VALUE_INVALID
-    assert bench.refusal(communication, 1, old | 1 << 30) == sdo.VALUE_INVALID
+    assert bench.refusal(communication, 1, old | 1 << 29) == sdo.VALUE_INVALID
+    assert bench.refusal(communication, 1, old | 1 << 30) == 0
     assert bench.refusal(communication, 1, old | INVALID) == 0
     for wrong in (0, 0x7F, 0x101, 0x180, 0x581, 0x67F, 0x6E0, 0x701, 0x7FF):
         assert bench.refusal(communication, 1, wrong) == sdo.VALUE_INVALID
