@@ -36,6 +36,8 @@ class Client:
         self._limit = limit
         self._ready = ready
         self._waiting: deque[Request] = deque()
+        self.running = 0
+        """Number of requests that are being executed."""
         self.spent = 0.0
         """Time of the client's requests, by which clients are served in turn [s]."""
 
@@ -55,7 +57,7 @@ class Client:
     @property
     def is_idle(self) -> bool:
         """Whether no request waits or is being executed."""
-        return not self._waiting and self._requests._served is not self
+        return not self._waiting and not self.running
 
     def _has_next(self) -> bool:
         return bool(self._waiting) and self._ready()
@@ -65,7 +67,8 @@ class Requests:
     """The queues of all clients.
 
     `share` is the part of the time for clients that do not come first, in [0, 1]; what they do not
-    use is saved up to `burst` [s]. One thread executes the requests.
+    use is saved up to `burst` [s]. Requests are executed by the threads that call `carry_out` or
+    `carry_out_one`.
     """
 
     def __init__(
@@ -79,7 +82,6 @@ class Requests:
         self._clock = clock
         self._last = clock()
         self._clients: list[Client] = []
-        self._served: Client | None = None
         self._reached = {True: 0.0, False: 0.0}
         """The time of the client that was served last, by whether it comes first."""
         self._changed = threading.Condition()
@@ -115,8 +117,11 @@ class Requests:
     def wait(self, timeout: float, *, limited: bool = True) -> None:
         """Wait for a request that can be executed, at most some time [s]."""
         with self._changed:
-            if self._next(limited=limited) is None:
-                self._changed.wait(timeout)
+            if self._next(limited=limited) is not None:
+                return
+            if limited and self._share and any(c._has_next() for c in self._clients):
+                timeout = min(timeout, -self._credit / self._share)
+            self._changed.wait(max(timeout, 0.0))
 
     def carry_out(self, longest: float, *, limited: bool = True) -> None:
         """Execute requests, until none waits or for a time [s]; without budget if not `limited`.
@@ -124,23 +129,25 @@ class Requests:
         A request that is being executed is not ended.
         """
         end = self._clock() + longest
-        while True:
-            with self._changed:
-                client = self._next(limited=limited)
-                if client is None:
-                    return
-                request = client._waiting.popleft()
-                self._reached[client.first] = client.spent
-                self._served = client
-            begun = self._clock()
-            try:
-                request()
-            finally:
-                now = self._clock()
-                self._charge(client, now - begun)
-                self._served = None
-            if now >= end:
-                return
+        while self.carry_out_one(limited=limited) and self._clock() < end:
+            pass
+
+    def carry_out_one(self, *, limited: bool = True) -> bool:
+        """Execute the request whose turn it is; return whether there was one."""
+        with self._changed:
+            client = self._next(limited=limited)
+            if client is None:
+                return False
+            request = client._waiting.popleft()
+            self._reached[client.first] = client.spent
+            client.running += 1
+        begun = self._clock()
+        try:
+            request()
+        finally:
+            self._charge(client, self._clock() - begun)
+            client.running -= 1
+        return True
 
     def put(self, client: Client, request: Request) -> bool:
         """Add a request of a client; see `Client.put`."""

@@ -6,6 +6,7 @@ Requests and replies are JSON. A request is an object with `do` and further memb
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -16,8 +17,8 @@ from rtgen.runtime.distribution import descriptions
 from rtgen.runtime.distribution.descriptions import Description, describe
 from rtgen.runtime.distribution.medium import Medium, MediumError, Reply, Token
 from rtgen.runtime.distribution.names import control_name
-from rtgen.runtime.distribution.rpc_header import OctetsClient, serve_octets
-from rtgen.runtime.distribution.workers import Workers
+from rtgen.runtime.distribution.rpc_header import OctetsClient, serve_clients
+from rtgen.runtime.distribution.workers import Desk
 from rtgen.runtime.errors import RtcError
 from rtgen.runtime.failures import log
 from rtgen.runtime.rtc.component import Component
@@ -31,6 +32,13 @@ _MAX_SETS = 64
 """Maximum number of configuration sets that other processes can create in a component."""
 _MAX_REQUEST = 1 << 20
 """Maximum length of a request [octets]."""
+_FIRST = re.compile(rb'"do":\s*"(?:activate|deactivate|reset)"')
+"""Requests for states, by which people stop a robot: they wait for no others."""
+_MAX_FIRST = 1000
+SHARE = 0.2
+"""The part of the time for other requests."""
+BURST = 0.5
+"""Time that is saved up for them, such as for those at the start of a system [s]."""
 
 
 class ControlError(RtcError):
@@ -76,22 +84,24 @@ class Served:
     def __init__(
         self,
         medium: Medium,
-        workers: Workers,
+        desk: Desk,
         component: Component,
         system: Callable[[], System | None],
     ) -> None:
-        self._workers = workers
+        self._desk = desk
         self._component = component
         self._system = system
         name = control_name(component.instance_name)
-        self._token: Token = serve_octets(medium, name, self._on_request)
+        self._token: Token = serve_clients(medium, name, self._on_request)
 
     def close(self) -> None:
         """Stop serving."""
         self._token.close()
 
-    def _on_request(self, octets: bytes, reply: Reply) -> None:
-        if not self._workers.submit(partial(self._answer, octets, reply)):
+    def _on_request(self, client: bytes, octets: bytes, reply: Reply) -> None:
+        first = len(octets) < _MAX_FIRST and _FIRST.search(octets) is not None
+        work = partial(self._answer, octets, reply)
+        if not self._desk.submit(work, client, first=first):
             reply(msgspec.json.encode(_Answer(error="too many requests wait")))
 
     def _answer(self, octets: bytes, reply: Reply) -> None:

@@ -225,8 +225,17 @@ class OctetsReply(Aggregated):
 _OCTETS = ServiceTypes(OctetsRequest, OctetsReply)
 
 
+OnOctets: TypeAlias = Callable[[bytes, bytes, Reply], None]
+"""The client, by its GUID, its request, and the reply."""
+
+
 def serve_octets(medium: Medium, name: str, on_request: OnRequest) -> Token:
     """Serve a service whose requests and replies are octets. Raises MediumError."""
+    return serve_clients(medium, name, lambda _, data, reply: on_request(data, reply))
+
+
+def serve_clients(medium: Medium, name: str, on_request: OnOctets) -> Token:
+    """Serve such a service, knowing the clients. Raises MediumError."""
 
     def on_octets(octets: bytes, reply: Reply) -> None:
         try:
@@ -234,7 +243,8 @@ def serve_octets(medium: Medium, name: str, on_request: OnRequest) -> Token:
         except CdrError as error:
             log.warning("%s: a request cannot be decoded: %s", name, error)
             return
-        on_request(bytes(request.data), _replying(request.header, reply))
+        client, _ = identity_of(octets)
+        on_request(client, bytes(request.data), _replying(request.header, reply))
 
     return medium.serve(name, (_OCTETS,), on_octets)
 

@@ -68,14 +68,15 @@ class ServedProvider:
     def _on_request(self, octets: bytes, reply: Reply) -> None:
         try:
             identity, operation, value = self._server.request(octets)
-            if self._doubles.is_double(identity_of(octets)):
+            client, number = identity_of(octets)
+            if self._doubles.is_double((client, number)):
                 return
         except CdrError as error:
             log.warning("%s: a request cannot be read: %s", self._name, error)
             return
         oneway = operation is not None and operation.call.oneway
         work = partial(self._answer, identity, operation, value, reply)
-        accepted = self._workers.submit(work)
+        accepted = self._workers.submit(work, client)
         if not accepted:
             log.warning("%s: too many calls wait", self._name)
         if oneway or not accepted:

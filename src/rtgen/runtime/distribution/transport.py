@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from rtgen.runtime.distribution.control import Served
+from rtgen.runtime.distribution.control import BURST, SHARE, Served
 from rtgen.runtime.distribution.data import (
     OutTopic,
     OwnTopic,
@@ -25,7 +25,7 @@ from rtgen.runtime.distribution.names import presence_name
 from rtgen.runtime.distribution.peers import Peers, Presence
 from rtgen.runtime.distribution.qos import fails_on_loss
 from rtgen.runtime.distribution.services import RemoteProvider, ServedProvider
-from rtgen.runtime.distribution.workers import Workers
+from rtgen.runtime.distribution.workers import Desk, Workers
 from rtgen.runtime.errors import (
     PortTypeError,
     ServedElsewhereError,
@@ -76,6 +76,7 @@ class DistributedTransport:
         self._timeout = timeout
         self._process = os.urandom(8).hex()
         self._workers = Workers()
+        self._desk = Desk(SHARE, BURST)
         self._published: dict[str, _Published] = {}
         self._calls: list[RemoteServiceConnector[RemoteProvider]] = []
         self._data: list[SendingConnector | ReceivingConnector] = []
@@ -113,6 +114,7 @@ class DistributedTransport:
                 for provider in connector.providers:
                     provider.close()
             self._workers.close()
+            self._desk.close()
             self._medium.close()
 
     def steered(self, system: System) -> None:
@@ -139,7 +141,7 @@ class DistributedTransport:
                     served = ServedProvider(medium, self._workers, provider)
                     published.tokens.append(served)
                 published.tokens.append(
-                    Served(medium, self._workers, component, lambda: self._system)
+                    Served(medium, self._desk, component, lambda: self._system)
                 )
                 presence = presence_name(instance, self._process)
                 published.tokens.append(medium.announce(presence))

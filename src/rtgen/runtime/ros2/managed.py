@@ -130,7 +130,7 @@ class _ManagedNode:
             )
             side = self.life_cycle if name in life_cycle.SERVICES else self._parameters
             answer = _answering(getattr(side, name), response)
-            network.serve(service, Server(service, answer, workers).take)
+            network.serve(service, Server(service, answer, workers, service.name).take)
         for topic, type_, profile in (
             (f"{self._name}/transition_event", _TRANSITION_EVENT, "default"),
             ("/parameter_events", _PARAMETER_EVENT, "parameter_events"),

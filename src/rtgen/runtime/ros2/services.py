@@ -103,19 +103,26 @@ def _only(body: type[Any] | None) -> type[Any] | None:
 class Server:
     """Answers the requests of a service by a function, in separate threads.
 
-    ROS 2 has no errors: a failed call has no response.
+    ROS 2 has no errors: a failed call has no response. Requests of one `queue` do not delay those
+    of others.
     """
 
     def __init__(
-        self, service: RosService, answer: Callable[[Any], Any], workers: Workers
+        self,
+        service: RosService,
+        answer: Callable[[Any], Any],
+        workers: Workers,
+        queue: str | None = None,
     ) -> None:
         self._service = service
         self._function = answer
         self._workers = workers
+        self._queue = queue
 
     def take(self, octets: bytes, reply: Reply) -> None:
         """Queue a request."""
-        if not self._workers.submit(partial(self._answer, octets, reply)):
+        work = partial(self._answer, octets, reply)
+        if not self._workers.submit(work, self._queue):
             log.warning("%s: a request is left out: too many wait", self._service.name)
 
     def _answer(self, octets: bytes, reply: Reply) -> None:
