@@ -10,6 +10,7 @@ import pytest
 from device_bench import DEVICE, NODE_ID
 
 from refrobots import rtc
+from rtgen.facts.value_checks import CheckValues
 from rtgen.runtime import (
     ACTIVE_STATE,
     ERROR_STATE,
@@ -450,6 +451,7 @@ def test_objects_that_are_set_in_a_tick_go_out_together_if_they_changed(
 
 def test_a_sample_that_an_object_cannot_have_is_an_error(setup: Setup) -> None:
     setup.command(NmtCommand.START)
+    setup.device.position.check_values(CheckValues.NEVER)
     sample = rtc.TimedLong()
     sample.data = 2**31
     setup.device.position.write(sample)
