@@ -203,9 +203,9 @@ class Spacing:
         if new == "<" and mark and old == "<" and self.innermost == "<":
             return False
         if new == ">" and self.innermost == "<":
-            return mark and old in (">", ">>")
+            return mark and old == ">"  # `>> >` and `>>>` are the same tokens
         if new == ">>" and closes:
-            return mark and old in (">", ">>")
+            return mark and old == ">"  # `>> >` and `>>>` are the same tokens
         if new == ":":
             return not self._label
         if new == "=" and self._idl and self.innermost == "(":

@@ -22,6 +22,18 @@ IDL = [
         "typedef sequence<sequence<long, 3>> T;\n",
     ),
     ("typedef sequence<sequence<long> > T;", "typedef sequence<sequence<long> > T;\n"),
+    (
+        "typedef sequence<sequence<string<4>>> T;",
+        "typedef sequence<sequence<string<4>>> T;\n",
+    ),
+    (
+        "typedef sequence<sequence<string<4> >> T;",
+        "typedef sequence<sequence<string<4> >> T;\n",
+    ),
+    (
+        "typedef sequence<sequence<string<4>> > T;",
+        "typedef sequence<sequence<string<4>>> T;\n",
+    ),
     ("typedef sequence<long,16>>3> T;", "typedef sequence<long, 16 >> 3> T;\n"),
     ("const long X=-1|(A<<2);", "const long X = -1 | (A << 2);\n"),
     ("const ::M::T X = 1.0e-3;", "const ::M::T X = 1.0e-3;\n"),

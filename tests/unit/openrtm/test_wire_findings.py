@@ -130,3 +130,52 @@ def test_modules_that_python_has_as_well(tmp_path: Path) -> None:
     assert [d.code for d in found.diagnostics] == ["RTC0571", "RTC0571"]
     first = found.diagnostics[0]
     assert first.message.startswith("`typing::T` is in the module `typing`: omniORB")
+
+
+@pytest.mark.parametrize(
+    "declared",
+    [
+        "interface I { attribute long assert; };",
+        "interface I { readonly attribute long assert; };",
+        "interface J { attribute long assert; }; interface I : J {};",
+        "exception assert {}; interface I { void f() raises (assert); };",
+        "interface assert { exception lambda {}; };"
+        " interface I { void f() raises (assert::lambda); };",
+        "interface assert {}; interface I : assert {};",
+        "valuetype assert { public long x; }; valuetype V : assert { public long y; };"
+        " interface I { void f(in V v_); };",
+        "interface assert {}; valuetype V supports assert { public long y; };"
+        " interface I { void f(in V v_); };",
+    ],
+)
+def test_keywords_that_break_the_stubs(tmp_path: Path, declared: str) -> None:
+    found = emission(
+        tmp_path, f"module M {{ {declared} }}; component C {{ uses M::I i_; }};"
+    )
+    (finding,) = found.diagnostics
+    assert finding.code == "RTC0570"
+    assert "a keyword of Python, which breaks omniORBpy's module" in finding.message
+
+
+POSSIBLE = """
+module {0} {{ struct S {{ long x; }}; exception E {{}}; interface B {{}}; }};
+module M {{
+    module constants {{ const long {0} = 3; }};
+    struct T {{ long {0}; }};
+    module inner {{ struct {0} {{ long x; }}; }};
+    module unions {{ union {0} switch (long) {{ case 1: long a; }}; }};
+    module enums {{ enum {0} {{ other, next_ }}; }};
+    module enumerators {{ enum E {{ {0}, more }}; }};
+    interface I : {0}::B {{
+        long {0}(in long {0}, in inner::{0} a, in T b, in unions::{0} c);
+        void g(in enums::{0} d, in enumerators::E e);
+    }};
+    interface J {{ void f() raises ({0}::E); }};
+}};
+component C {{ uses M::I i_; uses M::J j_; }};
+"""
+
+
+@pytest.mark.parametrize("name", ["assert", "raise", "None", "lambda", "async"])
+def test_keywords_that_are_possible(tmp_path: Path, name: str) -> None:
+    assert not emission(tmp_path, POSSIBLE.format(name)).diagnostics

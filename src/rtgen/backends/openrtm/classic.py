@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
+from keyword import iskeyword
 
 from rtgen.model import (
     ArrayType,
@@ -45,6 +46,8 @@ _UNKNOWN = {
     Primitive.UINT8: "`uint8`, which IDL has since version 4",
     Primitive.LONG_DOUBLE: "`long double`, which omniORBpy has not",
 }
+
+_KEYWORD = "a keyword of Python, which breaks omniORBpy's module"
 
 _VALUE_BASE: ScopedName = ()
 """Represents `ValueBase` among the names of types."""
@@ -153,7 +156,11 @@ class Classic:
             kind = "a local" if interface.local else "an abstract"
             yield f"`{interface.scoped}` is {kind} interface"
         yield from map(self.reason, filter(self.reason, interface.bases))
+        yield from self._bases(interface, interface.bases)
         for attribute in interface.attributes:
+            if iskeyword(attribute.name):
+                named = f"`{interface.scoped}` has the attribute `{attribute.name}`"
+                yield f"{named}, {_KEYWORD}"
             yield from self._in_type(interface, attribute.type)
             for name in (*attribute.get_raises, *attribute.set_raises):
                 yield from filter(None, (self.reason(name),))
@@ -166,6 +173,17 @@ class Classic:
         for type_ in (operation.returns, *(p.type for p in operation.parameters)):
             yield from self._in_type(interface, type_)
         yield from filter(None, map(self.reason, operation.raises))
+        for name in operation.raises:
+            if iskeyword(name[-1]):
+                called = f"`{operation.name}` of `{interface.scoped}`"
+                yield f"{called} raises `{'::'.join(name)}`, {_KEYWORD}"
+
+    def _bases(
+        self, holder: Interface | Valuetype, bases: tuple[ScopedName, ...]
+    ) -> Iterator[str]:
+        for name in bases:
+            if iskeyword(name[-1]):
+                yield f"`{holder.scoped}` has the base `{'::'.join(name)}`, {_KEYWORD}"
 
     def _in_valuetype(self, valuetype: Valuetype) -> Iterator[str]:
         if valuetype.forward:
@@ -175,6 +193,7 @@ class Classic:
             yield f"`{valuetype.scoped}` is {kind} valuetype"
         for name in (*valuetype.bases, *valuetype.supports):
             yield from filter(None, (self.reason(name),))
+        yield from self._bases(valuetype, (*valuetype.bases, *valuetype.supports))
         for member in valuetype.state:
             yield from self._in_type(valuetype, member.type)
 
