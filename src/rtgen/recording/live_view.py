@@ -7,8 +7,8 @@ the thread of the run, between its steps; the run never waits for a client.
 from __future__ import annotations
 
 import json
-import queue
 import socket
+import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import CancelledError, Future
 from concurrent.futures import TimeoutError as FutureTimeoutError
@@ -23,6 +23,7 @@ from rtgen.recording.live_channels import LiveChannels
 from rtgen.recording.live_services import LiveService, RefusedError, services_of
 from rtgen.recording.recorder import Recorder
 from rtgen.runtime.errors import RtcError
+from rtgen.runtime.requests import Allowance, Queues, Requests
 from rtgen.runtime.rtc.configuration import ACTIVE_SET, ConfigurationSets
 from rtgen.runtime.system.system import System
 from rtgen.runtime.timing.clocks import SECOND
@@ -38,7 +39,16 @@ PORT: Final = 8765
 
 _PERIOD: Final = SECOND // 50
 """Period of executing requests, in the system's time [ns]."""
-_MAX_WAITING: Final = 100
+_MAX_WAITING: Final = 16
+"""Maximum number of waiting requests of a client."""
+_SHARE: Final = 0.2
+"""The part of the time for calls, except those for states, and for reading parameters."""
+_BURST: Final = 0.2
+"""Time that is saved up for them [s]."""
+_LONGEST: Final = 0.01
+"""Time for calls between two steps of the run, if so many wait [s]."""
+_STATES: Final = frozenset(("rtgen/activate", "rtgen/deactivate", "rtgen/reset"))
+"""Types of services by which people stop a robot: they wait for no others."""
 _BACKLOG: Final = 1024
 """Maximum number of messages waiting for a client before the oldest are dropped."""
 _CALL_TIMEOUT: Final = 5.0
@@ -77,7 +87,9 @@ class LiveView:
         from foxglove.websocket import Capability
 
         self._system = system
-        self._waiting: queue.Queue[_Request] = queue.Queue(_MAX_WAITING)
+        self._waiting = Requests(_SHARE, _BURST)
+        self._queues = Queues(self._waiting, _MAX_WAITING, 1)
+        self._allowance = Allowance(_SHARE, _BURST)
         self._closed = False
         context = Context()
         self.recorder = Recorder(system, LiveChannels(context))
@@ -116,26 +128,15 @@ class LiveView:
             return
         self._closed = True
         self._end()
-        while (request := self._next()) is not None:
-            request.reply.cancel()
+        while self._waiting.carry_out_one(limited=False):
+            pass  # each is rejected
         self._server.stop()
 
     # Called in the thread of the run
 
     def _carry_out(self) -> None:
         self._server.broadcast_time(self.recorder.now)
-        # Bounded, so that busy clients cannot delay the run.
-        for _ in range(_MAX_WAITING):
-            request = self._next()
-            if request is None:
-                return
-            request.carry_out()
-
-    def _next(self) -> _Request | None:
-        try:
-            return self._waiting.get_nowait()
-        except queue.Empty:
-            return None
+        self._waiting.carry_out(_LONGEST)
 
     def _on_event(self, event: Event) -> None:
         if isinstance(event, ParameterChange) and not self._closed:
@@ -143,6 +144,18 @@ class LiveView:
             self._server.publish_parameter_values([found])
 
     # Parameters; called in threads of the server
+
+    def for_client(
+        self, client: int, action: Callable[[], list[Parameter]]
+    ) -> list[Parameter]:
+        """Return the result of a client's request; nothing for one that takes too much time."""
+        if not self._allowance.allows(client):
+            return []
+        begun = time.perf_counter()
+        try:
+            return action()
+        finally:
+            self._allowance.charge(client, time.perf_counter() - begun)
 
     def parameters(self, names: Sequence[str]) -> list[Parameter]:
         """Return the parameters of these names (all without names), except unknown ones."""
@@ -216,13 +229,14 @@ class LiveView:
         )
 
         def handle(request: ServiceRequest) -> bytes:
-            return self._called(service, request.payload)
+            return self._called(service, request.payload, request.client_id)
 
         return Service(service.name, schema=schema, handler=handle)
 
-    def _called(self, service: LiveService, payload: bytes) -> bytes:
-        """Return the reply of a service. Raises RefusedError."""
-        reply = self._submit(service.prepare(payload))
+    def _called(self, service: LiveService, payload: bytes, client: int = 0) -> bytes:
+        """Return the reply of a service to a client. Raises RefusedError."""
+        first = service.type in _STATES
+        reply = self._submit(service.prepare(payload), client, first=first)
         try:
             found: bytes = reply.result(_CALL_TIMEOUT)
             return found
@@ -235,15 +249,22 @@ class LiveView:
             )
             raise RefusedError(message) from None
 
-    def _submit(self, action: Callable[[], Any]) -> Future[Any]:
+    def _submit(
+        self, action: Callable[[], Any], client: int = 0, *, first: bool = False
+    ) -> Future[Any]:
         """Submit an action to the thread of the run. Raises RefusedError."""
         if self._closed:
             raise RefusedError("the run is over")
         request = _Request(action, Future())
-        try:
-            self._waiting.put_nowait(request)
-        except queue.Full:
-            raise RefusedError("too many requests wait") from None
+
+        def carry_out() -> None:
+            if self._closed:
+                request.reply.cancel()
+            else:
+                request.carry_out()
+
+        if not self._queues.put(client, carry_out, first=first):
+            raise RefusedError("too many requests wait")
         return request.reply
 
 
@@ -274,7 +295,7 @@ def _listener(view: LiveView) -> ServerListener:
         def on_get_parameters(
             self, client: Client, param_names: list[str], request_id: str | None = None
         ) -> list[Parameter]:
-            return view.parameters(param_names)
+            return view.for_client(client.id, lambda: view.parameters(param_names))
 
         def on_set_parameters(
             self,
@@ -282,7 +303,7 @@ def _listener(view: LiveView) -> ServerListener:
             parameters: list[Parameter],
             request_id: str | None = None,
         ) -> list[Parameter]:
-            return view.set_parameters(parameters)
+            return view.for_client(client.id, lambda: view.set_parameters(parameters))
 
     return Listener()
 

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import threading
 import time
-from collections import deque
-from collections.abc import Callable
+from collections import OrderedDict, deque
+from collections.abc import Callable, Hashable
+from functools import partial
 from typing import Final
 
 Request = Callable[[], object]
@@ -18,6 +19,10 @@ Request = Callable[[], object]
 
 BURST: Final = 0.05
 """Time that can be saved up for requests [s]."""
+MAX_AT_ONCE: Final = 100
+"""Maximum number of requests that are executed one after the other."""
+_MAX_CLIENTS: Final = 256
+"""Maximum number of clients that are known by their names."""
 
 
 class Client:
@@ -109,6 +114,11 @@ class Requests:
             if client in self._clients:
                 self._clients.remove(client)
 
+    def empty(self) -> bool:
+        """Return whether no request waits."""
+        with self._changed:
+            return not any(client._waiting for client in self._clients)
+
     def wake(self) -> None:
         """End a `wait`."""
         with self._changed:
@@ -126,11 +136,12 @@ class Requests:
     def carry_out(self, longest: float, *, limited: bool = True) -> None:
         """Execute requests, until none waits or for a time [s]; without budget if not `limited`.
 
-        A request that is being executed is not ended.
+        At most MAX_AT_ONCE are executed. A request that is being executed is not ended.
         """
         end = self._clock() + longest
-        while self.carry_out_one(limited=limited) and self._clock() < end:
-            pass
+        for _ in range(MAX_AT_ONCE):
+            if not self.carry_out_one(limited=limited) or self._clock() >= end:
+                return
 
     def carry_out_one(self, *, limited: bool = True) -> bool:
         """Execute the request whose turn it is; return whether there was one."""
@@ -176,3 +187,85 @@ class Requests:
         if limited and self._credit <= 0.0:
             waiting = [each for each in waiting if each.first]
         return min(waiting, key=lambda c: (not c.first, c.spent), default=None)
+
+
+class Queues:
+    """The queues of clients by their names; those of clients without requests are forgotten."""
+
+    def __init__(self, requests: Requests, limit: int, busy: int) -> None:
+        """Set up with the limits of each client: waiting requests, and those being executed."""
+        self._requests = requests
+        self._limit = limit
+        self._busy = busy
+        self._clients: OrderedDict[Hashable, Client] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def put(
+        self, name: Hashable, request: Callable[[], object], *, first: bool = False
+    ) -> bool:
+        """Add a request of a client; return False if too many wait."""
+        with self._lock:
+            client = self._client(name, first=first)
+            return client is not None and client.put(request)
+
+    def _client(self, name: Hashable, *, first: bool) -> Client | None:
+        key = name, first
+        client = self._clients.get(key)
+        if client is not None:
+            self._clients.move_to_end(key)
+            return client
+        if len(self._clients) >= _MAX_CLIENTS:
+            idle = next((k for k, c in self._clients.items() if c.is_idle), None)
+            if idle is None:
+                return None
+            self._requests.leave(self._clients.pop(idle))
+        made: list[Client] = []
+        ready = partial(self._is_ready, made)
+        made.append(self._requests.join(self._limit, first=first, ready=ready))
+        self._clients[key] = made[0]
+        return made[0]
+
+    def _is_ready(self, client: list[Client]) -> bool:
+        return client[0].running < self._busy
+
+
+class Allowance:
+    """The part of the time that clients may take whose requests cannot wait, but be refused.
+
+    `share` is that of all clients, and of each one half of it. A client that has taken nothing for
+    a while is not refused, whatever the others take.
+    """
+
+    def __init__(
+        self,
+        share: float,
+        burst: float = BURST,
+        clock: Callable[[], float] = time.perf_counter,
+    ) -> None:
+        self._share = share
+        self._burst = burst
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._credits: OrderedDict[Hashable, tuple[float, float]] = OrderedDict()
+        """Credit of each client, and of all of them (None), at a time [s]."""
+
+    def allows(self, client: Hashable) -> bool:
+        """Return whether a request of a client is executed now."""
+        with self._lock:
+            own = self._credit(client)
+            return own >= self._burst or (own > 0.0 and self._credit(None) > 0.0)
+
+    def charge(self, client: Hashable, seconds: float) -> None:
+        """Count the time of a request [s]."""
+        with self._lock:
+            now = self._clock()
+            for each in (client, None):
+                self._credits[each] = self._credit(each) - seconds, now
+                self._credits.move_to_end(each)
+            if len(self._credits) > _MAX_CLIENTS:
+                self._credits.popitem(last=False)
+
+    def _credit(self, client: Hashable) -> float:
+        credit, then = self._credits.get(client, (self._burst, 0.0))
+        share = self._share if client is None else self._share / 2
+        return min(credit + (self._clock() - then) * share, self._burst)

@@ -400,6 +400,22 @@ def test_a_call_is_refused_when_nothing_runs(monkeypatch: pytest.MonkeyPatch) ->
         view.close()
 
 
+def test_a_client_that_floods_has_only_its_own_calls_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(live_view, "_CALL_TIMEOUT", 0.05)
+    monkeypatch.setattr(live_view, "_MAX_WAITING", 3)
+    with System(SimulatedClock()) as system:
+        system.add(Node("Node0"), 100.0)
+        view = LiveView(system, "test", port=0)
+        with Client(view.address) as flooding, Client(view.address) as other:
+            for _ in range(3):
+                assert "did not answer" in flooding.call("/Node0/activate", {})
+            assert "too many" in flooding.call("/Node0/activate", {})
+            assert "did not answer" in other.call("/Node0/activate", {})
+        view.close()
+
+
 def test_a_port_that_is_taken_is_an_error() -> None:
     with System(SimulatedClock()) as system, System(SimulatedClock()) as other:
         view = LiveView(system, "test", port=0)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rtgen.runtime.requests import Client, Requests
+import pytest
+
+from rtgen.runtime.requests import Allowance, Client, Queues, Requests
 
 
 class Time:
@@ -163,3 +165,49 @@ def test_a_request_that_raises_is_counted() -> None:
         assert bench.executed() == ""
     else:
         raise AssertionError
+
+
+def test_the_queues_of_idle_clients_are_forgotten() -> None:
+    bench = Bench(share=1.0, burst=10.0)
+    queues = Queues(bench.requests, 2, 1)
+    for name in range(1000):
+        assert queues.put(name, bench.taking("a", 0.0))
+        assert bench.executed() == "a"
+    assert len(bench.requests._clients) <= 256
+    assert queues.put("flood", bench.taking("f", 0.001))
+    assert queues.put("flood", bench.taking("f", 0.001))
+    assert not queues.put("flood", bench.taking("f", 0.001))
+    assert queues.put("other", bench.taking("o", 0.001))
+    assert queues.put("flood", bench.taking("S", 0.001), first=True)
+    assert bench.executed() in ("Sfof", "Soff")
+
+
+def test_a_client_that_takes_too_much_time_is_refused_and_others_are_not() -> None:
+    time = Time()
+    allowance = Allowance(0.2, 0.05, time)
+    taken = {"greedy": 0.0, "modest": 0.0}
+    for step in range(10_000):
+        time.now += 0.001
+        if allowance.allows("greedy"):
+            allowance.charge("greedy", 0.005)
+            taken["greedy"] += 0.005
+        if step % 1000 == 999:
+            assert allowance.allows("modest")
+            allowance.charge("modest", 0.005)
+            taken["modest"] += 0.005
+    assert 0.9 < taken["greedy"] < 1.1
+    assert taken["modest"] == pytest.approx(0.05)
+
+
+def test_many_clients_together_take_no_more_than_the_share() -> None:
+    time = Time()
+    allowance = Allowance(0.2, 0.05, time)
+    taken = 0.0
+    for _ in range(20_000):
+        time.now += 0.001
+        for client in range(20):
+            if allowance.allows(client):
+                allowance.charge(client, 0.002)
+                taken += 0.002
+    # A client whose own part is saved up is served in any case.
+    assert taken < 0.25 * time.now + 20 * 0.05

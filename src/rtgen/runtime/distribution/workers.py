@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import threading
-from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
-from rtgen.runtime.requests import Client, Requests
+from rtgen.runtime.requests import Queues, Requests
 
 _MAX_THREADS = 32
 _MAX_BUSY = 8
@@ -21,48 +20,7 @@ _MAX_WAITING = 1024
 """Maximum number of waiting requests; more are refused."""
 _MAX_OF_CLIENT = 64
 """Maximum number of those of one client."""
-_MAX_CLIENTS = 256
 _PATIENCE = 60.0
-
-
-class Queues:
-    """The queues of clients by their names; those of clients without requests are forgotten."""
-
-    def __init__(self, requests: Requests, limit: int, busy: int) -> None:
-        """Set up with the limits of each client: waiting requests, and those being executed."""
-        self._requests = requests
-        self._limit = limit
-        self._busy = busy
-        self._clients: OrderedDict[Hashable, Client] = OrderedDict()
-        self._lock = threading.Lock()
-
-    def put(
-        self, name: Hashable, request: Callable[[], object], *, first: bool = False
-    ) -> bool:
-        """Add a request of a client; return False if too many wait."""
-        with self._lock:
-            client = self._client(name, first=first)
-            return client is not None and client.put(request)
-
-    def _client(self, name: Hashable, *, first: bool) -> Client | None:
-        key = name, first
-        client = self._clients.get(key)
-        if client is not None:
-            self._clients.move_to_end(key)
-            return client
-        if len(self._clients) >= _MAX_CLIENTS:
-            idle = next((k for k, c in self._clients.items() if c.is_idle), None)
-            if idle is None:
-                return None
-            self._requests.leave(self._clients.pop(idle))
-        made: list[Client] = []
-        ready = partial(self._is_ready, made)
-        made.append(self._requests.join(self._limit, first=first, ready=ready))
-        self._clients[key] = made[0]
-        return made[0]
-
-    def _is_ready(self, client: list[Client]) -> bool:
-        return client[0].running < self._busy
 
 
 class Workers:
