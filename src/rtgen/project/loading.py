@@ -462,6 +462,11 @@ def _check_kind(path: Path, target: str) -> Diagnostic | None:
             "this is a CANopen device in XML (CiA 311): export it as an EDS, with CANopenEditor "
             "for example"
         )
+    elif path.suffix.lower() == ".xml":
+        hint = (
+            "XML is read if it is a profile of OpenRTM or of a robot system: RtcProfile or "
+            "RtsProfile is its root element"
+        )
     else:
         kinds = ", ".join(f"*{s}" for s in (*SUFFIXES, ".toml", ".xml"))
         hint = f"rtgen reads {kinds}"

@@ -11,6 +11,7 @@ import pytest
 from rtgen.cli import run
 from rtgen.frontends import openrtm_python
 from rtgen.frontends.openrtm_python import rules
+from rtgen.frontends.openrtm_python.source import read_source
 
 MODULE = """\
 import OpenRTM_aist
@@ -209,3 +210,15 @@ def test_a_file_that_python_never_parses(
     result = openrtm_python.read(path)
     assert result.profile is None
     assert codes(result) == [rules.UNREADABLE.code]
+
+
+def test_mixed_tabs_are_not_called_python_2(tmp_path: Path) -> None:
+    file = tmp_path / "tabs.py"
+    file.write_text("def f(a):\n    if a:\n\treturn 1\n    return 2\n")
+    (finding,) = read_source(file).diagnostics
+    assert finding.message == (
+        "tabs and spaces are mixed; a tab is read as eight columns"
+    )
+    file.write_text("print 'x'\n")
+    (finding,) = read_source(file).diagnostics
+    assert "this is Python 2" in finding.message

@@ -192,6 +192,17 @@ def test_paths_of_other_kinds_are_refused() -> None:
     assert [d.code for d in error.value.diagnostics] == ["PRJ0008", "PRJ0008"]
 
 
+def test_xml_that_is_no_profile_is_refused_with_the_forms_that_are_read(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "s.xml").write_text("<x/>")
+    with pytest.raises(InputError) as error:
+        with_arguments(load(), paths=[str(tmp_path / "s.xml")])
+    (finding,) = error.value.diagnostics
+    assert finding.code == "PRJ0008"
+    assert "RtcProfile or RtsProfile is its root element" in str(finding.hint)
+
+
 def test_the_output_folder_is_not_searched_for_sources(tmp_path: Path) -> None:
     (tmp_path / "generated").mkdir()
     (tmp_path / "generated" / "x.idl").write_text("")

@@ -77,6 +77,8 @@ def read_source(path: Path) -> Source:
         tree, _ = _parsed(changed, file)
         if tree is not None:
             message = "this is Python 2; its syntax is converted to read it"
+            if _parsed(_without_tabs(text), file)[0] is not None:
+                message = "tabs and spaces are mixed; a tab is read as eight columns"
             return Source(
                 path,
                 changed,
@@ -136,14 +138,18 @@ def _python_3(text: str, problem: str) -> str | None:
         tokens = import_module("fissix.pgen2.tokenize").TokenError
     except ImportError:
         return None
-    # Python 2 expands a tab to eight columns.
-    text = _INDENT.sub(lambda found: found[0].expandtabs(8), text)
+    text = _without_tabs(text)
     try:
         with _CONVERTING:
             return str(converter.refactor_string(f"{text}\n", "module"))
     except (errors, tokens, IndentationError, RecursionError, ValueError, KeyError):
         # KeyError: a character that starts no token of Python
         return None
+
+
+def _without_tabs(text: str) -> str:
+    """Return the text with indentation in spaces: Python 2 expands a tab to eight columns."""
+    return _INDENT.sub(lambda found: found[0].expandtabs(8), text)
 
 
 @cache
