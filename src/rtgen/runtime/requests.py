@@ -19,6 +19,8 @@ Request = Callable[[], object]
 
 BURST: Final = 0.05
 """Time that can be saved up for requests [s]."""
+_QUIET: Final = 1.0
+"""Time after which a client is not refused because of others [s]."""
 MAX_AT_ONCE: Final = 100
 """Maximum number of requests that are executed one after the other."""
 _MAX_CLIENTS: Final = 256
@@ -233,7 +235,7 @@ class Allowance:
     """The part of the time that clients may take whose requests cannot wait, but be refused.
 
     `share` is that of all clients, and of each one half of it. A client that has taken nothing for
-    a while is not refused, whatever the others take.
+    a second is not refused, whatever the others take.
     """
 
     def __init__(
@@ -252,8 +254,12 @@ class Allowance:
     def allows(self, client: Hashable) -> bool:
         """Return whether a request of a client is executed now."""
         with self._lock:
-            own = self._credit(client)
-            return own >= self._burst or (own > 0.0 and self._credit(None) > 0.0)
+            if client not in self._credits:
+                return True
+            own, then = self._credit(client), self._credits[client][1]
+            if own > 0.0 and self._clock() - then >= _QUIET:
+                return True
+            return own > 0.0 and self._credit(None) > 0.0
 
     def charge(self, client: Hashable, seconds: float) -> None:
         """Count the time of a request [s]."""
