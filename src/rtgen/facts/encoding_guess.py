@@ -27,6 +27,7 @@ _DAMAGE: Final = 30.0
 _CLEAR: Final = 6.0
 """A reading is certain if the next one costs so many bits more."""
 _NOT_ASCII: Final = re.compile(rb"[\x80-\xff]")
+_THREE_OCTETS: Final = re.compile(rb"[\xe1-\xef][\x80-\xbf]{2}")
 _LINES: Final = re.compile(rb"[^\n\r]*[\n\r]+|[^\n\r]+")
 
 
@@ -77,7 +78,8 @@ def _likeliest(data: bytes) -> Decoded:
     if fitting == ["utf8"]:
         return uniform(data, "utf8")
     readings = [uniform(data, encoding) for encoding in (*fitting, "none")]
-    if "utf8" not in fitting:
+    # Two octets of half-width kana are UTF-8 by chance: no reason to divide a file that fits.
+    if "utf8" not in fitting and (not fitting or _has_clear_utf8(data)):
         readings.append(_mixed(data))
     ranked = sorted((_cost(each), number) for number, each in enumerate(readings))
     best = readings[ranked[0][1]]
@@ -97,6 +99,12 @@ def _likeliest(data: bytes) -> Decoded:
         return best
     doubt = f"the file may be {best.title} or {others[0].title}; read as {best.title}"
     return replace(best, doubt=doubt)
+
+
+def _has_clear_utf8(data: bytes) -> bool:
+    """Return whether a line is UTF-8 with a character of three octets."""
+    lines = (line for line in _LINES.findall(data) if _THREE_OCTETS.search(line))
+    return any(fits(line, "utf8") for line in lines)
 
 
 def _cost(reading: Decoded) -> float:

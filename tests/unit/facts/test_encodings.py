@@ -132,6 +132,14 @@ def test_a_file_of_two_encodings_is_read_line_by_line() -> None:
     assert read.encode(read.text.replace(" ", "  ")) == data.replace(b" ", b"  ")
 
 
+@pytest.mark.parametrize("line", ["ﾗ婁ﾎ媾", "ﾞⅨ"])
+def test_a_line_that_is_utf_8_by_chance_makes_no_mixture(line: str) -> None:
+    text = f"// 速度の表\n// ''{line}\n// 角度の十\n"
+    line.encode("cp932").decode()
+    read = decode(text.encode("cp932"))
+    assert (read.text, read.encoding, read.doubt) == (text, "sjis", None)
+
+
 def test_damage_is_one_character() -> None:
     data = "// X座標の表\n// Y座標\n".encode("cp932")
     read = decode(data.replace("標".encode("cp932"), b"\xff", 1))
