@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path
@@ -66,6 +67,9 @@ _URGENT: Final = frozenset(
         CommandKind.COMMAND_RESET,
     )
 )
+_NAME: Final = re.compile(r"[^./\\\x00-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]+")
+"""The name of a new component, also in names of files and of naming services."""
+_MAX_NAME: Final = 100
 _MAX_SEEK_TIME: Final = 3600.0
 """Maximum time to which a simulation can be set [s]."""
 _APART: Final = "the system of this page does not run over CORBA"
@@ -292,6 +296,12 @@ class Commands:
     def _add(self, wanted: ui.AddComponent) -> None:
         session = self._session
         name = wanted.instance or self._free_name(wanted.type)
+        if len(name) > _MAX_NAME or not _NAME.fullmatch(name):
+            raise CommandError(
+                BAD_VALUE,
+                f"{name[:80]!r} cannot be the name of a component",
+                f"at most {_MAX_NAME} characters, without dots, slashes and controls",
+            )
         if session.changes.component(name) and name not in session.system.instances:
             message = f"{name} is the name of another component of the file"
             raise CommandError(WRONG_STATE, message)

@@ -37,7 +37,7 @@ def sendable(value: Any) -> Any:
 
 def placed(finding: Diagnostic) -> str:
     """Return the message of a diagnostic behind its place."""
-    if finding.span is None:
+    if finding.span is None or not finding.span.file:
         return finding.message
     return f"{finding.span.file}:{finding.span.line}: {finding.message}"
 

@@ -26,6 +26,7 @@ from rtgen.runtime import RealClock
 from rtgen.runtime.canopen.bus import socketcand_bus
 from rtgen.runtime.canopen.bus.arbitration import transmission_time
 from rtgen.runtime.canopen.bus.hub import (
+    MAX_CHANNELS,
     Carried,
     Hub,
     HubBus,
@@ -741,3 +742,61 @@ def test_a_client_of_a_hub_that_does_not_read_says_so(
         with ends[0], pytest.raises(LinkError, match=r"not read a frame|has closed"):
             send_until_full_then_receive(bus, ends[0])
         bus.close()
+
+
+def test_channels_that_nobody_uses_are_forgotten() -> None:
+    async def use() -> None:
+        hub = Hub(HubSettings(), lambda text: None)
+        used = hub.bus("used")
+        assert used is not None
+        used.join(FakePort("a", hub.settings))
+        for number in range(500):
+            bus = hub.bus(f"name{number}")
+            assert bus is not None
+            sender = FakePort("b", hub.settings)
+            bus.join(sender)
+            bus.put(sender, Frame(1, b""))
+            await asyncio.sleep(0)
+            bus.leave(sender)
+        assert len(hub.buses) == MAX_CHANNELS
+        assert hub.bus("used") is used
+        assert hub.bus("name499") is bus
+        rows = hub.report()
+        assert rows[-1].startswith("437 unused channels: 437 carried, 0 lost")
+        assert len(rows) == MAX_CHANNELS + 1
+
+    asyncio.run(use())
+
+
+def test_channels_in_use_are_bounded() -> None:
+    async def use() -> None:
+        hub = Hub(HubSettings(), lambda text: None)
+        for number in range(MAX_CHANNELS):
+            bus = hub.bus(f"name{number}")
+            assert bus is not None
+            bus.join(FakePort("a", hub.settings))
+        assert hub.bus("one_more") is None
+
+    asyncio.run(use())
+
+
+def test_a_client_that_has_only_opened_a_channel_uses_it(hub: HubProcess) -> None:
+    with ExitStack() as ends:
+
+        def opened(channel: str) -> socket.socket:
+            end = ends.enter_context(socket.create_connection((hub.host, hub.port)))
+            assert end.recv(100) == b"< hi >"
+            end.sendall(f"< open {channel} >".encode())
+            assert end.recv(100) == b"< ok >"
+            return end
+
+        first = opened("first")
+        for number in range(2 * MAX_CHANNELS):
+            opened(f"short{number}").close()
+        for end, channel in ((first, "first"), (opened("first"), "first")):
+            end.sendall(b"< rawmode >")
+            assert end.recv(100) == b"< ok >", channel
+        with socketcand(hub, "first") as bus:
+            bus.send(message(0x123, b"\1"))
+            [(identifier, _)] = frames_of(first, 1)
+            assert identifier.strip() == "123"

@@ -164,6 +164,28 @@ def test_components_are_added_and_removed(bench: Bench, page: Page) -> None:
     assert page.ask("removed", "Odometry1").code == "UIS0003"
 
 
+@pytest.mark.parametrize(
+    "name", ["a.b", "a/b", "..", "a\\b", "x\x01y", "two\nlines", "\ufffe", "Q" * 101]
+)
+def test_names_that_no_component_can_have_are_refused(page: Page, name: str) -> None:
+    assert page.ask("added", ui.AddComponent("Odometry", name)).code == "UIS0005"
+
+
+def test_two_components_cannot_have_one_name(bench: Bench, page: Page) -> None:
+    before = bench.session.system.instances
+    result = page.ask("added", ui.AddComponent("Odometry", "Odometry0"))
+    assert result.message == "the system has a component 'Odometry0' already"
+    assert bench.session.system.instances == before
+    assert bench.session.edit_state().saved
+    for name in ("日本 0", "<b>", "Q" * 100):
+        page.done("added", ui.AddComponent("Odometry", name))
+        assert page.ask("added", ui.AddComponent("Odometry", name)).code == "UIS0005"
+    ends = ui.PortAddress("Odometry0", "OdometryPosition")
+    other = ui.PortAddress("OmniTo2WD0", "goal")
+    result = page.ask("wire", ui.Connect(ends, other, VELOCITY))
+    assert (result.code, "already" in result.message) == ("UIS0004", True)
+
+
 def test_a_system_is_saved_with_its_places(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -170,6 +170,11 @@ class HubBus:
         """Detach a client; its queued frames are still sent."""
         self._ports = tuple(other for other in self._ports if other is not port)
 
+    @property
+    def is_idle(self) -> bool:
+        """Whether no client is attached, and no frame waits."""
+        return not (self._ports or self._arbiter or self._ending)
+
     def has_room(self, port: Port) -> bool:
         """Return whether a client may queue a frame; if not, `read_on` is called later."""
         return self._noted_room(port, self._arbiter.waiting(port))
@@ -434,6 +439,8 @@ class Hub:
         self.report_event = report_event
         self.loop = asyncio.get_running_loop()
         self.buses: dict[str, HubBus] = {}
+        self._forgotten = self._carried = self._lost = self._refused = 0
+        """The number of forgotten buses, and the sums of their statistics."""
         self._clients: set[SocketcandPort] = set()
         self._server: asyncio.Server | None = None
         self._off = False
@@ -452,12 +459,29 @@ class Hub:
         return name[0], name[1]
 
     def bus(self, channel: str) -> HubBus | None:
-        """Return the bus of a channel name; None for an invalid name, or too many buses."""
+        """Return the bus of a channel name; None for an invalid name, or too many buses in use.
+
+        Buses that nobody uses are forgotten if there are too many, the oldest first.
+        """
         bus = self.buses.get(channel)
-        if bus is None and is_channel(channel) and len(self.buses) < MAX_CHANNELS:
-            bus = self.buses[channel] = HubBus(channel, self.settings)
-            bus.off = self._off
+        if bus is None and is_channel(channel):
+            if len(self.buses) >= MAX_CHANNELS:
+                self._forget_unused()
+            if len(self.buses) < MAX_CHANNELS:
+                bus = self.buses[channel] = HubBus(channel, self.settings)
+                bus.off = self._off
         return bus
+
+    def _forget_unused(self) -> None:
+        used = {client.bus for client in self._clients}
+        for name, bus in self.buses.items():
+            if bus.is_idle and bus not in used:
+                self._forgotten += 1
+                self._carried += bus.carried
+                self._lost += bus.lost
+                self._refused += bus.refused
+                del self.buses[name]
+                return
 
     def admit(self, client: SocketcandPort) -> bool:
         """Register a client, unless there are too many."""
@@ -481,11 +505,17 @@ class Hub:
             await self._server.wait_closed()
 
     def report(self) -> Sequence[str]:
-        """Return statistics of each bus, as text."""
-        return [
-            f"{bus.channel}: {bus.carried} carried, {bus.lost} lost by faults, "
-            f"{bus.refused} refused"
+        """Return statistics of each bus, as text, and of those that are forgotten."""
+        rows = [
+            (bus.channel, bus.carried, bus.lost, bus.refused)
             for bus in self.buses.values()
+        ]
+        if self._forgotten:
+            name = f"{self._forgotten} unused channels"
+            rows.append((name, self._carried, self._lost, self._refused))
+        return [
+            f"{name}: {carried} carried, {lost} lost by faults, {refused} refused"
+            for name, carried, lost, refused in rows
         ]
 
     def _turn(self, off: bool) -> None:
