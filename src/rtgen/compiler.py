@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 from msgspec.structs import replace
 
@@ -13,6 +14,7 @@ from rtgen.diagnostics import has_errors
 from rtgen.frontends import FrontendResult, together
 from rtgen.frontends import stage as frontends
 from rtgen.frontends.kit.memo import Memo
+from rtgen.frontends.kit.places import place_of
 from rtgen.lowering import stage as lowering
 from rtgen.model import Model
 from rtgen.project import Project
@@ -75,5 +77,6 @@ def emitted(project: Project, result: FrontendResult) -> Compilation:
         )
     emission = Emission()
     if not has_errors(result.diagnostics):
-        emission = backends.emitted(result.model, project.options)
+        places = partial(place_of, result.sources)
+        emission = backends.emitted(result.model, project.options, locate=places)
     return compilation_of(result, emission)

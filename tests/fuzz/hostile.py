@@ -14,6 +14,7 @@ from hostile_outputs import Content, compare, content
 from hostile_texts import Texts
 
 from rtgen.compiler import compile_project
+from rtgen.diagnostics import Severity
 from rtgen.diagnostics.report import report
 from rtgen.project import load
 
@@ -121,6 +122,9 @@ class HostileTarget:
             run = compile_project(load())
         report(run.diagnostics, run.sources)
         codes = [d.code for d in run.diagnostics]
+        for each in run.diagnostics:
+            if each.span is None and each.severity is Severity.ERROR:
+                raise ViolationError(f"no place: {each.code} {each.message}")
         return codes, {a.path: str(a.text) for a in run.artifacts}
 
 

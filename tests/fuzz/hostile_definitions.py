@@ -192,6 +192,11 @@ def cdl(texts: Texts, count: int) -> Files:
         text = texts.text(keep=False, one_line=True)
         return "".join(c for c in text if c.isprintable() and c not in "\",'\\")
 
+    def option() -> str:
+        text = texts.text(keep=False, one_line=True)
+        text = "".join(c for c in text if c.isprintable() and c not in '",!')
+        return text.rstrip("\\ ").replace("\\", "\\\\") or "port"
+
     files = {}
     for n in range(count):
         doc = [_doc(texts.text(keep=False)) for _ in range(5)]
@@ -209,7 +214,8 @@ celltype tWorks {{ entry sWorks{n} eWorks; attr {{ char_t *label = "{line()}"; }
 {doc[4]}
 [active] celltype tUser {{ call sWorks{n} cWorks; }};
 region rBoard {{ cell tWorks Works {{ }}; }};
-[to_through( rBoard, RTCPlugin, "port={8931 + n},address={line()},name=Client{n}" )]
+[to_through( rBoard, RTCPlugin,
+    "port={8931 + n},address={line()},name=Client{n},device=!{option()}!" )]
 region rPc {{ cell tUser User {{ cWorks = rBoard::Works.eWorks; }}; }};
 """
     return files

@@ -120,7 +120,9 @@ def test_every_rule_of_idl_has_a_case() -> None:
     assert found <= rules().keys()
 
 
-OF_PLUG_INS = {"PRJ0101", "PRJ0102", "PRJ0103", "PRJ0104", "PRJ0105", "SYS0002"}
+OF_PLUG_INS = {
+    *("PRJ0101", "PRJ0102", "PRJ0103", "PRJ0104", "PRJ0105", "PRJ0107", "SYS0002"),
+}
 """Codes that need other packages or a changed output folder; tested with those."""
 
 

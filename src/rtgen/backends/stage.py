@@ -14,7 +14,9 @@ from rtgen.backends import (
     Emission,
     Options,
 )
-from rtgen.diagnostics import Diagnostic
+from rtgen.backends.kit.quoting.code import UnquotableError
+from rtgen.backends.kit.rules import UNQUOTABLE
+from rtgen.diagnostics import Diagnostic, Span
 from rtgen.facts.ros import INTERFACE_SUFFIXES
 
 if TYPE_CHECKING:
@@ -79,17 +81,33 @@ def backends() -> Iterator[Backend]:
 
 
 def emitted(
-    model: Model, options: Options, chosen: Iterable[Backend] | None = None
+    model: Model,
+    options: Options,
+    chosen: Iterable[Backend] | None = None,
+    locate: Callable[[str], Span | None] = lambda _: None,
 ) -> Emission:
-    """Return what the back ends emit, by default all of them. Raises ToolError as `backends`."""
+    """Return what the back ends emit, by default all of them. Raises ToolError as `backends`.
+
+    `locate` returns the place of a text in the definitions, for diagnostics about it.
+    """
     return together(
-        _emission(backend, model, options) for backend in chosen or backends()
+        _emission(backend, model, options, locate) for backend in chosen or backends()
     )
 
 
-def _emission(backend: Backend, model: Model, options: Options) -> Emission:
+def _emission(
+    backend: Backend,
+    model: Model,
+    options: Options,
+    locate: Callable[[str], Span | None],
+) -> Emission:
     with stages.stage(f"back end {backend.name}"):
-        emission = backend.emit(model, options)
+        try:
+            emission = backend.emit(model, options)
+        except UnquotableError as error:
+            # The back end has no rule of its own for this text.
+            message = f"back end {backend.name}: {error}"
+            return Emission(diagnostics=[UNQUOTABLE.at(locate(error.text), message)])
         for artifact in emission.artifacts:
             stages.file(artifact.path)
     return emission

@@ -13,6 +13,7 @@ from rtgen.diagnostics import Rule, ToolError
 MODULES = (
     "rtgen.backends.canopen.rules",
     "rtgen.backends.components.rules",
+    "rtgen.backends.kit.rules",
     "rtgen.backends.openrtm.rules",
     "rtgen.backends.openrtm.system_rules",
     "rtgen.backends.ros_interfaces.rules",

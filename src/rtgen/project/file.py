@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from rtgen.diagnostics import Diagnostic, InputError, Span, ToolError
-from rtgen.facts import ros_names
+from rtgen.facts import file_names, ros_names
 from rtgen.facts.encodings import NAMES, decode
 from rtgen.facts.numeric import FORMS
 from rtgen.facts.ros_marshaling import parse as parse_marshaling
@@ -44,6 +44,20 @@ def _texts(value: Any) -> str | None:
         isinstance(item, str) and item for item in value
     )
     return None if fine else "must be a list of strings"
+
+
+def _path(value: Any) -> str | None:
+    if problem := _text(value):
+        return problem
+    wrong = file_names.problem(value)
+    return f"must be a path that a file can have: this {wrong}" if wrong else None
+
+
+def _paths(value: Any) -> str | None:
+    if problem := _texts(value):
+        return problem
+    wrong = next(filter(None, map(file_names.problem, value)), None)
+    return f"must be paths that files can have: one {wrong}" if wrong else None
 
 
 def _flag(value: Any) -> str | None:
@@ -235,8 +249,8 @@ def _allowances(value: Any) -> str | None:
 
 SCHEMA: dict[str, dict[str, Check] | Check] = {
     "sources": {
-        "paths": _texts,
-        "include": _texts,
+        "paths": _paths,
+        "include": _paths,
         "define": _macros,
         "ignore_case_clashes": _flag,
         "prelude": _one_of("kernel", "none"),
@@ -245,8 +259,8 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
     },
     "idl": {"case": _one_of("strict", "dds")},
     "output": {
-        "dir": _text,
-        "skeletons": _text,
+        "dir": _path,
+        "skeletons": _path,
         "package": _text,
         "target": _one_of("embedded", "openrtm", "small", "typescript"),
         "representation": _one_of("cdr", "xcdr2"),
@@ -262,7 +276,7 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
         "namespace": _ros_name,
         "domain": _number(0, 232),
         "interface": _text,
-        "zenoh": _text,
+        "zenoh": _path,
         "interfaces": _flag,
         "managed_nodes": _flag,
         "topics": _ros_topics,

@@ -15,6 +15,7 @@ from rtgen.backends import Options
 from rtgen.diagnostics import Diagnostic, InputError, Span
 from rtgen.facts import python_modules
 from rtgen.facts.file_names import is_device
+from rtgen.facts.file_names import problem as path_problem
 from rtgen.facts.numeric import Numeric
 from rtgen.facts.version import __version__
 from rtgen.files import is_file
@@ -29,7 +30,13 @@ from rtgen.project.kinds import (
     plugin_suffixes,
 )
 from rtgen.project.ros2 import Ros2Settings, ros2_settings
-from rtgen.project.rules import PATH_OVERLAP, PROJECT_NAME, SOURCE_KIND, SOURCE_NONE
+from rtgen.project.rules import (
+    NO_PATH,
+    PATH_OVERLAP,
+    PROJECT_NAME,
+    SOURCE_KIND,
+    SOURCE_NONE,
+)
 
 if TYPE_CHECKING:
     from rtgen.frontends.stage import Settings as FrontendSettings
@@ -37,6 +44,9 @@ if TYPE_CHECKING:
 
 TARGETS = ("embedded", "openrtm", "small", "typescript")
 """Where components can run."""
+
+_SHOWN = 100
+"""Maximum characters of a wrong path in a message."""
 
 OUTPUT = "generated"
 """The output folder without `[output] dir`."""
@@ -293,6 +303,7 @@ def with_arguments(
     definition file.
     """
     changes = project
+    _require_possible([*paths, *include, output or ""])
     if output is not None:
         base = _normal(Path(output).absolute())
         skeletons = base / "src"
@@ -333,9 +344,21 @@ def _ignores_case(settings: project_file.Settings) -> bool:
 def _with_files(project: Project, paths: Iterable[Path]) -> Project:
     """Return the project with these files and folders as its sources."""
     found = list(files(paths, skip=project.output))
+    _require_possible(found)
     systems = [path for path in found if is_system(path)]
     sources = [path for path in found if path not in systems]
     return replace(project, sources=tuple(sources), systems=tuple(systems))
+
+
+def _require_possible(paths: Iterable[Path | str]) -> None:
+    """Raise InputError for paths that no file has, or that generated files cannot name."""
+    findings = [
+        NO_PATH.at(None, f"{str(path)[:_SHOWN]!r} {problem}", hint="rename it")
+        for path in paths
+        if (problem := path_problem(str(path))) is not None
+    ]
+    if findings:
+        raise InputError(findings)
 
 
 def require_sources(project: Project) -> None:

@@ -25,6 +25,7 @@ from rtgen.backends.kit.quoting import (
 )
 from rtgen.frontends.idl import load as load_idl
 from rtgen.model import Const
+from rtgen.runtime.rtc import conf_file
 
 HOSTILE = (
     "",
@@ -154,9 +155,9 @@ def test_ruby_string(value: str) -> None:
 def test_conf_value_is_one_line_that_openrtm_reads_back(value: str) -> None:
     if (made := _or_none(properties.conf_value, value)) is None:
         return
-    [line] = f"key: {made}".splitlines()
-    assert line.partition(":")[2].strip() == value
+    [line] = f"conf.default.key: {made}".splitlines()
     assert not line.endswith("\\")
+    assert conf_file.parse(line).sets == {"default": {"key": value}}
 
 
 @hostile

@@ -93,6 +93,8 @@ def _seconds(text: str) -> float:
 def _text(text: str) -> str:
     if not text.strip() or not text.isprintable() or "," in text:
         raise _RefusalError("it is a text on one line, without commas")
+    if text.rstrip().endswith("\\"):
+        raise _RefusalError("it does not end in a backslash")
     return text.strip()
 
 

@@ -14,6 +14,8 @@ from rtgen.runtime.errors import ConfFileError
 
 _MAX_BYTES = 1024 * 1024
 
+_ESCAPED = re.compile(r"\\(.?)", re.DOTALL)
+_CONTROLS = {"t": "\t", "n": "\n", "r": "\r", "f": "\f"}
 _LINE = re.compile(r"(?P<key>[^:=\s]+)\s*[:=](?P<value>.*)", re.DOTALL)
 
 
@@ -42,8 +44,9 @@ def read(path: Path) -> ConfFile:
 def parse(text: str, name: str = "<conf>") -> ConfFile:
     """Parse the text of a `.conf` file; `name` is used in messages. Raises ConfFileError.
 
-    `#` starts a comment line, a trailing backslash joins the next line, the key ends at the first
-    `:` or `=`; of a repeated key the last value is used.
+    `#` and `!` start comment lines, a trailing backslash joins the next line, the key ends at the
+    first `:` or `=`; of a repeated key the last value is used. In keys and values, a backslash and
+    one of `tnrf` are a control character; before another character, a backslash is removed.
     """
     conf = ConfFile()
     active_set, rate = conf.active_set, conf.rate
@@ -53,7 +56,7 @@ def parse(text: str, name: str = "<conf>") -> ConfFile:
             raise ConfFileError(
                 f"{name}:{number}: this is not of the form `key: value`"
             )
-        key, value = match["key"], match["value"].strip()
+        key, value = (_unescaped(match[part]).strip() for part in ("key", "value"))
         parts = key.split(".", 2)
         if parts[0] == "conf" and not key.startswith("conf.__"):
             if len(parts) < 3 or not all(parts):
@@ -78,9 +81,9 @@ def _logical_lines(text: str) -> list[tuple[int, str]]:
         line = raw.strip()
         if not joined:
             start = number
-            if not line or line.startswith("#"):
+            if not line or line.startswith(("#", "!")):
                 continue
-        if line.endswith("\\"):
+        if (len(line) - len(line.rstrip("\\"))) % 2:
             joined += line[:-1].rstrip()
             continue
         lines.append((start, joined + line))
@@ -88,6 +91,10 @@ def _logical_lines(text: str) -> list[tuple[int, str]]:
     if joined:
         lines.append((start, joined))
     return lines
+
+
+def _unescaped(text: str) -> str:
+    return _ESCAPED.sub(lambda found: _CONTROLS.get(found[1], found[1]), text)
 
 
 def _rate(text: str, place: str) -> float:

@@ -23,8 +23,10 @@ class HashComment(Code):
 class UnquotableError(ValueError):
     """The output language cannot represent a text at this place.
 
-    Back ends report a diagnostic before this can happen.
+    Back ends report a diagnostic before this can happen; else it becomes one (UNQUOTABLE). `text`
+    is the whole text.
     """
 
     def __init__(self, text: str, language: str) -> None:
-        super().__init__(f"{language} cannot hold {str(text)[:80]!r} here")
+        self.text = str(text)
+        super().__init__(f"{language} cannot hold {self.text[:80]!r} here")

@@ -1,7 +1,8 @@
 """Configuration files of OpenRTM (`key: value`) and EDS files.
 
-OpenRTM reads a line up to its end, takes the text before the first `:` or `=` as the key, strips
-both, and interprets backslashes and a leading `#` or `!`.
+OpenRTM reads a line up to its end, takes the text before the first `:` or `=` as the key, removes
+backslashes (a letter after one may stand for a control character), strips both, and interprets a
+backslash at the end of a line and a leading `#` or `!`.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import re
 from rtgen.backends.kit.quoting.code import Code, HashComment, UnquotableError
 from rtgen.backends.kit.quoting.python import comment_text
 
-_VALUE = re.compile(r"(?:[^\s\\](?:[^\\]*[^\s\\])?)?")
+_VALUE = re.compile(r"(?:\S(?:.*\S)?)?(?<!\\)", re.DOTALL)
 _KEY = re.compile(r"(?:[^\s\\:=#!](?:[^\\:=]*[^\s\\:=])?)?")
 _OTHER_LINE_ENDS_AND_CONTROL = re.compile(
     r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff\ufeff]"
@@ -43,7 +44,7 @@ def conf_value(value: object) -> Conf:
     text = str(value)
     if not is_conf_value(text):
         raise UnquotableError(text, "a configuration file")
-    return Conf(text)
+    return Conf(text.replace("\\", "\\\\"))
 
 
 def conf_key(value: object) -> Conf:

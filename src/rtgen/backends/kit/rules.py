@@ -1,0 +1,9 @@
+"""The rule of texts that an output language cannot represent (PRJ0107)."""
+
+from __future__ import annotations
+
+from rtgen.diagnostics import Rule, Severity
+
+UNQUOTABLE = Rule("PRJ0107", "text that an output cannot hold", Severity.ERROR)
+
+RULES = (UNQUOTABLE,)
