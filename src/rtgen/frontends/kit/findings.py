@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 
+from msgspec.structs import replace
+
 from rtgen.diagnostics import Diagnostic, Rule, Severity, Span
 
 MAX_PER_SEVERITY = 1000
@@ -14,7 +16,8 @@ MAX_PER_SEVERITY = 1000
 class Findings:
     """Collects diagnostics in the order of reporting.
 
-    `overflow` is the rule of the diagnostic that replaces those beyond `most` of one severity.
+    `overflow` is the rule of the diagnostic that replaces those beyond `most` of one severity; for
+    warnings and notes it is a note.
     Without it, one more than `most` is kept, so that a collection to which they are reported
     overflows, too.
     """
@@ -51,7 +54,10 @@ class Findings:
             self._found[diagnostic] = None
         else:
             message = f"more than {self._most} {severity}s: the rest is not shown"
-            self._found[self._overflow.at(diagnostic.span, message)] = None
+            found = self._overflow.at(diagnostic.span, message)
+            if severity is not Severity.ERROR:
+                found = replace(found, severity=Severity.NOTE)
+            self._found[found] = None
 
     def add(
         self, rule: Rule, span: Span, message: str, *, hint: str | None = None
