@@ -129,7 +129,7 @@ def test_the_runtime_is_a_part_of_the_wheel(whole: Path, runtime: Path) -> None:
     }
     assert len(part) > 100
     assert {n.split("/")[1] for n in part} == {
-        *("__init__.py", "py.typed", "facts", "runtime"),
+        *("__init__.py", "py.typed", "facts", "files.py", "runtime"),
     }
     assert part.items() <= contents(whole).items()
 

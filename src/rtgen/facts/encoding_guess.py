@@ -75,7 +75,7 @@ def _sample(data: bytes) -> bytes:
 
 def _likeliest(data: bytes) -> Decoded:
     fitting = [each for each in ("utf8", "sjis", "euc") if fits(data, each)]
-    if fitting == ["utf8"]:
+    if fitting == ["utf8"] or ("utf8" in fitting and _is_latin(data.decode())):
         return uniform(data, "utf8")
     readings = [uniform(data, encoding) for encoding in (*fitting, "none")]
     # Two octets of half-width kana are UTF-8 by chance: no reason to divide a file that fits.
@@ -99,6 +99,13 @@ def _likeliest(data: bytes) -> Decoded:
         return best
     doubt = f"the file may be {best.title} or {others[0].title}; read as {best.title}"
     return replace(best, doubt=doubt)
+
+
+def _is_latin(text: str) -> bool:
+    """Return whether a text has letters and signs of western Europe alone, such as a unit: few as
+    they are, they are likelier than kanji that have the same octets.
+    """
+    return all(character < "\u0100" for character in text)
 
 
 def _has_clear_utf8(data: bytes) -> bool:

@@ -53,7 +53,11 @@ PROBES = [
         '@final @nested() struct S { @id(3) long a; @unit(value="m") double b; @range(min=1, max=2) long c; };',
         S="struct S; a: long; b: double; c: long",
     ),
-    alone("default literal", "enum E { A, @default_literal B };", E="enum E; A; B"),
+    alone(
+        "default literal",
+        "enum E { A, @default_literal B };",
+        E="enum E; A; B (default)",
+    ),
     alone(
         "default literal twice",
         "enum E { @default_literal A, @default_literal B };",
@@ -120,7 +124,7 @@ PROBES = [
     alone(
         "annotation of an enumerator",
         "enum E { @value(3) A, @default_literal B };",
-        E="enum E; A; B",
+        E="enum E; A; B (default)",
     ),
     alone(
         "annotation behind the direction",
