@@ -13,4 +13,7 @@ MAX_VALUES = 5_000
 """Maximum number of values in a struct of a TECS signature, including those of nested structs."""
 
 MAX_VARIABLES = 15_000
-"""Maximum number of variables of a CANopen device, including those of compact objects."""
+"""Maximum number of variables of a CANopen device that counts stand for, as of compact objects."""
+
+MAX_WRITTEN_VARIABLES = 60_000
+"""Maximum number of variables of a CANopen device."""

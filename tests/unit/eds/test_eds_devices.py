@@ -386,3 +386,13 @@ def test_a_description_in_xml_is_named_with_the_way_out(
         Path(name).write_text(text, encoding="utf-8")
         assert run(["inspect", name]) == 2
         assert "as an EDS, with CANopenEditor for example" in capfd.readouterr().err
+
+
+def test_many_objects_that_are_written_out(tmp_path: Path) -> None:
+    head = "[FileInfo]\nFileName=a.eds\n[DeviceInfo]\n[1000]\nParameterName=T\nDataType=7\n"
+    one = "[{:X}]\nParameterName=Object\nDataType=7\nAccessType=rw\n"
+    path = tmp_path / "a.eds"
+    path.write_text(head + "".join(one.format(0x2000 + n) for n in range(16_000)))
+    result = load([path], root=tmp_path)
+    [device] = result.model.devices
+    assert len(device.objects) == 16_001

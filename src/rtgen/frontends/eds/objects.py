@@ -13,7 +13,7 @@ from rtgen.frontends.eds.outline import ObjectSections
 from rtgen.frontends.eds.rules import information, lexical
 from rtgen.frontends.eds.rules import objects as rules
 from rtgen.frontends.eds.variables import VariableReader
-from rtgen.limits import MAX_VARIABLES
+from rtgen.limits import MAX_VARIABLES, MAX_WRITTEN_VARIABLES
 from rtgen.model.canopen import DataType, Object, ObjectType, Variable
 
 _MAX_INDEX = 0xBFFF
@@ -36,6 +36,7 @@ class ObjectReader:
         self._findings = findings
         self._variables = VariableReader(findings, self._defined_types(sections), dcf)
         self._room = MAX_VARIABLES
+        self._whole_room = MAX_WRITTEN_VARIABLES
 
     def read(self) -> list[Object]:
         """Return the objects by index, without DEFTYPE, DEFSTRUCT and NULL."""
@@ -45,10 +46,14 @@ class ObjectReader:
             if index >= _TYPES_END:
                 made = self._object(index)
                 found += [made] if made is not None else []
-            if self._room < 0:
-                span = sections.heads[index].span
+            if self._room < 0 or self._whole_room < 0:
+                subs = sections.subs.get(index, {})
+                places = (sections.heads.get(index), *subs.values())
+                span = min(place.span for place in places if place is not None)
                 message = (
-                    f"the objects have more than {MAX_VARIABLES:,} variables in all"
+                    f"the objects have more than {MAX_VARIABLES:,} variables by counts"
+                    if self._room < 0
+                    else f"the objects have more than {MAX_WRITTEN_VARIABLES:,} variables"
                 )
                 self._findings.add(lexical.TOO_MANY_OBJECTS, span, message)
                 return []
@@ -101,7 +106,8 @@ class ObjectReader:
             members = [made] if made is not None else []
         else:
             members = self._members(head, index, name, type_, subs)
-        self._room -= len(members)
+        self._room -= max(0, len(members) - len(subs) - 1)
+        self._whole_room -= len(members)
         return Object(
             index=index,
             name=name,
