@@ -34,7 +34,7 @@ from rtgen.runtime.return_codes import RTC_OK
 from rtgen.runtime.services.servants import Servant
 from rtgen.ui.calls import carried_out
 from rtgen.ui.edits import Edit
-from rtgen.ui.errors import CALL_FAILED, IMPOSSIBLE, UNKNOWN, CommandError
+from rtgen.ui.errors import CALL_FAILED, IMPOSSIBLE, NO_FIT, UNKNOWN, CommandError
 from rtgen.ui.protocol import ui
 from rtgen.ui.protocol.ui import BindingKind, CommandKind
 from rtgen.ui.remote_component import (
@@ -478,6 +478,9 @@ class NamingWatcher:
             self._own_profile(end, self._profile(far)) or self._profile(end)
             for end in ends
         ]
+        why = obstacle(*(described("", each) for each in profiles))
+        if why:
+            raise CommandError(NO_FIT, why)
         stated = {each.name: each.text for each in wanted.properties}
         type_ = texts(profiles[0].properties).get(DATA_TYPE)
         if type_ is not None:

@@ -10,9 +10,16 @@ from msgspec.structs import replace
 from omniORB import CORBA
 
 from rtgen.facts.openrtm_ports import RUNTIME, known_name
+from rtgen.facts.port_fitting import IN_PORT, OUT_PORT, scoped
 from rtgen.runtime.corba.faults import is_silent
 from rtgen.runtime.corba.rt_objects.objects import CallError, Exported
-from rtgen.runtime.corba.rt_objects.remote import FAULTS, RemoteRtc
+from rtgen.runtime.corba.rt_objects.remote import (
+    CONSTRAINTS,
+    FAULTS,
+    TYPES,
+    WIDGETS,
+    RemoteRtc,
+)
 from rtgen.runtime.corba.rt_objects.wire import (
     ComponentProfile,
     ConnectorProfile,
@@ -22,6 +29,7 @@ from rtgen.runtime.corba.rt_objects.wire import (
     texts,
 )
 from rtgen.runtime.return_codes import RTC_OK
+from rtgen.runtime.rtc.stated_values import problem
 from rtgen.ui.description import STATES
 from rtgen.ui.errors import BAD_VALUE, CALL_FAILED, NO_FIT, WRONG_STATE, CommandError
 from rtgen.ui.protocol import ui
@@ -29,11 +37,9 @@ from rtgen.ui.type_table import NO_TYPE
 
 DATA_TYPE: Final = "dataport.data_type"
 _PORT_KINDS: Final = {
-    "DataInPort": ui.PortKind.PORT_IN,
-    "DataOutPort": ui.PortKind.PORT_OUT,
+    IN_PORT: ui.PortKind.PORT_IN,
+    OUT_PORT: ui.PortKind.PORT_OUT,
 }
-_WIDGETS, _CONSTRAINTS, _TYPES = "__widget__", "__constraints__", "__type__"
-"""Configuration sets in which OpenRTM components describe their parameters."""
 _REQUESTS: Final = {
     ui.CommandKind.COMMAND_ACTIVATE: "activate_component",
     ui.CommandKind.COMMAND_DEACTIVATE: "deactivate_component",
@@ -143,6 +149,13 @@ class RemoteComponent:
 
     def set(self, set_id: str, parameter: str, text: str) -> None:
         """Set a parameter. Values of the active set take effect, as by OpenRTM's tools."""
+        known = next(
+            (p for p in self.component.parameters if p.name == parameter), None
+        )
+        if known is not None:
+            why = problem(parameter, text, known.type, known.constraint)
+            if why:
+                raise CommandError(BAD_VALUE, f"{self.component.instance}: {why}")
         try:
             active = self.rtc.active_set()
             add = set_id not in ("", *self.rtc.sets())
@@ -223,24 +236,17 @@ def described(name: str, profile: PortProfile) -> ui.Port:
     return ui.Port(
         name=name,
         kind=ui.PortKind.PORT_SERVICE if kind is None else kind,
-        type="" if kind is None else _scoped(properties.get(DATA_TYPE, "")),
+        type="" if kind is None else scoped(properties.get(DATA_TYPE, "")),
         type_number=NO_TYPE,
         interfaces=[
             ui.ServiceInterface(
                 name=each.instance_name,
-                type=_scoped(each.type_name),
+                type=scoped(each.type_name),
                 provided=each.polarity == PortInterfacePolarity.PROVIDED,
             )
             for each in profile.interfaces
         ],
     )
-
-
-def _scoped(repository_id: str) -> str:
-    """Return `RTC::TimedLong` for `IDL:RTC/TimedLong:1.0`; any other text unchanged."""
-    if not repository_id.startswith("IDL:"):
-        return repository_id
-    return repository_id.removeprefix("IDL:").rpartition(":")[0].replace("/", "::")
 
 
 def _parameters(
@@ -255,9 +261,9 @@ def _parameters(
     return [
         ui.Parameter(
             name=name,
-            type=stated(_TYPES, name),
-            constraint=stated(_CONSTRAINTS, name),
-            widget=stated(_WIDGETS, name),
+            type=stated(TYPES, name),
+            constraint=stated(CONSTRAINTS, name),
+            widget=stated(WIDGETS, name),
         )
         for name in names
         if not name.startswith("__")

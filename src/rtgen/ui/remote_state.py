@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import product
 
 from msgspec.structs import replace
 
+from rtgen.facts import port_fitting
 from rtgen.facts.connector_properties import EMBEDDED_DATA, PROFILE_ATTRIBUTES
+from rtgen.facts.port_fitting import StatedInterface, StatedPort
 from rtgen.ui.protocol import ui
 
 _KINDS = {
-    ui.PortKind.PORT_IN: "an InPort",
-    ui.PortKind.PORT_OUT: "an OutPort",
-    ui.PortKind.PORT_SERVICE: "a service port",
+    ui.PortKind.PORT_IN: port_fitting.IN_PORT,
+    ui.PortKind.PORT_OUT: port_fitting.OUT_PORT,
+    ui.PortKind.PORT_SERVICE: port_fitting.SERVICE_PORT,
 }
 
 
@@ -97,17 +98,12 @@ class RemoteState:
 
 def obstacle(one: ui.Port, other: ui.Port) -> str:
     """Return why two ports cannot be connected, by their profiles; empty if they can."""
-    kinds = {one.kind, other.kind}
-    if kinds == {ui.PortKind.PORT_SERVICE}:
-        for a, b in product(one.interfaces, other.interfaces):
-            if a.provided is not b.provided and _is_same_type(a.type, b.type):
-                return ""
-        return "neither provides an interface that the other requires"
-    if kinds != {ui.PortKind.PORT_IN, ui.PortKind.PORT_OUT}:
-        return f"{_KINDS[one.kind]} is not connected to {_KINDS[other.kind]}"
-    if not _is_same_type(one.type, other.type):
-        return f"they have different types: {one.type} and {other.type}"
-    return ""
+    return port_fitting.obstacle(_stated(one), _stated(other))
+
+
+def _stated(port: ui.Port) -> StatedPort:
+    interfaces = (StatedInterface(each.type, each.provided) for each in port.interfaces)
+    return StatedPort(_KINDS[port.kind], port.type, tuple(interfaces))
 
 
 def restored(properties: Sequence[ui.Value]) -> list[ui.Value]:
@@ -117,13 +113,6 @@ def restored(properties: Sequence[ui.Value]) -> list[ui.Value]:
         for each in properties
         if each.name in EMBEDDED_DATA or each.name in PROFILE_ATTRIBUTES
     ]
-
-
-def _is_same_type(one: str, other: str) -> bool:
-    """Return whether type names are equal; OpenRTM 1 only has the last part."""
-    if "::" in one and "::" in other:
-        return one == other
-    return one.rpartition("::")[2] == other.rpartition("::")[2]
 
 
 def _change(before: ui.Component, after: ui.Component, now: float) -> ui.StateChange:

@@ -9,6 +9,7 @@ import omniORB
 from omniORB import CORBA
 
 from rtgen.facts.connector_properties import EMBEDDED_DATA, Dataflow
+from rtgen.facts.port_fitting import is_same_type
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.corba.faults import is_silent, is_timeout
 from rtgen.runtime.corba.orb import MAX_MESSAGE
@@ -72,8 +73,7 @@ def settings_of(properties: Mapping[str, str], type_: type[DataType]) -> dict[st
         )
     descriptor: Any = type_._descriptor_
     stated = properties.get(_TYPE, descriptor.repository_id).strip()
-    # OpenRTM 1 only has the last part of the name.
-    if stated not in (descriptor.repository_id, descriptor.name.rpartition("::")[2]):
+    if not is_same_type(stated, descriptor.repository_id):
         raise PortTypeError(f"samples of type {stated}, not {descriptor.repository_id}")
     kept = {key: text for key, text in properties.items() if key in EMBEDDED_DATA}
     kept.pop(_TYPE, None)

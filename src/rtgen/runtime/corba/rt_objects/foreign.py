@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,16 +16,18 @@ from rtgen.facts.openrtm_ports import KIND
 from rtgen.runtime.corba.naming import Naming, is_alive
 from rtgen.runtime.corba.rt_objects.activation import Activations
 from rtgen.runtime.corba.rt_objects.objects import CallError, Exported
-from rtgen.runtime.corba.rt_objects.remote import FAULTS, RemoteRtc
+from rtgen.runtime.corba.rt_objects.remote import CONSTRAINTS, FAULTS, TYPES, RemoteRtc
 from rtgen.runtime.corba.rt_objects.wire import (
     CONFIGURATION,
     RT_OBJECT,
     ConfigurationSet,
     NameValue,
     SdoError,
+    texts,
 )
 from rtgen.runtime.errors import ConfigurationError, TransportError
 from rtgen.runtime.return_codes import LifeCycleState
+from rtgen.runtime.rtc.stated_values import problem
 from rtgen.runtime.services.transports import ForeignComponent
 
 _ADDRESSES = ("corbaname:", "corbaloc:", "IOR:")
@@ -85,6 +87,11 @@ class Foreign:
                 f"{self.instance} has no parameter {', '.join(unknown)}; "
                 f"it has: {', '.join(sorted(parameters)) or 'none'}"
             )
+        types, limits = (_described(known, each) for each in (TYPES, CONSTRAINTS))
+        for name, text in given.items():
+            why = problem(name, text, types.get(name, ""), limits.get(name, ""))
+            if why:
+                raise ConfigurationError(f"{self.instance}: {why}")
         data = (
             {item.name: item.value for item in found.configuration_data}
             if found
@@ -129,6 +136,12 @@ class Foreign:
 
     def _lost(self, error: Any) -> TransportError:
         return TransportError(f"{self.instance} does not answer: {error}")
+
+
+def _described(sets: Iterable[ConfigurationSet], set_id: str) -> dict[str, str]:
+    """Return what a set that informs tools says of the parameters."""
+    found = next((each for each in sets if each.id == set_id), None)
+    return {} if found is None else texts(found.configuration_data)
 
 
 class Directory:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from rtgen.facts.connector_properties import STRICTNESS
 from rtgen.facts.openrtm_ports import RUNTIME, known_name
+from rtgen.facts.port_fitting import is_same_type
 from rtgen.runtime.corba.naming import is_alive
 from rtgen.runtime.corba.rt_objects.data import DEFAULT_LIMIT, SentConnector
 from rtgen.runtime.corba.rt_objects.foreign import Directory
@@ -304,9 +305,8 @@ class PeerConnection(_Peer):
     def check(self, found: PortProfile) -> None:
         """Compare the data types."""
         descriptor: Any = self.here.type._descriptor_
-        short = descriptor.name.rpartition("::")[2]
         type_ = texts(found.properties).get("dataport.data_type", "")
-        if type_ not in (descriptor.repository_id, short, ""):
+        if not is_same_type(type_, descriptor.repository_id):
             raise PortTypeError(
                 f"{self.here} and {self.there} have different types: "
                 f"{descriptor.repository_id} and {type_}"
@@ -344,7 +344,9 @@ class ServicePeer(_Peer):
             offered = [i.type_name for i in found.interfaces if i.polarity == polarity]
             for end in ends:
                 names = type_names(end)
-                if any(offer in names for offer in offered):
+                if any(
+                    is_same_type(offer, name) for offer in offered for name in names
+                ):
                     partners += 1
                 else:
                     listed = ", ".join(offered) or "none"

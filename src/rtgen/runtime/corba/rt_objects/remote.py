@@ -35,7 +35,11 @@ from rtgen.runtime.return_codes import (
 )
 
 _FOR_TOOLS = "__"
-"""Prefix of the ids of sets that inform tools: `__widget__`, `__constraints__`."""
+"""Prefix of the ids of sets that inform tools."""
+WIDGETS: Final = "__widget__"
+CONSTRAINTS: Final = "__constraints__"
+TYPES: Final = "__type__"
+"""Ids of the sets in which OpenRTM's components describe their parameters."""
 _POLL_INTERVAL = 0.01
 _MAX_ENDED: Final = 8
 """Maximum number of ended processes to which one port is connected."""
