@@ -2,10 +2,11 @@
 
     python benchmarks/floods.py [SECONDS] [KIND...]
 
-`rtgen ui` with components of 1 kHz, clients in processes of their own that send as fast as the
-server takes it, and an operator with full rights who deactivates a component now and then. Each row
-has the ticks of a component of 1 kHz per second, their part of those of the control before it,
-the longest time between two ticks, the longest answer to `deactivate`, and the answers that the
+A system with components of 1 kHz behind `rtgen ui`, Foxglove's server, remote control over Zenoh,
+or CORBA; clients in processes of their own that send as fast as they are answered or their requests
+taken; and an operator, with full rights on the page, who deactivates a component now and then. Each
+row has the ticks of a component of 1 kHz per second, their part of those of the control before it,
+the longest time between two ticks, the longest answer to `deactivate`, and the messages that the
 clients got.
 """
 
@@ -18,13 +19,15 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
 from socket import create_connection, socket
-from typing import Any
+from typing import Any, NamedTuple
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT / "generated"), str(ROOT / "src")]
+sys.path[:0] = [
+    str(ROOT / each) for each in ("benchmarks", "generated", "src", "tests")
+]
 
 from websockets.sync.client import connect  # noqa: E402
 
@@ -50,6 +53,14 @@ KINDS: dict[str, ui.Command | bytes | None] = {
     "join": None,
 }
 """What clients send; None: they open and close sockets."""
+OTHERS = (
+    "foxglove parameters",
+    "foxglove calls",
+    "ctl state",
+    "ctl describe",
+    "corba profile",
+)
+"""Kinds whose doors `flood_doors` has."""
 _FULL = ("calls",)
 """Kinds that need full rights."""
 
@@ -166,8 +177,8 @@ class Gaps:
 
 
 @contextmanager
-def served() -> Iterator[tuple[Any, Gaps]]:
-    """Run the system behind a server."""
+def served() -> Iterator[tuple[Callable[[bool], str], Gaps]]:
+    """Run the system behind a server; yield its addresses, by whether they give full rights."""
     from rtgen.cli.common import Console
     from rtgen.cli.ui import CommandProject
     from rtgen.ui.serving import Server
@@ -185,35 +196,53 @@ def served() -> Iterator[tuple[Any, Gaps]]:
     serving.start()
     ready.wait()
     session.runner.submit(session.runner.play)
+
+    def address(full: bool) -> str:
+        found = server.address(full=full).replace("http:", "ws:")
+        return str(found.replace("/?", "/socket?"))
+
     try:
-        yield server, gaps
+        yield address, gaps
     finally:
         server.stop()
         serving.join()
 
 
+class Door(NamedTuple):
+    """A place where requests enter: a system behind it, clients that flood it, an operator."""
+
+    served: Callable[[], AbstractContextManager[tuple[Callable[[bool], str], Gaps]]]
+    flood: Callable[..., None]
+    operate: Callable[..., None]
+
+
+def door_of(kind: str) -> Door:
+    """Return the door of a kind of flood."""
+    if kind in KINDS:
+        return Door(served, flood, operate)
+    import flood_doors
+
+    return flood_doors.DOORS[kind]
+
+
 def measure(kind: str, clients: int, seconds: float) -> dict[str, Any]:
     """Return the figures of a run with these clients; without any if `clients` is 0."""
     spawning = multiprocessing.get_context("spawn")
-    with served() as (server, gaps):
-
-        def address(*, full: bool) -> str:
-            found = server.address(full=full).replace("http:", "ws:")
-            return str(found.replace("/?", "/socket?"))
-
+    door = door_of(kind)
+    with door.served() as (address, gaps):
         end, longest = spawning.Event(), spawning.Value("d", 0.0)
         refused = spawning.Value("i", 0)
         answers = [spawning.Value("i", 0) for _ in range(clients)]
         begun, *readies = [spawning.Event() for _ in range(1 + clients)]
         processes = [
             spawning.Process(
-                target=operate,
-                args=(address(full=True), begun, end, longest, refused),
+                target=door.operate,
+                args=(address(True), begun, end, longest, refused),
             ),
             *(
                 spawning.Process(
-                    target=flood,
-                    args=(address(full=kind in _FULL), kind, ready, end, answer),
+                    target=door.flood,
+                    args=(address(kind in _FULL), kind, ready, end, answer),
                 )
                 for ready, answer in zip(readies, answers, strict=True)
             ),
@@ -244,9 +273,9 @@ def measure(kind: str, clients: int, seconds: float) -> dict[str, Any]:
 def main() -> int:
     """Print a row for each kind and number of clients, each beside its control."""
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 5.0
-    kinds = sys.argv[2:] or [*KINDS]
+    kinds = sys.argv[2:] or [*KINDS, *OTHERS]
     print(
-        f"{'flood':12}{'clients':>8}{'ticks/s':>9}{'control':>9}{'part':>7}"
+        f"{'flood':20}{'clients':>8}{'ticks/s':>9}{'control':>9}{'part':>7}"
         f"{'longest gap':>13}{'control':>9}{'deactivate':>12}{'control':>9}"
         f"{'refused':>9}{'answers/s':>11}"
     )
@@ -255,7 +284,7 @@ def main() -> int:
             control = measure(kind, 0, seconds)
             found = measure(kind, clients, seconds)
             print(
-                f"{kind:12}{clients:8}{found['rate']:9.0f}{control['rate']:9.0f}"
+                f"{kind:20}{clients:8}{found['rate']:9.0f}{control['rate']:9.0f}"
                 f"{found['rate'] / control['rate']:7.2f}"
                 f"{1e3 * found['longest']:10.0f} ms{1e3 * control['longest']:6.0f} ms"
                 f"{1e3 * found['deactivate']:9.0f} ms"

@@ -47,6 +47,8 @@ _BURST: Final = 0.2
 """Time that is saved up for them [s]."""
 _LONGEST: Final = 0.01
 """Time for calls between two steps of the run, if so many wait [s]."""
+_REFUSAL: Final = 0.02
+"""Time after which a client learns that too many of its calls wait [s]."""
 _STATES: Final = frozenset(("rtgen/activate", "rtgen/deactivate", "rtgen/reset"))
 """Types of services by which people stop a robot: they wait for no others."""
 _BACKLOG: Final = 1024
@@ -264,6 +266,7 @@ class LiveView:
                 request.carry_out()
 
         if not self._queues.put(client, carry_out, first=first):
+            time.sleep(_REFUSAL)
             raise RefusedError("too many requests wait")
         return request.reply
 

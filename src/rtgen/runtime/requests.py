@@ -19,6 +19,8 @@ Request = Callable[[], object]
 
 BURST: Final = 0.05
 """Time that can be saved up for requests [s]."""
+_SHORTEST, _LONGEST = 0.001, 0.05
+"""Times for which a thread waits before it looks again [s]."""
 _QUIET: Final = 1.0
 """Time after which a client is not refused because of others [s]."""
 MAX_AT_ONCE: Final = 100
@@ -275,3 +277,38 @@ class Allowance:
         credit, then = self._credits.get(client, (self._burst, 0.0))
         share = self._share if client is None else self._share / 2
         return min(credit + (self._clock() - then) * share, self._burst)
+
+
+class Pace:
+    """The part of the time that requests may take whose threads can wait."""
+
+    def __init__(
+        self,
+        share: float,
+        burst: float = BURST,
+        clock: Callable[[], float] = time.perf_counter,
+        sleep: Callable[[float], None] = time.sleep,
+    ) -> None:
+        self._share = share
+        self._burst = self._credit = burst
+        self._clock = clock
+        self._sleep = sleep
+        self._last = clock()
+        self._lock = threading.Lock()
+
+    def wait(self) -> None:
+        """Wait until a request may be executed."""
+        while (debt := -self._earned()) >= 0.0:
+            self._sleep(min(max(debt / self._share, _SHORTEST), _LONGEST))
+
+    def charge(self, seconds: float) -> None:
+        """Count the time of a request [s]."""
+        with self._lock:
+            self._credit -= seconds
+
+    def _earned(self) -> float:
+        with self._lock:
+            now = self._clock()
+            earned = self._credit + (now - self._last) * self._share
+            self._credit, self._last = min(earned, self._burst), now
+            return self._credit

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from rtgen.runtime.requests import Allowance, Client, Queues, Requests
+from rtgen.runtime.requests import Allowance, Client, Pace, Queues, Requests
 
 
 class Time:
@@ -211,3 +211,18 @@ def test_many_clients_together_take_no_more_than_the_share() -> None:
                 taken += 0.002
     # A client that was not served for a second is served in any case.
     assert 0.19 < taken / time.now < 0.2 + 20 * 0.002 + 0.01
+
+
+def test_threads_that_can_wait_keep_their_pace() -> None:
+    time = Time()
+
+    def sleep(seconds: float) -> None:
+        assert 0.0 < seconds <= 0.05
+        time.now += seconds
+
+    pace = Pace(0.2, 0.05, time, sleep)
+    for _ in range(1000):
+        pace.wait()
+        time.now += 0.002
+        pace.charge(0.002)
+    assert 0.19 < 2.0 / time.now < 0.21

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from contextlib import suppress
 from functools import cache
@@ -17,7 +18,16 @@ from rtgen.runtime.corba.objects import SkeletonClass
 from rtgen.runtime.corba.orb import Orb
 from rtgen.runtime.corba.rt_objects.wire import Interface
 from rtgen.runtime.failures import log
+from rtgen.runtime.requests import Pace
 
+_SHARE: Final = 0.2
+"""The part of the time for reading profiles, configurations and so on."""
+_BURST: Final = 0.5
+"""Time that is saved up for that, such as for the start of a tool [s]."""
+_CONVERSION: Final = 1e-4
+"""Time in which omniORB reads a request and writes its answer [s]."""
+_READING: Final = re.compile(r"get_(?!component_state)").match
+"""Operations that wait: not those for states, samples and connections."""
 _POSTING: Final = 100
 """Milliseconds in which a request is sent."""
 
@@ -36,12 +46,13 @@ class Exported:
     def __init__(self, orb: Orb, *, gives_up: bool = True) -> None:
         self._orb = orb
         self._gives_up = gives_up
+        self._pace = Pace(_SHARE, _BURST)
         self._silent: dict[str, float] = {}
         """Processes that did not answer in time, and until when they are not called again."""
 
     def serve(self, interface: Interface, target: object) -> Any:
         """Return a reference to an object whose calls are those of `target`."""
-        servant = _class_of(interface)(target, self._orb.busy)
+        servant = _class_of(interface)(target, self._orb.busy, self._pace)
         return self._orb.poa.id_to_reference(self._orb.poa.activate_object(servant))
 
     def withdraw(self, reference: Any) -> None:
@@ -123,9 +134,10 @@ class Exported:
 def _class_of(interface: Interface) -> type[Any]:
     operations = interface.operations
 
-    def keep(self: Any, target: object, busy: list[None]) -> None:
+    def keep(self: Any, target: object, busy: list[None], pace: Pace) -> None:
         self._target = target
         self._busy = busy
+        self._pace = pace
 
     parts: dict[str, Any] = {
         "__init__": keep,
@@ -134,7 +146,7 @@ def _class_of(interface: Interface) -> type[Any]:
         "_omni_skeleton": SkeletonClass(interface, operations),
     }
     for name in operations:
-        parts[name] = _method(name)
+        parts[name] = _paced(_method(name)) if _READING(name) else _method(name)
     return type(f"{interface.repository_id}", (PortableServer.Servant,), parts)
 
 
@@ -152,3 +164,17 @@ def _method(name: str) -> Any:
             self._busy.pop()
 
     return method
+
+
+def _paced(method: Any) -> Any:
+    """Return a method whose calls together take a part of the time."""
+
+    def paced(self: Any, *arguments: Any) -> Any:
+        self._pace.wait()
+        begun = time.thread_time()
+        try:
+            return method(self, *arguments)
+        finally:
+            self._pace.charge(time.thread_time() - begun + _CONVERSION)
+
+    return paced

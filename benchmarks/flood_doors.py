@@ -1,0 +1,270 @@
+"""Doors of floods.py other than the page: Foxglove's server, remote control, CORBA."""
+
+from __future__ import annotations
+
+import json
+import struct
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from typing import Any
+
+from floods import INSTANCE, PORT, STEERED, SYSTEM, Door, Gaps
+
+Address = Callable[[bool], str]
+_LONG = 1e6
+
+
+@contextmanager
+def running(transport: Any, stack: ExitStack) -> Iterator[tuple[Any, Gaps]]:
+    """Run the system in a thread; what is in `stack` is closed before the system."""
+    from rtgen import runtime
+    from rtgen.cli.running.assembly import assemble
+    from rtgen.cli.running.factories import Factories
+    from rtgen.project import load_around
+    from rtgen.systems.reading import read_file
+
+    profile, _, _ = read_file(SYSTEM)
+    assert profile is not None
+    factories, clock = Factories(load_around(SYSTEM)), runtime.RealClock()
+    ended = threading.Event()
+    with assemble(profile, factories, clock, [], [], transport) as system, stack:
+        gaps = Gaps()
+        system.watch_port(INSTANCE, PORT, gaps.tick)
+        thread = threading.Thread(
+            target=lambda: system.run(round(_LONG * 1e9), lambda _: ended.is_set())
+        )
+        thread.start()
+        try:
+            yield system, gaps
+        finally:
+            ended.set()
+            thread.join()
+
+
+def steer(
+    request: Callable[[str], bool], ready: Any, end: Any, longest: Any, refused: Any
+) -> None:
+    """Deactivate and activate a component until the end."""
+    number = 0
+    while not end.wait(0.3):
+        for what in ("deactivate", "activate"):
+            number += 1
+            begun = time.perf_counter()
+            done = request(what)
+            passed = time.perf_counter() - begun
+            if what == "deactivate":
+                longest.value = max(longest.value, passed)
+            refused.value += not done
+            time.sleep(0.05)
+        if number > 4:
+            ready.set()
+
+
+# Foxglove.
+
+
+@contextmanager
+def foxglove() -> Iterator[tuple[Address, Gaps]]:
+    """Run the system behind a live view."""
+    from rtgen.recording import live_view
+
+    with ExitStack() as stack, running(None, stack) as (system, gaps):
+        view = live_view.LiveView(system, "floods", port=0)
+        stack.callback(view.close)
+        yield lambda _: view.address, gaps
+
+
+class Viewer:
+    """A client of Foxglove's protocol."""
+
+    def __init__(self, address: str) -> None:
+        from websockets.sync.client import connect
+
+        self.socket = connect(address, subprotocols=["foxglove.sdk.v1"], max_size=None)
+        self.services: dict[str, int] = {}
+        while STEERED not in str(self.services):
+            message = self.socket.recv(60)
+            if isinstance(message, str):
+                found = json.loads(message)
+                listed = found.get("services", ())
+                self.services |= {each["name"]: each["id"] for each in listed}
+
+    def call(self, name: str, number: int) -> None:
+        """Send a call of a service."""
+        head = struct.pack("<BIII", 2, self.services[name], number, 4)
+        self.socket.send(head + b"json" + b"{}")
+
+    def answer(self, number: int) -> bool:
+        """Return whether a call was executed."""
+        while True:
+            message = self.socket.recv(60)
+            if isinstance(message, str):
+                found = json.loads(message)
+                if found.get("op") == "serviceCallFailure":
+                    return False
+            elif message[0] == 3 and struct.unpack_from("<I", message, 5)[0] == number:
+                return True
+
+
+def flood_foxglove(address: str, kind: str, ready: Any, end: Any, answers: Any) -> None:
+    """Read parameters or call a service, hundred requests at a time."""
+    viewer = Viewer(address)
+    question = json.dumps({"op": "getParameters", "parameterNames": [], "id": "f"})
+    [name] = [n for n in viewer.services if n.endswith("/RefHard/Stop")][:1]
+    ready.set()
+    while not end.is_set():
+        for _ in range(100):
+            if kind == "foxglove parameters":
+                viewer.socket.send(question)
+            else:
+                viewer.call(name, 7)
+        for _ in range(100):
+            viewer.socket.recv(60)
+            answers.value += 1
+
+
+def operate_foxglove(
+    address: str, ready: Any, end: Any, longest: Any, refused: Any
+) -> None:
+    """Steer by services."""
+    viewer = Viewer(address)
+    numbers = iter(range(1, 1 << 30))
+
+    def request(what: str) -> bool:
+        number = next(numbers)
+        viewer.call(f"/{STEERED}/{what}", number)
+        return viewer.answer(number)
+
+    steer(request, ready, end, longest, refused)
+
+
+# Remote control.
+
+
+@contextmanager
+def zenoh() -> Iterator[tuple[Address, Gaps]]:
+    """Run the system over Zenoh."""
+    from media import transports
+
+    with (
+        transports("zenoh") as others,
+        others.open(2.0) as transport,
+        ExitStack() as stack,
+        running(transport, stack) as (_, gaps),
+    ):
+        yield lambda _: str(others.address), gaps
+
+
+def flood_control(address: str, kind: str, ready: Any, end: Any, answers: Any) -> None:
+    """Ask from eight threads for a state or a description."""
+    from media import transport_at
+
+    from rtgen.runtime.distribution.control import ControlError
+
+    with transport_at(address, 5.0) as transport:
+        transport.await_instance(INSTANCE, 60.0)
+
+        def work() -> None:
+            asker = transport.peers.asker(INSTANCE)
+            while not end.is_set():
+                with suppress(ControlError):
+                    asker.state() if kind == "ctl state" else asker.describe()
+                answers.value += 1
+
+        threads = [threading.Thread(target=work) for _ in range(8)]
+        for thread in threads:
+            thread.start()
+        ready.set()
+        for thread in threads:
+            thread.join()
+
+
+def operate_control(
+    address: str, ready: Any, end: Any, longest: Any, refused: Any
+) -> None:
+    """Steer by remote control."""
+    from media import transport_at
+
+    from rtgen.runtime.distribution.control import ControlError
+
+    with transport_at(address, 5.0) as transport:
+        transport.await_instance(STEERED, 60.0)
+        asker = transport.peers.asker(STEERED)
+
+        def request(what: str) -> bool:
+            try:
+                getattr(asker, what)()
+            except ControlError:
+                return False
+            return True
+
+        steer(request, ready, end, longest, refused)
+
+
+# CORBA.
+
+
+@contextmanager
+def corba() -> Iterator[tuple[Address, Gaps]]:
+    """Run the system over CORBA."""
+    from media import transports
+
+    with (
+        transports("corba") as others,
+        others.open(2.0) as transport,
+        ExitStack() as stack,
+        running(transport, stack) as (_, gaps),
+    ):
+        yield lambda _: str(others.address), gaps
+
+
+def _remote(address: str, instance: str) -> Any:
+    from rtgen.runtime.corba.orb import Orb
+    from rtgen.runtime.corba.rt_objects.objects import Exported
+    from rtgen.runtime.corba.rt_objects.remote import RemoteRtc
+
+    orb = Orb(timeout=5.0)
+    place = json.loads(address)["corba"]
+    name = f"corbaname::{place}#{instance}.rtc"
+    return RemoteRtc(orb.orb.string_to_object(name), Exported(orb))
+
+
+def flood_corba(address: str, kind: str, ready: Any, end: Any, answers: Any) -> None:
+    """Ask from eight threads for a profile."""
+    rtc = _remote(address, INSTANCE)
+
+    def work() -> None:
+        while not end.is_set():
+            rtc.call("get_component_profile")
+            answers.value += 1
+
+    threads = [threading.Thread(target=work) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    ready.set()
+    for thread in threads:
+        thread.join()
+
+
+def operate_corba(
+    address: str, ready: Any, end: Any, longest: Any, refused: Any
+) -> None:
+    """Steer by the execution context."""
+    rtc = _remote(address, STEERED)
+
+    def request(what: str) -> bool:
+        rtc.ask(rtc.context, f"{what}_component", rtc.reference)
+        return True
+
+    steer(request, ready, end, longest, refused)
+
+
+DOORS = {
+    "foxglove parameters": Door(foxglove, flood_foxglove, operate_foxglove),
+    "foxglove calls": Door(foxglove, flood_foxglove, operate_foxglove),
+    "ctl state": Door(zenoh, flood_control, operate_control),
+    "ctl describe": Door(zenoh, flood_control, operate_control),
+    "corba profile": Door(corba, flood_corba, operate_corba),
+}
