@@ -69,6 +69,8 @@ def launch(
 ) -> Iterator[Callable[..., LoggedProcess]]:
     """Yield a function that starts processes: foreign ones by their kind, and `rtgen run`."""
     made: list[LoggedProcess] = []
+    # Compiled before a run begins, which waits for the operator.
+    cpp = request.getfixturevalue("cpp_programs") if author == "c++" else None
 
     def launched(
         *what: str, formats: str = "%n.rtc", folder: Path = ROOT, path: str = ""
@@ -79,7 +81,7 @@ def launch(
             command = ["-m", "rtgen", *what, "--clock", "real", "--transport", "corba"]
             environment = {**os.environ, "PYTHONPATH": path}
         elif author == "c++":
-            program = str(request.getfixturevalue("cpp_programs") / "position_input")
+            program = str(cpp / "position_input")
             place = formats.replace("%n", "PositionInput0")
             command = [f"corbaname::{naming_service}#{place}", CPP_TYPES[what[0]]]
             command += ["-ORBendPoint", "giop:tcp:127.0.0.1:"]

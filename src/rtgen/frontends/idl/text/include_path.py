@@ -7,6 +7,7 @@ from pathlib import Path
 
 from rtgen.diagnostics import Span
 from rtgen.frontends.idl.rules import lexical
+from rtgen.frontends.idl.text.installed import FILES, PLACES, installed_folder
 from rtgen.frontends.idl.text.source import Library, Source
 from rtgen.frontends.idl.text.unit import Unit
 from rtgen.frontends.kit.library import absolute_path
@@ -31,6 +32,8 @@ class IncludePath:
         self._missing: dict[Place, str] = {}
         self._origins: dict[Source, Path | None] = {}
         self._searched: dict[tuple[Path | None, Folders], tuple[str, list[str]]] = {}
+        self._installed: set[Source] = set()
+        """The files found in the folder of OpenRTM."""
         self._guesses = Guesses()
 
     def place(
@@ -44,7 +47,8 @@ class IncludePath:
         origin = self._origins.get(includer)
         if further and origin is not None:
             folders = folders[folders.index(origin) + 1 :]
-        elif not quoted:
+        elif not quoted or includer in self._installed:
+            # A file of OpenRTM includes rtgen's files of OpenRTM's types, not those beside it.
             folders = folders[1:]
         return (includer.folder if None in folders else None, folders, name)
 
@@ -97,6 +101,8 @@ class IncludePath:
                 return None, (), False
             if (virtual := self._library.virtual(name)) is not None:
                 return virtual, tuple(searched), True
+            if (installed := self._of_openrtm(name, searched)) is not None:
+                return installed, tuple(searched), False
             self._missing[place] = self._hint(place)
         unit.guessed = True
         unit.findings.report(
@@ -106,9 +112,23 @@ class IncludePath:
         )
         return None, (), False
 
+    def _of_openrtm(self, name: str, searched: list[str]) -> Source | None:
+        """Return the file of this name that OpenRTM has installed."""
+        folder = installed_folder()
+        if folder is None or Path(name).name != name:
+            return None
+        path = folder / name
+        searched.append(absolute_path(path))
+        found = self._library.open(path, folder)
+        if found is not None:
+            self._installed.add(found)
+        return found
+
     def _hint(self, place: Place) -> str:
         """Return a hint: the folders searched, and a file there with a similar name."""
         beside, folders, name = place
+        if name in FILES:
+            return f"OpenRTM installs it; its folder of IDL files is asked of {PLACES}"
         if (beside, folders) not in self._searched:
             real = [folder or beside or Path() for folder in folders]
             shown = dict.fromkeys(map(self._library.displayed, real))

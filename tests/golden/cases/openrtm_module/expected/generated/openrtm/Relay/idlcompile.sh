@@ -3,7 +3,7 @@
 # Owned by rtgen: edits are overwritten by the next run.
 # Generates the Python stubs of Relay's IDL with omniidl, in the folder stubs.
 # PYTHON: the interpreter (python3). RTM_IDL: OpenRTM's folder of IDL files, if neither
-# rtm2-config nor OpenRTM_aist nor RTM_ROOT leads to it; without OpenRTM the files of rtgen are used.
+# rtm2-config nor rtm-config nor OpenRTM_aist nor RTM_ROOT leads to it; without OpenRTM the files of rtgen are used.
 set -eu
 python=${PYTHON:-python3}
 if found=$(command -v "$python"); then
@@ -25,7 +25,7 @@ from_rtgen() {
 }
 
 installed="$(from_python)"
-for folder in "${RTM_IDL:-}" "$(rtm2-config --rtm-idldir 2>/dev/null || true)" "$installed" "${RTM_ROOT:-}/rtm/idl" "$(from_rtgen)"; do
+for folder in "${RTM_IDL:-}" "$(rtm2-config --rtm-idldir 2>/dev/null || true)" "$(rtm-config --rtm-idldir 2>/dev/null || true)" "$installed" "${RTM_ROOT:-}/rtm/idl" "$(from_rtgen)"; do
     [ -f "$folder/BasicDataType.idl" ] && break
 done
 if [ ! -f "$folder/BasicDataType.idl" ]; then
