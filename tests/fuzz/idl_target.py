@@ -79,7 +79,8 @@ class IdlTarget:
     def check(self, number: int, data: bytes) -> list[str]:
         """Read the input, check all results, and return labels."""
         result = self._read(data)
-        moved = _MARKER.search(data) is not None
+        # In UTF-16, ASCII has an octet 0 beside each character.
+        moved = _MARKER.search(data.replace(b"\0", b"")) is not None
         findings(result.diagnostics, result.sources, moved=moved)
         model, diagnostics = result.model, result.diagnostics
         text = json.dumps(inspect(model, diagnostics), allow_nan=False)
