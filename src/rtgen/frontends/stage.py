@@ -43,8 +43,8 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
     are macros. `encoding`, of `encodings.NAMES`, is that of files that do not tell theirs; with
     `prelude` the scalar types of TOPPERS kernels are known in CDL. `node_id` is the node that
     devices are read for. `plugins` has the table `[plugin.NAME]` of rtgen.toml for each name.
-    `observer` is given the resolved names. `memo` caches the results of earlier runs, which are
-    used if no file has changed.
+    `sources` are all files of the project. `observer` is given the resolved names. `memo` caches
+    the results of earlier runs, which are used if no file has changed.
     """
 
     root: Path
@@ -56,6 +56,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
     prelude: bool = True
     node_id: int | None = None
     plugins: Mapping[str, Mapping[str, Any]] = msgspec.field(default_factory=dict)
+    sources: tuple[Path, ...] = ()
     observer: Observer | None = None
     memo: Memo | None = None
 
@@ -94,6 +95,7 @@ def _is_found(result: FrontendResult) -> bool:
 
 def _profiles(paths: Sequence[Path], settings: Settings) -> FrontendResult:
     from rtgen.frontends import rtc_profile
+    from rtgen.frontends.rtc_profile.idl_search import candidates
 
     def profile(path: Path) -> FrontendResult:
         return rtc_profile.load(
@@ -101,9 +103,15 @@ def _profiles(paths: Sequence[Path], settings: Settings) -> FrontendResult:
             root=settings.root,
             include=settings.include,
             encoding=settings.encoding,
+            sources_of_types=settings.sources,
         )
 
-    return _each(paths, settings, profile, settings.include, settings.encoding)
+    searched: tuple[Path, ...] = ()
+    if settings.memo is not None:
+        places = settings.root, settings.include, settings.sources
+        searched = tuple(each for path in paths for each in candidates(path, *places))
+    given = settings.include, settings.encoding, searched
+    return _each(paths, settings, profile, *given)
 
 
 def _devices(paths: Sequence[Path], settings: Settings) -> FrontendResult:

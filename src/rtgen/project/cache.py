@@ -26,6 +26,7 @@ from rtgen.backends import Artifact, ComponentTypes, Owner
 from rtgen.diagnostics import Diagnostic, Related, Severity, Span
 from rtgen.files import MAX_BYTES, is_file, open_file, read_start
 from rtgen.project.compilation import Compilation
+from rtgen.project.kinds import is_component_profile
 from rtgen.project.loading import Project
 
 if TYPE_CHECKING:
@@ -59,6 +60,17 @@ class _Entry(TypedDict):
     components: tuple[dict[str, str], dict[str, str]]
 
 
+def _searched(project: Project) -> list[str]:
+    """Return the IDL files in which the types of profiles are searched."""
+    profiles = [path for path in project.sources if is_component_profile(path)]
+    if not profiles:
+        return []
+    from rtgen.frontends.rtc_profile.idl_search import candidates
+
+    places = project.root, project.include, project.sources
+    return [str(each) for path in profiles for each in candidates(path, *places)]
+
+
 class Cache:
     """A folder of entries, bounded in number and size; concurrent runs can share it."""
 
@@ -88,6 +100,7 @@ class Cache:
                 else []
             ),
             list(map(str, project.include)),
+            _searched(project),
             project.define,
             project.ignore_case_clashes,
             project.prelude,

@@ -118,6 +118,7 @@ class Project(msgspec.Struct, frozen=True, kw_only=True):
             prelude=self.prelude == "kernel",
             node_id=self.node_id,
             plugins=self.plugins,
+            sources=tuple(self.sources),
         )
 
     @property

@@ -14,7 +14,7 @@ from rtgen.backends.openrtm.plan import openrtm_port_name
 from rtgen.backends.openrtm.rules import OTHER_PROFILE
 from rtgen.diagnostics import Diagnostic, Span, has_errors, in_order
 from rtgen.frontends import FrontendResult, openrtm_python
-from rtgen.lowering.openrtm_idl import declared_in, type_names
+from rtgen.frontends.rtc_profile.idl_search import Search
 from rtgen.model import Component, Model, NamedType, PortKind, SourceFile
 from rtgen.model.rtc_profile import RtcProfile
 from rtgen.project import Project, load, with_arguments
@@ -69,21 +69,11 @@ def _with_neighbours(
 ) -> Adopted:
     """Return the component, with the IDL files near the module if they can be read.
 
-    IDL files are searched for in the module's folder and in a folder `idl` inside or beside it, for
-    declarations of the types that the ports use.
+    IDL files are searched for in the module's folder and in a folder `idl` inside or beside it, in
+    `include` and in OpenRTM's folder, for declarations of the types that the ports use.
     """
     [adopted] = profile.model.profiles
-    wanted = type_names(adopted)
-    folders = [
-        path.parent,
-        *(path.parent / each for each in ("idl", "../idl")),
-    ]
-    beside = [
-        file
-        for folder in folders
-        for file in sorted(folder.glob("*.idl"))
-        if not wanted.isdisjoint(declared_in(file))
-    ]
+    beside = Search(path, path.parent.parent, include, ()).files(adopted)
     plain = _definitions(include, ())
     given = {file.resolve() for file in plain.sources}
     beside = [file for file in beside if file.resolve() not in given]

@@ -13,10 +13,9 @@ from pathlib import Path
 from rtgen import stages
 from rtgen.diagnostics import Diagnostic
 from rtgen.facts.encodings import digest
-from rtgen.files import is_file, read_start
 from rtgen.frontends import Dependency, FrontendResult, key_of, profile_tree
-from rtgen.frontends.kit.library import MAX_BYTES
-from rtgen.frontends.rtc_profile.reader import Reader, idl_files
+from rtgen.frontends.rtc_profile.idl_search import Search
+from rtgen.frontends.rtc_profile.reader import Reader
 from rtgen.model import Model, SourceFile
 from rtgen.model.rtc_profile import RtcProfile
 
@@ -29,11 +28,14 @@ def load(
     root: Path,
     include: Sequence[Path],
     encoding: str = "auto",
+    sources_of_types: Sequence[Path] = (),
 ) -> FrontendResult:
     """Read profiles into a model, and search for the IDL files that they use.
 
-    These are searched for beside the profile, in a folder `idl` there, and in `include`. `encoding`
-    is that of profiles in YAML that are not UTF-8. All errors of a file are among the diagnostics.
+    These are searched for by name, or by the types of ports without a file: beside the profile, in
+    a folder `idl` there or in `root`, in `include`, and in OpenRTM's folder. IDL files among
+    `sources_of_types` come first. `encoding` is that of profiles in YAML that are not UTF-8. All
+    errors of a file are among the diagnostics.
     """
     profiles: list[RtcProfile] = []
     files: list[SourceFile] = []
@@ -59,14 +61,9 @@ def load(
         profiles.append(profile)
         key = key_of(path, root)
         files.append(SourceFile(name=file, key=key, sha256=digest(data), main=True))
-        folders = (path.parent, path.parent / "idl", *include)
-        for name in idl_files([profile]):
-            for folder in folders:
-                candidate = folder / name
-                dependencies.append(_looked_for(candidate))
-                if _is_file(candidate):
-                    idl[candidate] = None
-                    break
+        search = Search(path, root, include, sources_of_types)
+        idl |= dict.fromkeys(search.files(profile))
+        dependencies += search.dependencies
     return FrontendResult(
         Model(files=tuple(files), profiles=tuple(profiles)),
         tuple(found),
@@ -74,18 +71,3 @@ def load(
         tuple(dependencies),
         tuple(idl),
     )
-
-
-def _is_file(path: Path) -> bool:
-    try:
-        return is_file(path)
-    except OSError:  # its name is too long, for example
-        return False
-
-
-def _looked_for(path: Path) -> Dependency:
-    try:
-        data = read_start(path, MAX_BYTES + 1) if is_file(path) else None
-    except OSError:  # reported by the IDL front end
-        data = None
-    return Dependency(path, None if data is None else sha256(data).hexdigest())

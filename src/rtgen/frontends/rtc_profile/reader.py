@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from math import isfinite
 from pathlib import PureWindowsPath
 
@@ -383,15 +383,3 @@ def _doc(element: Element) -> str:
 
 def _base_name(path: str) -> str:
     return PureWindowsPath(path.strip()).name
-
-
-def idl_files(profiles: Iterable[RtcProfile]) -> list[str]:
-    """Return the base names of the IDL files in profiles, in order."""
-    named = []
-    for profile in profiles:
-        named += [port.idl_file for port in profile.data_ports]
-        for service in profile.service_ports:
-            named += [interface.idl_file for interface in service.interfaces]
-        files = profile.facts.get("files") or ()
-        named += [_base_name(file) for file in files if isinstance(file, str)]
-    return [name for name in dict.fromkeys(named) if name.lower().endswith(".idl")]
