@@ -45,7 +45,7 @@ function Entry({ parameter, text, full, label, set }: Slot) {
         type={range ? "range" : kind === "spin" ? "number" : "text"}
         min={min}
         max={max}
-        step={range ? step || (max - min) / 100 : "any"}
+        step={range ? step || (max - min) / 100 : (kind === "spin" && step) || "any"}
         value={edited ?? text}
         onChange={(e) => edit(e.target.value)}
         onBlur={commit}

@@ -18,7 +18,7 @@ _KINDS: Final = {
     OUT_PORT: "an OutPort",
     SERVICE_PORT: "a service port",
 }
-_UNKNOWN: Final = ("", "Any")
+_UNKNOWN: Final = ("", "any")
 """Data types that do not say which samples a port has."""
 
 
@@ -48,7 +48,7 @@ def is_same_type(one: str, other: str) -> bool:
     """Return whether two names are of one type, as far as they say; one may lack its scope."""
     ids = one.strip(), other.strip()
     first, second = map(scoped, ids)
-    if first in _UNKNOWN or second in _UNKNOWN:
+    if first.lower() in _UNKNOWN or second.lower() in _UNKNOWN:
         return True
     complete = all(each.startswith("IDL:") for each in ids)
     if complete or ("::" in first and "::" in second):

@@ -173,7 +173,7 @@ def _number(draw: st.DrawFn, type_: str) -> list[str]:
     if bounded in ("both", "range", "text") and draw(st.booleans()):
         own = [
             *own,
-            f'@widget("{draw(st.sampled_from(["slider.0.05", "spin", "text"]))}")',
+            f'@widget("{draw(st.sampled_from(["slider.0.05", "spin", "spin.0.1", "text"]))}")',
         ]
     if bounded == "list" and draw(st.booleans()):
         own = [*own, '@widget("radio")']

@@ -25,6 +25,7 @@ SAME = [
     ("RTC::TimedLong", "TimedLong"),
     ("", LONG),
     ("Any", LONG),
+    ("any", LONG),
     ("", ""),
     ("IDL:TimedLong:1.0", "TimedLong"),
     ("IDL:A/B/C:1.0", "A::B::C"),

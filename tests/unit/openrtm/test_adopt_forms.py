@@ -222,3 +222,152 @@ def test_mixed_tabs_are_not_called_python_2(tmp_path: Path) -> None:
     file.write_text("print 'x'\n")
     (finding,) = read_source(file).diagnostics
     assert "this is Python 2" in finding.message
+
+
+BASE = """\
+import OpenRTM_aist
+import RTC
+class RobotBase(OpenRTM_aist.DataFlowComponentBase):
+    def onInitialize(self):
+        self._out = OpenRTM_aist.OutPort("out", RTC.TimedLong(RTC.Time(0, 0), 0))
+        self.addOutPort("out", self._out)
+"""
+FROM_HERE = "os.path.dirname(os.path.abspath(__file__))"
+ADDING = [
+    f'sys.path += [os.path.join({FROM_HERE}, "..", "common")]',
+    f'sys.path.append(os.path.join({FROM_HERE}, "../common"))',
+    'sys.path.insert(0, os.path.join(os.path.dirname(__file__), "../common"))',
+    'sys.path.insert(1, os.path.realpath(os.path.dirname(__file__) + "/../common"))',
+    'sys.path.append("../common")',
+    'sys.path.extend(["nothing", "../common"])',
+    'sys.path = ["../common"] + sys.path',
+    "sys.path = sys.path + ['../common']",
+    'sys.path.append(str(Path(__file__).resolve().parent.parent / "common"))',
+    'sys.path.append(str(Path(__file__).parents[1].joinpath("common")))',
+    'sys.path.append(os.fspath(Path(__file__).absolute().parents[1] / "common"))',
+    f"HERE = {FROM_HERE}\nCOMMON = os.path.join(HERE, '..', 'common')\nsys.path += [COMMON]",
+    'if True:\n    sys.path.append("../common")',
+]
+UNKNOWN = [
+    "",
+    'sys.path += [os.environ["ROBOT"]]',
+    "sys.path.append(folder())",
+    'sys.path.append("../nothing")',
+    "A = B\nB = A\nsys.path.append(A)",
+    'sys.path.append(Path("x").parents[10**9])',
+    'other.path.append("../common")',
+]
+FORMS = [
+    ("from robot_base import RobotBase", "RobotBase", "robot_base.RobotBase"),
+    ("from robot_base import RobotBase as Base", "Base", "robot_base.RobotBase"),
+    ("import robot_base", "robot_base.RobotBase", "robot_base.RobotBase"),
+    ("from robot_base import *", "RobotBase", "RobotBase"),
+]
+IMPORTS = "import os\nimport sys\nfrom pathlib import Path\n"
+
+
+def repository(tmp_path: Path, adding: str, imports: str, base: str) -> Path:
+    """Write a repository whose component has a base in another folder; return its file."""
+    for folder in (".git", "arm", "common"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "common/robot_base.py").write_text(BASE)
+    file = tmp_path / "arm" / "arm.py"
+    file.write_text(module(f"{IMPORTS}{adding}\n{imports}", base, "pass"))
+    return file
+
+
+@pytest.mark.parametrize("adding", ADDING)
+def test_a_base_in_a_folder_that_the_module_adds(tmp_path: Path, adding: str) -> None:
+    for number, (imports, base, _) in enumerate(FORMS):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        result = openrtm_python.read(repository(folder, adding, imports, base))
+        assert result.profile is not None, result.diagnostics
+        assert [port.name for port in result.profile.data_ports] == ["out"]
+
+
+@pytest.mark.parametrize("adding", UNKNOWN)
+@pytest.mark.parametrize(("imports", "base", "name"), FORMS)
+def test_a_base_that_is_not_found_is_named_with_its_file(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    adding: str,
+    imports: str,
+    base: str,
+    name: str,
+) -> None:
+    file = repository(tmp_path, adding, imports, base)
+    monkeypatch.chdir(tmp_path)
+    result = openrtm_python.read(file.relative_to(tmp_path))
+    [finding] = result.diagnostics
+    assert finding.code == rules.NO_COMPONENT.code
+    assert finding.message == (
+        "there is no class that derives from DataFlowComponentBase, "
+        f"and {name} is not found"
+    )
+    assert finding.hint == "common/robot_base.py has it: -I common"
+    assert finding.span is not None
+    line = file.read_text().splitlines()[finding.span.line - 1]
+    assert line[finding.span.column - 1 :].startswith(base)
+    found = openrtm_python.read(file, [tmp_path / "common"])
+    assert found.profile is not None
+
+
+def test_folders_outside_of_the_repository_are_not_read(tmp_path: Path) -> None:
+    inside = tmp_path / "repository"
+    inside.mkdir()
+    outside = tmp_path / "outside"
+    outside.mkdir()
+    file = repository(inside, f'sys.path.append("{outside}")', *FORMS[0][:2])
+    (inside / "common/robot_base.py").rename(outside / "robot_base.py")
+    [finding] = openrtm_python.read(file).diagnostics
+    assert finding.hint == "name the folder of the module robot_base with -I"
+
+
+CONSUMER = """\
+def onInitialize(self):
+        self._port = OpenRTM_aist.CorbaPort("service")
+        self._consumer = OpenRTM_aist.CorbaConsumer(interfaceType=SimpleService.MyService)
+        self._port.registerConsumer("myservice0", "{name}", self._consumer)
+        self.addPort(self._port)
+"""
+SERVICE = "module SimpleService { interface MyService { void go(); }; };\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("MyService", '@type_name("MyService")'),
+        ("Other", '@type_name("Other")'),
+        ("SimpleService::MyService", ""),
+    ],
+)
+def test_the_registered_name_of_a_consumer(
+    tmp_path: Path,
+    name: str,
+    said: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("MyService.idl").write_text(SERVICE)
+    Path("a.py").write_text(
+        module("import SimpleService", body=CONSUMER.format(name=name))
+    )
+    assert run(["adopt", "a.py"]) == 0
+    text = capsys.readouterr().out
+    assert "uses SimpleService::MyService myservice0;" in text
+    assert ("@type_name" in text) == bool(said)
+    assert said in text
+
+
+def test_the_name_is_the_type_name(tmp_path: Path) -> None:
+    path = tmp_path / "a.py"
+    text = module().replace('"type_name", "Part"', '"type_name", "Kind"')
+    path.write_text(text)
+    result = openrtm_python.read(path)
+    assert result.profile is not None
+    assert result.profile.name == "Kind"
+    [finding] = result.diagnostics
+    assert finding.code == rules.NOT_CARRIED.code
+    assert finding.message == "the implementation_id Part is left out"

@@ -26,6 +26,7 @@ class Settings:
 
     gain: float = 0.5
     count: int = 3
+    pace: float = 1.5
     mode: str = "near"
     layers: list[str] = field(default_factory=lambda: ["walls"])
     order: list[str] = field(default_factory=lambda: ["a", "b"])
@@ -49,6 +50,7 @@ class Shown(runtime.Component):
         configuration=(
             parameter("gain", "double", "0.5", "slider.0.1", "0<=x<=1"),
             parameter("count", "long", "3", "spin", "1<=x<=9"),
+            parameter("pace", "double", "1.5", "spin.0.5", "0<=x<=9"),
             parameter("mode", "string", "near", "radio", "(near,far)"),
             parameter(
                 "layers", "sequence<string>", "walls", "checkbox", "(walls,ways)"
@@ -116,6 +118,10 @@ def test_by_keyboard(page: Any, session: Session, settings: Callable[[], Any]) -
     until(page, lambda: settings().gain == 0.6)
     slider.press("End")
     until(page, lambda: settings().gain == 1.0)
+    pace = page.get_by_role("spinbutton", name="Shown0.pace")
+    pace.press("ArrowUp")
+    pace.press("Enter")
+    until(page, lambda: settings().pace == 2.0)
     spin = page.get_by_role("spinbutton", name="Shown0.count")
     spin.press("ArrowUp")
     spin.press("Enter")

@@ -340,7 +340,7 @@ def _widget_hint(widget: str) -> str:
     kind, dot, step = widget.partition(".")
     near = _nearest(kind, _WIDGETS)
     meant = f"did you mean {near}{dot}{step}? " if near and near != kind else ""
-    return f"{meant}text, slider.<step>, spin, radio, checkbox or ordered_list"
+    return f"{meant}text, slider.<step>, spin, spin.<step>, radio, checkbox or ordered_list"
 
 
 def _widget(

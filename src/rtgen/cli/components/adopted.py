@@ -73,7 +73,7 @@ def _with_neighbours(
     `include` and in OpenRTM's folder, for declarations of the types that the ports use.
     """
     [adopted] = profile.model.profiles
-    beside = Search(path, path.parent.parent, include, ()).files(adopted)
+    beside = Search(path, path.parent / "..", include, ()).files(adopted)
     plain = _definitions(include, ())
     given = {file.resolve() for file in plain.sources}
     beside = [file for file in beside if file.resolve() not in given]

@@ -36,7 +36,7 @@ def read(path: Path, include: Sequence[Path] = ()) -> ModuleResult:
     source = read_source(path)
     if source.tree is None:
         return ModuleResult(None, source.diagnostics, {source.file: source.text})
-    modules = Modules(path, include)
+    modules = Modules(source, path, include)
     reader = ModuleReader(Module(source, source.tree), modules)
     profile = reader.profile()
     read = (source, *modules.sources)

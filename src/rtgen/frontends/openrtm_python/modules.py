@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import ast
+import os
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from rtgen.frontends.openrtm_python.search_path import added_folders
 from rtgen.frontends.openrtm_python.source import Source, read_source
 from rtgen.frontends.openrtm_python.values import Class, Function, Module, Named, Value
 
 _MAX_MODULES = 50
 _MAX_FOLDERS = 6
+_MAX_SEARCHED = 5000
+"""Maximum number of files among which a module is searched for a hint."""
 _STUBS = "import omniORB"
 _OPENRTM = (("OpenRTM_aist",), ("omniORB",), ("RTC",))
 """Packages of OpenRTM itself."""
@@ -35,9 +40,16 @@ class ModuleName:
 class Modules:
     """Finds and reads modules of the same repository; stubs of omniidl are not read."""
 
-    def __init__(self, first: Path, include: Sequence[Path]) -> None:
+    def __init__(self, first: Source, path: Path, include: Sequence[Path]) -> None:
+        """Search for the modules that a first one imports.
+
+        `include` are further folders; those that modules add to `sys.path` are searched if they are
+        in the repository.
+        """
         self.sources: list[Source] = []
-        self._folders = [*_folders(first.parent), *include]
+        self._folders = [*_folders(path.parent), *include]
+        self._root = [*_folders(path.parent)][-1]
+        self._add_folders(first, path)
         self._read: dict[Path, Module | None] = {}
         self._listed: dict[Path, frozenset[str]] = {}
 
@@ -66,6 +78,30 @@ class Modules:
                 return self._read[file]
         return None
 
+    def elsewhere(self, path: tuple[str, ...], name: str) -> Path | None:
+        """Return the file of a module of the repository that is not found and has a class."""
+        wanted = f"{path[-1]}.py"
+        declares = re.compile(rf"^class\s+{re.escape(name)}\b", re.MULTILINE)
+        left = _MAX_SEARCHED
+        for folder, below, files in os.walk(self._root):
+            below[:] = sorted(each for each in below if not each.startswith("."))
+            left -= len(files)
+            if wanted in files:
+                file = Path(folder, wanted)
+                if declares.search(read_source(file).text):
+                    return file
+            if left < 0:
+                break
+        return None
+
+    def _add_folders(self, source: Source, path: Path) -> None:
+        """Search in the folders that a module adds to `sys.path`, too."""
+        if source.tree is None:
+            return
+        for folder in added_folders(source.tree, path.absolute()):
+            if folder.is_relative_to(self._root) and folder not in self._folders:
+                self._folders.append(folder)
+
     def _entries(self, folder: Path) -> frozenset[str]:
         """Return the names in a folder; cached, since most modules are in few folders."""
         if folder not in self._listed:
@@ -80,6 +116,7 @@ class Modules:
         if source.tree is None or _STUBS in source.text:
             return None
         self.sources.append(source)
+        self._add_folders(source, file)
         return Module(source, source.tree)
 
 

@@ -18,6 +18,7 @@ from rtgen.frontends.openrtm_python.walker import Walker
 
 _BASES = ("DataFlowComponentBase", "FiniteStateMachineComponentBase")
 _KEY = "implementation_id"
+_PACKAGES = ("OpenRTM_aist", "omniORB", "RTC")
 
 
 Item = tuple[ast.expr, Value]
@@ -102,11 +103,23 @@ def _line(
     return [made, *rest] if found else []
 
 
-def unknown_bases(module: Module, walker: Walker) -> Iterator[tuple[ast.expr, str]]:
-    """Yield the bases of the module's classes that are defined elsewhere."""
+def unknown_bases(
+    module: Module, walker: Walker
+) -> Iterator[tuple[ast.expr, tuple[str, ...], list[tuple[str, ...]]]]:
+    """Yield the bases of the module's classes that are defined elsewhere.
+
+    Each with its name, and the modules that may have it: several for a name of `import *`.
+    """
+    own = {n.name for n in ast.walk(module.tree) if isinstance(n, ast.ClassDef)}
     for node in ast.walk(module.tree):
         for base in node.bases if isinstance(node, ast.ClassDef) else ():
             value = walker.expressions.value(base, Frame(module))
-            outside = isinstance(value, Named) and value.imported
-            if outside and value.path[0] not in ("OpenRTM_aist", "omniORB"):
-                yield base, ".".join(value.path)
+            names = dotted(base)
+            if isinstance(value, Named) and value.imported:
+                if value.path[0] not in _PACKAGES:
+                    yield base, value.path, [value.path[:-1]]
+            elif len(names) == 1 and names[0] not in own:
+                opened = [tuple(each.split(".")) for each in module.open_modules]
+                others = [each for each in opened if each[0] not in _PACKAGES]
+                if others:
+                    yield base, names, others

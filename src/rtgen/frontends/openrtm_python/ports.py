@@ -174,6 +174,10 @@ class Ports:
         elif not types:
             message = f"the port {name} accepts events of any type"
             self._report_at(rules.COMPUTED, span, message)
+        else:
+            message = f"the port {name} is registered with the type `any`; "
+            message += f"the definition has that of its events, {next(iter(types))}"
+            self._report_at(rules.NOT_CARRIED, span, message)
         return ProfileDataPort(
             name=name,
             output=False,
@@ -230,18 +234,20 @@ class Ports:
                 self._report_at(rules.COMPUTED, span, message)
                 continue
             provided = kinds[call.name]
-            if not provided:
-                type_ = self._consumed(call) or type_
+            consumed = None if provided else self._consumed(call)
+            # OpenRTM compares the registered name, which may omit the scope of the interface.
+            facts = {"type_name": type_, "type": consumed} if consumed else {}
             yield ProfileInterface(
                 name=instance,
                 provided=provided,
                 type=type_,
                 span=span,
                 type_span=span,
+                facts=facts,
             )
 
     def _consumed(self, call: Call) -> str | None:
-        """Return the interface of a `CorbaConsumer`, whose registration may omit its module."""
+        """Return the interface of a `CorbaConsumer`, whose registered name may omit its module."""
         consumer = call.argument(2, "consumer")
         if not is_made(consumer, "CorbaConsumer"):
             return None

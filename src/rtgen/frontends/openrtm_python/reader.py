@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ast
+import os
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 from rtgen.diagnostics import Rule, Span
 from rtgen.facts.constraints import ConstraintError, parse
@@ -63,6 +65,7 @@ class ModuleReader:
         self.findings = profile_tree.sink()
         self._module = module
         self._file = module.source.file
+        self._modules = modules
         self._walker = Walker(modules)
 
     @property
@@ -103,7 +106,7 @@ class ModuleReader:
             file=self._file,
             span=self._span(made.node),
             format_version="0.3",
-            name=values.get("implementation_id") or made.node.name,
+            name=self._name(place, values) or made.node.name,
             vendor=values.get("vendor", ""),
             category=values.get("category", ""),
             version=values.get("version") or "1.0.0",
@@ -123,6 +126,15 @@ class ModuleReader:
             implements=True,
         )
 
+    def _name(self, place: ast.expr, values: dict[str, str]) -> str:
+        """Return the name of the component's type, which its profile has when it runs."""
+        name, implementation = values.get("type_name"), values.get("implementation_id")
+        if name and implementation and name != implementation:
+            message = f"the implementation_id {implementation} is left out"
+            hint = f"a definition has one name: {name}, which is the type_name"
+            self._report_at(rules.NOT_CARRIED, self._span(place), message, hint)
+        return name or implementation or ""
+
     def _report_at(
         self, rule: Rule, span: Span, message: str, hint: str | None = None
     ) -> None:
@@ -136,12 +148,23 @@ class ModuleReader:
         what = "module spec" if no_spec else f"class that derives from {_BASE}"
         hint = None
         if not no_spec:
-            for base, name in unknown_bases(self._module, self._walker):
+            for base, name, modules in unknown_bases(self._module, self._walker):
                 start = self._span(base)
-                what += f", and {name} is not found"
-                hint = "name the folder of its module with -I"
+                what += f", and {'.'.join(name)} is not found"
+                hint = self._where(name[-1], modules)
                 break
         self._report_at(rules.NO_COMPONENT, start, f"there is no {what}", hint)
+
+    def _where(self, name: str, modules: Sequence[tuple[str, ...]]) -> str:
+        """Return a hint for a base class of modules that are not found."""
+        for each in modules:
+            file = self._modules.elsewhere(each, name) if each else None
+            if file is not None:
+                shown = Path(os.path.relpath(file)).as_posix()
+                folder = Path(shown).parents[len(each) - 1].as_posix()
+                return f"{shown} has it: -I {folder}"
+        listed = " or ".join(".".join(each) for each in modules if each)
+        return f"name the folder of the module {listed} with -I"
 
     # Calls while the component is made.
 

@@ -277,7 +277,8 @@ class Lowering:
                 self._report_at(rules.WRONG_TYPE, port.type_span, message)
             else:
                 declared = f", which {port.idl_file} declares," if port.idl_file else ""
-                shown = port.type or "the type"
+                shown = "::".join(written) if port.facts else port.type
+                shown = shown or "the type"
                 message = f"{shown}{declared} is not found; it stays opaque"
                 hint = "name its IDL file as a source, or its folder with -I"
                 self._report_at(rules.UNKNOWN_TYPE, port.type_span, message, hint)

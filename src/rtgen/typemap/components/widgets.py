@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import re
 
-_SLIDER = re.compile(r"slider\.(\d+\.?\d*|\.\d+)")
+_STEP = re.compile(r"\d+\.?\d*|\.\d+")
 _OF_RANGES = ("slider", "spin")
 _OF_VALUES = ("radio", "checkbox", "ordered_list", "orderd_list")
 
 
 def is_widget(text: str) -> bool:
     """Return whether a text is a known widget, with its step if it has one."""
-    kind = text.partition(".")[0]
-    if kind == "slider":
-        return bool(_SLIDER.fullmatch(text)) and float(text[len("slider.") :]) > 0
+    kind, _, step = text.partition(".")
+    if kind in _OF_RANGES and step:
+        return bool(_STEP.fullmatch(step)) and float(step) > 0
     if kind in ("text", "spin"):
         return text in (kind, f"{kind}.")
     return text == "" or text in _OF_VALUES

@@ -23,11 +23,14 @@ from rtgen.model import (
     Port,
     PortKind,
 )
+from rtgen.model.rtc_profile import EVENT_PORT
 from rtgen.runtime.errors import ParameterValueError
 from rtgen.runtime.rtc.parameter_values import Converter
 from rtgen.runtime.rtc.profiles import ParameterProfile
 from rtgen.typemap.components.parameters import Parameters
 
+_ANY = "any"
+"""The type with which OpenRTM registers ports for events."""
 _WAYS = {PortKind.INPORT: IN, PortKind.OUTPORT: OUT}
 _TYPES = {IN: "DataInPort", OUT: "DataOutPort", SERVICE: "CorbaPort"}
 
@@ -195,7 +198,10 @@ def _ports(model: Model, component: Component) -> dict[str, ExpectedPort]:
             }
             made = ExpectedPort(_TYPES[way], interfaces=interfaces)
         else:
-            made = ExpectedPort(_TYPES[way], _names(model, ports[0]))
+            types = _names(model, ports[0])
+            if any(each.name == EVENT_PORT for each in ports[0].annotations):
+                types += (_ANY,)
+            made = ExpectedPort(_TYPES[way], types)
         found[known_name(names[way, name])] = made
     return found
 
