@@ -11,6 +11,7 @@ import codecs
 import re
 from dataclasses import dataclass, replace
 from functools import cached_property
+from importlib import import_module
 from typing import Final, TypeAlias
 
 NAMES: Final = ("auto", "euc", "sjis", "utf8", "none")
@@ -174,11 +175,13 @@ def decode(data: bytes, encoding: str = "auto", *, standard: bool = False) -> De
     if standard and fits(data, "utf8"):
         return uniform(data, "utf8")
     # The tables are imported only if they are needed.
-    from rtgen.facts import encoding_guess
+    encoding_guess = import_module("rtgen.facts.encoding_guess")
 
     if encoding == "auto":
-        return encoding_guess.guessed(data)
-    return encoding_guess.asked(data, encoding)
+        guessed: Decoded = encoding_guess.guessed(data)
+        return guessed
+    asked: Decoded = encoding_guess.asked(data, encoding)
+    return asked
 
 
 def labelled(data: bytes, label: str) -> str:
@@ -205,9 +208,9 @@ def _marked(body: bytes, encoding: str, mark: bytes) -> Decoded:
     if fits(body, encoding):
         return replace(uniform(body, encoding), mark=mark)
     if encoding == "utf8":
-        from rtgen.facts import encoding_guess
-
-        return replace(encoding_guess.damaged(body), mark=mark)
+        encoding_guess = import_module("rtgen.facts.encoding_guess")
+        damaged: Decoded = encoding_guess.damaged(body)
+        return replace(damaged, mark=mark)
     doubt = f"the file is not {TITLES[encoding]}, as its byte-order mark says"
     return replace(uniform(body, encoding), mark=mark, doubt=doubt)
 
