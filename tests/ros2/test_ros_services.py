@@ -489,7 +489,7 @@ def test_a_call_that_waits_ends_with_the_run(
     stack.callback(network.close)
     component = Waiting(lamp)
     system = System(RealClock())
-    system.at_halt(network.end_calls)
+    system.closing.at_halt(network.end_calls)
     joint = ServiceJoint(next(iter(component.consumers.values())), "set", service(lamp))
     long_enough = RosServices(network, [joint], PATIENCE)
     stack.callback(long_enough.close)

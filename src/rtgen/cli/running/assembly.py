@@ -209,7 +209,7 @@ def _fill(
                 activate = partial(transport.activate_foreign, instance)
                 system.at(time, _reporting(activate))
                 deactivate = partial(transport.deactivate_foreign, instance)
-                system.at_close(deactivate, before=tuple(earlier))
+                system.closing.at_close(deactivate, before=tuple(earlier))
 
 
 def _schedule(

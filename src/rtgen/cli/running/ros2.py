@@ -82,7 +82,7 @@ def join(
     services = _service_joints(settings, running, node, nodes)
     try:
         network = _network(kind, node, settings, project)
-        running.at_halt(network.end_calls)
+        running.closing.at_halt(network.end_calls)
         files.callback(RosPorts(network, joints).close)
         files.callback(RosServices(network, services).close)
         if nodes:

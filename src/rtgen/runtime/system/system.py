@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from types import TracebackType
 from typing import Any
@@ -37,7 +36,7 @@ from rtgen.runtime.rtc.configuration import DEFAULT_SET
 from rtgen.runtime.rtc.execution_context import ExecutionContext
 from rtgen.runtime.rtc.participant import Participant
 from rtgen.runtime.services.transports import SteeringTransport, Transport
-from rtgen.runtime.system import watchdog
+from rtgen.runtime.system.closing import Closing
 from rtgen.runtime.system.dependencies import Dependencies
 from rtgen.runtime.system.joining import (
     Connector,
@@ -96,8 +95,8 @@ class System:
         self._participants: dict[str, Participant] = {}
         self._connectors: dict[str, Connector] = {}
         self._connecting = threading.RLock()
-        self._at_halt: list[Callable[[], None]] = []
-        self._at_close: list[tuple[Callable[[], None], Sequence[str]]] = []
+        self.closing = Closing()
+        """Further actions at the end of the system."""
         self._joining = Joining(
             self._participants, self.component, self.clock.guard, transport
         )
@@ -425,25 +424,6 @@ class System:
         """
         self._scheduler.end_run(error)
 
-    def at_close(self, action: Callable[[], None], before: Sequence[str] = ()) -> None:
-        """Call an action when the system is closed, before the components named in `before` exit.
-
-        Actions added later are called earlier. All are called again, in another thread, if the
-        system is not closed after two seconds, since a component does not let it.
-        """
-        self._at_close.append((action, before))
-
-    def at_halt(self, action: Callable[[], None]) -> None:
-        """Call an action when the system is closed and begins no further tick.
-
-        It ends the calls that ticks wait for, with EndOfRunError; later calls are possible.
-        """
-        self._at_halt.append(action)
-
-    def _end_calls(self) -> None:
-        for action in self._at_halt:
-            action()
-
     def close(self) -> None:
         """Let every component exit (deactivate, shut down, finalize) once all ticks have ended.
 
@@ -451,31 +431,12 @@ class System:
         KeyboardInterrupt abandons the running component, and is raised at the end. In real time
         components whose callbacks do not return are abandoned after two seconds.
         """
-        interrupt: KeyboardInterrupt | None = None
-        actions = [action for action, _ in reversed(self._at_close)]
-        with _repeated_if_late(actions):
-            try:
-                self._scheduler.halt(self._end_calls)
-            except KeyboardInterrupt as error:
-                interrupt = error
-            for step in self._steps_of_close():
-                try:
-                    step()
-                except KeyboardInterrupt as error:
-                    interrupt = error
-            self._scheduler.close()
-        if interrupt is not None:
-            raise interrupt
-
-    def _steps_of_close(self) -> list[Callable[[], None]]:
-        """Return the exits of the components and the actions of `at_close`, in order."""
-        actions, self._at_close = self._at_close, []
-        steps: list[Callable[[], None]] = []
-        for instance in reversed(self.activation_order(self.instances)):
-            while actions and instance in actions[-1][1]:
-                steps.append(actions.pop()[0])
-            steps.append(partial(self._exit, instance))
-        return steps + [action for action, _ in reversed(actions)]
+        self.closing.run(
+            reversed(self.activation_order(self.instances)),
+            halt=self._scheduler.halt,
+            let_exit=self._exit,
+            close=self._scheduler.close,
+        )
 
     def _exit(self, instance: str) -> None:
         try:
@@ -534,27 +495,6 @@ class System:
                 f"there is no component {instance!r}; known: {known}"
             )
         return self._participants[instance]
-
-
-@contextmanager
-def _repeated_if_late(actions: Sequence[Callable[[], None]]) -> Iterator[None]:
-    """Call actions in another thread if the block is not left in time."""
-    if not actions:
-        yield
-        return
-
-    def repeat() -> None:
-        for action in actions:
-            action()
-
-    timer = threading.Timer(watchdog.PATIENCE, repeat)
-    timer.daemon = True
-    timer.start()
-    try:
-        yield
-    finally:
-        timer.cancel()
-        timer.join()
 
 
 def _scheduler(clock: Clock) -> Scheduler:
