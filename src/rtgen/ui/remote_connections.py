@@ -19,7 +19,8 @@ from rtgen.runtime.corba.orb import Orb
 from rtgen.runtime.corba.rt_objects.data import Losses, is_little_endian
 from rtgen.runtime.corba.rt_objects.ends import OutEnd, ServiceEnd
 from rtgen.runtime.corba.rt_objects.objects import Exported
-from rtgen.runtime.corba.rt_objects.ports import End, Offer, PortService
+from rtgen.runtime.corba.rt_objects.port_ends import End, Offer
+from rtgen.runtime.corba.rt_objects.ports import PortService
 from rtgen.runtime.corba.rt_objects.wire import (
     IN_PORT_CDR,
     ConnectorProfile,

@@ -19,7 +19,7 @@ from rtgen.runtime.corba.rt_objects.data import (
     received,
 )
 from rtgen.runtime.corba.rt_objects.objects import Exported
-from rtgen.runtime.corba.rt_objects.ports import Offer
+from rtgen.runtime.corba.rt_objects.port_ends import Offer
 from rtgen.runtime.corba.rt_objects.services import link, offers, type_names
 from rtgen.runtime.corba.rt_objects.wire import (
     IN_PORT_CDR,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import uuid
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -13,12 +13,12 @@ from msgspec.structs import replace
 from omniORB import CORBA
 
 from rtgen.runtime.corba.iors import place
-from rtgen.runtime.corba.rt_objects.data import Losses, Pulled, SentConnector
+from rtgen.runtime.corba.rt_objects.data import Pulled, SentConnector
 from rtgen.runtime.corba.rt_objects.objects import CallError, Exported
+from rtgen.runtime.corba.rt_objects.port_ends import End, Offer, Watcher
 from rtgen.runtime.corba.rt_objects.wire import (
     PORT_SERVICE,
     ConnectorProfile,
-    PortInterfaceProfile,
     PortProfile,
     text_of,
     texts,
@@ -39,52 +39,6 @@ if TYPE_CHECKING:
     from rtgen.runtime.system.system import System
 
 _ENDS = 2
-
-
-class Offer(msgspec.Struct):
-    """A port's part of a connector: properties, its half of the connection, how to end it."""
-
-    properties: Mapping[str, str]
-    connector: Connector | None = None
-    withdraw: Callable[[], None] = lambda: None
-
-
-class End(Protocol):
-    """Target of a port service: a data port, or the interfaces of a service port."""
-
-    port: str
-    properties: dict[str, str]
-    interfaces: list[PortInterfaceProfile]
-
-    def offer(self, name: str, properties: Mapping[str, str]) -> Offer:
-        """Return the port's offer to a connection. Raises ConnectError."""
-
-    def accept(
-        self, name: str, properties: Mapping[str, str], losses: Losses
-    ) -> Connector | None:
-        """Return the connection to the other end's offer; None if `offer` has made it.
-
-        Raises ConnectError.
-        """
-
-    def has(self, connector: Connector) -> bool:
-        """Return whether a connection of the system ends here."""
-
-
-class Watcher(Protocol):
-    """Is told of the failures of one connection to a port of another process."""
-
-    def on_refusal(self, reason: str) -> None:
-        """A sample cannot be sent."""
-
-    def on_loss(self, reason: str) -> None:
-        """The other process does not answer any more."""
-
-    def on_end(self) -> None:
-        """The other port has ended the connection, without a request of this process."""
-
-    def on_removal(self, connector: Connector | None) -> None:
-        """The connection has been removed here, for any reason."""
 
 
 class _Link(msgspec.Struct):

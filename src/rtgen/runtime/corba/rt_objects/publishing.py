@@ -20,7 +20,8 @@ from rtgen.runtime.corba.orb import Orb
 from rtgen.runtime.corba.rt_objects.component import RtObject
 from rtgen.runtime.corba.rt_objects.ends import InEnd, OutEnd, ServiceEnd
 from rtgen.runtime.corba.rt_objects.objects import Exported
-from rtgen.runtime.corba.rt_objects.ports import End, PortService
+from rtgen.runtime.corba.rt_objects.port_ends import End
+from rtgen.runtime.corba.rt_objects.ports import PortService
 from rtgen.runtime.ports.data_ports import InPort, OutPort
 from rtgen.runtime.rtc.component import Component
 from rtgen.runtime.services.ports import Provider, ServicePort
