@@ -87,8 +87,10 @@ def open_file(path: Path) -> BinaryIO:
         # A device is not even opened: a watchdog would start, a serial line would reset its peer.
         _require_regular(path.stat())
         number = os.open(path, _READING)
-    except ValueError as error:  # NUL in the path
-        raise UnreadableError(str(error)) from None
+    except ValueError as error:
+        # Python's versions word it differently.
+        reason = "a path has no null character" if "\0" in str(path) else str(error)
+        raise UnreadableError(reason) from None
     try:
         _require_regular(os.fstat(number))
     except BaseException:
