@@ -17,7 +17,7 @@ import msgspec
 from rtgen import stages
 from rtgen.diagnostics import Diagnostic, InputError, ToolError
 from rtgen.diagnostics.printable import printable
-from rtgen.facts.encodings import NAMES
+from rtgen.facts.decoded_text import NAMES
 from rtgen.project import (
     PRELUDES,
     TARGETS,

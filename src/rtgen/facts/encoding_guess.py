@@ -8,7 +8,7 @@ from dataclasses import replace
 from itertools import groupby
 from typing import Final
 
-from rtgen.facts.encodings import (
+from rtgen.facts.decoded_text import (
     TITLES,
     Decoded,
     fits,

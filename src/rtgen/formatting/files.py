@@ -7,7 +7,7 @@ from pathlib import PurePath
 
 from rtgen.diagnostics import InputError
 from rtgen.facts import encodings
-from rtgen.facts.encodings import Decoded, NotEncodableError
+from rtgen.facts.decoded_text import Decoded, NotEncodableError
 from rtgen.formatting import DEFAULT, Options, changed_text, toml
 from rtgen.formatting.rules import NO_TOKENS, OTHER_FILE
 from rtgen.formatting.tokens import Language, LexicalError
@@ -43,7 +43,7 @@ def check_name(name: str) -> None:
 
 
 def content(data: bytes, language: Language | None, encoding: str = "auto") -> Content:
-    """Decode a file; `encoding`, of `encodings.NAMES`, is the one asked for."""
+    """Decode a file; `encoding`, of `decoded_text.NAMES`, is the one asked for."""
     decoded = encodings.decode(data, encoding, standard=language is None)
     windows = decoded.text.count("\r\n")
     line_end = "\r\n" if 2 * windows > decoded.text.count("\n") else "\n"

@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 from rtgen import files
 from rtgen.diagnostics import Diagnostic, InputError, Rule, Severity
-from rtgen.facts.encodings import decode, with_line_feeds
+from rtgen.facts.decoded_text import with_line_feeds
+from rtgen.facts.encodings import decode
 from rtgen.files import UnreadableError
 from rtgen.frontends import profile_yaml
 from rtgen.frontends.kit import characters, located_xml

@@ -40,7 +40,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
 
     `root` is the project's folder, to which keys of files are relative. `include` are the folders
     of `#include` and `import`, `tecs_path` those searched for imports of CDL after them; `define`
-    are macros. `encoding`, of `encodings.NAMES`, is that of files that do not tell theirs; with
+    are macros. `encoding`, of `decoded_text.NAMES`, is that of files that do not tell theirs; with
     `prelude` the scalar types of TOPPERS kernels are known in CDL. `node_id` is the node that
     devices are read for. `plugins` has the table `[plugin.NAME]` of rtgen.toml for each name.
     `sources` are all files of the project. `observer` is given the resolved names. `memo` caches

@@ -15,7 +15,8 @@ from lsprotocol.types import (
 )
 from pygls.uris import from_fs_path, to_fs_path
 
-from rtgen.facts.encodings import Encoded, decode, encoded
+from rtgen.facts.decoded_text import encoded
+from rtgen.facts.encodings import Encoded, decode
 from rtgen.files import UnreadableError, absolute_path, read_file
 from rtgen.language_server.text import UTF_16, Shift, Shifts, Text
 from rtgen.project import FILE_NAME
@@ -89,7 +90,7 @@ MAX_EDITS = 64
 class Document:
     """An open document at a version; `edits` are the last ones, each with the text before it.
 
-    `encoding`, a key of `encodings.TITLES`, is that of its file.
+    `encoding`, a key of `decoded_text.TITLES`, is that of its file.
     """
 
     uri: str

@@ -11,7 +11,7 @@ from functools import cached_property
 from lsprotocol.types import Position, PositionEncodingKind, Range
 
 from rtgen.diagnostics import Span
-from rtgen.facts.encodings import with_line_feeds
+from rtgen.facts.decoded_text import with_line_feeds
 
 _LINE_END = re.compile(r"\r\n|\n|\r")
 _MARK = "\ufeff"

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from msgspec.structs import replace
 
 from rtgen.diagnostics import Diagnostic, Edit, Fix, Span
-from rtgen.facts.encodings import with_line_feeds
+from rtgen.facts.decoded_text import with_line_feeds
 
 _LINE_END = re.compile(r"\r\n?|\n")
 _ESCAPE = re.compile(r"\\([^ntvbrfa\\?'\"0-7xu\n])", re.ASCII)

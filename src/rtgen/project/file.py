@@ -13,7 +13,8 @@ from typing import Any
 
 from rtgen.diagnostics import Diagnostic, InputError, Span, ToolError
 from rtgen.facts import file_names, ros_names
-from rtgen.facts.encodings import NAMES, decode
+from rtgen.facts.decoded_text import NAMES
+from rtgen.facts.encodings import decode
 from rtgen.facts.numeric import FORMS
 from rtgen.facts.ros_marshaling import parse as parse_marshaling
 from rtgen.facts.ros_qos import PROFILES

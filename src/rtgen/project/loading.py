@@ -68,7 +68,7 @@ class Project(msgspec.Struct, frozen=True, kw_only=True):
     services of TECS boards can be called over CORBA. `node_id` is the node that devices are read
     for. `systems` are the RtsProfiles among the sources, which are not definitions.
     `ignored_in_files` has pattern, code and place of each entry of `[lint] per-file-ignores`; its
-    patterns are relative to `root`. `encoding`, of `encodings.NAMES`, is that of sources that do
+    patterns are relative to `root`. `encoding`, of `decoded_text.NAMES`, is that of sources that do
     not tell theirs. `problems` are doubts about rtgen.toml itself. `form` is `[fmt]`; `plugins` has
     the options of plug-ins, `[plugin.NAME]`.
     """

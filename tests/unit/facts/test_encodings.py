@@ -4,14 +4,8 @@ import codecs
 
 import pytest
 
-from rtgen.facts.encodings import (
-    Encoded,
-    NotEncodableError,
-    decode,
-    digest,
-    labelled,
-    with_line_feeds,
-)
+from rtgen.facts.decoded_text import NotEncodableError, with_line_feeds
+from rtgen.facts.encodings import Encoded, decode, digest, labelled
 
 TEXT = """\
 /* 目標位置と表示ソフトの設定 */

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rtgen.backends.ros_idl import idl_of
-from rtgen.facts.encodings import with_line_feeds
+from rtgen.facts.decoded_text import with_line_feeds
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.kit.findings import MAX_PER_SEVERITY, Findings
 from rtgen.frontends.rosidl import load, rules

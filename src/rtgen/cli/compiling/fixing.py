@@ -8,7 +8,8 @@ from hashlib import sha256
 from pathlib import Path
 
 from rtgen.diagnostics import Diagnostic, Edit, ToolError
-from rtgen.facts.encodings import NotEncodableError, decode
+from rtgen.facts.decoded_text import NotEncodableError
+from rtgen.facts.encodings import decode
 from rtgen.files import ChangedError, UnreadableError, absolute_path, read_file
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.kit.library import MAX_BYTES

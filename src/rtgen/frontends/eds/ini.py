@@ -10,7 +10,7 @@ import msgspec
 
 from rtgen.diagnostics import Diagnostic, Span
 from rtgen.facts import encodings
-from rtgen.facts.encodings import Decoded
+from rtgen.facts.decoded_text import Decoded
 from rtgen.frontends.eds.findings import Findings
 from rtgen.frontends.eds.rules import lexical
 

@@ -14,7 +14,7 @@ from functools import cache, cached_property
 
 from rtgen.diagnostics import Diagnostic, Rule, Severity
 from rtgen.facts import encodings
-from rtgen.facts.encodings import Decoded
+from rtgen.facts.decoded_text import Decoded
 from rtgen.frontends.kit.lines import LineTable
 
 ENCODING = Rule("TXT0001", "doubtful encoding", Severity.WARNING)
@@ -207,7 +207,7 @@ def read(
 ) -> Characters:
     """Return the characters of a file displayed as `file`.
 
-    `encoding`, of `encodings.NAMES`, is the one asked for; `rule` that of doubts about it.
+    `encoding`, of `decoded_text.NAMES`, is the one asked for; `rule` that of doubts about it.
     `standard` is the name of a format that demands UTF-8.
     """
     decoded = encodings.decode(data, encoding, standard=standard is not None)

@@ -14,7 +14,8 @@ from xml.parsers import expat
 
 from rtgen.diagnostics import InputError, Rule, Severity, Span
 from rtgen.facts import encodings
-from rtgen.facts.encodings import Decoded, Encoded
+from rtgen.facts.decoded_text import Decoded, encoded
+from rtgen.facts.encodings import Encoded
 from rtgen.frontends.kit.lines import LineTable
 
 MALFORMED = Rule("RTC0501", "not well-formed XML", Severity.ERROR)
@@ -110,7 +111,7 @@ def encode(text: str, before: bytes) -> bytes:
     read = encodings.decode(octets)
     for character in {*text} - {*read.text}:
         try:
-            encodings.encoded(character, read.encoding)
+            encoded(character, read.encoding)
         except UnicodeEncodeError:
             text = text.replace(character, f"&#{ord(character)};")
     return read.encode(text)

@@ -15,7 +15,8 @@ from threading import Lock
 from typing import Any
 
 from rtgen.diagnostics import Diagnostic, Span
-from rtgen.facts.encodings import decode, labelled, with_line_feeds
+from rtgen.facts.decoded_text import with_line_feeds
+from rtgen.facts.encodings import decode, labelled
 from rtgen.files import UnreadableError, read_file
 from rtgen.frontends.openrtm_python import rules
 

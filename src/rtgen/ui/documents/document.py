@@ -8,7 +8,7 @@ from typing import Final
 from rtgen.backends.rts_profile import system_text
 from rtgen.diagnostics import InputError
 from rtgen.facts import encodings
-from rtgen.facts.encodings import NotEncodableError
+from rtgen.facts.decoded_text import NotEncodableError
 from rtgen.frontends import profile_yaml, rts_profile
 from rtgen.frontends.kit import located_xml
 from rtgen.frontends.profile_yaml import YAML_SUFFIXES
