@@ -64,10 +64,10 @@ def load(
     `root` is the project's folder, to which the keys of files are relative; `include` are the
     folders that are searched for imports; `define` gives macros of C headers; `encoding`, of
     `decoded_text.NAMES`, is that of files that do not tell theirs; with `prelude` the kernel's
-    scalar types are known without an import. `observe` is called with the symbols and the
-    files of each unit; units whose files have not changed are taken from `memo`. All errors of the input are
-    in the diagnostics, sorted; nothing is raised for it. Declarations with an error are not in
-    the model.
+    scalar types are known without an import. `observe` is called with the symbols and the files of
+    each unit; units whose files have not changed are taken from `memo`. All errors of the input are
+    in the diagnostics, sorted; nothing is raised for it. Declarations with an error are not in the
+    model.
     """
     limit = sys.getrecursionlimit()
     sys.setrecursionlimit(max(limit, _FRAMES))

@@ -55,8 +55,8 @@ def load(
     exists; those that are `given` are read before `paths`. `observe` is called with the resolved
     names of each translation unit; units whose files have not changed are taken from `memo`.
     `encoding`, of `decoded_text.NAMES`, is that of files that do not tell theirs. `interfaces`
-    returns the IDL of an included file that ROS 2 has generated. All errors in the input are
-    among the diagnostics, sorted; no exception is raised for them. Declarations with errors, and their
+    returns the IDL of an included file that ROS 2 has generated. All errors in the input are among
+    the diagnostics, sorted; no exception is raised for them. Declarations with errors, and their
     dependents, are not in the model.
     """
     limit = sys.getrecursionlimit()
