@@ -21,7 +21,6 @@ from refrobots.iis import TimedVelocity2D
 from refrobots.rtc import TimedDoubleSeq
 from rtgen.cli.ui import CommandProject
 from rtgen.facts.openrtm_ports import foreign_instances
-from rtgen.model import System
 from rtgen.runtime import RealClock, xcdr
 from rtgen.runtime.corba.name_server import NameServer
 from rtgen.runtime.corba.transport import CorbaTransport
