@@ -28,7 +28,7 @@ DATE = re.compile(
 DOUBLE = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
 COUNT = re.compile(r"\d{1,10}")
 WIDGET = re.compile(
-    r"text|slider\.(\d+\.?\d*|\.\d+)|spin\.?|radio|checkbox|orde?red_list"
+    r"text|(slider|spin)\.(\d+\.?\d*|\.\d+)|spin\.?|radio|checkbox|orde?red_list"
 )
 MANY = 1_000_000
 
