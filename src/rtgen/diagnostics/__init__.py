@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from enum import StrEnum
 from functools import cache
 from pathlib import Path
@@ -88,8 +88,7 @@ class Rule(msgspec.Struct, frozen=True):
         """
         if self.text is not None:
             return self.text
-        page = _PAGES / f"{self.code}.md"
-        return page.read_text(encoding="utf-8") if page.is_file() else ""
+        return _page(self.code)
 
     def at(
         self,
@@ -113,6 +112,17 @@ class Rule(msgspec.Struct, frozen=True):
             tuple(Related(each.span, _shortened(each.label)) for each in related),
             None if hint is None else _shortened(hint),
         )
+
+
+def rules_of(names: Mapping[str, object]) -> tuple[Rule, ...]:
+    """Return the rules among the `globals()` of a module, in order."""
+    return tuple(value for value in names.values() if isinstance(value, Rule))
+
+
+@cache
+def _page(code: str) -> str:
+    page = _PAGES / f"{code}.md"
+    return page.read_text(encoding="utf-8") if page.is_file() else ""
 
 
 @cache

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -55,19 +55,31 @@ class Kind:
     """A kind of change: the record behind its rule, its row in docs/diff.md and its messages.
 
     `breaks` are the classes of each change of the kind, `wires` what each breaks on the wire; kinds
-    of types leave both to the comparison, which knows the extensibility. `why` is one sentence.
+    of types leave both to the comparison, which knows the extensibility.
     """
 
     code: str
     title: str
     breaks: tuple[Break, ...]
-    why: str
     wires: tuple[Wire, ...] = ()
 
     @property
     def rule(self) -> Rule:
         """The rule of `rtgen explain`; its severity is that of a change of a selected class."""
         return Rule(self.code, self.title, Severity.WARNING)
+
+    @property
+    def why(self) -> str:
+        """The reason for `breaks`: the first sentence of the rule's page, as part of another."""
+        sentence = " ".join(self.rule.explanation.partition("\n\n")[0].split())
+        name = sentence.partition(" ")[0]
+        start = name if name != name.capitalize() else name.lower()
+        return start + sentence.removeprefix(name).removesuffix(".")
+
+
+def kinds_of(names: Mapping[str, object]) -> tuple[Kind, ...]:
+    """Return the kinds among the `globals()` of a module, in order."""
+    return tuple(value for value in names.values() if isinstance(value, Kind))
 
 
 @dataclass(frozen=True, slots=True, order=True)

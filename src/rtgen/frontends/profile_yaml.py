@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from rtgen.diagnostics import InputError, Rule, Severity, Span
+from rtgen.diagnostics import InputError, Rule, Severity, Span, rules_of
 from rtgen.frontends.kit import located_yaml
 from rtgen.frontends.kit.located_xml import Element
 from rtgen.frontends.kit.located_yaml import Node, YamlError
@@ -22,7 +22,7 @@ from rtgen.model.profile_elements import XSI
 YAML_SUFFIXES = (".yaml", ".yml")
 
 BAD_YAML = Rule("RTC0545", "not a profile in YAML", Severity.ERROR)
-RULES = (BAD_YAML,)
+RULES = rules_of(globals())
 
 _ACTIONS = (
     "OnInitialize OnFinalize OnStartup OnShutdown OnActivated OnDeactivated OnAborting"

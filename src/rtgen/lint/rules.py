@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 UNUSED_INCLUDE = Rule("LINT0001", "unused include", Severity.WARNING)
 UNUSED_TYPEDEF = Rule("LINT0002", "unused typedef", Severity.NOTE)
@@ -31,32 +31,7 @@ OTHER_FACTOR = Rule("LINT0022", "factor other than that of the drive", Severity.
 DEVICE_NAME = Rule("LINT0023", "file name reserved by Windows", Severity.WARNING)
 MISSPELT_UNIT = Rule("LINT0024", "misspelt unit", Severity.WARNING)
 
-RULES: tuple[Rule, ...] = (
-    UNUSED_INCLUDE,
-    UNUSED_TYPEDEF,
-    ANONYMOUS_TYPE,
-    NAMING,
-    UNDOCUMENTED,
-    NO_PREFIX,
-    ANY_IN_PORT,
-    NO_TIME,
-    UNBOUNDED,
-    MISSING_ENUMERATORS,
-    PYTHON_NAME,
-    NO_HEARTBEAT,
-    NO_VENDOR,
-    SAME_NAME,
-    NO_EFFECT,
-    NOT_CARRIED,
-    UNREACHABLE,
-    UNBOUNDED_ON_BOARD,
-    UNUSED_TYPE,
-    NOT_PORTABLE,
-    UNKNOWN_UNIT,
-    OTHER_FACTOR,
-    DEVICE_NAME,
-    MISSPELT_UNIT,
-)
+RULES = rules_of(globals())
 
 ON_DEMAND: tuple[Rule, ...] = (UNDOCUMENTED, UNBOUNDED, NOT_PORTABLE)
 """Rules that only run if selected."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 ADAPTER_NAME = Rule("ADP0001", "adapter without a name of its own", Severity.ERROR)
 ADAPTER_TYPE = Rule(
@@ -12,10 +12,4 @@ ADAPTER_MEMBER = Rule("ADP0003", "adapter with an unknown member", Severity.ERRO
 ADAPTER_VALUE = Rule("ADP0004", "members that do not fit", Severity.ERROR)
 ADAPTER_UNIT = Rule("ADP0005", "members of different units", Severity.ERROR)
 
-RULES: tuple[Rule, ...] = (
-    ADAPTER_NAME,
-    ADAPTER_TYPE,
-    ADAPTER_MEMBER,
-    ADAPTER_VALUE,
-    ADAPTER_UNIT,
-)
+RULES = rules_of(globals())

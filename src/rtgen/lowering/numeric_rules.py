@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 NO_NUMBERS = Rule("NUM0001", "@numeric where there are no numbers", Severity.ERROR)
 
-RULES: tuple[Rule, ...] = (NO_NUMBERS,)
+RULES = rules_of(globals())

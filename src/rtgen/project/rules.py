@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 FILE_UNREADABLE = Rule("PRJ0001", "rtgen.toml cannot be read", Severity.ERROR)
 UNKNOWN_KEY = Rule("PRJ0002", "unknown section or key", Severity.ERROR)
@@ -31,29 +31,4 @@ ENVIRONMENT = Rule("ENV0001", "the environment failed", Severity.ERROR)
 SUPERVISED = Rule("ENV0002", "node has an SDO client already", Severity.WARNING)
 NO_PAGE = Rule("ENV0003", "installation without the page", Severity.WARNING)
 
-RULES: tuple[Rule, ...] = (
-    FILE_UNREADABLE,
-    UNKNOWN_KEY,
-    WRONG_TYPE,
-    PROJECT_NAME,
-    PATH_MISSING,
-    PATH_OVERLAP,
-    SOURCE_NONE,
-    SOURCE_KIND,
-    UNKNOWN_CODE,
-    OTHER_FORM,
-    WHICH_COMPONENT,
-    LEFTOVER_SKELETON,
-    UNKNOWN_PORT,
-    MISSPELT_CALLBACK,
-    NO_PATH,
-    SAME_PATH,
-    LEAVES_OUTPUT,
-    LINK_IN_OUTPUT,
-    ENCODING,
-    NAME_TOO_LONG,
-    FOREIGN_FILE,
-    ENVIRONMENT,
-    SUPERVISED,
-    NO_PAGE,
-)
+RULES = rules_of(globals())

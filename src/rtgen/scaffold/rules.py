@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 UNUSABLE_NAME = Rule("NEW0001", "name that cannot be used", Severity.ERROR)
 EXISTS = Rule("NEW0002", "file that exists already", Severity.ERROR)
 NO_PROJECT = Rule("NEW0003", "no project to add to", Severity.ERROR)
 NO_COMPONENT = Rule("NEW0004", "system without such a component", Severity.ERROR)
 
-RULES: tuple[Rule, ...] = (UNUSABLE_NAME, EXISTS, NO_PROJECT, NO_COMPONENT)
+RULES = rules_of(globals())

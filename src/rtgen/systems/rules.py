@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 UNKNOWN_TYPE = Rule("SYS0001", "component type without a factory", Severity.ERROR)
 NO_COMPONENT = Rule("SYS0002", "factory that makes no component", Severity.ERROR)
@@ -28,24 +28,4 @@ FOREIGN = Rule("SYS0026", "foreign component out of reach", Severity.ERROR)
 SKIPPED = Rule("SYS0027", "event of a timeline that is skipped", Severity.WARNING)
 MISSING = Rule("SYS0028", "samples that could not be written", Severity.ERROR)
 
-RULES: tuple[Rule, ...] = (
-    UNKNOWN_TYPE,
-    NO_COMPONENT,
-    CONNECTION,
-    PARAMETER,
-    UNKNOWN_INSTANCE,
-    CONDITION,
-    TIMELINE,
-    OBSERVABLE,
-    ELSEWHERE,
-    MEASURE,
-    TOLERANCE,
-    RAISED,
-    IMPORT,
-    BLOCKED,
-    NOTICE,
-    ROS_TOPIC,
-    FOREIGN,
-    SKIPPED,
-    MISSING,
-)
+RULES = rules_of(globals())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rtgen.diagnostics import Diagnostic, Related, Rule, Severity
+from rtgen.diagnostics import Diagnostic, Related, Rule, Severity, rules_of
 from rtgen.model import Connection, Model, NamedType, Port, Struct
 from rtgen.typemap.member_units import Leaf, is_real, leaves
 
@@ -13,7 +13,7 @@ UNIT_MISSING = Rule("RTC0594", "unit at one end of a connector only", Severity.N
 SCALES_DIFFER = Rule("RTC0595", "ports of different scales", Severity.WARNING)
 MAY_DIFFER = Rule("RTC0596", "units that may not fit", Severity.WARNING)
 
-RULES = (DIMENSIONS_DIFFER, UNIT_MISSING, SCALES_DIFFER, MAY_DIFFER)
+RULES = rules_of(globals())
 
 
 def check(

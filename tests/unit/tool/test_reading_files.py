@@ -35,7 +35,7 @@ OWN_FILES = {
     "backends/canopen/shared_files.py _shared_idl",
     "backends/small/backend.py _Tree.artifacts",
     "backends/typescript/backend.py _Tree.artifacts",
-    "diagnostics/__init__.py Rule.explanation",
+    "diagnostics/__init__.py _page",
     "diagnostics/__init__.py _hints",
     "documentation/site.py _settings",
     "documentation/site.py site",

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 NOT_WRITABLE = Rule("EDS0805", "value that cannot be written to a node", Severity.ERROR)
 
-RULES = (NOT_WRITABLE,)
+RULES = rules_of(globals())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 NAME = Rule("RTC0101", "component name cannot be used", Severity.ERROR)
 SAME_MODULE = Rule("RTC0102", "two components with one package", Severity.ERROR)
@@ -27,27 +27,4 @@ CONSTRAINT = Rule("RTC0306", "constraint cannot be read", Severity.ERROR)
 WIDGET = Rule("RTC0307", "unknown widget", Severity.ERROR)
 WIDGET_NEEDS = Rule("RTC0308", "widget without bounds or values", Severity.WARNING)
 
-RULES = (
-    NAME,
-    SAME_MODULE,
-    VERSION,
-    DATE,
-    CHOICE,
-    ID_PART,
-    NUMBER,
-    TEXT,
-    SHADOWS,
-    MISSPELT_KIND,
-    SAME_PORT,
-    DATA_TYPE,
-    INTERFACE,
-    SAME_INTERFACE,
-    SAME_PARAMETER,
-    PARAMETER_TYPE,
-    DEFAULT_TYPE,
-    DEFAULT_RANGE,
-    BOUNDS,
-    CONSTRAINT,
-    WIDGET,
-    WIDGET_NEEDS,
-)
+RULES = rules_of(globals())

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 UNQUOTABLE = Rule("PRJ0107", "text that an output cannot hold", Severity.ERROR)
 
-RULES = (UNQUOTABLE,)
+RULES = rules_of(globals())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 RENAMED = Rule("RTC0560", "port has another name in OpenRTM", Severity.WARNING)
 SAME_NAME = Rule("RTC0561", "two ports of one name in OpenRTM", Severity.ERROR)
@@ -22,16 +22,4 @@ PROJECT_MODULE = Rule(
     "RTC0572", "IDL module with the name of one of the project's", Severity.ERROR
 )
 
-RULES = (
-    RENAMED,
-    SAME_NAME,
-    TWO_NAMES,
-    PACKAGE,
-    SAME_FOLDER,
-    OTHER_PROFILE,
-    HIDES,
-    CONF_TEXT,
-    NOT_CLASSIC,
-    PYTHON_MODULE,
-    PROJECT_MODULE,
-)
+RULES = rules_of(globals())

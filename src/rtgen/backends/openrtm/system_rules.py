@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 SYSTEM_FOLDER = Rule("RTC0587", "system in the place of another one", Severity.ERROR)
 LONELY_CONSUMER = Rule("RTC0588", "consumer without a provider", Severity.WARNING)
@@ -12,4 +12,4 @@ INSTANCE_NAME = Rule(
     "RTC0591", "instance name that cannot be a file name", Severity.ERROR
 )
 
-RULES = (SYSTEM_FOLDER, LONELY_CONSUMER, PER_CYCLE, OWN_PORT, INSTANCE_NAME)
+RULES = rules_of(globals())

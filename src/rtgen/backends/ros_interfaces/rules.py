@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 NOT_IN_ROS = Rule("ROS0120", "declaration that ROS 2 cannot express", Severity.WARNING)
 
-RULES = (NOT_IN_ROS,)
+RULES = rules_of(globals())

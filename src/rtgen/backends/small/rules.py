@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 LEFT_OUT = Rule("RTC0600", "component without a small form", Severity.WARNING)
 
-RULES = (LEFT_OUT,)
+RULES = rules_of(globals())

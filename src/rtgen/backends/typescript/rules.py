@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 NOT_IN_TYPESCRIPT = Rule(
     "TS0001", "declaration without a codec in TypeScript", Severity.WARNING
 )
 
-RULES = (NOT_IN_TYPESCRIPT,)
+RULES = rules_of(globals())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 BAD_FILE = Rule("EDS0700", "bus file cannot be read", Severity.ERROR)
 BAD_CONTENT = Rule(
@@ -23,21 +23,4 @@ OTHER_SYNC = Rule("EDS0713", "node without the SYNC of its network", Severity.ER
 CONSUMED_TWICE = Rule("EDS0714", "two consumers of one heartbeat", Severity.ERROR)
 REFUSED_CHANGE = Rule("EDS0715", "value that a node may refuse", Severity.WARNING)
 
-RULES = (
-    BAD_FILE,
-    BAD_CONTENT,
-    UNKNOWN_DEVICE,
-    SAME_ID,
-    BAD_VALUE,
-    BAD_MAPPING,
-    SAME_COB_ID,
-    BAD_LINK,
-    NO_BIT_RATE,
-    OVERLOAD,
-    NOT_LIKE_KIND,
-    NO_SUPERVISION,
-    NO_FACTOR,
-    OTHER_SYNC,
-    CONSUMED_TWICE,
-    REFUSED_CHANGE,
-)
+RULES = rules_of(globals())

@@ -12,7 +12,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterator
 from functools import cache, cached_property
 
-from rtgen.diagnostics import Diagnostic, Rule, Severity
+from rtgen.diagnostics import Diagnostic, Rule, Severity, rules_of
 from rtgen.facts import encodings
 from rtgen.facts.decoded_text import Decoded
 from rtgen.frontends.kit.lines import LineTable
@@ -27,13 +27,7 @@ OCTET_OF_LITERAL = Rule(
     "TXT0005", "literal with the octet of a backslash", Severity.WARNING
 )
 
-RULES = (
-    ENCODING,
-    OCTET_OF_COMMENT,
-    CONTINUED_COMMENT,
-    LONE_RETURN,
-    OCTET_OF_LITERAL,
-)
+RULES = rules_of(globals())
 
 TOKENS = re.compile(
     r"//[^\n]*|/\*(?:.*?\*/|.*)"

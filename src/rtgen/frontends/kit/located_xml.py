@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import NoReturn
 from xml.parsers import expat
 
-from rtgen.diagnostics import InputError, Rule, Severity, Span
+from rtgen.diagnostics import InputError, Rule, Severity, Span, rules_of
 from rtgen.facts import encodings
 from rtgen.facts.decoded_text import Decoded, encoded
 from rtgen.facts.encodings import Encoded
@@ -23,7 +23,7 @@ DOCTYPE = Rule("RTC0502", "document type declaration", Severity.ERROR)
 ENCODING = Rule("RTC0503", "bytes do not fit the encoding", Severity.ERROR)
 DEPTH = Rule("RTC0504", "elements nested too deeply", Severity.ERROR)
 
-RULES = (MALFORMED, DOCTYPE, ENCODING, DEPTH)
+RULES = rules_of(globals())
 
 _MAX_DEPTH = 100
 _DECLARED = re.compile(rb"""<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z][\w.-]*)["']""")

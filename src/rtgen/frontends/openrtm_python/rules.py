@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 UNREADABLE = Rule("RTC0550", "not a module of Python", Severity.ERROR)
 NO_COMPONENT = Rule("RTC0551", "no component", Severity.ERROR)
@@ -14,4 +14,4 @@ ASSUMED = Rule(
     "RTC0556", "module in another encoding or Python version", Severity.WARNING
 )
 
-RULES = (UNREADABLE, NO_COMPONENT, COMPUTED, NOT_ADDED, NOT_CARRIED, BEHAVIOUR, ASSUMED)
+RULES = rules_of(globals())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 MISSING_FILE = Rule("ROS0100", "interface file does not exist", Severity.ERROR)
 UNREADABLE = Rule("ROS0101", "interface file cannot be read", Severity.ERROR)
@@ -17,17 +17,4 @@ RECURSIVE = Rule("ROS0109", "message that contains itself", Severity.ERROR)
 TOO_MANY = Rule("ROS0110", "too many findings", Severity.ERROR)
 OPEN_QUOTE = Rule("ROS0111", "text with a quote that is not closed", Severity.WARNING)
 
-RULES = (
-    MISSING_FILE,
-    UNREADABLE,
-    SYNTAX,
-    BAD_NAME,
-    BAD_TYPE,
-    UNKNOWN_TYPE,
-    BAD_VALUE,
-    DUPLICATE,
-    SECTIONS,
-    RECURSIVE,
-    TOO_MANY,
-    OPEN_QUOTE,
-)
+RULES = rules_of(globals())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 UNKNOWN_OPTION = Rule("CDL1001", "unknown option of RTCPlugin", Severity.ERROR)
 BAD_OPTION = Rule(
@@ -18,12 +18,4 @@ NOT_TRANSFERRED = Rule(
     "CDL1007", "parameter that OpaqueRPC cannot carry", Severity.ERROR
 )
 
-RULES = (
-    UNKNOWN_OPTION,
-    BAD_OPTION,
-    NOT_IN_IDL,
-    DIFFERENT_OPTIONS,
-    SAME_NAME,
-    SAME_COMPONENT,
-    NOT_TRANSFERRED,
-)
+RULES = rules_of(globals())

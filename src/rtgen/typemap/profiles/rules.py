@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 NOT_A_PROFILE = Rule("RTC0530", "not an RtcProfile", Severity.ERROR)
 MISSING = Rule("RTC0531", "the component has no name", Severity.ERROR)
@@ -28,24 +28,4 @@ LOST = Rule("RTC0547", "incomplete element", Severity.WARNING)
 BAD_WIDGET = Rule("RTC0548", "unsupported widget", Severity.WARNING)
 DISAGREES = Rule("RTC0549", "profile and IDL disagree", Severity.WARNING)
 
-RULES = (
-    NOT_A_PROFILE,
-    MISSING,
-    LEFT_OUT,
-    MISSPELT,
-    UNKNOWN_WORD,
-    BAD_NUMBER,
-    BAD_DATE,
-    UNKNOWN_TYPE,
-    WRONG_TYPE,
-    PARAMETER_TYPE,
-    PARAMETER_VALUE,
-    CONSTRAINT,
-    TWICE,
-    NAME,
-    SAME_COMPONENT,
-    FACTS,
-    LOST,
-    BAD_WIDGET,
-    DISAGREES,
-)
+RULES = rules_of(globals())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 UNKNOWN_CELLTYPE = Rule("CDL0600", "celltype not found", Severity.ERROR)
 NOT_A_CELLTYPE = Rule("CDL0601", "not a celltype", Severity.ERROR)
@@ -54,42 +54,4 @@ ALLOCATOR_OF_CELL = Rule(
     "CDL0636", "allocator of a cell that names nothing", Severity.ERROR
 )
 
-RULES: tuple[Rule, ...] = (
-    UNKNOWN_CELLTYPE,
-    NOT_A_CELLTYPE,
-    CELL_MISMATCH,
-    CELL_TWICE,
-    CELL_IN_NAMESPACE,
-    SECOND_SINGLETON,
-    UNDEFINED_CELL,
-    UNUSED_PROTOTYPE,
-    UNUSED_CELL,
-    PROTOTYPE,
-    UNKNOWN_CELL,
-    NOT_A_CELL,
-    UNKNOWN_ENTRY,
-    NOT_AN_ENTRY,
-    SIGNATURE_MISMATCH,
-    LEFT_SUBSCRIPT,
-    RIGHT_SUBSCRIPT,
-    UNKNOWN_NAME,
-    ENTRY_ON_THE_LEFT,
-    VARIABLE_IN_CELL,
-    NOT_A_TARGET,
-    JOINED_TWICE,
-    NOT_JOINED,
-    ARRAY_HOLE,
-    NO_VALUE,
-    BAD_ID,
-    ID_TAKEN,
-    REVERSE_JOIN,
-    NOT_REACHED,
-    REQUIRE_OVERRIDDEN,
-    RESTRICT,
-    RELAY,
-    NOT_A_CHOICE,
-    MANY_CALLERS,
-    GENERATE_TARGET,
-    MADE_BY_PLUGIN,
-    ALLOCATOR_OF_CELL,
-)
+RULES = rules_of(globals())

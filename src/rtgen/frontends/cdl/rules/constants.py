@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 NO_INITIALISER = Rule("CDL0800", "constant without a value", Severity.ERROR)
 CONSTANT_TYPE = Rule("CDL0801", "type that a constant cannot have", Severity.ERROR)
@@ -22,18 +22,4 @@ SHAPE = Rule("CDL0810", "initialiser of another shape", Severity.ERROR)
 POINTER_VALUE = Rule("CDL0811", "value that a pointer cannot have", Severity.ERROR)
 SURPLUS = Rule("CDL0812", "more values than a struct has members", Severity.WARNING)
 
-RULES = (
-    NO_INITIALISER,
-    CONSTANT_TYPE,
-    NOT_CONST,
-    NOT_CONSTANT,
-    UNKNOWN_NAME,
-    CANNOT_EVALUATE,
-    OPERATOR_KIND,
-    DIVISION,
-    RANGE,
-    NEEDS_CAST,
-    SHAPE,
-    POINTER_VALUE,
-    SURPLUS,
-)
+RULES = rules_of(globals())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 MISSING_FILE = Rule("CDL0001", "file not found", Severity.ERROR)
 UNREADABLE = Rule("CDL0002", "file cannot be read", Severity.ERROR)
@@ -17,17 +17,4 @@ TOO_MANY = Rule("CDL0010", "too many findings", Severity.ERROR)
 SAME_STEM = Rule("CDL0011", "two CDL files of one name", Severity.ERROR)
 IMPORT_DEPTH = Rule("CDL0012", "imports nested too deeply", Severity.ERROR)
 
-RULES = (
-    MISSING_FILE,
-    UNREADABLE,
-    BINARY,
-    TOO_LARGE,
-    ENCODING,
-    IMPORT_MISSING,
-    KERNEL_MISSING,
-    IMPORT_FORM,
-    PRELUDE,
-    TOO_MANY,
-    SAME_STEM,
-    IMPORT_DEPTH,
-)
+RULES = rules_of(globals())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 MISSING_HEADER = Rule("CDL0900", "C header not found", Severity.ERROR)
 UNREADABLE_HEADER = Rule("CDL0901", "C header that is not understood", Severity.ERROR)
@@ -16,12 +16,4 @@ HEADER_LIMIT = Rule("CDL0904", "C header too large", Severity.ERROR)
 HEADER_REDEFINES = Rule("CDL0905", "C type declared differently", Severity.WARNING)
 HEADER_DEFINITION = Rule("CDL0906", "malformed definition", Severity.ERROR)
 
-RULES = (
-    MISSING_HEADER,
-    UNREADABLE_HEADER,
-    HEADER_TWICE,
-    MISSING_INCLUDE,
-    HEADER_LIMIT,
-    HEADER_REDEFINES,
-    HEADER_DEFINITION,
-)
+RULES = rules_of(globals())

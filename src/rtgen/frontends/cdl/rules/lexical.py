@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 BAD_CHARACTER = Rule("CDL0100", "character that is not allowed here", Severity.ERROR)
 UNCLOSED_COMMENT = Rule("CDL0101", "comment that is never closed", Severity.ERROR)
@@ -11,4 +11,4 @@ DIRECTIVE = Rule("CDL0103", "preprocessor directive", Severity.ERROR)
 ANGLE = Rule("CDL0104", "text between < and > taken for a file name", Severity.ERROR)
 NUMBER = Rule("CDL0105", "number that CDL does not know", Severity.ERROR)
 
-RULES = (BAD_CHARACTER, UNCLOSED_COMMENT, UNCLOSED_TEXT, DIRECTIVE, ANGLE, NUMBER)
+RULES = rules_of(globals())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 SPECIFIERS_AGAIN = Rule(
     "CDL0700", "specifiers where a region is opened again", Severity.ERROR
@@ -25,19 +25,4 @@ OPTION_TWICE = Rule("CDL0714", "option given twice", Severity.WARNING)
 UNKNOWN_SUBSTITUTION = Rule("CDL0715", "unknown word between dollars", Severity.ERROR)
 MISSPELT_PLUGIN = Rule("CDL0716", "misspelt plug-in", Severity.ERROR)
 
-RULES: tuple[Rule, ...] = (
-    SPECIFIERS_AGAIN,
-    NAME_OF_ANOTHER,
-    GOING_OUT,
-    GOING_TO,
-    GOING_IN,
-    LINK_UNITS,
-    KIND_TWICE,
-    UNKNOWN_PLUGIN,
-    THROUGH_ATTRIBUTE,
-    THROUGH_IGNORED,
-    BAD_ARGUMENT,
-    OPTION_TWICE,
-    UNKNOWN_SUBSTITUTION,
-    MISSPELT_PLUGIN,
-)
+RULES = rules_of(globals())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 CONTEXT_UNKNOWN = Rule("CDL0400", "unknown context", Severity.WARNING)
 SPECIFIER_TWICE = Rule("CDL0401", "specifier given twice", Severity.ERROR)
@@ -44,36 +44,4 @@ PARAMETER_TWICE = Rule("CDL0428", "parameter declared twice", Severity.ERROR)
 FUNCTION_PARAMETER = Rule("CDL0429", "parameter that is a function", Severity.ERROR)
 SIZE_FORM = Rule("CDL0430", "size that tecsgen does not understand", Severity.WARNING)
 
-RULES = (
-    CONTEXT_UNKNOWN,
-    SPECIFIER_TWICE,
-    NOT_A_FUNCTION,
-    FUNCTION_TWICE,
-    NO_VOID,
-    RETURNS_POINTER,
-    NO_BRACKET,
-    NO_NAME,
-    NO_DIRECTION,
-    DIRECTION_CONFLICT,
-    DIRECTION_TWICE,
-    ALLOCATOR,
-    STRING_LENGTH,
-    TOO_FEW_POINTERS,
-    TOO_MANY_POINTERS,
-    IN_NOT_CONST,
-    OUT_CONST,
-    SIZE_OF_SCALAR,
-    SIZE_OF_VOID,
-    NULLABLE_SIZE,
-    SIZE_TYPE,
-    SIZE_SIGN,
-    MAX_SIZE,
-    SIZE_OVER_MAX,
-    SIZE_UNDER_MAX,
-    LENGTH_DIRECTION,
-    ONEWAY_RETURN,
-    ONEWAY_PARAMETER,
-    PARAMETER_TWICE,
-    FUNCTION_PARAMETER,
-    SIZE_FORM,
-)
+RULES = rules_of(globals())

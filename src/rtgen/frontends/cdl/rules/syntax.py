@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 UNEXPECTED = Rule("CDL0200", "syntax error", Severity.ERROR)
 MISSING_SEMICOLON = Rule("CDL0201", "missing semicolon", Severity.ERROR)
@@ -23,21 +23,4 @@ MISPLACED_SPECIFIER = Rule(
 )
 UNKNOWN_SPECIFIER = Rule("CDL0215", "unknown specifier", Severity.ERROR)
 
-RULES = (
-    UNEXPECTED,
-    MISSING_SEMICOLON,
-    MISSPELT_KEYWORD,
-    KEYWORD_AS_NAME,
-    TYPE_AS_NAME,
-    UNCLOSED_BRACE,
-    STRAY_BRACE,
-    UNEXPECTED_END,
-    EMPTY_BLOCK,
-    EXTRA_SEMICOLON,
-    TOO_MANY,
-    TOO_DEEP,
-    MISSING_MARK,
-    QUALIFIER,
-    MISPLACED_SPECIFIER,
-    UNKNOWN_SPECIFIER,
-)
+RULES = rules_of(globals())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 UNKNOWN_TYPE = Rule("CDL0300", "unknown type", Severity.ERROR)
 DECLARED_TWICE = Rule("CDL0301", "name declared twice", Severity.ERROR)
@@ -18,18 +18,4 @@ UNKNOWN_NAME = Rule("CDL0310", "nothing of that name", Severity.ERROR)
 WRONG_KIND = Rule("CDL0311", "name of another kind", Severity.ERROR)
 GUESSED_TYPE = Rule("CDL0312", "type of a missing file", Severity.WARNING)
 
-RULES = (
-    UNKNOWN_TYPE,
-    DECLARED_TWICE,
-    UNKNOWN_STRUCT,
-    SIGN_OF_SIZED,
-    SIGN_TWICE,
-    ARRAY_SIZE,
-    VOID_VALUE,
-    MEMBER_TWICE,
-    ENUM_TYPE,
-    MEMBER_SIZE,
-    UNKNOWN_NAME,
-    WRONG_KIND,
-    GUESSED_TYPE,
-)
+RULES = rules_of(globals())

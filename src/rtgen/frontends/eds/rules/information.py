@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 MISSING_SECTION = Rule("EDS0200", "section missing", Severity.WARNING)
 MISSING_KEYS = Rule("EDS0201", "keys missing", Severity.NOTE)
@@ -21,21 +21,4 @@ OF_A_DCF = Rule("EDS0213", "part of a DCF in an EDS", Severity.WARNING)
 OTHER_IDENTITY = Rule("EDS0214", "two identities", Severity.WARNING)
 BAD_DUMMY = Rule("EDS0215", "no data type for a gap", Severity.WARNING)
 
-RULES = (
-    MISSING_SECTION,
-    MISSING_KEYS,
-    BAD_INFORMATION,
-    WRONG_COUNT,
-    BAD_ENTRY,
-    NOT_THERE,
-    NOT_LISTED,
-    WRONG_LIST,
-    LISTED_TWICE,
-    MANDATORY_OBJECT,
-    PDO_COUNT,
-    NODE_ID,
-    BIT_RATE,
-    OF_A_DCF,
-    OTHER_IDENTITY,
-    BAD_DUMMY,
-)
+RULES = rules_of(globals())

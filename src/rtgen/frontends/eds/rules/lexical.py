@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 MISSING_FILE = Rule("EDS0001", "file not found", Severity.ERROR)
 UNREADABLE = Rule("EDS0002", "file cannot be read", Severity.ERROR)
@@ -25,25 +25,4 @@ UNKNOWN_KEY = Rule("EDS0108", "unknown key", Severity.NOTE)
 MISSPELT_KEY = Rule("EDS0109", "misspelt key", Severity.WARNING)
 COLON = Rule("EDS0110", "colon in place of the equals sign", Severity.WARNING)
 
-RULES = (
-    MISSING_FILE,
-    UNREADABLE,
-    BINARY,
-    TOO_LARGE,
-    NOT_ASCII,
-    A_LINK,
-    NO_DEVICE,
-    TOO_MANY_OBJECTS,
-    TOO_MANY_FINDINGS,
-    STRAY_LINE,
-    OUTSIDE,
-    BAD_HEADER,
-    SAME_SECTION,
-    SAME_KEY,
-    STRAY_COMMENT,
-    OTHER_SPELLING,
-    UNKNOWN_SECTION,
-    UNKNOWN_KEY,
-    MISSPELT_KEY,
-    COLON,
-)
+RULES = rules_of(globals())

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 NO_MODULE = Rule("EDS0600", "unknown module", Severity.WARNING)
 NOTHING_TO_EXTEND = Rule("EDS0601", "module extends no object", Severity.WARNING)
 
-RULES = (NO_MODULE, NOTHING_TO_EXTEND)
+RULES = rules_of(globals())

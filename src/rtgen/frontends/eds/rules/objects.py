@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 NO_NAME = Rule("EDS0300", "object without a name", Severity.WARNING)
 OBJECT_TYPE = Rule("EDS0301", "object type taken from the other keys", Severity.WARNING)
@@ -27,25 +27,4 @@ COMPACT_COUNT = Rule(
 NOT_COMPACT = Rule("EDS0318", "entry for no sub-object", Severity.WARNING)
 RESERVED_INDEX = Rule("EDS0319", "reserved index", Severity.WARNING)
 
-RULES = (
-    NO_NAME,
-    OBJECT_TYPE,
-    WORDS,
-    TYPE_TAKEN,
-    NO_TYPE,
-    UNKNOWN_TYPE,
-    NO_ACCESS,
-    UNKNOWN_ACCESS,
-    ORPHAN,
-    OF_A_VAR,
-    SUB_NUMBER,
-    NO_SUBS,
-    NO_SUB0,
-    SUB0_TYPE,
-    SUB0_VALUE,
-    ARRAY_TYPES,
-    BAD_SUBINDEX,
-    COMPACT_COUNT,
-    NOT_COMPACT,
-    RESERVED_INDEX,
-)
+RULES = rules_of(globals())

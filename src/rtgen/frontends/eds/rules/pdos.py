@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 HALF = Rule("EDS0500", "PDO without one of its two objects", Severity.WARNING)
 NO_OBJECT = Rule("EDS0501", "mapped object does not exist", Severity.WARNING)
@@ -21,21 +21,4 @@ EMPTY_ENTRY = Rule("EDS0513", "empty entry in use", Severity.WARNING)
 NO_NODE_ID = Rule("EDS0514", "COB-ID without the node-id", Severity.WARNING)
 MULTIPLEXED = Rule("EDS0515", "multiplexed PDO", Severity.WARNING)
 
-RULES = (
-    HALF,
-    NO_OBJECT,
-    NOT_MAPPABLE,
-    OTHER_LENGTH,
-    TOO_LONG,
-    WRONG_WAY,
-    BAD_NUMBER,
-    BAD_COB_ID,
-    BAD_TRANSMISSION,
-    BAD_GAP,
-    SAME_COB_ID,
-    GRANULARITY,
-    MAPPED_TWICE,
-    EMPTY_ENTRY,
-    NO_NODE_ID,
-    MULTIPLEXED,
-)
+RULES = rules_of(globals())

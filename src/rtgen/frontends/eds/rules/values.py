@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 BAD_VALUE = Rule("EDS0400", "value that its type does not have", Severity.WARNING)
 OCTAL = Rule("EDS0401", "number that may be octal", Severity.WARNING)
@@ -14,14 +14,4 @@ NO_LIMIT = Rule("EDS0406", "limit for a type without order", Severity.WARNING)
 ODD_NUMBER = Rule("EDS0407", "number in an unusual form", Severity.WARNING)
 BAD_COB_ID = Rule("EDS0408", "COB-ID that a service cannot have", Severity.WARNING)
 
-RULES = (
-    BAD_VALUE,
-    OCTAL,
-    FORMULA,
-    OUT_OF_RANGE,
-    OUTSIDE_LIMITS,
-    LIMITS_CROSSED,
-    NO_LIMIT,
-    ODD_NUMBER,
-    BAD_COB_ID,
-)
+RULES = rules_of(globals())

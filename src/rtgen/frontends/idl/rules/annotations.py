@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 UNKNOWN_ANNOTATION = Rule("IDL0800", "unknown annotation", Severity.WARNING)
 MISPLACED = Rule("IDL0801", "annotation in the wrong place", Severity.WARNING)
@@ -25,21 +25,4 @@ PASSED_OVER = Rule(
     "IDL0905", "construct of components that is read only", Severity.WARNING
 )
 
-RULES = (
-    UNKNOWN_ANNOTATION,
-    MISPLACED,
-    BAD_ARGUMENT,
-    KEY_OPTIONAL,
-    DUPLICATE_ID,
-    BAD_BIT_BOUND,
-    BAD_ENUM_VALUE,
-    EXTENSIBILITY,
-    DEFAULT_RANGE,
-    REPEATED,
-    BAD_PORT_TYPE,
-    DUPLICATE_PORT,
-    BAD_PARAMETER_TYPE,
-    BAD_NAME,
-    BAD_DATE,
-    PASSED_OVER,
-)
+RULES = rules_of(globals())

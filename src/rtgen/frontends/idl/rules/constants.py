@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 WRONG_KIND = Rule("IDL0500", "value of the wrong kind", Severity.ERROR)
 OUT_OF_RANGE = Rule("IDL0501", "value out of range", Severity.ERROR)
@@ -17,15 +17,4 @@ INTEGER_AS_FLOAT = Rule(
 NEGATIVE_REMAINDER = Rule("IDL0508", "remainder of a negative number", Severity.WARNING)
 INFINITE = Rule("IDL0509", "number so large that it is infinite", Severity.WARNING)
 
-RULES = (
-    WRONG_KIND,
-    OUT_OF_RANGE,
-    DIVISION_BY_ZERO,
-    BAD_SHIFT,
-    PRECISION,
-    TEXT_TOO_LONG,
-    WRONG_ENUM,
-    INTEGER_AS_FLOAT,
-    NEGATIVE_REMAINDER,
-    INFINITE,
-)
+RULES = rules_of(globals())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 DUPLICATE_BASE = Rule("IDL0600", "base named twice", Severity.ERROR)
 ABSTRACT_BASE = Rule(
@@ -29,21 +29,4 @@ NOTHING_TO_TRUNCATE = Rule(
     "IDL0615", "truncatable without a concrete base", Severity.WARNING
 )
 
-RULES = (
-    DUPLICATE_BASE,
-    ABSTRACT_BASE,
-    LOCAL_BASE,
-    REDEFINED,
-    INHERITED_CLASH,
-    NOT_RAISABLE,
-    RAISED_TWICE,
-    ONEWAY,
-    BAD_CONTEXT,
-    CONCRETE_BASES,
-    CUSTOM,
-    ABSTRACT_STATE,
-    BOXED_VALUE,
-    BAD_PARAMETER,
-    BAD_CLAUSE,
-    NOTHING_TO_TRUNCATE,
-)
+RULES = rules_of(globals())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 MISSING_FILE = Rule("IDL0001", "file not found", Severity.ERROR)
 UNREADABLE = Rule("IDL0002", "file cannot be read", Severity.ERROR)
@@ -35,29 +35,4 @@ NAMELESS_CONDITION = Rule(
 PASSED_OVER = Rule("IDL0026", "directive without effect", Severity.WARNING)
 TIME_OF_TRANSLATION = Rule("IDL0027", "date or time of translation", Severity.WARNING)
 
-RULES = (
-    MISSING_FILE,
-    UNREADABLE,
-    BINARY,
-    BAD_CHARACTER,
-    FILE_TOO_LARGE,
-    UNCLOSED_COMMENT,
-    INCLUDE_NOT_FOUND,
-    INCLUDE_CYCLE,
-    BAD_INCLUDE,
-    UNCLOSED_CONDITIONAL,
-    STRAY_CONDITIONAL,
-    BAD_CONDITION,
-    BAD_DEFINITION,
-    MACRO_REDEFINED,
-    BAD_MACRO_CALL,
-    ERROR_DIRECTIVE,
-    WARNING_DIRECTIVE,
-    UNKNOWN_DIRECTIVE,
-    BAD_LINE_MARKER,
-    BAD_MACRO_NAME,
-    INCLUDED_AGAIN,
-    NAMELESS_CONDITION,
-    PASSED_OVER,
-    TIME_OF_TRANSLATION,
-)
+RULES = rules_of(globals())

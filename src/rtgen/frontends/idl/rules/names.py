@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 UNKNOWN_NAME = Rule("IDL0200", "unknown name", Severity.ERROR)
 WRONG_CASE = Rule("IDL0201", "name in the wrong case", Severity.ERROR)
@@ -31,25 +31,4 @@ TWO_DEFINITIONS = Rule(
 DECLARED_ALIKE = Rule("IDL0218", "same type declared in two files", Severity.NOTE)
 CONSTANT_AS_TYPE = Rule("IDL0219", "constant used as a type", Severity.WARNING)
 
-RULES = (
-    UNKNOWN_NAME,
-    WRONG_CASE,
-    REDECLARED,
-    CASE_CLASH,
-    INTRODUCED,
-    SAME_AS_SCOPE,
-    KEYWORD_CASE,
-    BAD_IDENTIFIER,
-    CORBA_3_WORD,
-    NOT_A_SCOPE,
-    NOT_A_TYPE,
-    NOT_A_VALUE,
-    AMBIGUOUS,
-    ENUM_SCOPE,
-    FORWARD_MISMATCH,
-    NEVER_DEFINED,
-    NEVER_DEFINED_INTERFACE,
-    TWO_DEFINITIONS,
-    DECLARED_ALIKE,
-    CONSTANT_AS_TYPE,
-)
+RULES = rules_of(globals())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 BAD_PRAGMA = Rule("IDL0700", "malformed pragma", Severity.ERROR)
 NO_ID = Rule("IDL0701", "no repository id", Severity.ERROR)
@@ -11,4 +11,4 @@ CONFLICT = Rule("IDL0703", "repository id set twice", Severity.ERROR)
 SAME_ID = Rule("IDL0704", "one repository id for two declarations", Severity.WARNING)
 UNKNOWN_PRAGMA = Rule("IDL0705", "unknown pragma", Severity.NOTE)
 
-RULES = (BAD_PRAGMA, NO_ID, ODD_ID, CONFLICT, SAME_ID, UNKNOWN_PRAGMA)
+RULES = rules_of(globals())

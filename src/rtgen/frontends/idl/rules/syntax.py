@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 UNEXPECTED = Rule("IDL0100", "syntax error", Severity.ERROR)
 MISSING_SEMICOLON = Rule("IDL0101", "missing semicolon", Severity.ERROR)
@@ -32,32 +32,4 @@ MISSING_MARK = Rule("IDL0124", "missing punctuation", Severity.ERROR)
 MISSING_WORD = Rule("IDL0125", "missing name, type or value", Severity.ERROR)
 OTHER_LANGUAGE = Rule("IDL0126", "another interface language", Severity.ERROR)
 
-RULES = (
-    UNEXPECTED,
-    MISSING_SEMICOLON,
-    MISSPELT_KEYWORD,
-    KEYWORD_AS_NAME,
-    MISSING_NAME,
-    UNCLOSED_BRACE,
-    STRAY_BRACE,
-    UNEXPECTED_END,
-    UNCLOSED_TEXT,
-    BAD_LITERAL,
-    EXTRA_SEMICOLON,
-    TOO_MANY,
-    TOO_DEEP,
-    UNKNOWN_ESCAPE,
-    BROKEN_STRING,
-    TRAILING_COMMA,
-    EMPTY_ENUM,
-    ENUMERATOR_VALUE,
-    MISSING_DIRECTION,
-    EMPTY_RAISES,
-    TOO_MANY_FINDINGS,
-    FOREIGN,
-    MISPLACED,
-    BAD_ARRAY,
-    MISSING_MARK,
-    MISSING_WORD,
-    OTHER_LANGUAGE,
-)
+RULES = rules_of(globals())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.diagnostics import Rule, Severity
+from rtgen.diagnostics import Rule, Severity, rules_of
 
 INCOMPLETE = Rule("IDL0300", "type used before it is complete", Severity.ERROR)
 BAD_BASE = Rule("IDL0301", "not a possible base", Severity.ERROR)
@@ -29,25 +29,4 @@ SUPERFLUOUS_DEFAULT = Rule(
 )
 EMPTY_UNION = Rule("IDL0404", "union without branches", Severity.ERROR)
 
-RULES = (
-    INCOMPLETE,
-    BAD_BASE,
-    READ_ONLY,
-    LEFT_OUT,
-    VOID,
-    BAD_BOUND,
-    BAD_FIXED,
-    ANONYMOUS,
-    RECURSIVE_SEQUENCE,
-    LOCAL_TYPE,
-    BAD_CONST_TYPE,
-    BAD_MAP_KEY,
-    BAD_BITFIELD,
-    LONG_DOUBLE,
-    TOO_DEEP,
-    BAD_SWITCH,
-    DUPLICATE_LABEL,
-    SECOND_DEFAULT,
-    SUPERFLUOUS_DEFAULT,
-    EMPTY_UNION,
-)
+RULES = rules_of(globals())
