@@ -6,20 +6,38 @@ from pathlib import Path
 from random import Random
 
 _COB_FLAGS = (0, 0, 0, 0x80000000, 0x40000000)
-_FREE = (0x190, 0x1F0, 0x2A5, 0x33C, 0x4C0, 0x555, 0x690, 0x6D0)
+_FREE = (0x190, 0x1F0, 0x2A5, 0x33C, 0x4C0, 0x555, *range(0x680, 0x6E0))
 """Identifiers that CiA 301 does not restrict."""
+_EXTENDED = 0x20000000
+Writes = dict[str, object]
+"""Values of a bus file by their numbers."""
 _UNREADABLE = "CAN-ID: 80h + Node-ID"
 _MAPPABLE = 0x2000
 _OBJECTS = 8
 
 
-class RandomDevice:
-    """The text of an EDS or DCF, and its objects with values to write: (number, values)."""
+class Identifiers:
+    """CAN identifiers, each of which is given once."""
 
     def __init__(self, chance: Random) -> None:
         self._chance = chance
+        self._left = chance.sample(_FREE, len(_FREE))
+
+    def next(self) -> int:
+        """Return a COB-ID: an identifier of 11 bits, seldom one of 29."""
+        identifier = self._left.pop()
+        extended = self._chance.random() < 0.1
+        return _EXTENDED | identifier << 12 if extended else identifier
+
+
+class RandomDevice:
+    """The text of an EDS or DCF, and what can be written: alternatives for each part."""
+
+    def __init__(self, chance: Random, identifiers: Identifiers) -> None:
+        self._chance = chance
+        self._identifiers = identifiers
         self._text: list[str] = []
-        self.writable: list[tuple[str, tuple[object, ...]]] = []
+        self.writable: list[tuple[Writes, ...]] = []
         self.tpdos: list[int] = []
         self.rpdos: list[int] = []
         self._communication()
@@ -63,7 +81,7 @@ class RandomDevice:
         self._add(f"{index:04X}sub0", 5, str(subs), access)
 
     def _writes(self, number: str, *values: object) -> None:
-        self.writable.append((number, values))
+        self.writable.append(tuple({number: value} for value in values))
 
     def _configured(self, value: str) -> str:
         """Return a value of a DCF, by chance."""
@@ -71,7 +89,7 @@ class RandomDevice:
 
     def _cob_id(self, predefined: str) -> str | None:
         """Return the default of a COB-ID: the predefined one, another, or what stands for it."""
-        free = f"0x{self._chance.choice(_FREE):X}"
+        free = f"0x{self._identifiers.next():X}"
         return self._chance.choice(
             [predefined] * 6 + [None, "0", "0x40000000", _UNREADABLE, free]
             + ["0x10", "0x585"]
@@ -99,12 +117,13 @@ class RandomDevice:
         if chance.random() < 0.6:
             flags = chance.choice(("0x80000100", "0xC0000100", "0x100"))
             self._add("1012", 7, self._cob_id(flags))
-            ids = [flag | chance.choice(_FREE) for flag in _COB_FLAGS]
+            ids = [flag | self._identifiers.next() for flag in _COB_FLAGS]
             self._writes("1012", *ids, 0x80000100, 0x100)
         if chance.random() < 0.8:
-            more = self._configured("0x6B0")
+            own, on, off = (self._identifiers.next() for _ in range(3))
+            more = self._configured(f"0x{own:X}")
             self._add("1014", 7, self._cob_id("$NODEID+0x80"), more=more)
-            self._writes("1014", 0x6A0, 0x80000000 | 0x6A1, '"$NODEID+0x80"')
+            self._writes("1014", on, 0x80000000 | off, '"$NODEID+0x80"')
         if chance.random() < 0.4:
             self._add("1015", 6, "0")
             self._writes("1015", 100)
@@ -118,8 +137,10 @@ class RandomDevice:
         if chance.random() < 0.2:
             self._record(0x1028, 2)
             for sub in (1, 2):
-                self._add(f"1028sub{sub}", 7, chance.choice(["0x80000000", "0x6C0"]))
-                self._writes(f"1028:{sub}", 0x6C1 + sub, 0x800006C8)
+                own, on, off = (self._identifiers.next() for _ in range(3))
+                default = chance.choice(["0x80000000", f"0x{own:X}"])
+                self._add(f"1028sub{sub}", 7, default)
+                self._writes(f"1028:{sub}", on, 0x80000000 | off)
         if chance.random() < 0.2:
             self._record(0x1010, 1)
             self._add("1010sub1", 7, "1")
@@ -134,8 +155,17 @@ class RandomDevice:
             default = chance.choice([0, node << 16 | 30000])
             more = self._configured(f"0x{node << 16 | 20000:X}")
             self._add(f"1016sub{sub}", 7, f"0x{default:X}", more=more)
-            others = [n << 16 | 25000 for n in (*watched, 101, 102)]
-            self._writes(f"1016:{sub}", *others, 0)
+        places = [f"1016:{sub}" for sub in range(1, entries + 1)]
+        alternatives = []
+        for _ in range(4):
+            # The same nodes in another order, others, and none.
+            nodes = chance.sample(
+                [*watched, *chance.sample(range(1, 128), 2), 0], entries
+            )
+            if len(set(nodes)) == entries:
+                values = [node and node << 16 | 25000 for node in nodes]
+                alternatives.append(dict(zip(places, values, strict=True)))
+        self.writable.append((*alternatives, {places[0]: 0}))
 
     def _sdos(self) -> None:
         chance = self._chance
@@ -143,10 +173,11 @@ class RandomDevice:
             if chance.random() > 0.25:
                 continue
             self._record(index, 3)
-            for sub, identifier in ((1, 0x680), (2, 0x510)):
-                default = chance.choice(["0x80000000", f"0x{identifier:X}", None])
+            for sub in (1, 2):
+                own, other = self._identifiers.next(), self._identifiers.next()
+                default = chance.choice(["0x80000000", f"0x{own:X}", None])
                 self._add(f"{index:X}sub{sub}", 7, default)
-                self._writes(f"{index:X}:{sub}", identifier + 1, 0x80000000)
+                self._writes(f"{index:X}:{sub}", other, 0x80000000)
             self._add(f"{index:X}sub3", 5, "1")
             self._writes(f"{index:X}:3", 9)
 
@@ -161,7 +192,7 @@ class RandomDevice:
         fixed = chance.random() < 0.1
         access = "ro" if fixed else "rw"
         self._record(index, 6)
-        own = f"0x{0x680 + 4 * number + 32 * sent:X}"
+        own = f"0x{self._identifiers.next():X}"
         more = self._configured(own) if not fixed else ""
         self._add(f"{index:X}sub1", 7, self._cob_id(predefined), access, more)
         self._add(f"{index:X}sub2", 5, chance.choice(["255", "1", "0", "254", None]))
@@ -220,17 +251,19 @@ class RandomBus:
             lines.append("sync_counter = 10")
         if chance.random() < 0.5:
             lines.append("heartbeat = 0.2")
-        kinds = chance.randrange(1, 3)
-        devices = [RandomDevice(chance) for _ in range(kinds)]
+        ids = chance.sample(range(1, 120), chance.randrange(1, 4))
+        # Two nodes of a kind with identifiers of its own are a clash.
+        kinds = len(ids) if chance.random() < 0.8 else chance.randrange(1, len(ids) + 1)
+        identifiers = Identifiers(chance)
+        devices = [RandomDevice(chance, identifiers) for _ in range(kinds)]
         for number, device in enumerate(devices):
             suffix = chance.choice(("eds", "dcf"))
             name = f"d{number}.{suffix}"
             (folder / name).write_text(device.text, encoding="ascii")
             lines += [f"[device.d{number}]", f'eds = "{name}"']
             lines += self._values(chance, device, f"device.d{number}", 3)
-        ids = chance.sample(range(1, 120), chance.randrange(1, 4))
         for place, node_id in enumerate(ids):
-            number = chance.randrange(kinds)
+            number = place % kinds
             lines += [f"[node.n{place}]", f'device = "d{number}"', f"id = {node_id}"]
             lines += self._values(chance, devices[number], f"node.n{place}", 4)
         self.file = folder / "bus.toml"
@@ -240,6 +273,7 @@ class RandomBus:
     def _values(
         chance: Random, device: RandomDevice, table: str, most: int
     ) -> list[str]:
-        found = chance.sample(device.writable, chance.randrange(most + 1))
-        values = [f'"{number}" = {chance.choice(each)}' for number, each in found]
+        parts = chance.sample(device.writable, chance.randrange(most + 1))
+        written = [each for part in parts for each in chance.choice(part).items()]
+        values = [f'"{number}" = {value}' for number, value in written]
         return [f"[{table}.values]", *values] if values else []

@@ -105,9 +105,9 @@ GROUPS = (
 """The content of each PDO, the first one as TPDO 1 and RPDO 1."""
 BY_NAME = {kind.name: kind for kind in KINDS}
 _TIMES = {
-    # Seconds since 1970; the first possible day is in 1984.
-    "TIME_OF_DAY": ((_DAYS_1984 * 86400, 0), ((_DAYS_1984 + 65535) * 86400 + 86399, 999000000)),
-    "TIME_DIFFERENCE": ((0, 0), (65535 * 86400 + 86399, 999000000)),
+    # Seconds since 1970; the first possible day is in 1984. RTC::Time ends before the types do.
+    "TIME_OF_DAY": ((_DAYS_1984 * 86400, 0), (2**32 - 1, 999000000)),
+    "TIME_DIFFERENCE": ((0, 0), (2**32 - 1, 999000000)),
 }  # fmt: skip
 
 
@@ -300,7 +300,7 @@ class Exchange:
     """A proxy in a system, with its input and its output."""
 
     def __init__(self, clock: Clock, settings: Mapping[str, object]) -> None:
-        self.system = System(clock, check_values="never")
+        self.system = System(clock, check_values="always")
         self.proxy = configured(proxy("Proxy0"), settings)
         self.system.add(self.proxy, 200.0)
         self.source = Source(self.proxy)
@@ -368,7 +368,7 @@ def serve(settings: Mapping[str, object]) -> None:
 
     It answers each line with its state and its callbacks.
     """
-    with System(RealClock(), check_values="never") as system:
+    with System(RealClock(), check_values="always") as system:
         component = configured(device("Device0"), settings)
         system.add(component, 200.0)
         system.run(1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 
 from rtgen.backends import Options
-from rtgen.backends.canopen.conversions import from_codec, from_object, is_plain, stamp
+from rtgen.backends.canopen.conversions import from_codec, from_object, stamp
 from rtgen.backends.canopen.literals import call
 from rtgen.backends.components.base_module import component_imports
 from rtgen.backends.components.locations import module_path
@@ -103,11 +103,10 @@ class ComponentModule:
         type_ = self.types.type_name(port.quantity.timed(self.ports.module))
         return call(type_, stamp(self.time), value)
 
-    def decoded(self, quantity: Quantity, value: str) -> str:
-        """A codec's field, converted to a member."""
-        if is_plain(quantity):
-            return value
-        return from_codec(quantity, value, self.time)
+    def decoded(self, quantity: Quantity, value: str, bits: int) -> str:
+        """A codec's field of `bits` bits, converted to a member."""
+        time = self.time if self.is_time(quantity) else ""
+        return from_codec(quantity, value, bits, time)
 
     def of_object(self, quantity: Quantity, value: str) -> str:
         """A value of the object dictionary, converted to a member."""

@@ -2,13 +2,15 @@
 
 Each function maps a Python expression to the converted one; `time` is the class of
 `RTC::Time`. Most values need no conversion. Exceptions: physical values (by a factor), times
-(48 bits in a codec, nanoseconds in the object dictionary), and UNICODE_STRING (octets in a codec).
+(48 bits in a codec, nanoseconds in the object dictionary), UNICODE_STRING (octets in a codec), and
+values from the bus that their type in IDL cannot have: a text ends at its first zero, others raise
+PdoError.
 """
 
 from __future__ import annotations
 
 from rtgen.backends.kit.quoting.python import number_literal, string_literal
-from rtgen.model.canopen import DataType
+from rtgen.model.canopen import SIGNED, UNSIGNED, DataType
 from rtgen.typemap.canopen.ports import Quantity
 
 _REALS = (DataType.REAL32, DataType.REAL64)
@@ -30,16 +32,26 @@ def is_plain(quantity: Quantity) -> bool:
     return quantity.factor is None and not other
 
 
-def from_codec(quantity: Quantity, value: str, time: str) -> str:
-    """Return a member of a sample, from a codec's field."""
-    code = quantity.variable.data_type
+def from_codec(quantity: Quantity, value: str, bits: int, time: str) -> str:
+    """Return a member of a sample, from a codec's field of `bits` bits."""
+    variable = quantity.variable
+    code, name = variable.data_type, string_literal(quantity.name)
+    if variable.bits is not None and bits > variable.bits:
+        limits = _limits(code, variable.bits)
+        value = f"_pdo.within({name}, {value}, {limits})" if limits else value
     if quantity.factor is not None:
         return f"{value} * {number_literal(quantity.factor)}"
     if code in _SECONDS:
-        return f"{time}(*{_SECONDS[code]}({value}))"
+        return f"{time}(*{_SECONDS[code]}({name}, {value}))"
     if code == DataType.UNICODE_STRING:
-        return f"_pdo.wide_text({value})"
+        return f"_pdo.wide_text({name}, {value})"
     return value
+
+
+def _limits(code: int, bits: int) -> str:
+    if code in SIGNED:
+        return f"{-1 << bits - 1}, {(1 << bits - 1) - 1}"
+    return f"0, {(1 << bits) - 1}" if code in UNSIGNED or code in _SECONDS else ""
 
 
 def to_codec(quantity: Quantity, value: str) -> str:
@@ -59,8 +71,11 @@ def from_object(quantity: Quantity, value: str, time: str) -> str:
     """Return a member of a sample, from a value of the object dictionary."""
     if quantity.factor is not None:
         return f"{value} * {number_literal(quantity.factor)}"
-    if quantity.variable.data_type in _SECONDS:
-        return f"{time}(*divmod({value}, {_SECOND}))"
+    code = quantity.variable.data_type
+    if code in _SECONDS:
+        return f"{time}(*_pdo.seconds_of({string_literal(quantity.name)}, {value}))"
+    if code in (DataType.VISIBLE_STRING, DataType.UNICODE_STRING):
+        return f"_pdo.terminated({value})"
     return value
 
 

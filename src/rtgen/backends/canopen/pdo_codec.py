@@ -123,7 +123,7 @@ def _value(n: int, slot: Slot, field: PdoField) -> str:
         case Kind.CHARACTER:
             return f"_chr({raw})"
         case Kind.TEXT:
-            return f'{raw}.rstrip(b"\\0").decode("latin-1")'
+            return f"_pdo.field_text({raw})"
         case Kind.REAL if not slot.whole:
             return f"_pdo.real{field.bits}({raw})"
     return raw

@@ -204,22 +204,33 @@ class _ProxyModule(ComponentModule):
         decode = f"decode_{sample.name}"
         yield ""
         yield f"    def _receive_{sample.name}(self, data: bytes, now: int) -> None:"
-        if not self.ports.per_object and all(map(is_plain, sample.fields)):
+        targets = [f"v{place}" for place in range(len(sample.fields))]
+        values = [
+            self.decoded(quantity, target, field.bits)
+            for quantity, target, field in zip(
+                sample.fields, targets, sample.layout.fields, strict=True
+            )
+        ]
+        if not self.ports.per_object and values == targets:
             made = self.sample(sample, [f"*{decode}(data)"])
             yield f"        self.{self.port(PdoDirection.TPDO, sample.name)}.write({made})"
             return
-        targets = [f"v{place}" for place in range(len(sample.fields))]
         together = ", ".join(targets) if len(targets) > 1 else f"({targets[0]},)"
         yield f"        {together} = {decode}(data)"
-        values = [
-            self.decoded(q, v) for q, v in zip(sample.fields, targets, strict=True)
-        ]
         if not self.ports.per_object:
             made = self.sample(sample, values)
             yield f"        self.{self.port(PdoDirection.TPDO, sample.name)}.write({made})"
             return
-        for port, value in zip(self.object_ports(sample), values, strict=True):
-            made = self.object_sample(port, value)
+        # All values are converted before the first is written: a PDO arrives whole or not at all.
+        members = [
+            target if target == value else f"m{place}"
+            for place, (target, value) in enumerate(zip(targets, values, strict=True))
+        ]
+        for member, value in zip(members, values, strict=True):
+            if member not in targets:
+                yield f"        {member} = {value}"
+        for port, member in zip(self.object_ports(sample), members, strict=True):
+            made = self.object_sample(port, member)
             yield f"        self.{self.port(PdoDirection.TPDO, port.name)}.write({made})"
 
     # To the device.
@@ -276,7 +287,8 @@ class _ProxyModule(ComponentModule):
         read = call("self._get", place, *factor)
         yield f"    def {method}(self) -> {self._annotation(quantity)}:"
         if self.is_time(quantity):
-            yield f"        return {self.of_object(quantity, read)}"
+            read = call("self._get_time", place)
+            yield f"        return {self.time}(*{read})"
             return
         yield f"        value: {self._annotation(quantity)} = {read}"
         yield "        return value"

@@ -5,7 +5,14 @@ from __future__ import annotations
 from struct import Struct
 from typing import TYPE_CHECKING, cast
 
-from rtgen.facts.canopen import DAY, EPOCH, MAX_DAYS, milliseconds_of
+from rtgen.facts.canopen import (
+    DAY,
+    EPOCH,
+    MAX_DAYS,
+    milliseconds_of,
+    visible_octets,
+    visible_text,
+)
 from rtgen.runtime.canopen.wire.frames import SECOND
 
 if TYPE_CHECKING:
@@ -14,6 +21,8 @@ if TYPE_CHECKING:
 _F32, _U32 = Struct("<f"), Struct("<I")
 _F64, _U64 = Struct("<d"), Struct("<Q")
 _EPOCH_SECONDS = EPOCH // 1000
+_MAX_SECONDS = 0xFFFFFFFF
+"""The largest `RTC::Time.sec`."""
 
 
 class PdoError(ValueError):
@@ -52,20 +61,36 @@ def octets(name: str, value: bytes, size: int) -> bytes:
     return value
 
 
+def within(name: str, value: int, low: int, high: int) -> int:
+    """Check the value of a field that is longer than its type."""
+    if not low <= value <= high:
+        raise outside(name, value, low, high)
+    return value
+
+
+def terminated(value: str) -> str:
+    """Return text up to its first zero, which no string of IDL can hold."""
+    return value.partition("\0")[0]
+
+
+def field_text(data: bytes) -> str:
+    """Decode a VISIBLE_STRING up to its first zero."""
+    return visible_text(data.partition(b"\0")[0])
+
+
 def text(name: str, value: str, size: int) -> bytes:
-    """Encode text as Latin-1 of at most `size` octets."""
+    """Encode a VISIBLE_STRING of at most `size` octets."""
     try:
-        return octets(name, value.encode("latin-1"), size)
+        return octets(name, visible_octets(value), size)
     except UnicodeEncodeError:
-        raise PdoError(f"{name} has a character that is not of Latin-1") from None
+        raise PdoError(f"{name} has half a character of UTF-16") from None
 
 
-def wide_text(data: bytes) -> str:
-    """Decode UTF-16 text without its padding zeros. Raises PdoError."""
-    try:
-        return data.decode("utf-16-le").rstrip("\0")
-    except UnicodeDecodeError:
-        raise PdoError("half a character of UTF-16") from None
+def wide_text(name: str, data: bytes) -> str:
+    """Decode a UNICODE_STRING up to its first zero."""
+    text = terminated(data[: len(data) & ~1].decode("utf-16-le", "surrogatepass"))
+    wide_octets(name, text)
+    return text
 
 
 def wide_octets(name: str, value: str) -> bytes:
@@ -94,16 +119,33 @@ def nanoseconds(time: Time) -> int:
     return time.sec * SECOND + time.nsec
 
 
-def seconds(raw: int) -> tuple[int, int]:
-    """Return a TIME_DIFFERENCE (48 bits) in seconds and nanoseconds."""
+def seconds(name: str, raw: int, epoch: int = 0) -> tuple[int, int]:
+    """Return a TIME_DIFFERENCE (48 bits) in seconds and nanoseconds, those of `RTC::Time`.
+
+    Raises PdoError beyond 2**32 seconds.
+    """
     total = milliseconds_of(raw)
-    return total // 1000, total % 1000 * 1_000_000
+    return _seconds(name, total // 1000 + epoch), total % 1000 * 1_000_000
 
 
-def seconds_of_day(raw: int) -> tuple[int, int]:
-    """Return a TIME_OF_DAY (48 bits) in seconds since 1970 (UTC) and nanoseconds."""
-    whole, rest = seconds(raw)
-    return whole + _EPOCH_SECONDS, rest
+def seconds_of_day(name: str, raw: int) -> tuple[int, int]:
+    """Return a TIME_OF_DAY (48 bits) in seconds since 1970 (UTC) and nanoseconds.
+
+    Raises PdoError beyond 2106-02-07T06:28:15.
+    """
+    return seconds(name, raw, _EPOCH_SECONDS)
+
+
+def seconds_of(name: str, time: int) -> tuple[int, int]:
+    """Return a time in ns as `RTC::Time` has it. Raises PdoError beyond 2**32 seconds."""
+    whole, rest = divmod(time, SECOND)
+    return _seconds(name, whole), rest
+
+
+def _seconds(name: str, whole: int) -> int:
+    if not 0 <= whole <= _MAX_SECONDS:
+        raise PdoError(f"{name} is {whole} s; RTC::Time has 0 to {_MAX_SECONDS} s")
+    return whole
 
 
 def time_bits(name: str, sec: int, nsec: int) -> int:

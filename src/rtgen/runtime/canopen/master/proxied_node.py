@@ -15,6 +15,7 @@ from rtgen.runtime.canopen.description import (
     PdoDescription,
 )
 from rtgen.runtime.canopen.hooks import Receiver
+from rtgen.runtime.canopen.pdo import PdoError
 from rtgen.runtime.canopen.wire.emergency import Emergency, emergency_in
 from rtgen.runtime.canopen.wire.frames import (
     EMERGENCY,
@@ -122,6 +123,9 @@ class Watcher(Protocol):
     def malformed(self, number: int, octets: int, wanted: int) -> None:
         """Called for a TPDO of a wrong length, the first one after those of the right length."""
 
+    def unusable(self, number: int, why: str) -> None:
+        """Called for a TPDO with a value that no port can have, the first one after others."""
+
     def booted(self, node: ProxiedNode) -> None:
         """Called for a boot-up message."""
 
@@ -141,8 +145,11 @@ class Watcher(Protocol):
         """Called when the bus is lost."""
 
 
-class _Received(msgspec.Struct):
-    """A TPDO of the device. `malformed`: the last one had a wrong length."""
+class ReceivedPdo(msgspec.Struct):
+    """A TPDO of the device.
+
+    `malformed`: the last one had a wrong length; `unusable`: a value that its port cannot have.
+    """
 
     number: int
     receiver: Receiver
@@ -151,6 +158,7 @@ class _Received(msgspec.Struct):
     too_short: int = 0
     too_long: int = 0
     malformed: bool = False
+    unusable: bool = False
 
 
 class ProxiedNode:
@@ -158,9 +166,10 @@ class ProxiedNode:
 
     `sync` is the COB-ID of SYNC, `emergency` that of the node's emergencies, None: predefined.
 
-    While `listening`, PDOs are queued in `queue` with their receivers and times. `boots` counts
+    While `listening`, PDOs are queued in `queue` with their data and times. `boots` counts
     boot-up messages, `emergencies` emergency messages; `emergency` is the latest one that has not
-    been cleared. `dropped` counts PDOs lost because the queue was full.
+    been cleared. `dropped` counts PDOs lost because the queue was full, `refused` those with a
+    value that its port cannot have.
     """
 
     deadline: int | None
@@ -176,9 +185,10 @@ class ProxiedNode:
         emergency: CobId | None = None,
     ) -> None:
         self.node_id = node_id
-        self.queue: deque[tuple[Receiver, bytes, int]] = deque(maxlen=QUEUE)
+        self.queue: deque[tuple[ReceivedPdo, bytes, int]] = deque(maxlen=QUEUE)
         self.listening = False
         self.dropped = 0
+        self.refused = 0
         self.boots = 0
         self.emergencies = 0
         self.emergency: Emergency | None = None
@@ -191,12 +201,12 @@ class ProxiedNode:
         emergency = emergency or CobId(EMERGENCY + node_id)
         self._emergency = emergency if emergency.valid else None
         self._flips: deque[int] = deque(maxlen=_FLIPS)
-        self._pdos: dict[int, _Received] = {}
+        self._pdos: dict[int, ReceivedPdo] = {}
         for number, pdo in received.items():
             if number in receivers:
                 cob_id = CobId(pdo.cob_id_of(node_id))
                 bits = sum(bits for _, _, bits in pdo.mapping)
-                self._pdos[cob_id.can_id] = _Received(
+                self._pdos[cob_id.can_id] = ReceivedPdo(
                     number, receivers[number], cob_id.extended, (bits + 7) // 8
                 )
         self._transmitters = tuple(transmitters)
@@ -312,7 +322,14 @@ class ProxiedNode:
             self._watcher.cut_off(self)
         return ()
 
-    def _take(self, pdo: _Received, data: bytes, now: int) -> None:
+    def refuse(self, pdo: ReceivedPdo, error: PdoError) -> None:
+        """Count a PDO with a value that its port cannot have; report the first one."""
+        self.refused += 1
+        if not pdo.unusable:
+            pdo.unusable = True
+            self._watcher.unusable(pdo.number, str(error))
+
+    def _take(self, pdo: ReceivedPdo, data: bytes, now: int) -> None:
         was_malformed, pdo.malformed = pdo.malformed, len(data) != pdo.size
         if pdo.malformed:
             if not was_malformed:
@@ -325,7 +342,7 @@ class ProxiedNode:
         queue = self.queue
         if len(queue) == QUEUE:
             self.dropped += 1
-        queue.append((pdo.receiver, data, now))
+        queue.append((pdo, data, now))
         self._watcher.received()
 
     def _set_deadline(self) -> None:

@@ -73,6 +73,7 @@ class CanopenProxy(ProxyHooks, Component):
         self._without_blocks = False
         self.configuration_sets.on_change = self._parameters_changed
         self.observables["malformed"] = self._malformed
+        self.observables["refused"] = self._refused
         self.observables["overwritten"] = self._overwritten
 
     # Callbacks
@@ -255,6 +256,12 @@ class CanopenProxy(ProxyHooks, Component):
         if connection is None:
             return 0.0, 0.0
         return float(connection.node.too_short), float(connection.node.too_long)
+
+    def _refused(self) -> tuple[float]:
+        """Return the number of PDOs with a value that its port cannot have."""
+        return (
+            0.0 if self._connection is None else float(self._connection.node.refused),
+        )
 
     def _overwritten(self) -> tuple[float]:
         """Return the number of values replaced before their SYNC or inhibit time."""

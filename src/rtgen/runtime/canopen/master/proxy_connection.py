@@ -26,6 +26,7 @@ from rtgen.runtime.canopen.master.proxy_location import (
     default_boot_timeout,
 )
 from rtgen.runtime.canopen.master.recovery import Recovery
+from rtgen.runtime.canopen.pdo import PdoError
 from rtgen.runtime.canopen.wire.emergency import DEFAULT_STOPS, EmergencyPolicy
 from rtgen.runtime.canopen.wire.pdo_transmission import TpdoTransmitter
 
@@ -128,11 +129,19 @@ class ProxyConnection(msgspec.Struct, frozen=True):
     recovery: Recovery
 
     def deliver(self) -> None:
-        """Write the received PDOs to the ports, in order of arrival."""
+        """Write the received PDOs to the ports, in order of arrival.
+
+        Those with a value that its port cannot have are dropped, counted and reported.
+        """
         queue, offset = self.node.queue, self.offset
         for _ in range(len(queue)):
-            receiver, data, time = queue.popleft()
-            receiver(data, time + offset)
+            pdo, data, time = queue.popleft()
+            try:
+                pdo.receiver(data, time + offset)
+            except PdoError as error:
+                self.node.refuse(pdo, error)
+            else:
+                pdo.unusable = False
 
     def pause(self) -> None:
         """Stop sending PDOs."""

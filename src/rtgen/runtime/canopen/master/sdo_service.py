@@ -10,7 +10,7 @@ from rtgen.facts.canopen import UNSIGNED_KINDS
 from rtgen.runtime.canopen.description import ObjectValue
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.hooks import ProxyHooks
-from rtgen.runtime.canopen.pdo import unscaled
+from rtgen.runtime.canopen.pdo import seconds_of, terminated, unscaled
 from rtgen.runtime.canopen.wire import sdo
 
 
@@ -46,6 +46,8 @@ class SdoService:
     def get(self, index: int, subindex: int) -> Any:
         """Return the value of an object, with its kind."""
         value: ObjectValue = self._get(index, subindex)
+        if isinstance(value, str):
+            value = terminated(value)  # a character is a text, too
         described = self._proxy.description.by_number.get((index, subindex))
         unsigned = described is not None and described.kind in UNSIGNED_KINDS
         return self.typed_value(self.kind(value_kind(value, unsigned=unsigned)), value)
@@ -58,7 +60,17 @@ class SdoService:
         """Return the value of an object; with a factor, the physical one: factor * value."""
         with self._idl_exceptions():
             value: Any = self._proxy.read_object(index, subindex)
+        described = self._proxy.description.by_number.get((index, subindex))
+        if described is not None and described.kind in ("string", "wstring"):
+            return terminated(value)
         return value if factor is None else value * factor
+
+    def _get_time(self, index: int, subindex: int) -> tuple[int, int]:
+        """Return the value of an object, a time, as `RTC::Time` has it."""
+        described = self._proxy.description.by_number[index, subindex]
+        with self._idl_exceptions():
+            value: Any = self._proxy.read_object(index, subindex)
+            return seconds_of(described.name, value)
 
     def _set(
         self, index: int, subindex: int, value: Any, factor: float | None = None

@@ -60,6 +60,10 @@ class StateMirror:
         effect = "it is ignored" if octets < wanted else f"only {wanted} are used"
         self._report(f"tpdo{number} has {octets} octets, not {wanted}: {effect}")
 
+    def unusable(self, number: int, why: str) -> None:
+        """See `Watcher`."""
+        self._report(f"tpdo{number}: {why}: it is ignored")
+
     def booted(self, node: ProxiedNode) -> None:
         """See `Watcher`."""
         self._reported.clear()

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any, Final
 
+from rtgen.runtime.canopen import values
 from rtgen.runtime.canopen.bus.link import Link
 from rtgen.runtime.canopen.bus.links import open_link
 from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue
@@ -19,11 +20,13 @@ from rtgen.runtime.canopen.node.identity import SERIAL_NUMBER
 from rtgen.runtime.canopen.node.node import USER_SOFTWARE, DeviceNode
 from rtgen.runtime.canopen.node.node_events import NodeEvents
 from rtgen.runtime.canopen.node.parameter_file import ParameterFile
+from rtgen.runtime.canopen.pdo import PdoError
 from rtgen.runtime.canopen.wire.frames import CobId, Frame
 from rtgen.runtime.canopen.wire.heartbeat import HeartbeatEvent, HeartbeatNews
 from rtgen.runtime.canopen.wire.lss import UNCONFIGURED
 from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState, Transition
 from rtgen.runtime.canopen.wire.pdo_transmission import RTR, RTR_SYNC
+from rtgen.runtime.canopen.wire.sdo import SdoAbort
 from rtgen.runtime.failures import log
 from rtgen.runtime.ports.data_ports import DataConnector, InPort, OutPort
 from rtgen.runtime.return_codes import (
@@ -66,6 +69,7 @@ class CanopenDevice(DeviceHooks, Component):
             events=NodeEvents(
                 moved=self._on_transition,
                 received=self._on_rpdo,
+                refused=self._on_refused,
                 heard=self._on_heartbeat,
                 collided=self._on_collision,
                 bit_rate=self._on_bit_rate,
@@ -79,6 +83,10 @@ class CanopenDevice(DeviceHooks, Component):
         self._outlets: list[tuple[str, InPort[Any], Outgoing]] = []
         self._connectors: list[DataConnector[Any]] = []
         self.observables["overwritten"] = lambda: (self.node.pdos.overwritten,)
+        self.observables["refused"] = lambda: (self.node.pdos.refused + self._refused,)
+        self._refused = 0
+        self._unusable: dict[int, bool] = {}
+        """RPDOs with a refused value: whether it is one of the PDO that is being received."""
         self._was: LifeCycleState = INACTIVE_STATE
         self._resetting = False
         self._ending = False
@@ -223,7 +231,10 @@ class CanopenDevice(DeviceHooks, Component):
 
     def _fed_ports(self) -> list[str]:
         """Return the InPorts written by RPDOs; a behaviour may have further InPorts."""
-        get = self.node.dictionary.get
+
+        def get(number: ObjectNumber) -> ObjectValue:
+            return values.zero(self.description.by_number[number].kind)
+
         made = (incoming(get, 0) for incoming in self._incoming_by_number.values())
         return list(dict.fromkeys(name for samples in made for name, _ in samples))
 
@@ -372,8 +383,29 @@ class CanopenDevice(DeviceHooks, Component):
         incoming = self._incoming_by_number.get(number)
         if incoming is None:
             return
-        for name, sample in incoming(self.node.dictionary.get, self._clock.now()):
+        try:
+            samples = incoming(self.node.dictionary.get, self._clock.now())
+        except PdoError as error:
+            self._refused += 1
+            self._refuse(number, f"{error}: it is ignored")
+            samples = ()
+        if self._unusable:
+            if self._unusable.get(number):
+                self._unusable[number] = False
+            else:
+                self._unusable.pop(number, None)
+        for name, sample in samples:
             self._inlets[name].write(sample)
+
+    def _on_refused(self, number: int, thing: ObjectNumber, why: SdoAbort) -> None:
+        name = self.description.by_number[thing].name
+        self._refuse(number, f"{name} keeps its value: {why}")
+
+    def _refuse(self, number: int, why: str) -> None:
+        """Report the first refused value of an RPDO, and again after a PDO without any."""
+        if number not in self._unusable:
+            log.warning("%s: rpdo%d: %s", self.instance_name, number, why)
+        self._unusable[number] = True
 
     def _on_heartbeat(self, node_id: int, event: HeartbeatEvent) -> None:
         if event.news is HeartbeatNews.LOST:

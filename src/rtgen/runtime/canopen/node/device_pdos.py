@@ -178,8 +178,8 @@ class DevicePdo:
 class DevicePdos:
     """All PDOs of a device.
 
-    `received` is called with the number of each RPDO whose values have been stored. `refused`
-    counts received values that violate the limits of their objects.
+    `received` is called with the number of each RPDO whose values have been stored, `rejected`
+    before with each of its values that violates the limits of its object; `refused` counts these.
     """
 
     def __init__(
@@ -187,10 +187,12 @@ class DevicePdos:
         dictionary: DeviceDictionary,
         errors: EmergencyProducer,
         received: Callable[[int], None],
+        rejected: Callable[[int, ObjectNumber, SdoAbort], None],
     ) -> None:
         self._dictionary = dictionary
         self._errors = errors
         self._received = received
+        self._rejected = rejected
         self._pdos: dict[int, DevicePdo] = {}
         """PDOs by the indices of their parameters."""
         self._receivers: dict[DevicePdo, RpdoReceiver] = {}
@@ -437,6 +439,7 @@ class DevicePdos:
                 if octets is None:
                     raise SdoAbort(sdo.VALUE_INVALID)
                 self._dictionary.take(number, octets)
-            except SdoAbort:
+            except SdoAbort as abort:
                 self.refused += 1
+                self._rejected(pdo.number, number, abort)
         self._received(pdo.number)

@@ -91,7 +91,9 @@ class DeviceStation:
         self.serial_number = serial_number
         self.dictionary = DeviceDictionary(description, self._changed)
         self.errors = EmergencyProducer(self.dictionary)
-        self.pdos = DevicePdos(self.dictionary, self.errors, self._on_rpdo)
+        self.pdos = DevicePdos(
+            self.dictionary, self.errors, self._on_rpdo, self.events.refused
+        )
         self.store = ParameterStore(self.dictionary)
         self._has_lss = description.lss or node_id == UNCONFIGURED
         self.lss = self._lss_slave(node_id)

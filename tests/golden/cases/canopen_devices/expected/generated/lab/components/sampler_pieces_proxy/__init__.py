@@ -364,7 +364,7 @@ def decode_tpdo3(_data: bytes) -> tuple[int, str]:
     except _error:
         raise _pdo.PdoError(f"TPDO 3 has {len(_data)} octets, not 8") from None
     _s0 = _s0_0 | _s0_1 << 32
-    return (_s0, _s1.rstrip(b"\0").decode("latin-1"))
+    return (_s0, _pdo.field_text(_s1))
 
 
 def decode_tpdo4(_data: bytes) -> tuple[int, int]:
@@ -470,10 +470,11 @@ class SamplerPiecesProxy(SamplerPiecesProxyBase):
 
     def _receive_tpdo2(self, data: bytes, now: int) -> None:
         v0, v1, v2 = decode_tpdo2(data)
+        m2 = v2 * 0.25
         self.Counter.write(rtc.TimedOctet(rtc.Time(*divmod(now, 1_000_000_000)), v0))
         self.Offset_out.write(rtc.TimedLong(rtc.Time(*divmod(now, 1_000_000_000)), v1))
         self.Distance_out.write(
-            rtc.TimedDouble(rtc.Time(*divmod(now, 1_000_000_000)), v2 * 0.25),
+            rtc.TimedDouble(rtc.Time(*divmod(now, 1_000_000_000)), m2),
         )
 
     def _receive_tpdo3(self, data: bytes, now: int) -> None:
@@ -485,11 +486,9 @@ class SamplerPiecesProxy(SamplerPiecesProxyBase):
 
     def _receive_tpdo4(self, data: bytes, now: int) -> None:
         v0, v1 = decode_tpdo4(data)
+        m0 = rtc.Time(*_pdo.seconds_of_day("Time_of_day", v0))
         self.Time_of_day.write(
-            samplerpieces.TimedTime(
-                rtc.Time(*divmod(now, 1_000_000_000)),
-                rtc.Time(*_pdo.seconds_of_day(v0)),
-            ),
+            samplerpieces.TimedTime(rtc.Time(*divmod(now, 1_000_000_000)), m0),
         )
         self.Error_register.write(
             rtc.TimedOctet(rtc.Time(*divmod(now, 1_000_000_000)), v1),

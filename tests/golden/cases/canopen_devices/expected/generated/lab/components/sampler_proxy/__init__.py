@@ -300,7 +300,7 @@ def decode_tpdo3(_data: bytes) -> tuple[int, str]:
     except _error:
         raise _pdo.PdoError(f"TPDO 3 has {len(_data)} octets, not 8") from None
     _s0 = _s0_0 | _s0_1 << 32
-    return (_s0, _s1.rstrip(b"\0").decode("latin-1"))
+    return (_s0, _pdo.field_text(_s1))
 
 
 def decode_tpdo4(_data: bytes) -> tuple[int, int]:
@@ -403,7 +403,7 @@ class SamplerProxy(SamplerProxyBase):
         self.tpdo4.write(
             sampler.Tpdo4(
                 rtc.Time(*divmod(now, 1_000_000_000)),
-                rtc.Time(*_pdo.seconds_of_day(v0)),
+                rtc.Time(*_pdo.seconds_of_day("Time_of_day", v0)),
                 v1,
             ),
         )
@@ -543,7 +543,7 @@ class _ObjectAccess(SdoService, sampler.ObjectAccess):
         self._set(0x2040, 0, value)
 
     def get_Time_of_day(self) -> rtc.Time:
-        return rtc.Time(*divmod(self._get(0x2042, 0), 1_000_000_000))
+        return rtc.Time(*self._get_time(0x2042, 0))
 
     def set_Time_of_day(self, value: rtc.Time) -> None:
         self._set(0x2042, 0, _pdo.nanoseconds(value))
