@@ -125,6 +125,42 @@ def flood_foxglove(address: str, kind: str, ready: Any, end: Any, answers: Any) 
             answers.value += 1
 
 
+_UNREAD: dict[str, str | bytes] = {
+    "foxglove unread": json.dumps(
+        {"op": "getParameters", "parameterNames": [], "id": "f"}
+    ),
+    "foxglove subscriptions": json.dumps(
+        {"op": "subscribe", "subscriptions": [{"id": 1, "channelId": 1}]}
+    ),
+    "foxglove garbage": b"\xff" * 10,
+}
+
+
+def flood_unread(address: str, kind: str, ready: Any, end: Any, answers: Any) -> None:
+    """Send messages without waiting for answers, which a thread of the library reads."""
+    from websockets.exceptions import ConnectionClosed
+
+    while not end.is_set():
+        with suppress(ConnectionClosed, OSError, EOFError):
+            viewer = Viewer(address)
+            ready.set()
+            reader = threading.Thread(
+                target=_count, args=(viewer, answers), daemon=True
+            )
+            reader.start()
+            while not end.is_set():
+                viewer.socket.send(_UNREAD[kind])
+
+
+def _count(viewer: Viewer, answers: Any) -> None:
+    from websockets.exceptions import ConnectionClosed
+
+    with suppress(ConnectionClosed, OSError, EOFError):
+        while True:
+            viewer.socket.recv(60)
+            answers.value += 1
+
+
 def operate_foxglove(
     address: str, ready: Any, end: Any, longest: Any, refused: Any
 ) -> None:
@@ -264,6 +300,7 @@ def operate_corba(
 DOORS = {
     "foxglove parameters": Door(foxglove, flood_foxglove, operate_foxglove),
     "foxglove calls": Door(foxglove, flood_foxglove, operate_foxglove),
+    **{kind: Door(foxglove, flood_unread, operate_foxglove) for kind in _UNREAD},
     "ctl state": Door(zenoh, flood_control, operate_control),
     "ctl describe": Door(zenoh, flood_control, operate_control),
     "corba profile": Door(corba, flood_corba, operate_corba),

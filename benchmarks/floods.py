@@ -56,6 +56,9 @@ KINDS: dict[str, ui.Command | bytes | None] = {
 OTHERS = (
     "foxglove parameters",
     "foxglove calls",
+    "foxglove unread",
+    "foxglove subscriptions",
+    "foxglove garbage",
     "ctl state",
     "ctl describe",
     "corba profile",

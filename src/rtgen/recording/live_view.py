@@ -7,6 +7,7 @@ the thread of the run, between its steps; the run never waits for a client.
 from __future__ import annotations
 
 import json
+import logging
 import socket
 import time
 from collections.abc import Callable, Sequence
@@ -20,6 +21,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 from rtgen.facts.parameter_texts import text_of
 from rtgen.recording.errors import RecordingError
 from rtgen.recording.live_channels import LiveChannels
+from rtgen.recording.live_relay import Relay
 from rtgen.recording.live_services import LiveService, RefusedError, services_of
 from rtgen.recording.recorder import Recorder
 from rtgen.runtime.errors import RtcError
@@ -70,6 +72,28 @@ def _is_own(host: str) -> bool:
     return True
 
 
+def _quiet() -> None:
+    """Leave out what the server logs of clients' errors, unless the user has chosen a level.
+
+    Each message that is no request would be a line.
+    """
+    logger = logging.getLogger("foxglove")
+    if logger.level == logging.NOTSET:
+        logger.setLevel(logging.CRITICAL)
+
+
+def _unheard(host: str, port: int, error: Exception) -> RecordingError:
+    """Return the error of an address at which the live view cannot listen."""
+    return RecordingError(
+        f"the live view cannot listen at {host}:{port}: {error}",
+        hint=(
+            "another port, or 0 for any that is free"
+            if _is_own(host)
+            else f"{host} is not this machine's; 127.0.0.1 is, 0.0.0.0 means all"
+        ),
+    )
+
+
 class LiveView:
     """Shows a system to clients until it is closed.
 
@@ -93,13 +117,18 @@ class LiveView:
         self._queues = Queues(self._waiting, _MAX_WAITING, 1)
         self._allowance = Allowance(_SHARE, _BURST)
         self._closed = False
+        _quiet()
         context = Context()
         self.recorder = Recorder(system, LiveChannels(context))
         try:
+            self._relay = Relay(host, port)
+        except (OSError, OverflowError) as error:
+            raise _unheard(host, port, error) from error
+        try:
             self._server = start_server(
                 name=name,
-                host=host,
-                port=port,
+                host=LOOPBACK,
+                port=0,
                 capabilities=[
                     Capability.Parameters,
                     Capability.Services,
@@ -112,15 +141,10 @@ class LiveView:
                 message_backlog_size=_BACKLOG,
             )
         except (OSError, RuntimeError, ValueError) as error:
-            raise RecordingError(
-                f"the live view cannot listen at {host}:{port}: {error}",
-                hint=(
-                    "another port, or 0 for any that is free"
-                    if _is_own(host)
-                    else f"{host} is not this machine's; 127.0.0.1 is, 0.0.0.0 means all"
-                ),
-            ) from error
-        self.address = f"ws://{host}:{self._server.port}"
+            self._relay.close()
+            raise _unheard(LOOPBACK, 0, error) from error
+        self._relay.start(LOOPBACK, self._server.port)
+        self.address = f"ws://{host}:{self._relay.port}"
         system.clock.traffic.watch(self._on_event)
         self._end = system.every(_PERIOD, self._carry_out)
 
@@ -132,6 +156,7 @@ class LiveView:
         self._end()
         while self._waiting.carry_out_one(limited=False):
             pass  # each is rejected
+        self._relay.close()
         self._server.stop()
 
     # Called in the thread of the run

@@ -312,3 +312,43 @@ class Pace:
             earned = self._credit + (now - self._last) * self._share
             self._credit, self._last = min(earned, self._burst), now
             return self._credit
+
+
+class Rates:
+    """The rate at which messages of clients are read that can be made to wait.
+
+    Each client may send `rate` messages in a second, after a pause `burst` at once; those that have
+    sent more share `total`.
+    """
+
+    def __init__(
+        self,
+        rate: float,
+        total: float,
+        burst: float,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._rate = rate
+        self._total = total
+        self._burst = burst
+        self._clock = clock
+        self._credits: dict[Hashable, tuple[float, float]] = {}
+        """The messages that each client may send, at a time [s]."""
+
+    def delay(self, client: Hashable, messages: float) -> float:
+        """Count messages of a client; return the time until the next is read [s]."""
+        now = self._clock()
+        others = sum(
+            credit < 0.0
+            for each, (credit, _) in self._credits.items()
+            if each != client
+        )
+        rate = min(self._rate, self._total / (1 + others))
+        credit, then = self._credits.get(client, (self._burst, now))
+        credit = min(credit + (now - then) * rate, self._burst) - messages
+        self._credits[client] = credit, now
+        return max(-credit / rate, 0.0)
+
+    def leave(self, client: Hashable) -> None:
+        """Forget a client."""
+        self._credits.pop(client, None)

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import json
+import random
 import socket
 import struct
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
 import pytest
 from recorded_runs import MS, Counter
+from websockets.exceptions import ConnectionClosed, InvalidMessage
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
@@ -22,7 +25,7 @@ from refrobots._idl.canopen import ObjectDictionary, SdoAbort
 from refrobots.rtc import TimedLong
 from rtgen.cli import run
 from rtgen.cli.running import pace
-from rtgen.recording import live_view
+from rtgen.recording import live_relay, live_view
 from rtgen.recording.errors import RecordingError
 from rtgen.recording.live_services import RefusedError, services_of
 from rtgen.recording.live_view import LiveView
@@ -414,6 +417,81 @@ def test_a_client_that_floods_has_only_its_own_calls_refused(
             assert "too many" in flooding.call("/Node0/activate", {})
             assert "did not answer" in other.call("/Node0/activate", {})
         view.close()
+
+
+def test_a_client_that_sends_without_end_has_to_wait(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(live_relay, "_RATE", 0.01)
+    names = ["name" * 10_000]
+    question = json.dumps({"op": "getParameters", "parameterNames": names, "id": "f"})
+    with running(RealClock()) as (_, view), ExitStack() as clients:
+        other = clients.enter_context(Client(view.address))
+        flooding = clients.enter_context(Client(view.address))
+        sent = 0
+
+        def flood() -> None:
+            nonlocal sent
+            with suppress(ConnectionClosed):
+                while True:
+                    flooding.connection.send(question)
+                    sent += 1
+
+        thread = threading.Thread(target=flood)
+        thread.start()
+        for _ in range(10):
+            assert other.call("/Node0/deactivate", {}) == {"result": "RTC_OK"}
+            assert other.call("/Node0/activate", {}) == {"result": "RTC_OK"}
+        looks = deque[int](maxlen=20)
+
+        def waits() -> bool:
+            looks.append(sent)
+            return looks.count(sent) == looks.maxlen
+
+        wait_until(waits)
+        assert thread.is_alive()
+        flooding.connection.socket.shutdown(socket.SHUT_RDWR)
+        thread.join()
+
+
+def test_more_clients_than_the_view_has_room_for_are_closed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(live_relay, "MAX_CLIENTS", 2)
+    with running(RealClock()) as (_, view), Client(view.address):
+        gone = (ConnectionError, ConnectionClosed, InvalidMessage, EOFError)
+        with Client(view.address), pytest.raises(gone):
+            Client(view.address)
+        # There is room again when the connection has ended on both sides.
+        again: list[Client] = []
+
+        def connects() -> bool:
+            with suppress(*gone):
+                again.append(Client(view.address))
+            return bool(again)
+
+        wait_until(connects)
+        again[0].open.close()
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_frames_are_counted_however_they_are_divided(seed: int) -> None:
+    drawn = random.Random(seed)
+    octets = b"GET / HTTP/1.1\r\nHost: a\r\n\r\n"
+    count = drawn.randrange(40)
+    for _ in range(count):
+        length = drawn.choice((0, 1, 125, 126, 300, 70_000))
+        extended = {True: b"", False: struct.pack(">H", length % 65_536)}[length < 126]
+        if length > 65_535:
+            extended = struct.pack(">Q", length)
+        code = {0: length, 2: 126, 8: 127}[len(extended)]
+        octets += bytes((0x82, 0x80 | code)) + extended + drawn.randbytes(4 + length)
+    frames, counted, position = live_relay.Frames(), 0, 0
+    while position < len(octets):
+        size = drawn.choice((1, 2, 3, 50, 2048))
+        counted += frames.count(octets[position : position + size])
+        position += size
+    assert counted == 1 + count  # and the handshake
 
 
 def test_a_port_that_is_taken_is_an_error() -> None:

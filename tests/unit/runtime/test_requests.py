@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from rtgen.runtime.requests import Allowance, Client, Pace, Queues, Requests
+from rtgen.runtime.requests import Allowance, Client, Pace, Queues, Rates, Requests
 
 
 class Time:
@@ -226,3 +226,36 @@ def test_threads_that_can_wait_keep_their_pace() -> None:
         time.now += 0.002
         pace.charge(0.002)
     assert 0.19 < 2.0 / time.now < 0.21
+
+
+def messages(rates: Rates, time: Time, clients: int, seconds: float) -> list[int]:
+    """Return how many messages clients can send that send all they can."""
+    due = dict.fromkeys(range(clients), 0.0)
+    sent = [0] * clients
+    while (now := min(due.values())) < seconds:
+        time.now = now
+        for client in [each for each in due if due[each] <= now]:
+            due[client] = now + max(rates.delay(client, 1), 1e-6)
+            sent[client] += 1
+    return sent
+
+
+def test_a_client_sends_at_its_rate() -> None:
+    time = Time()
+    assert messages(Rates(100.0, 400.0, 50.0, time), time, 1, 2.0)[0] in range(249, 253)
+
+
+def test_clients_that_send_without_end_share_the_total() -> None:
+    time = Time()
+    rates = Rates(100.0, 400.0, 50.0, time)
+    sent = messages(rates, time, 10, 10.0)
+    assert sum(sent) < 10 * 50 + 10 * 400 * 1.05
+    assert max(sent) - min(sent) <= 5
+    assert rates.delay("quiet", 1) == 0.0
+
+
+def test_a_client_that_has_left_is_forgotten() -> None:
+    rates = Rates(100.0, 400.0, 50.0, Time())
+    assert rates.delay("a", 60) == pytest.approx(0.1)
+    rates.leave("a")
+    assert rates.delay("a", 50) == 0.0
