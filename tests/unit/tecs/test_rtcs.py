@@ -78,7 +78,7 @@ class Pipeline:
             "board": modules["robots.tecs.board.motor_marshaller"].MotorClientBase,
             "anys": modules["robots.tecs.anys.motor_marshaller"].MotorClientBase,
         }[stem]
-        self.system = System(RealClock(), check_values="never")
+        self.system = System(RealClock(), check_values="always")
         self.marshaller = getattr(marshaller, f"{name}Marshaller")("Marshaller0")
         self.link = OpaqueRpcCommunication("Communication0")
         self.components = [self.link, self.marshaller]
@@ -282,14 +282,14 @@ def test_values_in_the_view_of_idl(
 def test_arrays_as_any(
     modules: dict[str, Any], pipeline: Callable[[str, str], Pipeline]
 ) -> None:
-    idl = modules["robots.tecs.anys.nboard"]
+    point = modules["robots.tecs.anys.nboard"].tagPoint
     sequence = SequenceDescriptor(PrimitiveDescriptor("octet"))
     text = SequenceDescriptor(PrimitiveDescriptor("char"))
     with serving(motor_board(modules, "anys")) as port:
         service = pipeline("anys", "Motor").to(port)
         values = AnyValue(text, "ab\xff"), AnyValue(sequence, b"\xff\x02\x80")
         assert service.set(-5, 255, *values, 3) == 1
-        points = AnyValue(text, [idl.tagPoint(1, 2)])
+        points = AnyValue(SequenceDescriptor(point._descriptor_), [point(1, 2)])
         assert service.part(points, 1)[2].value == [True, False, True]
 
 

@@ -31,7 +31,8 @@ def to_codec(item: Item, value: str) -> str:
         return _to_codec(item.node, value, 0)
     if isinstance(item.node, Basic) and item.node.scalar in _CHARACTERS:
         return f"ord({value}) if {value} else None"
-    return f"{_to_codec(item.node, f'{value}[0]', 0)} if {value} else None"
+    # The truth of an array is that of its only number.
+    return f"{_to_codec(item.node, f'{value}[0]', 0)} if len({value}) else None"
 
 
 def to_idl(item: Item, value: str) -> str:
@@ -74,6 +75,8 @@ def _to_idl(node: Node, value: str, depth: int) -> str:
             return f'{value}.decode("latin-1")'
         case Counted() if node.scalar in _CHARACTERS:
             return f'{value}.decode("latin-1")'
+        case Counted() if node.is_octets:
+            return value  # bytes in both views
         case FixedArray(Basic(Scalar.INT8)) | Counted(Basic(Scalar.INT8)):
             name = f"v{depth + 1}"
             return f"bytes([{name} & 255 for {name} in {value}])"

@@ -288,9 +288,9 @@ class _MotorServant(ProxyServant, Motor):
         letter: Motor_CharSeq1,
         point: Motor_PointSeq1,
     ) -> tuple[int, Motor_CharSeq1, Motor_LongSeq1]:
-        in8_in = in8[0] if in8 else None
+        in8_in = in8[0] if len(in8) else None
         letter_in = ord(letter) if letter else None
-        point_in = codec_nBoard_tagPoint(point[0]) if point else None
+        point_in = codec_nBoard_tagPoint(point[0]) if len(point) else None
         (
             returned,
             letter_out,
