@@ -10,7 +10,7 @@ from refnav.surroundings import Surroundings
 from refnav.way_round import WayRound
 from refrobots import iis, rtc
 from refrobots.components.obstacles_avoidance import ObstaclesAvoidanceBase
-from rtgen.runtime import RTC_OK, ReturnCode_t
+from rtgen.runtime import RTC_OK, SECOND, ReturnCode_t
 
 SIDE_STEPS = 10
 """Number of arcs tried on either side."""
@@ -25,14 +25,17 @@ TURN_STEP = pi / 12
 """Angle between directions in which a way is searched [rad]."""
 MAX_TURNS = 8
 """Number of these directions on either side: no scan covers what is behind the base."""
+STUCK = SECOND // 2
+"""Time without any way after which the base is stuck, and it is not the noise of a scan [ns]."""
 
 
 class ObstaclesAvoidance(ObstaclesAvoidanceBase):
     """Plans with each scan; between scans the points are moved by the commanded velocity.
 
     If no arc makes progress, the base turns on the spot towards a direction that does; if there is
-    none, it takes the shortest way round on the map that it has drawn, back out of a dead end and
-    past the other side. Its observable `free` is the free way ahead [m].
+    none, or turning led back to the same place before, it takes the shortest way round on the map
+    that it has drawn, back out of a dead end and past the other side. If that is not there either,
+    or led back, too, it stands. Its observable `free` is the free way ahead [m].
     """
 
     def on_initialize(self) -> ReturnCode_t:
@@ -97,6 +100,8 @@ class ObstaclesAvoidance(ObstaclesAvoidanceBase):
         """Pass the commanded velocity on, because it is free of obstacles."""
         self._detour: float | None = None
         self._turning = 0.0
+        self._led_back = False
+        self._stuck_since: int | None = None
         self._round.leave()
         self.report("")
 
@@ -118,22 +123,35 @@ class ObstaclesAvoidance(ObstaclesAvoidanceBase):
             self._detour = self._plan(asked)
             free = self._way(self._detour)
             # The base turns until the way ahead is long enough.
-            if free < MIN_WAY and (self._turning or free == 0.0):
-                self._turning = self._direction(self._turning)
+            if free < MIN_WAY and (self._turning or self._led_back or free == 0.0):
+                self._turn_on_the_spot()
             else:
                 self._turning = 0.0
+                self._led_back = False
         free = self._way(self._detour)
-        stuck = free == 0.0 and not self._turning
-        if stuck and self._round.take(self._radius):
+        stuck = self._led_back or (free == 0.0 and not self._turning)
+        if self._is_stuck(stuck) and self._round.take(self._radius):
             return self._drive_round(v)
         self.report("no way ahead, and none to turn to" if stuck else "")
-        if self._turning:
+        if self._turning or self._led_back:
             return 0.0, self._turning
         return self._drive(self._detour, v)
+
+    def _is_stuck(self, stuck: bool) -> bool:
+        """Return whether the base has been stuck for long enough to take a way round."""
+        now = self.now()
+        if not stuck:
+            self._stuck_since = None
+        elif self._stuck_since is None:
+            self._stuck_since = now
+        waited = self._stuck_since is not None and now - self._stuck_since >= STUCK
+        return waited or self._led_back
 
     def _drive_round(self, v: float) -> tuple[float, float]:
         self._detour = 0.0
         self._turning = 0.0
+        self._led_back = False
+        self._stuck_since = None
         self.report("")
         curvature, turn = self._round.curvature()
         if turn:
@@ -166,6 +184,13 @@ class ObstaclesAvoidance(ObstaclesAvoidanceBase):
             )
 
         return max(tried, key=worth)
+
+    def _turn_on_the_spot(self) -> None:
+        """Go on with a turn, or begin one, unless turning has led back to this place before."""
+        turn = self._direction(self._turning)
+        if turn and not self._turning:
+            self._led_back = not self._round.turn()
+        self._turning = 0.0 if self._led_back else turn
 
     def _direction(self, turn: float) -> float:
         """Return the angular speed that turns to the nearest way; 0 if there is none to turn to.

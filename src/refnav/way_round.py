@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import atan2, copysign, hypot, sin
+from dataclasses import dataclass
+from math import atan2, copysign, cos, hypot, pi, sin
 
 from refnav.free_way import Point
 from refnav.geometry import Pose, advance, wrap
-from refnav.local_map import CELL, LocalMap
+from refnav.local_map import BEYOND, CELL, LocalMap
 from rtgen.runtime import SECOND
 
 COURSE_MEMORY = 0.5
@@ -20,8 +21,32 @@ RETRY = SECOND
 """Time between two searches without a result [ns]."""
 SAME_PLACE = 0.5
 """A dead end nearer than this to one that was left is the same one [m]."""
+GONE = 1.0
+"""Distance between two turns on the spot that are two attempts to leave a dead end [m]."""
+MAX_ATTEMPTS = 6
+"""Number of them: this is three times round."""
 FORGET = 120 * SECOND
-"""Time after which it is left again [ns]."""
+"""Time after which a dead end that was left is left again [ns]."""
+
+
+@dataclass(slots=True)
+class _Attempts:
+    """The turns on the spot since the base came to a dead end."""
+
+    gate: Pose
+    """The place of the first one, with the course as its heading."""
+    place: Pose
+    """That of the last one."""
+    time: int
+    number: int = 1
+
+    def go_on(self, base: Pose, course: float, now: int) -> bool:
+        """Return whether a base is still in the dead end, which leads past its gate."""
+        gate = self.gate
+        x, y = base.x - gate.x, base.y - gate.y
+        ahead = x * cos(gate.theta) + y * sin(gate.theta)
+        same = abs(wrap(gate.theta - course)) < pi / 2
+        return same and ahead < BEYOND and now - self.time <= FORGET
 
 
 class WayRound:
@@ -38,6 +63,7 @@ class WayRound:
         self._map = LocalMap()
         self._searched = now - RETRY
         self._left: list[tuple[int, Pose]] = []
+        self._attempts: _Attempts | None = None
         self.leave()
 
     def leave(self) -> None:
@@ -86,6 +112,24 @@ class WayRound:
         if self.is_taken:
             self._left.append((self._now, gate))
         return self.is_taken
+
+    def turn(self) -> bool:
+        """Return whether a turn on the spot may help here: it begins then.
+
+        It does not if `MAX_ATTEMPTS` have not led past the place of the first one.
+        """
+        here, attempts = self._pose, self._attempts
+        if attempts is None or not attempts.go_on(here, self._course, self._now):
+            gate = Pose(here.x, here.y, self._course)
+            self._attempts = _Attempts(gate, here, self._now)
+            return True
+        attempts.time = self._now
+        if attempts.number > MAX_ATTEMPTS:
+            return False
+        if hypot(here.x - attempts.place.x, here.y - attempts.place.y) > GONE:
+            attempts.place = here
+            attempts.number += 1
+        return attempts.number <= MAX_ATTEMPTS
 
     def curvature(self) -> tuple[float, float]:
         """Return the curvature [1/m] to drive, and a turn on the spot, which is 0 to drive.

@@ -94,6 +94,37 @@ def test_a_blocked_corridor_stops_the_base_before_contact() -> None:
         assert condition == "no nearer to (7, 0) for 20 s"
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("mirrored", [1.0, -1.0])
+def test_a_base_that_no_attempt_has_led_past_stands_and_says_so(
+    mirrored: float, tmp_path: Path
+) -> None:
+    file = tmp_path / "posts"
+    posts = [(2.16, -1.203, 0.166), (2.156, 1.071, 0.254), (2.635, -0.524, 0.255)]
+    lines = [f"c {x} {mirrored * y} {radius}" for x, y, radius in posts]
+    file.write_text("\n".join([WALLS, *lines, ""]))
+    settings = [
+        *in_room(str(file)),
+        *placed(Pose(0.0, -0.442 * mirrored, -0.795 * mirrored), "RefHw0"),
+        "PositionInput0.01_x=5.364",
+        f"PositionInput0.01_y={0.66 * mirrored}",
+        "LRFCapture_URG0.noise=0.0163",
+        "LRFCapture_URG0.seed=284",
+        "LRFCapture_URG0.resolution=0.03",
+    ]
+    with build(profile(OBSTACLES), settings) as built:
+        run = Drive(built)
+        built.run(SECOND // 10)
+        built.deactivate("GamePad0")
+        assert not built.run(150 * SECOND, at_end)
+        assert run.room_left(parse(file.read_text(), "posts")) > 0.1
+        condition = built.statistics("ObstaclesAvoidance0").condition
+        assert condition == "no way ahead, and none to turn to"
+        stood = run.pose
+        built.run(150 * SECOND)
+        assert run.pose == stood
+
+
 def test_collision_detection_alone_stops_the_base_before_contact() -> None:
     built = build(profile(OBSTACLES), in_room("blocked_room"))
     with built:
