@@ -42,6 +42,7 @@ def lsp(console: Console, log_level: str) -> int:
     try:
         from attrs import validators
 
+        from rtgen.language_server.messages import FramingError
         from rtgen.language_server.server import make_server
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0] not in ("attrs", "pygls", "lsprotocol"):
@@ -59,5 +60,10 @@ def lsp(console: Console, log_level: str) -> int:
         os.fdopen(os.dup(sys.stdout.fileno()), "wb") as answers,
         redirect_stdout(sys.stderr),
     ):
-        make_server().start_io(requests, answers)
+        try:
+            make_server().start_io(requests, answers)
+        except FramingError as error:
+            message = f"the input is not of the Language Server Protocol: {error}"
+            hint = "editors start this command: docs/editors.md"
+            raise ToolError(message, hint) from None
     return OK

@@ -17,12 +17,17 @@ from pygls.uris import from_fs_path, to_fs_path
 
 from rtgen.facts.decoded_text import encoded
 from rtgen.facts.encodings import Encoded, decode
+from rtgen.facts.file_names import MAX_PATH, problem
 from rtgen.files import UnreadableError, absolute_path, read_file
 from rtgen.language_server.text import UTF_16, Shift, Shifts, Text
 from rtgen.project import FILE_NAME
 
 MAX_CHARACTERS = 8 * 1024 * 1024
 """Maximum length of a document; of a larger one, the text on the disk is used."""
+
+
+_MAX_URI = len("file://") + 3 * MAX_PATH
+"""Each octet of a path takes three characters at most."""
 
 
 class Language(StrEnum):
@@ -58,10 +63,15 @@ def language_of(path: str) -> Language | None:
 
 def path_of(uri: str) -> str | None:
     """Return the absolute path of a document; None if it is not a file."""
-    if not uri.startswith("file:"):
+    if not uri.startswith("file:") or len(uri) > _MAX_URI:
         return None
-    path = to_fs_path(uri)
-    return None if path is None else absolute_path(path)
+    try:
+        path = to_fs_path(uri)
+    except ValueError:  # of urllib, for an invalid host
+        return None
+    if path is None or problem(path) is not None:
+        return None
+    return absolute_path(path)
 
 
 def uri_of(path: str) -> str:

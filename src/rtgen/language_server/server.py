@@ -5,18 +5,17 @@ from __future__ import annotations
 import asyncio
 import gc
 import logging
+import sys
 import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
-from typing import Any, TypeVar
+from typing import Any, BinaryIO, TypeVar, cast
 
-import msgspec
 from lsprotocol import types
 from pygls.exceptions import JsonRpcException, JsonRpcInternalError
 from pygls.lsp.server import LanguageServer
-from pygls.protocol import LanguageServerProtocol, lsp_method
 
 from rtgen.facts.version import __version__
 from rtgen.language_server.analysis import SupersededError
@@ -33,6 +32,8 @@ from rtgen.language_server.features.references import highlights, references
 from rtgen.language_server.features.rename import RenameError, prepared, renamed
 from rtgen.language_server.features.semantic_tokens import LEGEND, semantic_tokens
 from rtgen.language_server.features.symbols import document_symbols, workspace_symbols
+from rtgen.language_server.messages import FramingError, Messages
+from rtgen.language_server.protocol import Protocol
 from rtgen.language_server.workspace import Findings, ProjectKey, View, Workspace
 
 DEBOUNCE = 0.15
@@ -48,56 +49,17 @@ T = TypeVar("T")
 _log = logging.getLogger(__name__)
 
 
-class _Protocol(LanguageServerProtocol):
-    """The protocol without pygls's own copies of texts, which use other line ends.
-
-    Messages are encoded by msgspec, in a tenth of the time.
-    """
-
-    def _send_data(self, data: Any) -> None:
-        if data and self.writer is not None:
-            message = self._serialize_message(data)
-            body = msgspec.json.encode(message, enc_hook=self._serialize_message)
-            # On pipes, the writer has finished when it returns.
-            self.writer.write(b"Content-Length: %d\r\n\r\n" % len(body) + body)
-
-    def structure_message(self, data: dict[str, Any]) -> Any:
-        """Convert a parsed message; a malformed request is answered with an error."""
-        try:
-            return super().structure_message(data)
-        except JsonRpcException as error:
-            if data.get("id") is not None and "method" in data:
-                self._send_response(data["id"], error=error.to_response_error())
-            raise
-
-    @lsp_method(types.TEXT_DOCUMENT_DID_OPEN)
-    def lsp_text_document__did_open(
-        self, params: types.DidOpenTextDocumentParams
-    ) -> Any:
-        yield self.fm.features[types.TEXT_DOCUMENT_DID_OPEN], (params,), None
-
-    @lsp_method(types.TEXT_DOCUMENT_DID_CHANGE)
-    def lsp_text_document__did_change(
-        self, params: types.DidChangeTextDocumentParams
-    ) -> Any:
-        yield self.fm.features[types.TEXT_DOCUMENT_DID_CHANGE], (params,), None
-
-    @lsp_method(types.TEXT_DOCUMENT_DID_CLOSE)
-    def lsp_text_document__did_close(
-        self, params: types.DidCloseTextDocumentParams
-    ) -> Any:
-        yield self.fm.features[types.TEXT_DOCUMENT_DID_CLOSE], (params,), None
-
-
 class Server(LanguageServer):
     """The language server of rtgen. `debounce` is in seconds."""
+
+    protocol: Protocol
 
     def __init__(self, debounce: float = DEBOUNCE) -> None:
         super().__init__(
             "rtgen",
             __version__,
             text_document_sync_kind=types.TextDocumentSyncKind.Incremental,
-            protocol_cls=_Protocol,
+            protocol_cls=Protocol,
         )
         self.files = Workspace()
         self._debounce = debounce
@@ -109,11 +71,22 @@ class Server(LanguageServer):
         self._formatting: set[threading.Event] = set()
         self._published: dict[ProjectKey, set[str]] = {}
 
+    def start_io(
+        self, stdin: BinaryIO | None = None, stdout: BinaryIO | None = None
+    ) -> None:
+        """Serve a client until it, or its input, ends. Raises FramingError."""
+        messages = Messages(stdin or sys.stdin.buffer)
+        super().start_io(cast("BinaryIO", messages), stdout)
+        if messages.problem is not None:
+            raise FramingError(messages.problem)
+
     def report_server_error(self, error: Exception, source: Any) -> None:
         """Log an error, which is also the response to the request.
 
         A feature that rejects a request by an exception is not an error of the server.
         """
+        if source is JsonRpcException and not isinstance(error, JsonRpcException):
+            self.protocol.refuse(None, error)  # input that is not JSON
         refused = isinstance(error, JsonRpcException) and not isinstance(
             error, JsonRpcInternalError
         )
