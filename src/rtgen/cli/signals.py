@@ -22,6 +22,13 @@ def of_ending() -> tuple[signal.Signals, ...]:
     return signal.SIGTERM, _HANGUP
 
 
+def of_interrupting() -> tuple[signal.Signals, ...]:
+    """Return Ctrl-C's signal, unless it is ignored as in the background of a shell."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        return ()
+    return (signal.SIGINT,)
+
+
 @contextmanager
 def handled(
     handler: Callable[[int, FrameType | None], None], *numbers: signal.Signals

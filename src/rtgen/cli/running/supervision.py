@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import socket
 import subprocess
@@ -9,11 +10,13 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack, closing
+from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import chain
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from types import FrameType
 from typing import TYPE_CHECKING
 
 import click
@@ -21,7 +24,7 @@ import click
 from rtgen.cli.common import BAD_INPUT, NO, OK, Console, Refusal
 from rtgen.cli.running import partition
 from rtgen.cli.running.transports import ACTIVATED, TAKES
-from rtgen.cli.signals import terminable
+from rtgen.cli.signals import handled, of_ending, of_interrupting
 from rtgen.diagnostics import ToolError
 from rtgen.diagnostics.printable import printable
 from rtgen.model import System
@@ -39,6 +42,12 @@ _STEADY = 60.0
 _POLL_INTERVAL = 0.05
 _SHUTDOWN_TIMEOUT = 15.0
 """Seconds that a process has for an orderly shutdown."""
+_INSISTING = 1.0
+"""Seconds after a signal from which a further one ends the processes at once."""
+_REST_TIMEOUT = 1.0
+"""Seconds that the processes started by one that has ended have for theirs, and its output."""
+_LONGEST_LINE = 10_000
+"""Maximum length of a line of a process; longer ones are divided."""
 
 _NOT_PASSED_ON = frozenset(
     {"system", "clock", "until", "settings", "nameserver", "form", "colour"}
@@ -174,23 +183,35 @@ class Supervisor:
         self._console = console
         self._host = socket.gethostname()
         self._condition = ""
+        self._signalled: list[float] = []
+        """Times of the signals that end the run."""
 
     def run(self) -> int:
         """Supervise until the run ends, by itself or by a signal; return its exit code."""
-        code = NO
-        try:
-            with terminable():
+        # An exception in a handler could come while a process is being started or ended.
+        with handled(self._on_signal, *of_interrupting(), *of_ending()):
+            try:
                 for worker in self._workers:
-                    self._start(worker)
+                    if not self._signalled:
+                        self._start(worker)
                 self._tell()
-                while (ended := self._look()) is None:
+                while not self._signalled:
+                    ended = self._look()
+                    if ended is not None:
+                        return ended
                     time.sleep(_POLL_INTERVAL)
-                code = ended
-        except KeyboardInterrupt:
-            code = NO if self._lost else OK
-        finally:
-            self._end_all()
-        return code
+                return NO if self._lost else OK
+            finally:
+                self._end_all()
+
+    def _on_signal(self, number: int, frame: FrameType | None) -> None:
+        self._signalled.append(time.monotonic())
+
+    @property
+    def _insisted(self) -> bool:
+        """Whether a further signal came some time after the first."""
+        times = self._signalled
+        return len(times) > 1 and times[-1] - times[0] >= _INSISTING
 
     def _start(self, worker: Worker) -> None:
         worker.due = None
@@ -214,9 +235,15 @@ class Supervisor:
         """Print a process's output, each line preceded by the name of its group."""
         assert worker.process is not None
         assert worker.process.stdout is not None
-        for line in worker.process.stdout:
-            if not self._console.quiet:
-                sys.stderr.write(printable(f"{worker.name} | {line}", "\n\t"))
+        heard = not self._console.quiet
+        for line in iter(partial(worker.process.stdout.readline, _LONGEST_LINE), ""):
+            ending = "" if line.endswith("\n") else "\n"
+            try:
+                if heard:
+                    text = printable(f"{worker.name} | {line}", "\n\t")
+                    sys.stderr.write(text + ending)
+            except OSError:
+                heard = False  # The terminal is gone; the process must not wait for it.
 
     def _look(self) -> int | None:
         """Check all processes; return the exit code if the run has ended."""
@@ -228,6 +255,7 @@ class Supervisor:
             code = None if worker.process is None else worker.process.poll()
             if code is None or worker.done or worker.due is not None:
                 continue
+            self._end_rest(worker)
             self._release(worker)
             if code == BAD_INPUT:
                 return BAD_INPUT
@@ -288,17 +316,32 @@ class Supervisor:
             if worker.process is not None and worker.runs:
                 worker.process.send_signal(signal.SIGTERM)
         deadline = time.monotonic() + _SHUTDOWN_TIMEOUT
+        while any(worker.runs for worker in self._workers):
+            if self._insisted or time.monotonic() > deadline:
+                break
+            time.sleep(_POLL_INTERVAL)
         for worker in self._workers:
             if worker.process is None:
                 continue
-            try:
-                worker.process.wait(max(0.0, deadline - time.monotonic()))
-            except subprocess.TimeoutExpired:
-                worker.process.kill()
-                worker.process.wait()
+            worker.process.kill()
+            worker.process.wait()
+            self._end_rest(worker)
             if worker.output is not None:
-                worker.output.join()
+                # A process that has left the group may hold it open.
+                worker.output.join(_REST_TIMEOUT)
             self._release(worker)
+
+    def _end_rest(self, worker: Worker) -> None:
+        """End the processes that one has started and left behind in its group."""
+        if worker.process is None or sys.platform == "win32":
+            return
+        end = time.monotonic() + _REST_TIMEOUT
+        with suppress(ProcessLookupError, PermissionError):
+            os.killpg(worker.process.pid, signal.SIGTERM)
+            while time.monotonic() < end:
+                os.killpg(worker.process.pid, 0)
+                time.sleep(_POLL_INTERVAL)
+            os.killpg(worker.process.pid, signal.SIGKILL)
 
     def _release(self, worker: Worker) -> None:
         """Deactivate the foreign components that a process has left ACTIVE at its end."""
