@@ -83,6 +83,21 @@ def test_the_type_or_kind_as_activity(processes: Processes, activity: str) -> No
     assert (code, failed(outcomes)) == (0, {})
 
 
+@pytest.mark.parametrize("activity", ["DataFlowComponent", "My own: kind"])
+def test_the_registered_text_is_said(processes: Processes, activity: str) -> None:
+    processes.device("Base0", f"activity={activity}")
+    code, outcomes = outcomes_of(processes, f', activity_type="{activity}"')
+    assert (code, failed(outcomes)) == (0, {})
+    code, outcomes = outcomes_of(processes, ', activity_type="STATIC"')
+    assert code == 1
+    assert failed(outcomes) == {
+        "profile.properties": [
+            f"activity_type is '{activity}', not 'STATIC'; "
+            f'@rtc(activity_type="{activity}") says so'
+        ]
+    }
+
+
 def test_a_device_that_cannot_be_deactivated_in_time(processes: Processes) -> None:
     device = processes.device("Base0", "delay=8000")
     code, outcomes = outcomes_of(processes, "", "--timeout", "1")

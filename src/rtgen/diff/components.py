@@ -88,6 +88,7 @@ class _Components:
             (kinds.COMPONENT_KIND, "kind", lambda c: c.kind),
             (kinds.COMPONENT_KIND, "activity", lambda c: c.activity),
             (kinds.COMPONENT_KIND, "component type", lambda c: c.component_type),
+            (kinds.COMPONENT_KIND, "activity_type", lambda c: c.registered_activity),
             (kinds.COMPONENT_KIND, "execution", lambda c: c.execution),
             (kinds.COMPONENT_TEXTS, "description", lambda c: c.description),
             (kinds.COMPONENT_BASE, "base", lambda c: "::".join(c.base or ()) or "none"),

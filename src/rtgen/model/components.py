@@ -86,6 +86,7 @@ class Component(Declaration, frozen=True, kw_only=True):
     max_instances: int = 1
     activity: str = "PERIODIC"
     component_type: str = "STATIC"
+    activity_type: str = ""
     execution: str = "PeriodicExecutionContext"
     created: str = NO_DATE
     updated: str = NO_DATE
@@ -94,6 +95,11 @@ class Component(Declaration, frozen=True, kw_only=True):
     factory: str = ""
     module: str = ""
     other_file: str = ""
+
+    @property
+    def registered_activity(self) -> str:
+        """The text that OpenRTM registers as `activity_type`: tools put the component type there."""
+        return self.activity_type or self.component_type
 
     @property
     def is_foreign(self) -> bool:

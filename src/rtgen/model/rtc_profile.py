@@ -111,3 +111,4 @@ class RtcProfile(msgspec.Struct, frozen=True, kw_only=True):
     facts: Mapping[str, Any] = msgspec.field(default_factory=dict)
     implements: bool = False
     language: str = "Python"
+    activity_type: str = ""

@@ -361,6 +361,44 @@ def test_the_registered_name_of_a_consumer(
     assert said in text
 
 
+@pytest.mark.parametrize(
+    "kind", ["DataFlowComponent", "PERIODIC", "EVENTDRIVEN", "STATIC", "UNIQUE", 'a "b']
+)
+def test_the_activity_type_is_what_the_module_registers(
+    kind: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    entry = f'"type_name", "Part", "activity_type", {kind!r}'
+    Path("a.py").write_text(module().replace('"type_name", "Part"', entry))
+    assert run(["adopt", "a.py", "-o", "idl"]) == 0
+    text = Path("idl/Part.idl").read_text()
+    assert ("activity_type=" in text) == (kind not in ("STATIC", "UNIQUE"))
+    assert run(["generate", "idl", "--target", "openrtm", "-o", "out"]) == 0
+    capsys.readouterr()
+    [made] = Path("out").rglob("Part.py")
+    assert registered_texts(made)["activity_type"] == kind
+    profile = next(Path("out").rglob("RTC.xml"))
+    Path("again").mkdir()
+    Path("again/Part.xml").write_text(profile.read_text())
+    assert run(["generate", "again", "--target", "openrtm", "-o", "back"]) == 0
+    [made] = Path("back").rglob("Part.py")
+    assert registered_texts(made)["activity_type"] == kind
+
+
+def registered_texts(file: Path) -> dict[str, str]:
+    """Return the module spec of a generated module."""
+    texts: list[list[str]] = [
+        [each.value for each in node.elts if isinstance(each, ast.Constant)]  # type: ignore[misc]
+        for node in ast.walk(ast.parse(file.read_text()))
+        if isinstance(node, ast.List | ast.Tuple)
+    ]
+    [spec] = [each for each in texts if "implementation_id" in each]
+    return dict(zip(spec[::2], spec[1::2], strict=False))
+
+
 def test_the_name_is_the_type_name(tmp_path: Path) -> None:
     path = tmp_path / "a.py"
     text = module().replace('"type_name", "Part"', '"type_name", "Kind"')

@@ -249,6 +249,7 @@ class _BaseModule:
             rate=number_literal(float(component.rate)),
             max_instances=str(component.max_instances),
             activity=string_literal(component.activity),
+            activity_type=_optional(component.activity_type),
             execution=string_literal(component.execution),
             ports=_tuple(ports),
             configuration=_tuple(parameters),

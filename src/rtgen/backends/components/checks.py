@@ -191,7 +191,10 @@ def _texts(component: Component) -> Iterator[Diagnostic]:
     yield from finding(
         component.span,
         f"component `{component.scoped}`",
-        (*own, component.description, component.execution, component.doc),
+        (
+            *(*own, component.activity_type, component.description),
+            *(component.execution, component.doc),
+        ),
     )
     for port in component.ports:
         owner = f"port `{port.identifier}`"

@@ -150,7 +150,7 @@ class _ComponentModule:
         yield "version", component.version
         yield "vendor", component.vendor
         yield "category", component.category
-        yield "activity_type", component.component_type
+        yield "activity_type", component.registered_activity
         yield "max_instance", str(component.max_instances)
         yield "language", "Python"
         yield "lang_type", "SCRIPT"

@@ -118,6 +118,7 @@ def _agree(model: Model, component: Component, module: RtcProfile) -> bool:
         and component.category == module.category
         and component.version == module.version
         and component.component_type == module.component_type
+        and component.activity_type == module.activity_type
         and component.execution == module.execution
         and component.rate == module.rate
         and component.max_instances == module.max_instances

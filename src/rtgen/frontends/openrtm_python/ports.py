@@ -115,6 +115,8 @@ class Ports:
             message = (
                 f"{name} is a CSP port, which waits for its peer; a plain one is made"
             )
+            if not is_made(made, *_OUTPUTS):
+                message += ", with the type of its values instead of `any`"
             self._report_at(rules.NOT_CARRIED, span, message)
         return ProfileDataPort(
             name=name,

@@ -124,6 +124,7 @@ class ModuleReader:
             data_ports=tuple(ports.data_ports()),
             service_ports=tuple(ports.service_ports()),
             implements=True,
+            activity_type="" if kind in COMPONENT_TYPES else kind,
         )
 
     def _name(self, place: ast.expr, values: dict[str, str]) -> str:

@@ -30,7 +30,13 @@ from rtgen.model.rtc_profile import (
 from rtgen.typemap.profiles import rules
 from rtgen.typemap.profiles.dates import has_zone, is_date
 from rtgen.typemap.profiles.escapes import lines, one_line
-from rtgen.typemap.profiles.facts import PROPERTY, Facts, checked, facts_from
+from rtgen.typemap.profiles.facts import (
+    ACTIVITY_PROPERTY,
+    PROPERTY,
+    Facts,
+    checked,
+    facts_from,
+)
 
 VERSIONS = ("0.1", "0.2", "0.3")
 
@@ -85,6 +91,7 @@ class Reader:
             data_ports=tuple(self._data_ports(root)),
             service_ports=tuple(self._service_ports(root)),
             facts=self._facts(info),
+            activity_type=dict(_properties(info)).get(ACTIVITY_PROPERTY, ""),
         )
 
     # Attributes.

@@ -109,6 +109,7 @@ class Lowering:
             max_instances=profile.max_instances,
             activity=profile.activity,
             component_type=profile.component_type,
+            activity_type=profile.activity_type,
             execution=profile.execution,
             created=profile.created,
             updated=profile.updated,

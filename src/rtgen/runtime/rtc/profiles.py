@@ -113,7 +113,10 @@ def service_port(
 
 
 class ComponentProfile(msgspec.Struct, frozen=True, gc=False):
-    """A component type; `rate` in Hz is the default of systems and `.conf` files."""
+    """A component type; `rate` in Hz is the default of systems and `.conf` files.
+
+    `activity_type` is what others see instead of `activity`, if it is given.
+    """
 
     type_name: str
     kind: str = "DataFlowComponent"
@@ -124,6 +127,7 @@ class ComponentProfile(msgspec.Struct, frozen=True, gc=False):
     rate: float = 1000.0
     max_instances: int = 1
     activity: str = "PERIODIC"
+    activity_type: str = ""
     execution: str = "PeriodicExecutionContext"
     ports: tuple[PortProfile, ...] = ()
     configuration: tuple[ParameterProfile, ...] = ()

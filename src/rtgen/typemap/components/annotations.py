@@ -18,7 +18,8 @@ from rtgen.model.rtc_profile import EVENT, EVENT_ARGUMENTS, EVENT_PORT
 
 _PROFILE = (
     *("kind", "category", "vendor", "version", "description", "rate", "max_instances"),
-    *("activity", "component_type", "execution", "created", "updated"),
+    *("activity", "component_type", "activity_type", "execution", "created"),
+    "updated",
 )
 """The arguments of `@rtc`, in order: fields of a component."""
 

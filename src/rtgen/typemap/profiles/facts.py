@@ -37,6 +37,8 @@ from rtgen.typemap.profiles import escapes as profile_escapes
 
 PROPERTY = "rtgen.definition"
 """The name of the property."""
+ACTIVITY_PROPERTY = "activity_type"
+"""The name of the property of a component with the text that OpenRTM registers."""
 
 Facts: TypeAlias = dict[str, Any]
 

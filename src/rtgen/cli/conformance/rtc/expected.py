@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
@@ -29,6 +30,7 @@ from rtgen.runtime.rtc.parameter_values import Converter
 from rtgen.runtime.rtc.profiles import ParameterProfile
 from rtgen.typemap.components.parameters import Parameters
 
+_PLAIN = re.compile(r"[\w. :-]+")
 _ANY = "any"
 """The type with which OpenRTM registers ports for events."""
 _WAYS = {PortKind.INPORT: IN, PortKind.OUTPORT: OUT}
@@ -154,7 +156,9 @@ class Expected:
         self.properties = {
             # Many modules of OpenRTM state the type or the kind of the component there.
             "activity_type": (
-                *(component.activity, component.component_type, component.kind),
+                (component.activity_type,)
+                if component.activity_type
+                else (component.activity, component.component_type, component.kind)
             ),
             "max_instance": (str(component.max_instances),),
         }
@@ -169,12 +173,13 @@ class Expected:
     @staticmethod
     def saying(name: str, text: str) -> str:
         """Return how a definition says the text of a property; empty if it cannot."""
-        argument = {"activity_type": "activity", "max_instance": "max_instances"}[name]
-        if argument == "activity" and text in ACTIVITY_TYPES:
-            return f'; @rtc(activity="{text}") says so'
-        if argument == "max_instances" and text.isdecimal():
-            return f"; @rtc(max_instances={text}) says so"
-        return ""
+        if name == "max_instance":
+            says = f"max_instances={text}" if text.isdecimal() else ""
+        elif text in ACTIVITY_TYPES:
+            says = f'activity="{text}"'
+        else:
+            says = f'activity_type="{text}"' if _PLAIN.fullmatch(text) else ""
+        return f"; @rtc({says}) says so" if says else ""
 
 
 def _ports(model: Model, component: Component) -> dict[str, ExpectedPort]:

@@ -130,6 +130,7 @@ DEFINITIONS: Mapping[str, Definition] = MappingProxyType(
             activity=TEXT,
             execution=TEXT,
             component_type=TEXT,
+            activity_type=TEXT,
             created=TEXT,
             updated=TEXT,
         ),

@@ -188,7 +188,7 @@ class RtObject:
             "version": profile.version,
             "vendor": profile.vendor,
             "category": profile.category,
-            "activity_type": profile.activity,
+            "activity_type": profile.activity_type or profile.activity,
             "max_instance": str(profile.max_instances),
             "language": "Python",
             "lang_type": "SCRIPT",
