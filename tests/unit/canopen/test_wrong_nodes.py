@@ -246,4 +246,6 @@ def test_a_check_finds_other_nodes_too(what: str, tmp_path: Path) -> None:
 def test_an_answer_that_is_not_valid_is_no_refusal() -> None:
     report = report_of(SPECS / "f_palette.eds", MUTANTS["sdo.block"])
     [outcome] = [o for o in report.outcomes if o.check == "sdo.block"]
-    assert outcome.problems == ("an answer is not valid: 05040004h CRC error",)
+    assert outcome.problems == (
+        "the end of the transfer is not valid: 05040004h CRC error",
+    )

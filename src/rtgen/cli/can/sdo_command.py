@@ -133,7 +133,7 @@ def sdo_(
 
     NODE is a name of the bus file or a node-id, OBJECT a name of the description or a number such
     as 6040 or 6401:1. Long values use block transfer if the node supports it. Exit code 1: the node
-    refuses, or its answer is not valid, and the reason is printed.
+    refuses, or an answer is missing or not valid: what has happened to which message is printed.
     """
     known = described.known()
     node_id = known.node(node)
@@ -168,8 +168,7 @@ def sdo_(
                 cob_ids=cob_ids,
             )
         except SdoAbort as abort:
-            what = "the node refuses" if abort.received else "the answer is not valid"
-            raise _NoValueError(f"{called}: {what}: {abort}") from abort
+            raise _NoValueError(f"{called}: {abort.explanation}") from abort
         except SilentError:
             raise ToolError(
                 f"{known.name(node_id)} does not answer",

@@ -154,7 +154,7 @@ class BusSession:
         try:
             return client.result()
         except SdoAbort as abort:
-            if abort.code == sdo.TIMED_OUT and not answered.heard:
+            if abort.within and not (answered.heard or abort.foreign):
                 raise SilentError from abort
             raise
 

@@ -79,11 +79,12 @@ class NodeUnderTest:
 
     def explained(self, fault: Exception) -> str:
         """See `Subject`."""
+        silent = fault.__cause__ if isinstance(fault, SilenceError) else None
+        if isinstance(silent, SdoAbort):
+            return silent.explanation
         if isinstance(fault, SilenceError):
             return f"no answer within {self.bounds.answer // MILLISECOND} ms"
-        is_refusal = isinstance(fault, SdoAbort) and fault.received
-        what = "the node refuses" if is_refusal else "an answer is not valid"
-        return f"{what}: {fault}"
+        return fault.explanation if isinstance(fault, SdoAbort) else str(fault)
 
     @property
     def id(self) -> int:

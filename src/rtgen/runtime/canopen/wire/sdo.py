@@ -109,16 +109,42 @@ ABORT_TEXTS: Final = {
 """Texts of CiA 301, table 22."""
 
 
+ANSWER: Final = "answer"
+"""The first message that a client expects."""
+
+
 class SdoAbort(Exception):
     """A transfer was aborted, or an access rejected; `code` is the abort code.
 
     `received`: the peer has sent it; otherwise this end did not accept the peer's message.
+    `awaited` is the message that the client expected: `answer` to its request, `segment 3`.
     """
 
-    def __init__(self, code: int, *, received: bool = False) -> None:
+    def __init__(
+        self, code: int, *, received: bool = False, awaited: str = ANSWER
+    ) -> None:
         self.code = code
         self.received = received
+        self.awaited = awaited
+        self.within = 0
+        """The time that the client has waited for the message, in ns; 0: it has come."""
+        self.foreign = False
+        """Whether messages have come meanwhile that do not belong to the transfer."""
         super().__init__(f"{code:08X}h {ABORT_TEXTS.get(code, 'unknown abort code')}")
+
+    @property
+    def explanation(self) -> str:
+        """Who has ended the transfer of a client, and why."""
+        if self.within:
+            others = ", only messages of other transfers" if self.foreign else ""
+            return f"no {self.awaited} within {self.within / 1e6:g} ms{others}"
+        numbered = self.awaited.startswith("segment")
+        what = self.awaited if numbered else f"the {self.awaited}"
+        if not self.received:
+            return f"{what} is not valid: {self}"
+        if self.awaited == ANSWER:
+            return f"the node refuses: {self}"
+        return f"the node aborts in place of {what}: {self}"
 
 
 class Target(msgspec.Struct, frozen=True, gc=False):
@@ -291,6 +317,11 @@ class BlockReceiver:
         self._sequence = 0
         self.complete = False
         """Whether the last segment has arrived."""
+
+    @property
+    def next(self) -> int:
+        """The number of the next segment in its block."""
+        return self._sequence + 1
 
     def take(self, data: bytes) -> bytes | None:
         """Append a segment; return the acknowledgement at the end of a block. Raises SdoAbort.

@@ -52,6 +52,10 @@ class SdoClient:
         self._block_size = block_size
         self._target = Target(0, 0)
         self._step: _Step | None = None
+        self._awaited = sdo.ANSWER
+        self._number = 0
+        """The number of the segment, or block, in its transfer."""
+        self._foreign = False
         self._matching = False
         self._outcome: bytes | SdoAbort | None = None
         self._drain_end = 0
@@ -127,13 +131,16 @@ class SdoClient:
         )
         if foreign:
             self.dropped += 1
+            self._foreign = True
             return []
         if data[0] == sdo.ABORT:
-            self._end(SdoAbort(sdo.announced_size(data), received=True))
+            code = sdo.announced_size(data)
+            self._end(SdoAbort(code, received=True, awaited=self._awaited))
             return []
         try:
             messages = self._step(data)
         except SdoAbort as abort:
+            abort.awaited = self._awaited
             messages = [self._target.abort(abort.code)]
             self._end(abort)
             self._start_draining(now)
@@ -148,13 +155,17 @@ class SdoClient:
         if self._draining:
             self._draining, self.deadline = False, None
             return []
-        return self.cancel(now, sdo.TIMED_OUT)
+        messages = self.cancel(now, sdo.TIMED_OUT)
+        assert isinstance(self._outcome, SdoAbort)
+        self._outcome.within = self._timeout
+        self._outcome.foreign = self._foreign
+        return messages
 
     def cancel(self, now: int, code: int = sdo.GENERAL_ERROR) -> list[Frame]:
         """Abort the current transfer with a code, and drain."""
         if self._step is None:
             return []
-        self._end(SdoAbort(code))
+        self._end(SdoAbort(code, awaited=self._awaited))
         self._start_draining(now)
         return self._frames([self._target.abort(code)])
 
@@ -172,11 +183,17 @@ class SdoClient:
             raise RuntimeError(_BEGUN)
         self._target = Target(index, subindex)
         self._outcome, self._step, self._matching = None, step, True
+        self._awaited, self._number, self._foreign = sdo.ANSWER, 0, False
         self.deadline = now + self._timeout
 
-    def _go(self, step: _Step) -> None:
+    def _go(self, awaited: str, step: _Step) -> None:
         """Set the next step, whose responses have no index."""
-        self._step, self._matching = step, False
+        self._step, self._matching, self._awaited = step, False, awaited
+
+    def _count(self) -> int:
+        """Return the number of the next segment, or block, of the transfer."""
+        self._number += 1
+        return self._number
 
     def _end(self, outcome: bytes | SdoAbort) -> None:
         self._outcome, self._step, self.deadline = outcome, None, None
@@ -197,7 +214,13 @@ class SdoClient:
     def _begun(self, segments: Segments, data: bytes) -> list[bytes]:
         if data[0] != sdo.DOWNLOAD_DONE:
             raise SdoAbort(sdo.COMMAND_UNKNOWN)
-        self._go(lambda data: self._segment_taken(segments, data))
+        return self._next_segment(segments)
+
+    def _next_segment(self, segments: Segments) -> list[bytes]:
+        self._go(
+            f"answer to segment {self._count()}",
+            lambda data: self._segment_taken(segments, data),
+        )
         return [segments.next(sdo.DOWNLOAD_SEGMENT)]
 
     def _segment_taken(self, segments: Segments, data: bytes) -> list[bytes]:
@@ -208,14 +231,23 @@ class SdoClient:
         if segments.done:
             self._end(b"")
             return []
-        return [segments.next(sdo.DOWNLOAD_SEGMENT)]
+        return self._next_segment(segments)
 
     def _block_begun(self, sender: BlockSender, data: bytes) -> list[bytes]:
         if data[0] & ~sdo.WITH_CRC != sdo.BLOCK_DOWNLOAD_ANSWER:
             raise SdoAbort(sdo.COMMAND_UNKNOWN)
         with_crc = bool(data[0] & sdo.WITH_CRC)
-        self._go(lambda data: self._block_next(sender, with_crc, data))
-        return sender.block(data[4])
+        return self._next_block(sender, with_crc, data[4])
+
+    def _next_block(
+        self, sender: BlockSender, with_crc: bool, size: int
+    ) -> list[bytes]:
+        segments = sender.block(size)
+        self._go(
+            f"answer to block {self._count()} ({len(segments)} segments)",
+            lambda data: self._block_next(sender, with_crc, data),
+        )
+        return segments
 
     def _block_next(
         self, sender: BlockSender, with_crc: bool, data: bytes
@@ -224,8 +256,8 @@ class SdoClient:
             raise SdoAbort(sdo.COMMAND_UNKNOWN)
         sender.acknowledge(data[1])
         if not sender.done:
-            return sender.block(data[2])
-        self._go(self._block_written)
+            return self._next_block(sender, with_crc, data[2])
+        self._go("answer to the end of the transfer", self._block_written)
         return [sender.end(with_crc)]
 
     def _block_written(self, data: bytes) -> list[bytes]:
@@ -247,12 +279,13 @@ class SdoClient:
             return []
         size = sdo.announced_size(data) if data[0] & sdo.SIZE_INDICATED else None
         collector = Collector(self._max_size, size)
-        self._go(lambda data: self._segment(collector, data))
-        return [self._ask(collector)]
+        return self._ask(collector)
 
-    @staticmethod
-    def _ask(collector: Collector) -> bytes:
-        return bytes((sdo.UPLOAD_SEGMENT | collector.toggle,)) + bytes(7)
+    def _ask(self, collector: Collector) -> list[bytes]:
+        self._go(
+            f"segment {self._count()}", lambda data: self._segment(collector, data)
+        )
+        return [bytes((sdo.UPLOAD_SEGMENT | collector.toggle,)) + bytes(7)]
 
     def _segment(self, collector: Collector, data: bytes) -> list[bytes]:
         if data[0] & sdo.CODE:
@@ -260,21 +293,35 @@ class SdoClient:
         if collector.take(data):
             self._end(collector.value())
             return []
-        return [self._ask(collector)]
+        return self._ask(collector)
 
     def _block_upload_begun(self, data: bytes) -> list[bytes]:
         size = sdo.announced_size(data) if data[0] & sdo.WITH_SIZE else None
         receiver = BlockReceiver(self._max_size, size, self._block_size)
         with_crc = bool(data[0] & sdo.WITH_CRC)
-        self._go(lambda data: self._block_segment(receiver, with_crc, data))
+        self._count()
+        self._await_segment(receiver, with_crc)
         return [bytes((sdo.BLOCK_START,)) + bytes(7)]
+
+    def _await_segment(self, receiver: BlockReceiver, with_crc: bool) -> None:
+        self._go(
+            f"segment {receiver.next} of block {self._number}",
+            lambda data: self._block_segment(receiver, with_crc, data),
+        )
 
     def _block_segment(
         self, receiver: BlockReceiver, with_crc: bool, data: bytes
     ) -> list[bytes]:
         answer = receiver.take(data)
         if answer is not None and receiver.complete:
-            self._go(lambda data: self._block_end(receiver, with_crc, data))
+            self._go(
+                "end of the transfer",
+                lambda data: self._block_end(receiver, with_crc, data),
+            )
+            return [answer]
+        if answer is not None:
+            self._count()
+        self._await_segment(receiver, with_crc)
         return [] if answer is None else [answer]
 
     def _block_end(
