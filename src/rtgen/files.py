@@ -27,6 +27,7 @@ _WRITING = (
     | getattr(os, "O_BINARY", 0)
 )
 _PIECE = 1 << 16
+_NULL = "a path has no null character"
 _KINDS = (
     (stat.S_ISDIR, "folder"),
     (stat.S_ISFIFO, "pipe"),
@@ -64,6 +65,11 @@ def absolute_path(path: Path | str) -> str:
     return os.path.normpath(Path.cwd() / path)
 
 
+def real_path(path: str) -> str:
+    """Return a path without links; one that no file has is returned as it is."""
+    return path if "\0" in path else os.path.realpath(path)
+
+
 @contextmanager
 def overlaid(contents: Mapping[str, bytes]) -> Iterator[None]:
     """Within the block, `contents` by absolute path replace what is on the disk."""
@@ -89,7 +95,7 @@ def open_file(path: Path) -> BinaryIO:
         number = os.open(path, _READING)
     except ValueError as error:
         # Python's versions word it differently.
-        reason = "a path has no null character" if "\0" in str(path) else str(error)
+        reason = _NULL if "\0" in str(path) else str(error)
         raise UnreadableError(reason) from None
     try:
         _require_regular(os.fstat(number))
@@ -134,6 +140,34 @@ def read_file(path: Path, limit: int = MAX_BYTES) -> bytes:
     if len(data) > limit:
         raise _too_large(limit)
     return data
+
+
+def create_file(path: Path) -> BinaryIO:
+    """Open a file for writing, created or emptied. Raises OSError.
+
+    A device is opened, and a pipe that something reads; without a reader, opening would wait.
+    """
+    check_output(path)
+    flags = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | getattr(os, "O_BINARY", 0)
+    try:
+        number = os.open(path, flags | getattr(os, "O_NONBLOCK", 0), 0o666)
+    except OSError as error:
+        if error.errno == errno.ENXIO and path.is_fifo():
+            raise UnreadableError("nothing reads this pipe") from None
+        raise
+    if hasattr(os, "O_NONBLOCK"):
+        os.set_blocking(number, True)
+    return os.fdopen(number, "wb")
+
+
+def check_output(path: Path, *, pipes: bool = True) -> None:
+    """Check a file that is to be written, by something else if `pipes` is false. Raises OSError."""
+    if "\0" in str(path):
+        raise UnreadableError(_NULL)
+    with contextlib.suppress(FileNotFoundError):
+        mode = path.stat().st_mode
+        if stat.S_ISSOCK(mode) or (stat.S_ISFIFO(mode) and not pipes):
+            _require_regular(path.stat())
 
 
 def replace_file(path: Path, data: bytes, before: bytes) -> None:

@@ -61,6 +61,8 @@ def run(arguments: Sequence[str], *, ends: bool = False) -> int:
     `ends`: the process ends with the command, so garbage collection is disabled.
     """
     try:
+        if any("\0" in each for each in arguments):
+            raise click.UsageError("an argument has no null character")
         code = application.main(
             list(arguments), prog_name="rtgen", standalone_mode=False, obj=ends
         )

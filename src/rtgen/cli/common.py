@@ -15,6 +15,7 @@ import click
 import msgspec
 
 from rtgen import stages
+from rtgen.backends.kit.quoting import UnquotableError
 from rtgen.diagnostics import Diagnostic, InputError, ToolError
 from rtgen.diagnostics.printable import printable
 from rtgen.facts.decoded_text import NAMES
@@ -23,6 +24,7 @@ from rtgen.project import (
     TARGETS,
     Project,
     load,
+    path_finding,
     require_sources,
     with_arguments,
 )
@@ -250,10 +252,35 @@ def with_console(
 
             console.findings([ENVIRONMENT.at(None, error.message, hint=error.hint)])
             return FAILED
+        except UnquotableError as error:
+            from rtgen.backends.kit.rules import UNQUOTABLE
+
+            console.findings([UNQUOTABLE.at(None, str(error))])
+            return BAD_INPUT
+        except OSError as error:
+            finding = _of_file(error)
+            if finding is None:
+                raise
+            console.findings([finding])
+            return FAILED if finding.code == "ENV0001" else BAD_INPUT
         finally:
             console.close()
 
     return wrapped
+
+
+def _of_file(error: OSError) -> Diagnostic | None:
+    """Return the diagnostic for a file that cannot be used; None if the error names no file."""
+    if (
+        not isinstance(error.filename, str | bytes)
+        or os.environ.get("RTGEN_DEBUG") == "1"
+    ):
+        return None
+    from rtgen.project.rules import ENVIRONMENT
+
+    name = os.fsdecode(error.filename)
+    unusable = ENVIRONMENT.at(None, f"cannot use {name}: {error.strerror}")
+    return path_finding(name) or unusable
 
 
 class Definitions(msgspec.Struct, frozen=True, kw_only=True):

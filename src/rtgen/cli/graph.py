@@ -17,6 +17,7 @@ from rtgen.cli.common import (
     write_out,
 )
 from rtgen.diagnostics import Diagnostic, ToolError, has_errors, in_order
+from rtgen.files import create_file
 from rtgen.model import Component
 from rtgen.model.can_bus import Bus
 from rtgen.project import load
@@ -88,7 +89,8 @@ def graph(
         write_out(picture)
         return OK
     try:
-        Path(output).write_text(picture, encoding="utf-8", newline="\n")
+        with create_file(Path(output)) as stream:
+            stream.write(picture.encode())
     except OSError as error:
         raise ToolError(f"cannot write {output}: {error.strerror}") from error
     return OK

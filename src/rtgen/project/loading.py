@@ -353,13 +353,17 @@ def _with_files(project: Project, paths: Iterable[Path]) -> Project:
 
 def _require_possible(paths: Iterable[Path | str]) -> None:
     """Raise InputError for paths that no file has, or that generated files cannot name."""
-    findings = [
-        NO_PATH.at(None, f"{str(path)[:_SHOWN]!r} {problem}", hint="rename it")
-        for path in paths
-        if (problem := path_problem(str(path))) is not None
-    ]
+    findings = [f for path in paths if (f := path_finding(str(path))) is not None]
     if findings:
         raise InputError(findings)
+
+
+def path_finding(path: str) -> Diagnostic | None:
+    """Return the diagnostic for a path that no file has; None for others."""
+    problem = path_problem(path)
+    if problem is None:
+        return None
+    return NO_PATH.at(None, f"{path[:_SHOWN]!r} {problem}", hint="rename it")
 
 
 def require_sources(project: Project) -> None:

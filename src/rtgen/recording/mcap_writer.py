@@ -17,6 +17,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Final, Self
 
+from rtgen.files import create_file
 from rtgen.recording.errors import RecordingError
 
 COMPRESSIONS: Final = ("zstd", "lz4", "none")
@@ -295,7 +296,8 @@ class _File:
     """An unbuffered file, so that each chunk is written to the system at once."""
 
     def __init__(self, path: str | Path) -> None:
-        self._descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
+        with create_file(Path(path)) as stream:
+            self._descriptor = os.dup(stream.fileno())
         self.at = 0
         """Number of octets written."""
 

@@ -140,6 +140,23 @@ def test_a_line_that_is_no_frame_is_reported_and_the_rest_is_read(
         read(log(tmp_path, line))
 
 
+@pytest.mark.parametrize("suffix", ["log", "asc", "trc"])
+def test_what_has_no_end_is_not_read_to_its_end(suffix: str, tmp_path: Path) -> None:
+    file = tmp_path / f"zeros.{suffix}"
+    with file.open("wb") as stream:
+        stream.truncate(8 << 30)
+    with pytest.raises(Refusal, match=r"this is not a .* file: line 1 has no end"):
+        list(logs.read(file, print))
+    frames = b"(1.0) can0 123#01\n"
+    log = tmp_path / "text.log"
+    log.write_bytes(frames + b"x\n" * 100_002 + frames)
+    reported: list[str] = []
+    assert len(list(logs.read(log, reported.append))) == 1
+    assert "the rest after 100,000 places without a frame; left out" in reported[-2]
+    log.write_bytes((b"x\n" * 90_000 + frames) * 3)
+    assert len(list(logs.read(log, reported.append))) == 3
+
+
 def test_many_damaged_lines_are_counted(tmp_path: Path) -> None:
     frames, reports = read(log(tmp_path, "(1.0) can0 181#01", *["?"] * 100))
     assert frames == ["181#01"]

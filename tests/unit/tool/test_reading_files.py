@@ -17,6 +17,8 @@ from rtgen.files import (
     ChangedError,
     UnreadableError,
     check_file,
+    check_output,
+    create_file,
     is_file,
     open_file,
     read_file,
@@ -53,13 +55,8 @@ WRITERS = {
     "backends/kit/compiled_templates.py CompiledTemplates.dump_bytecode",
     "cli/__init__.py _unwritable",
     "cli/adopt.py adopt",
-    "cli/can/decoding/time_series.py write_csv",
-    "cli/can/sdo_command.py _write",
     "cli/common.py discard_unread",
-    "cli/conformance/__init__.py _write",
-    "cli/graph.py graph",
     "cli/lsp.py lsp",
-    "cli/running/trajectory.py Results.__init__",
     "cli/running/trajectory.py check_picture",
     "cli/ui_tokens.py _read",
     "cli/ui_tokens.py _write",
@@ -69,7 +66,6 @@ WRITERS = {
     "project/output.py _lock",
     "project/output.py _sync_folder",
     "project/output.py _write_whole",
-    "recording/mcap_writer.py _File.__init__",
     "runtime/canopen/node/parameter_file.py ParameterFile.write",
     "runtime/corba/rt_objects/activation.py Activations._write",
     "runtime/rtc/checkpoints.py CheckpointFile.__init__",
@@ -339,3 +335,33 @@ def test_a_protected_file_is_not_replaced(
     with pytest.raises(PermissionError):
         replace_file(file, b"new", b"old")
     assert file.read_bytes() == b"old"
+
+
+def test_an_output_is_a_file_a_device_or_a_pipe_with_a_reader(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    file, pipe, plug = Path("file"), Path("pipe"), Path("plug")
+    for content in (b"longer", b"new"):
+        with create_file(file) as stream:
+            stream.write(content)
+        assert file.read_bytes() == content
+    with create_file(Path("/dev/null")) as stream:
+        stream.write(b"x")
+    a_pipe(pipe)
+    with pytest.raises(UnreadableError, match="nothing reads this pipe"):
+        create_file(pipe)
+    with pytest.raises(UnreadableError, match="it is a pipe, not a file"):
+        check_output(pipe, pipes=False)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    with create_file(pipe) as stream:
+        assert os.get_blocking(stream.fileno())
+        stream.write(b"through")
+    assert os.read(reader, 99) == b"through"
+    os.close(reader)
+    a_socket(plug)
+    for path, problem in ((plug, "a socket"), (Path("a\0b"), "null character")):
+        with pytest.raises(UnreadableError, match=problem):
+            create_file(path)
+    with pytest.raises(IsADirectoryError):
+        create_file(tmp_path)

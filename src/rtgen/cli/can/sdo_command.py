@@ -28,7 +28,7 @@ from rtgen.cli.common import (
 from rtgen.diagnostics import ToolError
 from rtgen.facts.canopen import INVALID
 from rtgen.facts.cob_ids import SDO_SERVERS
-from rtgen.files import UnreadableError, read_file
+from rtgen.files import UnreadableError, create_file, read_file
 from rtgen.model.canopen import Access
 from rtgen.project.rules import SUPERVISED
 from rtgen.runtime.canopen.description import Kind
@@ -260,7 +260,8 @@ def _octets(thing: DescribedObject, value: str | None, file: Path | None) -> byt
 
 def _write(file: Path, octets: bytes) -> None:
     try:
-        file.write_bytes(octets)
+        with create_file(file) as stream:
+            stream.write(octets)
     except OSError as error:
         raise ToolError(f"cannot write {file}: {error.strerror}") from error
 

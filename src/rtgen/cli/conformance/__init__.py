@@ -21,6 +21,7 @@ from rtgen.cli.common import (
 )
 from rtgen.cli.rpc.common import Peer, Wire, with_representation
 from rtgen.diagnostics import ToolError
+from rtgen.files import create_file
 from rtgen.runtime.opaque_rpc.serial import BAUDRATE
 
 if TYPE_CHECKING:
@@ -259,6 +260,7 @@ def _component(
 
 def _write(path: Path, text: str) -> None:
     try:
-        path.write_text(text, encoding="utf-8")
+        with create_file(path) as stream:
+            stream.write(text.encode())
     except OSError as error:
         raise ToolError(f"cannot write {path}: {error.strerror}") from error

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, TextIO, TypeAlias
 
 from rtgen.diagnostics import ToolError
 from rtgen.diagnostics.printable import printable
+from rtgen.files import check_output, create_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -46,8 +47,7 @@ class Results(io.TextIOWrapper):
     def __init__(self, path: str) -> None:
         self._path = path
         with self._failing():
-            stream = Path(path).open("wb")  # noqa: SIM115  # closed with this one
-            super().__init__(stream, encoding="utf-8", newline="")
+            super().__init__(create_file(Path(path)), encoding="utf-8", newline="")
 
     def write(self, text: str) -> int:
         """See `io.TextIOBase`."""
@@ -91,8 +91,9 @@ def check_picture(path: str | None, command: str = "--plot") -> None:
             hint=f"one of {', '.join(PICTURES)}",
         )
     require_matplotlib(command)
-    existed = file.exists()
     try:
+        check_output(file, pipes=False)
+        existed = file.exists()
         with file.open("ab"):
             pass
         if not existed:

@@ -71,7 +71,7 @@ class Library(Generic[F]):
         self._made: dict[str, F] = {}
         # One path of each file, by the path without links: for those given, the first of `main`,
         # which is in reverse order.
-        self._paths = {os.path.realpath(each): each for each in self._main}
+        self._paths = {files.real_path(each): each for each in self._main}
         self.trail: dict[str, None] = {}
         """The absolute paths that `open` has searched since this was cleared."""
 
@@ -127,7 +127,7 @@ class Library(Generic[F]):
         file = Path(absolute)
         is_file = files.is_file(file)
         if is_file and not apart:
-            known = self._paths.setdefault(os.path.realpath(absolute), absolute)
+            known = self._paths.setdefault(files.real_path(absolute), absolute)
             if known != absolute:
                 source = self.open(known, folder)
                 digest = self.dependency(known).sha256

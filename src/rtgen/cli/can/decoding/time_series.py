@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Sequence
+from io import TextIOWrapper
 from pathlib import Path
 
 from rtgen.cli.common import Refusal
@@ -14,6 +15,7 @@ from rtgen.cli.running.trajectory import (
     save_picture,
 )
 from rtgen.diagnostics import ToolError
+from rtgen.files import create_file
 
 _WIDTH, _HEIGHT = 9.0, 2.6
 """Width of a picture and height of each of its diagrams, in inches."""
@@ -57,7 +59,7 @@ def write_csv(path: Path, found: Sequence[Series]) -> None:
         for time, value in zip(series.times, series.values, strict=True)
     )
     try:
-        with path.open("w", encoding="utf-8", newline="") as stream:
+        with TextIOWrapper(create_file(path), encoding="utf-8", newline="") as stream:
             writer = csv.writer(stream, lineterminator="\n")
             writer.writerow(["t", *(series.title for series in found)])
             for time, column, value in rows:

@@ -16,7 +16,7 @@ from rtgen.cli.can.common import counted, require_python_can
 from rtgen.cli.can.parsing.candump import message_of_line
 from rtgen.cli.common import Refusal
 from rtgen.diagnostics import ToolError
-from rtgen.files import open_file
+from rtgen.files import check_output, open_file
 from rtgen.runtime.canopen.wire.frames import MAX_DATA
 
 if TYPE_CHECKING:
@@ -25,6 +25,10 @@ if TYPE_CHECKING:
 
 _MAX_LINE = 1 << 16
 """Maximum octets of a line; a frame of CAN FD takes 150."""
+_MAX_END = 1 << 24
+"""Maximum octets after these up to the end of the line; zeros of a damaged disk have none."""
+_MAX_PLACES = 100_000
+"""Number of damaged places without a frame between them after which the rest is not read."""
 _SHOWN = 3
 """Number of places that are reported one by one."""
 _TRACE_VERSION = re.compile(r";\$FILEVERSION=(\S*)")
@@ -54,6 +58,7 @@ def writer(path: Path) -> Iterator[MessageWriter]:
     from can import Logger
 
     try:
+        check_output(path, pipes=False)
         with Logger(path) as made:
             yield made
     except OSError as error:
@@ -88,16 +93,23 @@ def _read(path: Path, report: Report, *, only_certain: bool) -> Iterator[Message
                     damage.add(f"a frame of {len(message.data)} of its octets")
                     continue
                 whole += 1
+                damage.end_row()
                 yield message
     except OSError as error:
         reason = error.strerror or error
         raise ToolError(f"cannot read {path}: {reason}") from error
+    except EndlessError as error:
+        damage.give_up(str(error))
     except ValueError as error:
         damage.add(" ".join(str(error).split()))
     if damage.first and not whole:
         kind = READ[path.suffix.lower()]
         raise Refusal(f"{path}: this is not a {kind} file: {damage.first}")
     damage.end()
+
+
+class EndlessError(Exception):
+    """Damage after which the rest of a log is not read."""
 
 
 class _Damage:
@@ -108,6 +120,7 @@ class _Damage:
         self._report = report
         self._shown: list[str] = []
         self._count = 0
+        self._in_a_row = 0
         self.is_at_open_end = False
         """Whether the latest line has no end."""
 
@@ -119,8 +132,20 @@ class _Damage:
     def add(self, place: str) -> None:
         """Add a place, with what is wrong there."""
         self._count += 1
+        self._in_a_row += 1
+        if self._in_a_row > _MAX_PLACES:
+            raise EndlessError(f"the rest after {_MAX_PLACES:,} places without a frame")
         if len(self._shown) < _SHOWN:
             self._shown.append(place)
+
+    def give_up(self, place: str) -> None:
+        """Add the place after which nothing is read."""
+        self._count += 1
+        self._shown = [*self._shown[: _SHOWN - 1], place]
+
+    def end_row(self) -> None:
+        """Note a whole frame after the latest place."""
+        self._in_a_row = 0
 
     def end(self) -> None:
         """Report all."""
@@ -149,10 +174,13 @@ class _Lines:
         if self.number:
             yield from self._head
         while line := self._stream.readline(_MAX_LINE):
-            end = line
+            self.number += 1
+            end, left = line, _MAX_END
             while len(end) == _MAX_LINE:
                 end = self._stream.readline(_MAX_LINE)
-            self.number += 1
+                left -= len(end)
+                if left < 0:
+                    raise EndlessError(f"line {self.number} has no end")
             self._damage.is_at_open_end = not (end or line).endswith(b"\n")
             yield line.decode("utf-8", "replace")
 
