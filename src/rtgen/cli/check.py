@@ -21,7 +21,8 @@ from rtgen.cli.common import (
 )
 from rtgen.cli.compiling.cached import build
 from rtgen.cli.compiling.stages import with_stages
-from rtgen.project import behaviours, cache, shown
+from rtgen.diagnostics import Diagnostic, has_errors
+from rtgen.project import Project, behaviours, cache, shown
 from rtgen.project import output as writer
 
 
@@ -44,7 +45,8 @@ def check(
 
     PATH is read as by generate. Exit code 0: up to date; 1: files are changed, missing, obsolete
     or not rtgen's, and a unified diff is printed, or a behaviour uses a component or a port that
-    no definition has. Nothing is written.
+    no definition has, or an event of the timeline.toml beside a system.xml names what the system
+    does not have. Nothing is written.
     """
     project = project_of(
         definitions, output, add=output is None, node_id=node_id, target=target
@@ -54,8 +56,11 @@ def check(
     if run.failed:
         return BAD_INPUT
     planned = writer.plan(project, run)
-    found = behaviours.check(project, run.artifacts)
+    of_timelines = _of_timelines(project)
+    found = [*behaviours.check(project, run.artifacts), *of_timelines]
     console.findings(found)
+    if has_errors(of_timelines):
+        return BAD_INPUT
     strays = (*planned.strays, *planned.leftovers)
     apart = (change.without_line_ends() for change in planned.changes)
     changes = [change for change in apart if change is not None]
@@ -84,3 +89,11 @@ def check(
             " generate leaves; move your files elsewhere, delete the rest"
         )
     return NO
+
+
+def _of_timelines(project: Project) -> list[Diagnostic]:
+    if not project.systems:
+        return []
+    from rtgen.systems import timeline_checks
+
+    return [*timeline_checks.findings(project.systems, project.encoding)]

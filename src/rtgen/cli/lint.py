@@ -97,7 +97,7 @@ def _findings(
 ) -> tuple[list[Diagnostic], FrontendResult]:
     """Return the diagnostics that are not suppressed, and the result that they refer to."""
     from rtgen.linting import findings
-    from rtgen.systems import reading
+    from rtgen.systems import reading, timeline_checks
 
     memo = Memo()
     result = compiler.read(project, memo=memo)
@@ -113,7 +113,10 @@ def _findings(
             output=project.output,
             encoding=project.encoding,
         )
-        of_systems = added.diagnostics[len(definitions.diagnostics) :]
+        of_systems = [
+            *added.diagnostics[len(definitions.diagnostics) :],
+            *timeline_checks.findings(project.systems, project.encoding),
+        ]
         result = replace(result, sources=added.sources)
     of_behaviours = behaviours.misspelt_callbacks(project) if whole else []
     found = findings(

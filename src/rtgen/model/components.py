@@ -98,7 +98,7 @@ class Component(Declaration, frozen=True, kw_only=True):
 
     @property
     def registered_activity(self) -> str:
-        """The text that OpenRTM registers as `activity_type`: tools put the component type there."""
+        """The text that OpenRTM registers: tools put the component type there."""
         return self.activity_type or self.component_type
 
     @property
