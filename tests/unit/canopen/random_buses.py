@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from random import Random
 
@@ -38,6 +39,9 @@ class RandomDevice:
         self._identifiers = identifiers
         self._text: list[str] = []
         self.writable: list[tuple[Writes, ...]] = []
+        self.mappings: list[tuple[Writes, ...]] = []
+        """Mappings to write, which the nodes of a kind have in common."""
+        self._mappable = [chance.random() < 0.95 for _ in range(2 * _OBJECTS)]
         self.tpdos: list[int] = []
         self.rpdos: list[int] = []
         self._communication()
@@ -221,12 +225,30 @@ class RandomDevice:
         for place, entry in enumerate(entries, 1):
             used = f"0x{entry:X}" if place <= count else chance.choice(["0", None])
             self._add(f"{index:X}sub{place}", 7, used, access)
+        if access == "rw":
+            usable = [
+                (_MAPPABLE + place) << 16 | 8
+                for place in range(first - _MAPPABLE, first - _MAPPABLE + _OBJECTS)
+                if self._mappable[place]
+            ]
+            self.mappings.append(
+                tuple(self._remapped(index, usable, places) for _ in range(3))
+            )
+
+    def _remapped(self, index: int, usable: list[int], places: int) -> Writes:
+        """Return a mapping of some objects; seldom one that no device has."""
+        chance = self._chance
+        entries = [chance.choice(usable) for _ in range(chance.randrange(places + 1))]
+        if entries and chance.random() < 0.05:
+            entries[-1] += chance.choice([8, 1 << 16, -8])
+        written = {f"{index:04X}:{k}": e for k, e in enumerate(entries, 1)}
+        return {f"{index:04X}:0": len(entries), **written}
 
     def _application(self) -> None:
         chance = self._chance
         for place in range(2 * _OBJECTS):
             sent = place < _OBJECTS
-            mappable = f"PDOMapping={int(chance.random() < 0.95)}\n"
+            mappable = f"PDOMapping={int(self._mappable[place])}\n"
             access = chance.choice(["ro", "rwr"] if sent else ["wo", "rww", "rw"])
             self._add(f"{_MAPPABLE + place:X}", 5, "0", access, mappable)
         for place in range(4):
@@ -261,19 +283,28 @@ class RandomBus:
             name = f"d{number}.{suffix}"
             (folder / name).write_text(device.text, encoding="ascii")
             lines += [f"[device.d{number}]", f'eds = "{name}"']
-            lines += self._values(chance, device, f"device.d{number}", 3)
+            mappings = chance.sample(
+                device.mappings, chance.randrange(min(2, len(device.mappings)) + 1)
+            )
+            table = f"device.d{number}"
+            lines += self._values(chance, device.writable, table, 3, mappings)
         for place, node_id in enumerate(ids):
             number = place % kinds
             lines += [f"[node.n{place}]", f'device = "d{number}"', f"id = {node_id}"]
-            lines += self._values(chance, devices[number], f"node.n{place}", 4)
+            writable = devices[number].writable
+            lines += self._values(chance, writable, f"node.n{place}", 4)
         self.file = folder / "bus.toml"
         self.file.write_text("\n".join(lines) + "\n", encoding="ascii")
 
     @staticmethod
     def _values(
-        chance: Random, device: RandomDevice, table: str, most: int
+        chance: Random,
+        writable: list[tuple[Writes, ...]],
+        table: str,
+        most: int,
+        more: Sequence[tuple[Writes, ...]] = (),
     ) -> list[str]:
-        parts = chance.sample(device.writable, chance.randrange(most + 1))
+        parts = [*chance.sample(writable, chance.randrange(most + 1)), *more]
         written = [each for part in parts for each in chance.choice(part).items()]
         values = [f'"{number}" = {value}' for number, value in written]
         return [f"[{table}.values]", *values] if values else []

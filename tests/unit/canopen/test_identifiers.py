@@ -43,9 +43,9 @@ def variable(section: str, value: str, type_: int = 7, access: str = "rw") -> st
     return text + (f"DefaultValue={value}\n" if value else "")
 
 
-def eds(folder: Path, values: dict[str, str]) -> Path:
-    """Return the sampler with other defaults, and with objects that it does not have."""
-    text = SAMPLER.read_text(encoding="utf-8")
+def changed_eds(path: Path, values: dict[str, str]) -> str:
+    """Return a description with other defaults, and with objects that it does not have."""
+    text = path.read_text(encoding="utf-8")
     for section, value in values.items():
         entry = f"DefaultValue={value}\n" if value else ""
         head, found, rest = text.partition(f"\n[{section}]\n")
@@ -55,8 +55,13 @@ def eds(folder: Path, values: dict[str, str]) -> Path:
         body, end, rest = rest.partition("\n[")
         body = re.sub("(?m)^DefaultValue=.*\n?", entry, f"{body}\n", count=1)
         text = head + found + body + end + rest
+    return text
+
+
+def eds(folder: Path, values: dict[str, str]) -> Path:
+    """Return the sampler with other defaults, and with objects that it does not have."""
     path = folder / f"sampler{len(list(folder.iterdir()))}.eds"
-    path.write_text(text, encoding="utf-8")
+    path.write_text(changed_eds(SAMPLER, values), encoding="utf-8")
     return path
 
 

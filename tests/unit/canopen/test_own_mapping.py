@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 from can_nodes import description
 from device_bench import Bench
+from start_up_runs import problems, problems_of_devices, read
 from test_device_pdos import remap
-from test_identifiers import ID, SAMPLER, booted, eds, findings
+from test_identifiers import ID, SAMPLER, booted, changed_eds, eds, findings
 
 from rtgen.backends.canopen.eds_text import eds_text
 from rtgen.diagnostics import has_errors
@@ -101,3 +102,77 @@ def test_a_multiplexed_pdo_keeps_its_number_of_objects(
     bus = load_bus(tmp_path / "bus.toml", root=tmp_path).bus
     assert bus is not None
     assert start_up(bus.nodes[0]) == ()
+
+
+BOARD = Path(__file__).parents[2] / "golden/eds_errors/base.eds"
+LONG, FLAG, INPUTS, OUTPUTS = 0x20100040, 0x20110001, 0x60000108, 0x62000108
+MORE = """
+[2010]
+ParameterName=Long
+ObjectType=7
+DataType=0x1B
+AccessType=rw
+PDOMapping=1
+[2011]
+ParameterName=Flag
+ObjectType=7
+DataType=1
+AccessType=rw
+PDOMapping=1
+"""
+IMPOSSIBLE, DOUBTFUL = "EDS0705", "EDS0715"
+ODD = {
+    # Entries of a TPDO or RPDO; the finding of the description; that of a bus file.
+    "two long ones": (0x1800, [LONG, LONG], "EDS0504", IMPOSSIBLE),
+    "no object": (0x1800, [0x23450008], "EDS0501", IMPOSSIBLE),
+    "no object, received": (0x1400, [0x23450008], "EDS0501", IMPOSSIBLE),
+    "not mappable": (0x1800, [0x20000008], "EDS0502", IMPOSSIBLE),
+    "not mappable, received": (0x1400, [0x20000008], "EDS0502", IMPOSSIBLE),
+    "outputs that are sent": (0x1800, [OUTPUTS], "EDS0505", IMPOSSIBLE),
+    "inputs that are received": (0x1400, [INPUTS], "EDS0505", IMPOSSIBLE),
+    "an empty entry": (0x1800, [0], "EDS0513", IMPOSSIBLE),
+    "no bits": (0x1800, [INPUTS & ~0xFF], "EDS0513", IMPOSSIBLE),
+    "a gap that is sent": (0x1800, [0x00050008], "EDS0509", IMPOSSIBLE),
+    "another type of gap": (0x1400, [0x00070020], "EDS0509", IMPOSSIBLE),
+    "another length of a gap": (0x1400, [0x00050010], "EDS0509", IMPOSSIBLE),
+    "more bits than the type": (0x1800, [INPUTS + 8], "EDS0503", DOUBTFUL),
+    "a part of an object": (0x1800, [INPUTS - 4], "EDS0503", DOUBTFUL),
+    "finer than the granularity": (0x1800, [FLAG], "EDS0511", DOUBTFUL),
+    "mapped twice": (0x1800, [INPUTS, INPUTS], "EDS0512", ""),
+    "more than there are entries": (0x1800, [INPUTS] * 9, "EDS0506", IMPOSSIBLE),
+}
+
+
+@pytest.mark.parametrize("who", ["own", "own, off", "own, switched on", "bus file"])
+@pytest.mark.parametrize("what", ODD)
+def test_odd_mappings(what: str, who: str, tmp_path: Path) -> None:
+    """What is accepted works with generated devices, and with nodes that enforce CiA 301."""
+    index, entries, own, other = ODD[what]
+    mapping = index + 0x200
+    written = {0: len(entries), **dict(enumerate(entries[:2], 1))}
+    defaults: dict[str, str] = {}
+    values: dict[str, int] = {}
+    if who == "bus file":
+        values = {f"{mapping:04X}:{sub}": value for sub, value in written.items()}
+    else:
+        defaults = {f"{mapping:04X}sub{s}": f"0x{v:X}" for s, v in written.items()}
+        if who != "own":
+            defaults[f"{index:04X}sub1"] = "0x80000000"
+        if who == "own, switched on":
+            values = {f"{index:04X}:1": 0x181 if index == 0x1800 else 0x201}
+    (tmp_path / "board.eds").write_text(changed_eds(BOARD, defaults) + MORE)
+    (tmp_path / "bus.toml").write_text(
+        '[bus]\nbit_rate = 500\n[device.board]\neds = "board.eds"\n[node.one]\n'
+        'device = "board"\nid = 1\n[device.board.values]\n'
+        + "".join(f'"{number}" = {value}\n' for number, value in values.items())
+    )
+    bus, diagnostics = read(tmp_path / "bus.toml")
+    codes = {d.code for d in diagnostics}
+    too_long = what == "two long ones" and who != "own, off"
+    wanted = {other} if who == "bus file" else {IMPOSSIBLE} if too_long else set()
+    assert codes & {IMPOSSIBLE, DOUBTFUL} == wanted - {""}
+    assert (own in codes) is (who != "bus file")
+    assert (bus is None) is (IMPOSSIBLE in wanted)
+    if bus is not None:
+        assert not list(problems(bus, diagnostics))
+        assert not list(problems_of_devices(bus, diagnostics))

@@ -29,8 +29,8 @@ COUNT = 100
 
 @pytest.mark.random
 def test_random_networks_start(tmp_path: Path) -> None:
-    accepted = 0
-    for seed in cases(COUNT):
+    accepted, seeds = 0, cases(COUNT)
+    for seed in seeds:
         folder = tmp_path / str(seed)
         folder.mkdir()
         bus, findings = read(RandomBus(seed, folder).file)
@@ -41,7 +41,7 @@ def test_random_networks_start(tmp_path: Path) -> None:
         if seed % 3 == 0:
             found += problems_of_devices(bus, findings)
         assert not found, f"case {seed}: {found}\n{(folder / 'bus.toml').read_text()}"
-    assert accepted > COUNT // 4
+    assert accepted > len(seeds) * 3 // 4
 
 
 def changed(path: Path) -> list[str]:

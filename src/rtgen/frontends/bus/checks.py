@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from rtgen.diagnostics import Diagnostic, Related
 from rtgen.facts.canopen import INVALID, can_id_of
 from rtgen.facts.cob_ids import SDO_SERVERS
-from rtgen.facts.write_order import CONSUMERS, consumed_node
+from rtgen.facts.write_order import CONSUMERS, MULTIPLEXED, consumed_node
 from rtgen.frontends.bus import rules
 from rtgen.frontends.eds.findings import Findings
 from rtgen.frontends.eds.pdos import PdoReader, mapped_by
@@ -32,12 +32,15 @@ _IMPOSSIBLE = {
         pdo_rules.BAD_GAP,
     )
 }
+_DOUBTFUL = {rule.code for rule in (pdo_rules.OTHER_LENGTH, pdo_rules.GRANULARITY)}
+"""A node may have mappings of parts of objects; most refuse them."""
 
 
 def check(bus: Bus, toml: Toml) -> Iterator[Diagnostic]:
     """Yield diagnostics for a bus whose file is well-formed."""
     for node in bus.nodes:
         yield from _mappings(node)
+        yield from _numbers_of_entries(node)
         yield from _like_its_kind(node)
         yield from _supervision(node)
         yield from _consumers(node)
@@ -54,30 +57,55 @@ def check(bus: Bus, toml: Toml) -> Iterator[Diagnostic]:
 
 
 def _mappings(node: BusNode) -> Iterator[Diagnostic]:
-    device = node.device
-    findings = Findings()
-    unused = _unused(node)
-    objects = [o for o in device.objects if o.index not in unused]
-    accepted = mapped_by(device)
-    PdoReader(objects, device.info, device.dummies, node.id, findings, accepted).read()
-    for found in findings.diagnostics:
-        if found.code in _IMPOSSIBLE:
-            message = f"{node.name}: {found.message}"
-            place = [] if found.span is None else [Related(found.span, found.code)]
-            yield rules.BAD_MAPPING.at(node.span, message, related=place)
+    """Yield the problems of mappings that are written, or of valid PDOs.
 
-
-def _unused(node: BusNode) -> set[int]:
-    """Return the indices of invalid PDOs that the bus file does not map.
-
-    Problems with them are only warnings about the description.
+    A node takes what its own description maps; an empty entry only where that stands.
     """
+    device = node.device
     written = {index for (index, _), _ in node.values}
-    found: set[int] = set()
+    own = mapped_by(device)
+    for is_written in (True, False):
+        accepted = {e for e in own if not is_written or (e[1].index and e[1].bits)}
+        others = {
+            index
+            for pdo in device.pdos
+            if (pdo.mapping in written) != is_written or not (is_written or pdo.valid)
+            for index in (pdo.communication, pdo.mapping)
+        }
+        objects = [o for o in device.objects if o.index not in others]
+        findings = Findings()
+        PdoReader(
+            objects, device.info, device.dummies, node.id, findings, accepted
+        ).read()
+        for found in findings.diagnostics:
+            yield from _problem(node, found)
+
+
+def _problem(node: BusNode, found: Diagnostic) -> Iterator[Diagnostic]:
+    if found.code in _IMPOSSIBLE:
+        message = f"{node.name}: {found.message}"
+        place = [] if found.span is None else [Related(found.span, found.code)]
+        yield rules.BAD_MAPPING.at(node.span, message, related=place)
+    elif found.code in _DOUBTFUL:
+        message = f"{node.name} may refuse a mapping: {found.message}"
+        yield rules.REFUSED_CHANGE.at(node.span, message)
+
+
+def _numbers_of_entries(node: BusNode) -> Iterator[Diagnostic]:
+    """Yield the numbers of mapped objects in the bus file beyond the entries of the node."""
+    written = dict(node.values)
     for pdo in node.device.pdos:
-        if not pdo.valid and pdo.mapping not in written:
-            found |= {pdo.communication, pdo.mapping}
-    return found
+        used = written.get((pdo.mapping, 0))
+        entries = sum(
+            variable.index == pdo.mapping and variable.subindex > 0
+            for variable in node.device.variables
+        )
+        if isinstance(used, int) and entries < used not in MULTIPLEXED:
+            message = (
+                f"{node.name}: {used} objects of {pdo.mapping:04X}h are mapped, "
+                f"and it has {entries} entries"
+            )
+            yield rules.BAD_MAPPING.at(node.span, message)
 
 
 def _like_its_kind(node: BusNode) -> Iterator[Diagnostic]:
