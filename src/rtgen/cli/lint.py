@@ -60,8 +60,9 @@ def lint(
     """Run the lint rules on definitions.
 
     Exit code 0: nothing, or only notes; 1: warnings, including those of reading the definitions;
-    2: errors. --ignore CODE, or `[lint] ignore` in rtgen.toml, disables a rule; --select CODE, or
-    `[lint] select`, enables one. A comment `rtgen: ignore[CODE]` disables a rule for its line.
+    2: errors, including those with which generate would refuse them. --ignore CODE, or
+    `[lint] ignore` in rtgen.toml, disables a rule; --select CODE, or `[lint] select`, enables one.
+    A comment `rtgen: ignore[CODE]` disables a rule for its line.
     --fix changes the given files, --diff prints the changes instead.
     `rtgen explain CODE` describes a rule.
     """
@@ -101,11 +102,13 @@ def _findings(
 
     memo = Memo()
     result = compiler.read(project, memo=memo)
+    definitions = result
+    of_outputs: Sequence[Diagnostic] = ()
+    if not has_errors(result.diagnostics):
+        definitions = compiler.read(project, lowered=True, memo=memo)
+        of_outputs = _errors_of_outputs(project, definitions, whole)
     of_systems: Sequence[Diagnostic] = ()
     if project.systems:
-        definitions = result
-        if not has_errors(result.diagnostics):
-            definitions = compiler.read(project, lowered=True, memo=memo)
         added = reading.added(
             definitions,
             project.systems,
@@ -118,16 +121,34 @@ def _findings(
             *timeline_checks.findings(project.systems, project.encoding),
         ]
         result = replace(result, sources=added.sources)
+    known = {*result.diagnostics, *of_systems}
+    of_outputs = [each for each in of_outputs if each not in known]
     of_behaviours = behaviours.misspelt_callbacks(project) if whole else []
     found = findings(
         project,
         result,
-        beside=(*of_systems, *of_behaviours),
+        beside=(*of_outputs, *of_systems, *of_behaviours),
         select=select,
         ignore=ignore,
         whole=whole,
     )
     return found, result
+
+
+def _errors_of_outputs(
+    project: Project, lowered: FrontendResult, whole: bool
+) -> list[Diagnostic]:
+    """Return the errors that only lowerings and back ends find, in definitions and systems.
+
+    `whole`: those in other files of the project, too, such as rtgen.toml.
+    """
+    run = compiler.emitted(project, lowered)
+    return [
+        finding
+        for finding in run.diagnostics
+        if finding.severity is Severity.ERROR
+        and (whole or (finding.span is not None and finding.span.file in run.sources))
+    ]
 
 
 def _print_fixes(
