@@ -67,6 +67,11 @@ LITERALS = (
     *("- 1", "\uff15", "0.1e-5", "-0.0", "1L", "1f", "3.14159265358979", "1E+2"),
 )
 
+SMALL = ("0", "1", "+2", "127", "1_0", "0x1F", "0b1", "0o17", "012")
+"""Integers that each type of numbers has, in forms that not all readers take."""
+GAPS = (" ", " ", "  ", "\t")
+EQUALS = ("=", " = ", "= ")
+
 
 def number(drawn: random.Random) -> str:
     if drawn.random() < 0.7:
@@ -90,21 +95,49 @@ def elements(drawn: random.Random, one: Callable[[random.Random], str]) -> str:
 
 def line(drawn: random.Random) -> str:
     """Return a line that is often a field with a default or a constant."""
+    if drawn.random() < 0.3:
+        return likely_line(drawn)
     is_text = drawn.random() < 0.5
     type_ = drawn.choice(TEXTS if is_text else NUMBERS)
     value: Callable[[random.Random], str] = text if is_text else number
-    gap = drawn.choice((" ", " ", "  ", "\t"))
+    gap = drawn.choice(GAPS)
     if drawn.random() < 0.4:
         name = drawn.choice(("A", "A1", "A_B", "A__B", "a", "A_", "1A"))
-        return (
-            f"{type_}{gap}{name}{drawn.choice(('=', ' = ', '= ', '=='))}{value(drawn)}"
-        )
+        return f"{type_}{gap}{name}{drawn.choice((*EQUALS, '=='))}{value(drawn)}"
     array = drawn.choice(("", "", "[]", "[2]", "[<=2]", "[+2]", "[0]", "[<=]", "[02]"))
     name = drawn.choice(("a", "a1", "a_b", "a__b", "A", "a_", "_a"))
     if drawn.random() < 0.1:
         return f"{type_}{array}{gap}{name}"
     made = elements(drawn, value) if array and drawn.random() < 0.9 else value(drawn)
     return f"{type_}{array}{gap}{name}{gap}{made}"
+
+
+def likely_line(drawn: random.Random) -> str:
+    """Return a line without the frequent mistakes: names, bounds of arrays, ranges, quotes."""
+    is_text = drawn.random() < 0.5
+    type_ = drawn.choice(("string", "wstring") if is_text else NUMBERS)
+    gap = drawn.choice(GAPS)
+    literals = SMALL if type_ != "bool" else ("true", "false", "0", "1", "False")
+    if "float" in type_:
+        literals = (*SMALL, "1e3", "1.5", ".5", "-0.1e-5", "5.", "1_0.5")
+
+    def value() -> str:
+        if not is_text:
+            return drawn.choice(literals)
+        quote = drawn.choice("\"'")
+        pieces = [each for each in PIECES if quote not in each]
+        return quote + "".join(drawn.choices(pieces, k=drawn.randint(0, 4))) + quote
+
+    if drawn.random() < 0.4:
+        name = drawn.choice(("A", "A1", "A_B"))
+        return f"{type_}{gap}{name}{drawn.choice(EQUALS)}{value()}"
+    array = drawn.choice(("", "", "[]", "[2]", "[<=2]"))
+    field = f"{type_}{array}{gap}{drawn.choice(('a', 'a1', 'a_b'))}{gap}"
+    if not array:
+        return f"{field}{value()}"
+    count = 2 if array == "[2]" else drawn.randint(0, 2)
+    made = [value() for _ in range(count)]
+    return f"{field}[{drawn.choice((',', ', ', ' ,')).join(made)}]"
 
 
 def own(folder: Path, content: str) -> dict[str, Any] | None:
@@ -175,5 +208,5 @@ def test_lines(distribution: str, tmp_path: Path) -> None:
         accepted += 1
         for part in ("constants", "defaults", "fields"):
             assert is_equal(found[part], theirs[part]), (content, found, theirs)
-    # About an eighth is accepted: the comparison is of both kinds of lines.
-    assert len(texts) // 40 < accepted < len(texts)
+    # The comparison is of both kinds of lines.
+    assert len(texts) // 10 < accepted < len(texts) * 9 // 10
