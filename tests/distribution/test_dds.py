@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import json
 import os
+import random
 import re
 import signal
+import socket
 import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
 from distributed_system import Process, arrived, sample, wait_for
 from patience import PATIENCE
+from seeds import cases
 
 pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
 
@@ -316,6 +319,52 @@ def test_garbage_on_a_topic_is_counted(
         publisher.publish(b"\0\1\0\0")
     publisher.publish(encoder(rtc.TimedDouble)(rtc.TimedDouble(data=4.0)))
     arrived(process.node("a"), [4])
+
+
+@pytest.mark.random
+def test_garbage_at_the_ports_of_a_domain_harms_nobody(
+    stack: ExitStack, partition: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Octets that are not RTPS's, and messages of strangers with anything in them."""
+    a = stack.enter_context(Process(medium(stack, partition), "a"))
+    b = stack.enter_context(Process(medium(stack, partition), "b"))
+    connector = b.connect("a.out", "b.in")
+    a.connect("a.out", "b.in")
+    for process in (a, b):
+        process.ready()
+    out, node = a.node("a").out, b.node("b")
+    wait_for(lambda: out.write(sample(-1)) is not None and node.take())
+    # DDSI-RTPS 2.5, 9.6.1.1: the ports of participants for discovery and samples.
+    ports = [7410 + 250 * DOMAIN + offset for offset in range(20)]
+    sender = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+    for number, case in enumerate(cases(20)):
+        drawn = random.Random(case)
+        for _ in range(50):
+            with suppress(ConnectionError):  # nobody listens at that port
+                sender.sendto(strange(drawn), ("127.0.0.1", drawn.choice(ports)))
+        out.write(sample(number))
+        wait_for(lambda number=number: node.take()[-1] == number)
+    arrived = [each for each in node.received if each >= 0]
+    assert arrived == [*map(float, range(number + 1))]
+    assert connector.lost == connector.arrivals.invalid == 0
+    assert len(caplog.messages) < 100
+
+
+def strange(drawn: random.Random) -> bytes:
+    """Return octets, or a message of RTPS by a participant that nobody knows."""
+    if drawn.random() < 0.2:
+        return drawn.randbytes(drawn.choice((0, 1, 20, 1400, 60_000)))
+    message = b"RTPS\2\5\1\x10" + drawn.randbytes(12)
+    for _ in range(drawn.randrange(5)):
+        # DDSI-RTPS 2.5, 9.4.5.1: kind, flags, length.
+        kind = drawn.choice((1, 6, 7, 8, 9, 12, 14, 15, 18, 19, 21, 22, 255))
+        body = drawn.randbytes(drawn.choice((0, 4, 20, 28, 200)))
+        body = body.replace(drawn.randbytes(1), bytes(1))
+        size = drawn.choice((len(body), len(body), 0, 65_535))
+        message += (
+            bytes((kind, drawn.randrange(16))) + size.to_bytes(2, "little") + body
+        )
+    return message
 
 
 def test_readers_come_and_go_while_a_publisher_looks(

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
+import random
 import re
 import shutil
 import signal
+import socket
 import struct
 import subprocess
 from collections import Counter
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, closing
+from contextlib import ExitStack, closing, nullcontext, suppress
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -19,6 +21,7 @@ import media
 import pytest
 from distributed_system import Process, sample, wait_for
 from patience import PATIENCE
+from seeds import cases
 
 pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")
 
@@ -428,6 +431,117 @@ def test_files_of_zenoh_encrypt_and_keep_strangers_out(
     wait_for(lambda: len(seen) == 2)
     # Announcements of a stranger are visible to the stranger alone.
     assert sorted(seen) == [("member", "c"), ("stranger", "a")]
+
+
+EXPIRED = """
+[ca]
+default_ca = site
+[site]
+database = index.txt
+new_certs_dir = .
+serial = serial
+default_md = sha256
+policy = policy
+x509_extensions = leaf
+[policy]
+commonName = supplied
+[leaf]
+basicConstraints = critical,CA:FALSE
+"""
+
+
+def expire(folder: Path, name: str) -> None:
+    """Replace a certificate of the site by one that has expired."""
+    (folder / "expired.cnf").write_text(EXPIRED, encoding="ascii")
+    (folder / "index.txt").touch()
+    (folder / "serial").write_text("01", encoding="ascii")
+    request = ["openssl", "req", "-new", "-key", f"{name}.key", "-subj", f"/CN={name}"]
+    sign = ["openssl", "ca", "-batch", "-notext", "-config", "expired.cnf"]
+    sign += ["-cert", "site.pem", "-keyfile", "site.key", "-in", "request.csr"]
+    sign += ["-startdate", "20200101000000Z", "-enddate", "20210101000000Z"]
+    for command in ([*request, "-out", "request.csr"], [*sign, "-out", f"{name}.pem"]):
+        subprocess.run(command, cwd=folder, check=True, capture_output=True)
+
+
+def test_certificates_that_a_site_does_not_accept(
+    stack: ExitStack, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    certify(tmp_path, "router", "robot", "old")
+    expire(tmp_path, "old")
+    for name in ("site.key", "site.pem"):
+        shutil.copy(tmp_path / name, tmp_path / f"ours.{name}")
+    certify(tmp_path, "foreign")  # by a new certificate of another site
+    for name in ("site.key", "site.pem"):
+        shutil.copy(tmp_path / f"ours.{name}", tmp_path / name)
+    shutil.copy(tmp_path / "robot.pem", tmp_path / "lost.pem")  # without its key
+    place = f"127.0.0.1:{media.free_port()}"
+
+    def file(text: str, name: str) -> Path:
+        made = tmp_path / f"{name}.json5"
+        text = text.format(place=place, folder=tmp_path.as_posix(), name=name)
+        made.write_text(text, encoding="utf-8")
+        return made
+
+    stack.enter_context(open_session(Endpoints(file(SITE, "router"))))
+    shown = MEMBER.partition(", enable_mtls")[0] + " }} }} }} }}"
+    for text, name in (
+        *((MEMBER, each) for each in ("old", "foreign", "lost")),
+        (shown, "none"),
+    ):
+        with pytest.raises(MediumError, match="Unable to connect"):
+            ZenohMedium("ours", Endpoints(file(text, name)))
+    ZenohMedium("ours", Endpoints(file(MEMBER, "robot"))).close()
+    options = ["--clock", "real", "--transport", "zenoh", "--until", "0.1"]
+    options += ["--transport-config", str(tmp_path / "old.json5")]
+    assert rtgen(["run", str(SYSTEM), *options]) == 3
+    assert "expired ones" in capfd.readouterr().err
+
+
+@pytest.mark.random
+def test_garbage_at_the_port_harms_nobody(stack: ExitStack, locator: str) -> None:
+    """Octets that are not Zenoh's, and its greeting cut off and changed, also half open."""
+    first = ZenohMedium("plain", Endpoints(listen=(locator,)))
+    a = stack.enter_context(Process(first, "a"))
+    second = ZenohMedium("plain", Endpoints(connect=(locator,), listen=(_any(),)))
+    b = stack.enter_context(Process(second, "b"))
+    connector = b.connect("a.out", "b.in")
+    a.connect("a.out", "b.in")
+    for process in (a, b):
+        process.ready()
+    out, node = a.node("a").out, b.node("b")
+    wait_for(lambda: out.write(sample(-1)) is not None and node.take())
+    host, _, port = locator.removeprefix("tcp/").rpartition(":")
+    greeting = recorded_greeting()
+    for number, case in enumerate(cases(60)):
+        drawn = random.Random(case)
+        octets = bytearray(greeting)
+        for _ in range(drawn.randrange(4)):
+            octets[drawn.randrange(len(octets))] = drawn.randrange(256)
+        choice = drawn.randrange(4)
+        if choice == 0:
+            octets = bytearray(drawn.randbytes(drawn.choice((1, 2, 100, 70_000))))
+        elif choice == 1:
+            octets = octets[: drawn.randrange(len(octets))]
+        with suppress(ConnectionError):
+            strange = socket.create_connection((host, int(port)))
+            stack.callback(strange.close)
+            with nullcontext() if drawn.random() < 0.3 else strange:
+                strange.sendall(octets)
+        out.write(sample(number))
+        wait_for(lambda number=number: node.take()[-1] == number)
+    arrived = [each for each in node.received if each >= 0]
+    assert arrived == [*map(float, range(number + 1))]
+    assert connector.lost == connector.arrivals.doubles == 0
+
+
+def recorded_greeting() -> bytes:
+    """Return what a session sends first to one that does not answer."""
+    with socket.create_server(("127.0.0.1", 0)) as door:
+        place = f"tcp/127.0.0.1:{door.getsockname()[1]}"
+        config = Endpoints(connect=(place,), listen=(_any(),))
+        with open_session(config), door.accept()[0] as client:
+            client.settimeout(PATIENCE)
+            return client.recv(4096)
 
 
 # The command.

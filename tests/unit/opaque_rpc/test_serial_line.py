@@ -5,12 +5,13 @@ from __future__ import annotations
 import errno
 import logging
 import os
+import random
 import select
 import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 import pytest
 from peers import (
@@ -21,6 +22,7 @@ from peers import (
     reply,
     set_request,
 )
+from seeds import cases
 
 from rtgen.runtime.opaque_rpc import (
     E_OBJ,
@@ -31,10 +33,12 @@ from rtgen.runtime.opaque_rpc import (
     SharedChannel,
     SharedUnmarshaller,
 )
+from rtgen.runtime.opaque_rpc.errors import RpcError
 from rtgen.runtime.opaque_rpc.messages import log
 from rtgen.runtime.opaque_rpc.serial import silence
 
 tty = pytest.importorskip("tty", reason="pseudo terminals are POSIX")
+termios = pytest.importorskip("termios", reason="pseudo terminals are POSIX")
 
 LONG, SHORT = 20.0, 0.1
 PAUSE = 0.05
@@ -321,6 +325,70 @@ def test_a_target_that_fails(line: Terminal, silent_again: threading.Event) -> N
         line.write(set_request(2))
         assert line.read(REPLY_SIZE) == reply(2)
     assert board.calls == [("set", 1), ("set", 2)]
+
+
+def damaged(drawn: random.Random, whole: bytes) -> bytes:
+    """Return octets that are not a message, or a message with noise, cut off or changed."""
+    at = drawn.randrange(len(whole))
+    match drawn.randrange(6):
+        case 0:
+            return drawn.randbytes(drawn.choice((1, 2, 3, 50, 5000)))
+        case 1:
+            return whole[:at]
+        case 2:
+            return whole[:at] + drawn.randbytes(1) + whole[at + 1 :]
+        case 3:
+            return whole[:at] + drawn.randbytes(drawn.randrange(1, 9)) + whole[at:]
+        case 4:
+            return whole[:2] * drawn.randrange(1, 300)
+    return load_request(b"", drawn.choice((-1, 4097, 2**31 - 1)))
+
+
+@pytest.mark.random
+@pytest.mark.parametrize("case", cases(6))
+def test_a_server_goes_on_after_any_garbage(line: Terminal, case: int) -> None:
+    drawn = random.Random(case)
+    whole = (set_request(7), load_request(bytes(99)))
+    over = threading.Event()
+    with serving(line, Board(), timeout=PAUSE):
+
+        def read() -> None:
+            while not over.is_set():
+                line.read(4096, 0.01)
+
+        reading = threading.Thread(target=read)
+        reading.start()
+        for _ in range(drawn.randrange(1, 6)):
+            line.write(damaged(drawn, drawn.choice(whole)))
+            if drawn.random() < 0.3:
+                termios.tcsendbreak(line.far, 0)
+        over.set()
+        reading.join()
+        # The first ones may be read as the rest of a damaged one.
+        answers = b""
+        while not answers.endswith(reply(2)):
+            line.write(set_request(2))
+            answers = answers[-99:] + line.read(4096, 3 * PAUSE)
+        line.write(set_request(3))
+        assert line.read(REPLY_SIZE) == reply(3)
+
+
+@pytest.mark.random
+@pytest.mark.parametrize("case", cases(6))
+def test_a_caller_goes_on_after_any_garbage(line: Terminal, case: int) -> None:
+    drawn = random.Random(case)
+    with channel_on(line, PAUSE) as channel:
+        for _ in range(3):
+            far = far_answers(line, damaged(drawn, reply(7)))
+            with suppress(RpcError):
+                call(channel)
+            far.join()
+        channel.reset()
+        channel.timeout = LONG
+        line.read(4096, 0.0)
+        far = far_answers(line, reply(8))
+        assert call(channel, 8) == reply(8)
+        far.join()
 
 
 def test_several_signatures_on_a_line(cable: tuple[Terminal, Terminal]) -> None:

@@ -26,6 +26,10 @@ INTERFACE_HINT = (
 _CONNECT_HINT = (
     "start the router, or correct its address; with --listen a process waits for it"
 )
+_SECURE_HINT = (
+    "start the router, or correct its address; a router with certificates also refuses those of "
+    "another site, expired ones, and whoever shows none"
+)
 _LISTEN_HINT = (
     "an address of this machine with a free port; tcp/127.0.0.1:0 means any port"
 )
@@ -229,6 +233,8 @@ def _zenoh(options: EngineOptions, partition: str, lease: float | None) -> Mediu
         if config is None and (options.connect or options.listen):
             hint = _LISTEN_HINT if options.listen else _CONNECT_HINT
             raise ToolError(str(error), hint=hint) from error
+        if "Unable to connect" in str(error):
+            raise ToolError(str(error), hint=_SECURE_HINT) from error
         raise
 
 
