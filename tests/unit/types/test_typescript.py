@@ -210,7 +210,7 @@ def test_types_are_erased_and_texts_quoted(both: Both) -> None:
     assert "export const T$VAST = 5000000000n;" in text
     assert 'export const T$FIRST = "GREEN";' in text
     assert "export interface delete$ {" in text
-    assert "  /** [m] */\n  height: number;" in text
+    assert "  /** beyond [m] */\n  height: number;" in text
     assert 'lazy("T::Tree", () => T$Tree)' in text
     public = (both.folder / "index.ts").read_text(encoding="utf-8")
     assert "delete$ as delete," in public

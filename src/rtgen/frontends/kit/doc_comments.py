@@ -2,7 +2,7 @@
 
 `/** */`, `/*! */`, `///` and `//!` belong to the declaration that follows, `//` too if it is
 directly above. `///<`, `/**<`, and any comment that starts on the line where a declaration ends,
-belong to that declaration.
+belong to that declaration; a comment in front of another declaration on that line belongs to it.
 """
 
 from __future__ import annotations
@@ -17,6 +17,9 @@ _DOCUMENTING = ("/**", "/*!", "///", "//!")
 _TRAILING = ("/**<", "/*!<", "///<", "//!<")
 _AFTER = ("//", *_TRAILING)
 """Starts of comments that belong to the declaration before them on their line."""
+_NEXT = re.compile(r"[ \t\r]*([^ \t\r]?)")
+_OPENING = ("", "{", "(", ":", "[")
+_CLOSING = ("", "\n", ";", ",", "}", ")", "]")
 _KEY = re.compile(r"//[ \t]*@[Kk]ey[ \t]*(?://.*)?")
 _OF_A_FILE = re.compile(r"[\\@]file\b")
 _SUPPRESSION = re.compile(r"(?://+|/\*+)[ \t]*rtgen:[ \t]*ignore\[")
@@ -42,13 +45,16 @@ class Docs:
         self._starts = [comment.start for comment in comments]
         self._known: dict[tuple[int, int], str] = {}
 
-    def of(self, start: int, end: int) -> str:
-        """Return the doc comment of the declaration at [start, end), with or without `;`."""
+    def of(self, start: int, end: int, *inner: int) -> str:
+        """Return the doc comment of the declaration at [start, end), with or without `;`.
+
+        `inner`: other places where it begins, such as that behind the labels of a union's case.
+        """
         if not self._comments:
             return ""
         found = self._known.get((start, end))
         if found is None:
-            parts = (self._above(start), self._after(end))
+            parts = (*map(self._above, (start, *inner)), self._after(end))
             found = self._known[start, end] = "\n\n".join(filter(None, parts))
         return found
 
@@ -73,14 +79,15 @@ class Docs:
                 break
             line = self._text.rfind("\n", 0, comment.start) + 1
             if self._text[line : comment.start].strip():
+                if not (found or _SUPPRESSION.match(text) or self._trails(comment)):
+                    found += [comment] if _documents(text) else []
                 break
             if _SUPPRESSION.match(text):
                 position = line
                 index -= 1
                 continue
-            documenting = text.startswith(_DOCUMENTING) and text != "/**/"
             adjacent = between.count("\n") == 1
-            if not documenting and not (text.startswith("//") and adjacent):
+            if not _documents(text) and not (text.startswith("//") and adjacent):
                 break
             if found and (not adjacent or text[:2] != "//"):
                 break
@@ -100,6 +107,10 @@ class Docs:
         return "" if _OF_A_FILE.search(joined) else joined
 
     def _after(self, end: int) -> str:
+        if self._text[end - 1 : end] == ";":
+            end -= 1
+            while self._text[end - 1].isspace():
+                end -= 1
         index = bisect_left(self._starts, end)
         if index == len(self._comments):
             return ""
@@ -108,9 +119,28 @@ class Docs:
         mark = max(between.rfind(";"), between.rfind(",")) + 1
         if between[:mark].strip(" \t\r\n;,") or between[mark:].strip(" \t\r"):
             return ""
-        if not comment.text.startswith(_AFTER) or _SUPPRESSION.match(comment.text):
+        if not comment.text.startswith(_AFTER) and not self._trails(comment):
+            return ""
+        if _SUPPRESSION.match(comment.text):
             return ""
         return _tidy(_stripped(comment.text))
+
+    def _trails(self, comment: Comment) -> bool:
+        """Return whether a comment stands behind a declaration, and no other one behind it."""
+        before = self._last(comment.start)
+        behind = _NEXT.match(self._text, comment.end)
+        assert behind is not None
+        return before not in _OPENING and behind[1] in _CLOSING
+
+    def _last(self, end: int) -> str:
+        """Return the last character in front of a place on its line that is not blank."""
+        while end > 0 and self._text[end - 1] in " \t\r":
+            end -= 1
+        return self._text[end - 1 : end].strip()
+
+
+def _documents(text: str) -> bool:
+    return text.startswith(_DOCUMENTING) and text != "/**/"
 
 
 def _stripped(text: str) -> str:

@@ -41,7 +41,10 @@ class CommonFields:
         """Return the doc comment of an entry."""
         if item is None or item.start == item.end:
             return ""
-        return unit.docs.of(item.start, item.end)
+        behind_labels: list[int] = []
+        if isinstance(item, tree.Item) and isinstance(item.node, tree.Case):
+            behind_labels.append(item.node.type.start)
+        return unit.docs.of(item.start, item.end, *behind_labels)
 
     def comment_says_key(self, item: tree.Item, unit: Unit) -> bool:
         """Return whether the comment after an entry marks it as a key, as `//@key` does."""
