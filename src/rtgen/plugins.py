@@ -5,18 +5,25 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from enum import StrEnum
 from functools import lru_cache
+from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from rtgen.diagnostics import ToolError
+from rtgen.diagnostics import InputError, ToolError
 from rtgen.files import MAX_BYTES, read_start
 
 if TYPE_CHECKING:  # lazily: takes as long as all imports for IDL
     from importlib import metadata
 
+T = TypeVar("T")
+
+MAX_VALUES = 100_000
+"""Maximum number of files or findings of a plug-in."""
+
+_REPAIR = "repair or uninstall the package that brings it"
 _METADATA_SUFFIXES = (".dist-info", ".egg-info")
 """Suffixes of the folders that contain a package's metadata."""
 
@@ -33,12 +40,20 @@ class Group(StrEnum):
 
 
 def announced(*groups: Group) -> tuple[metadata.EntryPoint, ...]:
-    """Return the entry points of the groups, by group and name; nothing is imported."""
+    """Return the entry points of the groups, by group and name; nothing is imported.
+
+    Raises ToolError for malformed ones.
+    """
     if not _may_be_announced(_search_path()):
         return ()
     from importlib import metadata
 
-    found = [entry for group in groups for entry in metadata.entry_points(group=group)]
+    try:
+        found = [e for group in groups for e in metadata.entry_points(group=group)]
+    except (TypeError, ValueError) as error:
+        raise ToolError(
+            f"the entry points of a package cannot be read: {_words(error)}", _REPAIR
+        ) from error
     return tuple(
         sorted(found, key=lambda entry: (entry.group, entry.name, entry.value))
     )
@@ -51,15 +66,68 @@ def loaded(group: Group) -> Iterator[tuple[str, Any]]:
 
 
 def load(entry: metadata.EntryPoint) -> Any:
-    """Load the object of an entry point. Raises ToolError."""
+    """Load the object of an entry point. Raises ToolError, whatever its import raises."""
     try:
         return entry.load()
-    except (ImportError, AttributeError) as error:
+    except (Exception, SystemExit) as error:
         raise ToolError(
             f"the plug-in {entry.name!r} of {entry.group} ({entry.value}) cannot be"
-            f" loaded: {error}",
-            hint="repair or uninstall the package that brings it",
+            f" loaded: {_words(error)}",
+            hint=_REPAIR,
         ) from error
+
+
+@contextmanager
+def running(group: Group, name: str, *passed: type[Exception]) -> Iterator[None]:
+    """Within the block a plug-in is called: what it raises becomes a ToolError that names it.
+
+    Exceptions for people, and those of the types `passed`, stay as they are.
+    """
+    for_people: tuple[type[Exception], ...] = (ToolError, InputError, *passed)
+    try:
+        yield
+    except for_people:
+        raise
+    except (Exception, SystemExit) as error:
+        raise ToolError(
+            f"the plug-in {name!r} of {group} failed: {_words(error)}",
+            hint=f"RTGEN_DEBUG=1 shows the place; {_REPAIR}",
+        ) from error
+
+
+def suffixes(name: str, frontend: Any) -> tuple[str, ...]:
+    """Return the suffixes of the files that a plug-in's front end reads. Raises ToolError."""
+    with running(Group.FRONTENDS, name):
+        if isinstance(frontend.suffixes, str):
+            raise TypeError("its suffixes are a text, not a tuple")
+        found = require_each(str, frontend.suffixes)
+        for each in found:
+            if not each.startswith(".") or each != each.lower():
+                raise ValueError(f"{each!r} is not a suffix in lower case")
+        return found
+
+
+def require(kind: type[T], value: Any) -> T:
+    """Return what a plug-in has given, if it is of that kind. Raises TypeError."""
+    if not isinstance(value, kind):
+        raise TypeError(f"it gives a {type(value).__name__}, not a {kind.__name__}")
+    return value
+
+
+def require_each(kind: type[T], values: Any) -> tuple[T, ...]:
+    """Return the values that a plug-in has given. Raises TypeError, ValueError for too many."""
+    found = tuple(require(kind, each) for each in islice(values, MAX_VALUES + 1))
+    if len(found) > MAX_VALUES:
+        raise ValueError(f"it gives more than {MAX_VALUES:,} {kind.__name__}s")
+    return found
+
+
+def _words(error: BaseException) -> str:
+    """Return an exception in one line; a missing module or name says enough."""
+    text = " ".join(str(error).split())
+    if isinstance(error, ImportError | AttributeError) and text:
+        return text
+    return f"{type(error).__name__}: {text}" if text else type(error).__name__
 
 
 def _search_path() -> tuple[tuple[str, int], ...]:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from typing import TYPE_CHECKING, Final, cast
+from typing import TYPE_CHECKING, Any, Final
+
+import msgspec
 
 from rtgen import plugins, stages
 from rtgen.backends import (
@@ -13,6 +15,7 @@ from rtgen.backends import (
     DeferredBackend,
     Emission,
     Options,
+    Owner,
 )
 from rtgen.backends.kit.quoting.code import UnquotableError
 from rtgen.backends.kit.rules import UNQUOTABLE
@@ -76,8 +79,33 @@ BUILT_IN: Final = (
 def backends() -> Iterator[Backend]:
     """Yield all back ends. Raises ToolError for a plug-in that cannot be imported."""
     yield from BUILT_IN
-    for _, backend in plugins.loaded(plugins.Group.BACKENDS):
-        yield cast("Backend", backend)
+    for name, backend in plugins.loaded(plugins.Group.BACKENDS):
+        with plugins.running(plugins.Group.BACKENDS, name):
+            shown = plugins.require(str, backend.name)
+        yield _PluginBackend(name, shown, backend)
+
+
+class _PluginBackend(msgspec.Struct, frozen=True):
+    """A back end of a plug-in, whose results are checked. Raises ToolError."""
+
+    entry: str
+    name: str
+    backend: Any
+
+    def emit(self, model: Model, options: Options) -> Emission:
+        """Return its files."""
+        group = plugins.Group.BACKENDS
+        with plugins.running(group, self.entry, UnquotableError):
+            emission = plugins.require(Emission, self.backend.emit(model, options))
+            artifacts = plugins.require_each(Artifact, emission.artifacts)
+            for each in artifacts:
+                plugins.require(str, each.path)
+                plugins.require(str, each.text)
+                plugins.require(Owner, each.owner)
+                plugins.require_each(str, each.origin)
+            found = plugins.require_each(Diagnostic, emission.diagnostics)
+            components = plugins.require(ComponentTypes, emission.components)
+            return Emission(artifacts, found, components)
 
 
 def emitted(

@@ -55,7 +55,9 @@ def rules() -> MappingProxyType[str, Rule]:
             assert rule.code not in found, f"{rule.code} is the code of two rules"
             found[rule.code] = rule
     for name, brought in plugins.loaded(plugins.Group.RULES):
-        for rule in brought:
+        with plugins.running(plugins.Group.RULES, name):
+            own = plugins.require_each(Rule, brought)
+        for rule in own:
             if rule.code in found:
                 raise ToolError(
                     f"the rules of the plug-in {name!r} have the code {rule.code}, which is taken",

@@ -11,9 +11,10 @@ import msgspec
 from msgspec.structs import replace
 
 from rtgen import plugins, stages
+from rtgen.diagnostics import Diagnostic
 from rtgen.facts.ros import GENERATED_IDL, INTERFACE_KINDS, INTERFACE_SUFFIXES
 from rtgen.files import read_start
-from rtgen.frontends import FrontendResult, together
+from rtgen.frontends import Dependency, FrontendResult, together
 from rtgen.frontends.kit.library import VirtualFile, absolute_path
 from rtgen.model import Model
 
@@ -197,15 +198,31 @@ def read(paths: Sequence[Path], settings: Settings) -> Iterator[FrontendResult]:
                 result = load(chosen, settings)
             yield result
     for name, frontend in plugins.loaded(plugins.Group.FRONTENDS):
-        if chosen := ending_with(paths, frontend.suffixes):
+        if chosen := ending_with(paths, plugins.suffixes(name, frontend)):
             with stages.stage(f"read {name}"):
-                result = frontend.load(
-                    chosen,
-                    root=settings.root,
-                    include=settings.include,
-                    options=settings.plugins.get(name, {}),
-                )
+                result = _by_plugin(name, frontend, chosen, settings)
             yield result
+
+
+def _by_plugin(
+    name: str, frontend: Any, paths: Sequence[Path], settings: Settings
+) -> FrontendResult:
+    """Return the checked result of a plug-in's front end. Raises ToolError."""
+    with plugins.running(plugins.Group.FRONTENDS, name):
+        result = frontend.load(
+            paths,
+            root=settings.root,
+            include=settings.include,
+            options=settings.plugins.get(name, {}),
+        )
+        read = plugins.require(FrontendResult, result)
+        return FrontendResult(
+            plugins.require(Model, read.model),
+            plugins.require_each(Diagnostic, read.diagnostics),
+            dict(read.sources),
+            plugins.require_each(Dependency, read.dependencies),
+            plugins.require_each(Path, read.idl),
+        )
 
 
 def read_idl(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
-from typing import Any
+from collections.abc import Callable, Collection, Iterable, Mapping
+from functools import partial
+from typing import Any, TypeAlias
 
 from rtgen import plugins
 from rtgen.diagnostics import Diagnostic, in_order
@@ -14,7 +15,9 @@ from rtgen.model import Model
 
 __all__ = ["ON_DEMAND", "lint"]
 
-_CHECKS: tuple[Callable[[Context], Iterator[Diagnostic]], ...] = (
+_Check: TypeAlias = Callable[[Context], Iterable[Diagnostic]]
+
+_CHECKS: tuple[_Check, ...] = (
     usage.includes,
     usage.typedefs,
     usage.types,
@@ -40,6 +43,12 @@ _CHECKS: tuple[Callable[[Context], Iterator[Diagnostic]], ...] = (
 )
 
 
+def _by_plugin(name: str, check: _Check, context: Context) -> tuple[Diagnostic, ...]:
+    """Return the findings of a plug-in's check. Raises ToolError."""
+    with plugins.running(plugins.Group.LINT, name):
+        return plugins.require_each(Diagnostic, check(context))
+
+
 def lint(
     model: Model,
     sources: Mapping[str, str],
@@ -55,7 +64,11 @@ def lint(
     has their codes.
     """
     context = Context(model, sources, options or {}, target)
-    checks = (*_CHECKS, *(check for _, check in plugins.loaded(plugins.Group.LINT)))
+    own = (
+        partial(_by_plugin, name, check)
+        for name, check in plugins.loaded(plugins.Group.LINT)
+    )
+    checks: Iterable[_Check] = (*_CHECKS, *own)
     left_out = {rule.code for rule in ON_DEMAND} - set(select)
     return in_order(
         finding

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from importlib import import_module
 from typing import Final, TypeAlias
 
@@ -131,4 +132,14 @@ def lowered(model: Model, settings: Settings, *, complete: bool = True) -> Lower
 
 
 def _of_plugins() -> Iterator[tuple[str, Lower]]:
-    yield from plugins.loaded(plugins.Group.LOWERINGS)
+    for name, lower in plugins.loaded(plugins.Group.LOWERINGS):
+        yield name, partial(_by_plugin, name, lower)
+
+
+def _by_plugin(name: str, lower: Lower, model: Model, settings: Settings) -> Lowered:
+    """Return the checked result of a plug-in's lowering. Raises ToolError."""
+    with plugins.running(plugins.Group.LOWERINGS, name):
+        made = plugins.require(Lowered, lower(model, settings))
+        lowered_model = plugins.require(Model, made.model)
+        found = plugins.require_each(Diagnostic, made.diagnostics)
+        return Lowered(lowered_model, found)

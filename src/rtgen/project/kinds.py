@@ -46,7 +46,9 @@ def is_definition(path: Path) -> bool:
 def plugin_suffixes() -> tuple[str, ...]:
     """Return the suffixes of plug-ins' front ends. Raises ToolError for an invalid plug-in."""
     return tuple(
-        s for _, f in plugins.loaded(plugins.Group.FRONTENDS) for s in f.suffixes
+        suffix
+        for name, frontend in plugins.loaded(plugins.Group.FRONTENDS)
+        for suffix in plugins.suffixes(name, frontend)
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import threading
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -174,8 +174,16 @@ def opened(
     for entry in plugins.announced(plugins.Group.TRANSPORTS):
         if entry.name == carrying.transport:
             brought = plugins.load(entry)
-            with brought(options.get(entry.name, {}), simulated=simulated) as transport:
+            given = options.get(entry.name, {})
+            calling = functools.partial(
+                plugins.running, plugins.Group.TRANSPORTS, entry.name
+            )
+            with ExitStack() as stack:
+                with calling():
+                    transport = stack.enter_context(brought(given, simulated=simulated))
                 yield transport
+                with calling():
+                    stack.close()
             return
     with _corba(carrying, simulated=simulated) as transport:
         if transport.name_server:
