@@ -14,6 +14,8 @@ from rtgen.ui.server import Tokens
 
 MAX_AGE: Final = 24 * 3600.0
 """Lifetime of stored tokens since the last start [s]."""
+_TOLERANCE: Final = 60.0
+"""How far the clocks of file systems may be ahead [s]."""
 _MAX_OCTETS: Final = 1024
 _NEITHER_LINK_NOR_PIPE: Final = getattr(os, "O_NOFOLLOW", 0) | getattr(
     os, "O_NONBLOCK", 0
@@ -39,7 +41,8 @@ def _read(file: Path) -> Tokens | None:
         return None
     with os.fdopen(number, encoding="ascii", errors="replace") as stream:
         found = os.fstat(number)
-        is_recent = time.time() - found.st_mtime < MAX_AGE
+        # A file from the future is of no known age: the clock has been set back since.
+        is_recent = -_TOLERANCE < time.time() - found.st_mtime < MAX_AGE
         if not (is_recent and stat.S_ISREG(found.st_mode) and _is_private(found)):
             return None
         full, _, read_only = stream.read(_MAX_OCTETS).partition(" ")

@@ -113,8 +113,11 @@ def _in_time(
 
 
 def _faster(found: Iterator[Message], speed: float) -> Iterator[Message]:
-    """Divide the time stamps by `speed`."""
+    """Divide the times between frames by `speed`; where the clock was set back, there is none."""
+    moment = before = 0.0
     for message in found:
+        moment += max(message.timestamp - (before or message.timestamp), 0.0) / speed
+        before = message.timestamp
         made = copy.copy(message)
-        made.timestamp = message.timestamp / speed
+        made.timestamp = moment
         yield made

@@ -17,7 +17,8 @@ from rtgen.cli.signals import handled, terminable
 from rtgen.diagnostics import ToolError
 from rtgen.runtime.canopen.bus.python_can import OpenBus, open_bus
 from rtgen.runtime.canopen.errors import LinkError
-from rtgen.runtime.canopen.wire.frames import Frame
+from rtgen.runtime.canopen.wire.frames import SECOND, Frame
+from rtgen.runtime.timing.steady import steady_utc
 
 if TYPE_CHECKING:
     from can import BusABC, Message
@@ -108,7 +109,7 @@ class FrameIterator:
         if self._left is not None:
             self._left -= 1
         if not found.timestamp:
-            found.timestamp = time.time()
+            found.timestamp = steady_utc() / SECOND
         return found
 
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import copy
 import threading
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from queue import Empty, SimpleQueue
@@ -17,8 +16,14 @@ from typing import TYPE_CHECKING, Any, Final
 
 import can
 
-from rtgen.runtime.canopen.wire.frames import SDO_REQUEST, SDO_RESPONSE, Frame
+from rtgen.runtime.canopen.wire.frames import (
+    SDO_REQUEST,
+    SDO_RESPONSE,
+    SECOND,
+    Frame,
+)
 from rtgen.runtime.failures import log
+from rtgen.runtime.timing.steady import steady_utc
 
 if TYPE_CHECKING:
     import canopen
@@ -129,7 +134,7 @@ class NetworkBus(can.BusABC):
 
     def _notify(self, can_id: int, data: bytes | bytearray) -> None:
         try:
-            self._network.notify(can_id, bytearray(data), time.time())
+            self._network.notify(can_id, bytearray(data), steady_utc() / SECOND)
         except Exception:  # as in python-can's notifier
             log.exception("a callback of the canopen.Network %s failed", self._name)
 

@@ -27,6 +27,7 @@ from rtgen.runtime.canopen.bus.hub_text import (
     slcan_text,
 )
 from rtgen.runtime.canopen.wire.frames import SECOND, Frame
+from rtgen.runtime.timing.steady import steady_utc
 
 QUEUE: Final = 1024
 """Maximum number of frames queued for or from a client."""
@@ -276,7 +277,7 @@ class HubBus:
             port.flush()
 
     def _give(self, sender: Port, frame: Frame) -> None:
-        carried = Carried(frame, time.time_ns())
+        carried = Carried(frame, steady_utc())
         for port in self._ports:
             if port is not sender:
                 port.give(carried)
@@ -346,7 +347,7 @@ class SocketcandPort(Port, asyncio.Protocol):
 
     def give_error(self, kind: int) -> None:
         if self._raw:
-            self._append(error_text(kind, time.time_ns()))
+            self._append(error_text(kind, steady_utc()))
 
     def flush(self) -> None:
         if self._queue and not self._stuck and not self._held and not self._ended:
