@@ -172,6 +172,16 @@ def standing(service: Service, cob_id: int | None, *, chosen: bool = False) -> S
     return Standing.STATED if configurable(cob_id) else Standing.OFF
 
 
+def is_stated(number: Number, cob_id: int | None) -> bool:
+    """Return whether a description states the COB-ID with which its nodes begin.
+
+    Otherwise nodes may have another one than `in_force`, and others than each other.
+    """
+    service = service_of(number)
+    word = None if cob_id is None else cob_id & _WORD
+    return service is None or standing(service, word) is Standing.STATED
+
+
 def in_force(
     number: Number, cob_id: int | None, node_id: int, *, chosen: bool = False
 ) -> int | None:

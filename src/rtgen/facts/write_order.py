@@ -12,6 +12,7 @@ writes that switch it off and on. The manager, proxies, DCF and concise DCF have
 | 1016h: two entries for one node | never: entries that change places are 0 in between |
 | 1200h ff., 1280h ff.: sub-index 3 | the SDO is not valid |
 | PDO: types, times, mapping | the PDO is not valid; entries: sub-index 0 is 0 |
+| COB-IDs that the description does not state | they are off: the node may have any |
 | 1017h, 1016h | the heartbeat of the node precedes those that it consumes |
 | 1020h | all others are written: they set it to 0 |
 | 1010h, 1011h | all others are written |
@@ -87,6 +88,9 @@ class Target(Protocol):
 
     def after(self, number: Number) -> int | None:
         """Return the new value, or the unchanged one."""
+
+    def states(self, number: Number) -> bool:
+        """Return whether the COB-ID from before is stated; else the node may have another one."""
 
     def moves(self, number: Number) -> bool:
         """Return whether the identifier of a COB-ID changes."""
@@ -185,7 +189,7 @@ class _Order:
         if moves and service.exists(before):
             yield Step(number, How.OFF_BEFORE, why)
             why = f"{service.name} still off"
-        if always or (moves and service.exists(after)):
+        if always or ((moves or not node.states(number)) and service.exists(after)):
             yield Step(number, How.OFF, why)
 
     def _moved(
@@ -245,8 +249,7 @@ class _Order:
             service = service_of(number)
             if service is None or not self._node.writable(number):
                 continue
-            exists = service.exists(self._node.before(number) or 0)
-            if number in changed or (others and exists):
+            if number in changed or (others and self._may_exist(number, service)):
                 written.append((number, service))
         for number, service in written:
             yield from self._off(number, service, always=bool(others))
@@ -255,6 +258,10 @@ class _Order:
             exists = service.exists(self._node.after(number) or 0)
             if exists or number in changed:
                 yield Step(number, How.VALUE, f"{service.name} on" if exists else "")
+
+    def _may_exist(self, number: Number, service: Service) -> bool:
+        before = self._node.before(number) or 0
+        return service.exists(before) or not self._node.states(number)
 
     # PDOs
 
@@ -315,12 +322,15 @@ class _Order:
         service = service_of(cob_id)
         assert service is not None
         is_mapping = index != communication
-        is_valid = service.exists(node.before(cob_id) or 0)
+        may_be_valid = self._may_exist(cob_id, service)
+        is_valid = "is" if node.states(cob_id) else "may be"
         for number in self._of(index):
             if not (is_mapping or number[1] in _WHILE_INVALID):
                 continue
-            if is_valid and not node.writable(cob_id):
-                why = f"{service.name} is valid, and its COB-ID cannot be written"
+            if may_be_valid and not node.writable(cob_id):
+                why = (
+                    f"{service.name} {is_valid} valid, and its COB-ID cannot be written"
+                )
                 yield Obstacle(number, why)
             elif is_mapping and number[1] and not node.writable((index, 0)):
                 why = f"the number of objects in {service.name} cannot be written"

@@ -6,13 +6,13 @@ Communication comes first, then the PDOs, the other objects by index, and those 
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 
 import msgspec
 from msgspec.structs import replace
 
 from rtgen.facts import write_order
-from rtgen.facts.cob_ids import configurable, service_of
+from rtgen.facts.cob_ids import configurable, is_stated, service_of
 from rtgen.facts.write_order import How, Step
 from rtgen.layouts.can_values import CanValueError, octets
 from rtgen.model.can_bus import BusNode, DeviceKind
@@ -55,7 +55,15 @@ def start_up(node: BusNode) -> tuple[StartWrite, ...]:
     asked = {number for number, _ in node.values}
     # The manager depends on the heartbeat, so its period is written even if it is the default.
     beats = {(v.index, v.subindex) for v in node.device.variables if _beats(v)}
-    return tuple(_StartUp(node.device, node.id, asked | beats).writes())
+    return tuple(_of_node(node, asked | beats).writes())
+
+
+def _of_node(node: BusNode, asked: set[tuple[int, int]]) -> _StartUp:
+    own = node.kind.described or node.device
+    configured = (v for v in own.variables if v.value not in (None, v.default))
+    return _StartUp(
+        node.device, node.id, asked, {(v.index, v.subindex) for v in configured}
+    )
 
 
 def configuration(kind: DeviceKind) -> tuple[StartWrite, ...]:
@@ -107,7 +115,7 @@ def _beats(variable: Variable) -> bool:
 
 def obstacles(node: BusNode) -> Iterator[tuple[Variable, str]]:
     """Yield the changes of a node's values that it may refuse in any order, with the reasons."""
-    written = _StartUp(node.device, node.id, {number for number, _ in node.values})
+    written = _of_node(node, {number for number, _ in node.values})
     for number, why in write_order.obstacles(written.changed, written):
         variable = node.device.find(*number)
         assert variable is not None
@@ -117,13 +125,19 @@ def obstacles(node: BusNode) -> Iterator[tuple[Variable, str]]:
 class _StartUp:
     """Writes of a node; `asked` are the variables written even if equal to the default.
 
-    It is the `Target` of the order of writes.
+    `configured` are those that its description configures: it may begin with these values, or with
+    the defaults. It is the `Target` of the order of writes.
     """
 
     def __init__(
-        self, device: Device, node_id: int, asked: set[tuple[int, int]]
+        self,
+        device: Device,
+        node_id: int,
+        asked: set[tuple[int, int]],
+        configured: Collection[tuple[int, int]] = (),
     ) -> None:
         self._id = node_id
+        self._configured = configured
         self._device = device
         self.changed = {
             (v.index, v.subindex)
@@ -158,6 +172,17 @@ class _StartUp:
         """See `Target`."""
         variable = self._device.find(*number)
         return None if variable is None else self._number(self._final(variable)) or 0
+
+    def states(self, number: tuple[int, int]) -> bool:
+        """See `Target`."""
+        variable = self._device.find(*number)
+        default = (
+            None if variable is None else resolved(variable.default, self._id or 1)
+        )
+        is_certain = service_of(number) is None or number not in self._configured
+        return is_certain and is_stated(
+            number, default if isinstance(default, int) else None
+        )
 
     def moves(self, number: tuple[int, int]) -> bool:
         """See `Target`."""

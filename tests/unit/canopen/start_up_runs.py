@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from msgspec.structs import replace
-from strict_node import OPERATIONAL, StrictNode
+from strict_node import OPERATIONAL, LiteralNode, StrictNode
 
 from rtgen.backends import Options
 from rtgen.backends.canopen.network_module import network_text
@@ -155,6 +155,30 @@ def _recorded(
         return frames
 
     return recorded
+
+
+def refusals(bus: Bus, findings: tuple[Diagnostic, ...]) -> Iterator[str]:
+    """Run the start-up with nodes that take COB-IDs literally; yield the writes they refuse."""
+    system = System()
+    assert system.clock.network is not None
+    link = simulated_bus(system.clock.network, "can0", 1_000_000)
+    network = network_of(bus)
+    nodes = {}
+    for node in bus.nodes:
+        literal = LiteralNode(node.kind.described or node.device, node.id)
+        placed = network.node(node.id)
+        assert placed is not None
+        literal.identity = dict(zip(_IDENTITY, placed.identity, strict=True))
+        nodes[node.name] = literal
+        link.attach(literal)
+        literal.power_on(0)
+        link.refresh(literal)
+    ManagerStation(link, network).start()
+    system.run(_end(network))
+    for name in nodes.keys() - _warned(bus, findings):
+        for (index, sub), value, code in nodes[name].refused[:1]:
+            yield f"{name} refuses {index:04X}:{sub:X} {value.hex()}: {code:08X}h"
+    system.close()
 
 
 def problems(bus: Bus, findings: tuple[Diagnostic, ...]) -> Iterator[str]:

@@ -464,3 +464,28 @@ class StrictNode:
         }  # fmt: skip
         if not variable.pdo_mappable or sent not in ways[variable.access]:
             raise SdoAbort(NOT_MAPPABLE)
+
+
+class LiteralNode(StrictNode):
+    """A node that begins with any COB-ID of its description, also 0 and restricted ones.
+
+    That of a DCF is the configured one; where none is stated it is 0. It refuses another identifier for one that stays in use.
+    """
+
+    def _initial(self, number: Number, variable: Variable) -> bytes:
+        if not is_cob_id(number):
+            return super()._initial(number, variable)
+        value = variable.default if variable.value is None else variable.value
+        if isinstance(value, NodeRelative):
+            value = self.id + value.offset
+        stated = value if isinstance(value, int) else 0
+        return (stated & 0xFFFFFFFF).to_bytes(4, "little")
+
+    def _check_cob_id(self, number: Number, new: int) -> None:
+        index, old = number[0], self.number(number, 0)
+        on = {0x1005: BIT30, 0x1012: BIT31 | BIT30}.get(index)
+        before, after = ((c & on if on else not c & BIT31) for c in (old, new))
+        if before and after and (old ^ new) & LOW:
+            raise SdoAbort(INVALID)
+        if after and not can_be(new & LOW):
+            raise SdoAbort(INVALID)

@@ -12,7 +12,7 @@ from shutil import copyfile
 import pytest
 from random_buses import RandomBus
 from seeds import cases
-from start_up_runs import problems, problems_of_devices, read
+from start_up_runs import problems, problems_of_devices, read, refusals
 
 from rtgen.frontends.eds import load
 
@@ -37,7 +37,7 @@ def test_random_networks_start(tmp_path: Path) -> None:
         if bus is None:
             continue
         accepted += 1
-        found = list(problems(bus, findings))
+        found = [*problems(bus, findings), *refusals(bus, findings)]
         if seed % 3 == 0:
             found += problems_of_devices(bus, findings)
         assert not found, f"case {seed}: {found}\n{(folder / 'bus.toml').read_text()}"

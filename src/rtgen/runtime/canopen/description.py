@@ -17,7 +17,7 @@ from rtgen.facts.canopen import (
     nearest_zero,
 )
 from rtgen.facts.canopen import Kind as Kind
-from rtgen.facts.cob_ids import COB_ID_EMERGENCY, in_force
+from rtgen.facts.cob_ids import COB_ID_EMERGENCY, in_force, is_stated
 
 ObjectValue: TypeAlias = bool | int | float | str | bytes
 """A value of an object; times are ints in ns (time of day: since 1970, UTC), octets are bytes."""
@@ -76,12 +76,20 @@ class ObjectDescription(msgspec.Struct, frozen=True, gc=False):
 
         That is the default, the COB-ID in force (`facts.cob_ids`), or `start`.
         """
-        value = self.default
-        if self.relative and isinstance(value, int):
-            value += node_id
+        value = self._default(node_id)
         if self.kind == "u32" and (value is None or isinstance(value, int)):
             value = in_force((self.index, self.subindex), value, node_id)
         return self.start if value is None else value
+
+    def states(self, node_id: int) -> bool:
+        """Return whether it has no COB-ID, or states that with which a node begins."""
+        value = self._default(node_id)
+        number = self.index, self.subindex
+        return is_stated(number, value if isinstance(value, int) else None)
+
+    def _default(self, node_id: int) -> ObjectValue | None:
+        value = self.default
+        return value + node_id if self.relative and isinstance(value, int) else value
 
 
 class PdoDescription(msgspec.Struct, frozen=True, gc=False):

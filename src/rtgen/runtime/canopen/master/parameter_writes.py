@@ -60,6 +60,13 @@ class ParameterWriter:
         """See `Target`."""
         return self._number(number, self._final(number))
 
+    def states(self, number: ObjectNumber) -> bool:
+        """See `Target`."""
+        if number in self._written or number in self._configured:
+            return True
+        described = self._description.by_number.get(number)
+        return described is None or described.states(self._node_id)
+
     def moves(self, number: ObjectNumber) -> bool:
         """See `Target`."""
         flags = INVALID | NO_RTR
