@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
-from xml.sax.saxutils import quoteattr
+from xml.sax.saxutils import quoteattr, unescape
 
 from cyclonedds.domain import Domain, DomainParticipant
 
@@ -20,6 +21,7 @@ from rtgen.runtime.dds.entities import Entities
 from rtgen.runtime.dds.numbers import DOUBLE, WRITERS, Numbers, numbered, plain
 from rtgen.runtime.dds.presence import Presences
 from rtgen.runtime.dds.rpc import DdsClient, DdsService
+from rtgen.runtime.distribution.key_files import check_key_file
 from rtgen.runtime.distribution.medium import (
     MediumError,
     OnChange,
@@ -233,11 +235,18 @@ class DdsMedium:
         raise MediumError("the medium is closed")
 
 
+_KEY_FILE = re.compile(r"<(\w+)>\s*file:([^<]*[^<\s])")
+"""An element that names a file of DDS Security (DDS Security 1.1, 9.3 and 9.4)."""
+
+
 def _read(config: Path) -> str:
     try:
-        return read_file(config).decode("ascii")
+        text = read_file(config).decode("ascii")
     except (UnreadableError, UnicodeDecodeError) as error:
         raise MediumError(f"{config} cannot be read: {error}") from error
+    for key, name in _KEY_FILE.findall(text):
+        check_key_file(str(config), key, Path(unescape(name)))
+    return text
 
 
 class _Once:

@@ -14,6 +14,7 @@ import msgspec
 import zenoh
 
 from rtgen.files import UnreadableError, check_file
+from rtgen.runtime.distribution.key_files import check_key_file
 from rtgen.runtime.distribution.medium import MediumError
 from rtgen.runtime.failures import log
 
@@ -28,6 +29,17 @@ LEASE = 3.0
 _LEASE_KEY = "transport/link/tx/lease"
 """The lease of a session in a configuration [ms], which the other ends of its links wait for."""
 _FRAGMENTS_WAIT_US = 1_000_000
+_TLS = "transport/link/tls"
+_KEY_FILES = (
+    *(f"{_TLS}/root_ca_certificate", f"{_TLS}/listen_private_key"),
+    *(f"{_TLS}/listen_certificate", f"{_TLS}/connect_private_key"),
+    *(f"{_TLS}/connect_certificate", "transport/auth/usrpwd/dictionary_file"),
+    *(f"transport/auth/pubkey/{key}_file" for key in ("public_key", "private_key")),
+    "transport/auth/pubkey/known_keys_file",
+)
+"""The settings of a configuration that name files."""
+_FILE = "_file"
+"""The end of such settings in a locator."""
 _RETRY = {"period_init_ms": 100, "period_max_ms": 1000, "period_increase_factor": 2}
 _CONNECT_MS = 5000
 _PLACE_IN_SOURCE = re.compile(r"\s+at \S+\.rs:\d+\.?")
@@ -104,6 +116,7 @@ def _configuration(endpoints: Endpoints) -> zenoh.Config:
     else:
         config = zenoh.Config()
         _insert(config, {**_COMMON, **_links(endpoints)})
+    _check_locators(config, str(endpoints.config or "zenoh"))
     if endpoints.lease is not None and endpoints.lease < _lease(config):
         _insert(config, {_LEASE_KEY: max(1, round(endpoints.lease * 1000))})
     return config
@@ -114,7 +127,31 @@ def _read(file: Path) -> zenoh.Config:
         check_file(file)
     except UnreadableError as error:
         raise MediumError(f"{file} cannot be read: {error}") from error
-    return zenoh.Config.from_file(file)
+    config = zenoh.Config.from_file(file)
+    for key in _KEY_FILES:
+        name = json.loads(config.get_json(key))
+        if name is not None:
+            check_key_file(str(file), key, Path(name))
+    return config
+
+
+def _check_locators(config: zenoh.Config, named: str) -> None:
+    """Check the files that locators name: `tls/HOST:PORT#root_ca_certificate_file=PATH;..`."""
+    for key in ("connect/endpoints", "listen/endpoints"):
+        for locator in _texts(json.loads(config.get_json(key))):
+            for setting in locator.partition("#")[2].split(";"):
+                name, _, value = setting.partition("=")
+                if name.endswith(_FILE):
+                    check_key_file(named, name, Path(value))
+
+
+def _texts(value: Any) -> Iterator[str]:
+    """Yield the texts in a value of JSON: locators may be given for each mode."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, list | dict):
+        for each in value.values() if isinstance(value, dict) else value:
+            yield from _texts(each)
 
 
 def _lease(config: zenoh.Config) -> float:
