@@ -32,6 +32,8 @@ _BODIES = {
 """Types of objects that are frames, and the least size of what follows their headers."""
 _MAX_INFLATED = 1 << 25
 """Maximum octets of a container; Vector's tools write 128 KiB."""
+_MAX_RESUMED = 16
+"""Maximum number of containers with a wrong size after which octets are read again."""
 _PIECE = 1 << 20
 
 Report = Callable[[str], object]
@@ -68,7 +70,7 @@ class WholeObjects:
         _, size, expected = _HEADER.unpack(header)
         header += self._read(size - _HEADER.size)
         yield header
-        at = len(header)
+        at, resumed = len(header), 0
         while head := self._source.read(_OBJECT.size):
             magic, _, _, size, kind = _OBJECT.unpack(head.ljust(_OBJECT.size, b"\0"))
             if len(head) < _OBJECT.size:
@@ -84,9 +86,17 @@ class WholeObjects:
             data = self._read(size - _OBJECT.size)
             is_whole = len(data) == size - _OBJECT.size
             if kind == blf.LOG_CONTAINER:
-                yield from self._objects(self._inflated(data, at, is_whole), at)
+                inflated, unused = self._inflated(data, at, is_whole)
+                yield from self._objects(inflated, at)
+                if unused >= _PADDING and resumed < _MAX_RESUMED:
+                    # The size is wrong: further objects begin where the container ends.
+                    resumed += 1
+                    self._report(f"damaged at octet {at}")
+                    self._source.seek(-unused, 1)
+                    at += len(head) + len(data) - unused
+                    continue
             else:
-                yield from self._objects(head + data, at)
+                yield from self._alone(head + data, at)
             if not is_whole:
                 at += len(data)
                 break
@@ -117,20 +127,21 @@ class WholeObjects:
         self._source.seek(found - len(window), 1)
         return skipped + found
 
-    def _inflated(self, data: bytes, at: int, is_whole: bool) -> bytes:
-        """Return the octets of a container; what is damaged is left out as a whole, since no octet
-        of it is certain.
+    def _inflated(self, data: bytes, at: int, is_whole: bool) -> tuple[bytes, int]:
+        """Return the octets of a container, and how many octets of `data` follow it.
+
+        What is damaged is left out as a whole, since no octet of it is certain.
         """
         if len(data) < _CONTAINER.size:
-            return b""
+            return b"", 0
         method, _ = _CONTAINER.unpack_from(data)
         packed = data[_CONTAINER.size :]
         if method == blf.NO_COMPRESSION:
-            return packed
+            return packed, 0
         if method != blf.ZLIB_DEFLATE:
             self._report(f"compressed in an unknown way at octet {at}")
             self._lose()
-            return b""
+            return b"", 0
         inflater = zlib.decompressobj()
         try:
             inflated = inflater.decompress(packed, _MAX_INFLATED)
@@ -141,12 +152,21 @@ class WholeObjects:
         if inflated is None or (is_whole and not inflater.eof):
             self._report(f"damaged in the container at octet {at}")
             self._lose()
-            return b""
-        return inflated
+            return b"", 0
+        return inflated, len(inflater.unused_data)
 
     def _lose(self) -> None:
         self._rest = b""
         self._is_lost = True
+
+    def _alone(self, data: bytes, at: int) -> Iterator[bytes]:
+        """Yield an object outside of containers; none of these is continued in it."""
+        if self._rest.strip(b"\0"):
+            self._report(f"damaged at octet {at}")
+            self._lose()
+        is_lost, self._is_lost, self._rest = self._is_lost, False, b""
+        yield from self._objects(data, at)
+        self._is_lost, self._rest = is_lost, b""
 
     def _objects(self, data: bytes, at: int) -> Iterator[bytes]:
         """Yield the whole objects, in containers; the rest is continued in the next one."""
