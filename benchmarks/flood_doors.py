@@ -7,13 +7,15 @@ import struct
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, closing, contextmanager, suppress
 from typing import Any
 
 from floods import INSTANCE, PORT, STEERED, SYSTEM, Door, Gaps
 
 Address = Callable[[bool], str]
 _LONG = 1e6
+_THREADS = 8
+_CALLED = "RefHardRh30"
 
 
 @contextmanager
@@ -201,20 +203,52 @@ def flood_control(address: str, kind: str, ready: Any, end: Any, answers: Any) -
 
     with transport_at(address, 5.0) as transport:
         transport.await_instance(INSTANCE, 60.0)
+        askers = [transport.peers.asker(INSTANCE) for _ in range(_THREADS)]
 
-        def work() -> None:
-            asker = transport.peers.asker(INSTANCE)
-            while not end.is_set():
-                with suppress(ControlError):
-                    asker.state() if kind == "ctl state" else asker.describe()
-                answers.value += 1
+        def ask(number: int) -> None:
+            with suppress(ControlError):
+                asker = askers[number]
+                asker.state() if kind == "ctl state" else asker.describe()
 
-        threads = [threading.Thread(target=work) for _ in range(8)]
-        for thread in threads:
-            thread.start()
-        ready.set()
-        for thread in threads:
-            thread.join()
+        _repeat(ask, ready, end, answers)
+
+
+def flood_calls(address: str, kind: str, ready: Any, end: Any, answers: Any) -> None:
+    """Call an operation of a service port from eight threads."""
+    from media import medium_at, transport_at
+
+    from refrobots import RefHard
+    from rtgen.runtime.distribution.names import service_name
+    from rtgen.runtime.distribution.services import RemoteCalls
+    from rtgen.runtime.services.servants import ServiceError
+
+    with transport_at(address, 5.0) as transport:
+        transport.await_instance(_CALLED, 60.0)
+    service = service_name(_CALLED, "InventGUIRefHard", "RefHard")
+    with closing(medium_at(address)) as medium:
+        clients = [RemoteCalls(medium, RefHard, service, 5.0) for _ in range(_THREADS)]
+
+        def call(number: int) -> None:
+            with suppress(ServiceError):
+                clients[number].invoke("Stop", ())
+
+        _repeat(call, ready, end, answers)
+
+
+def _repeat(work: Callable[[int], object], ready: Any, end: Any, answers: Any) -> None:
+    """Do the work in threads, each with a number, until the end."""
+
+    def repeat(number: int) -> None:
+        while not end.is_set():
+            work(number)
+            answers.value += 1
+
+    threads = [threading.Thread(target=repeat, args=(n,)) for n in range(_THREADS)]
+    for thread in threads:
+        thread.start()
+    ready.set()
+    for thread in threads:
+        thread.join()
 
 
 def operate_control(
@@ -268,20 +302,31 @@ def _remote(address: str, instance: str) -> Any:
 
 
 def flood_corba(address: str, kind: str, ready: Any, end: Any, answers: Any) -> None:
-    """Ask from eight threads for a profile."""
+    """Ask from eight threads for a profile or a state, or call an operation of a service port."""
+    from refrobots import RefHard
+    from rtgen.runtime.corba.objects import Objects
+    from rtgen.runtime.corba.orb import Orb
+    from rtgen.runtime.services.servants import ServiceError
+
+    if kind == "corba calls":
+        orb = Orb(timeout=5.0)
+        place = json.loads(address)["corba"]
+        name = f"corbaname::{place}#{_CALLED}.InventGUIRefHard/RefHard"
+        remote = Objects(orb).remote(RefHard, orb.orb.string_to_object(name))
+
+        def call(_: int) -> None:
+            with suppress(ServiceError):
+                remote.call("Stop", ())
+
+        _repeat(call, ready, end, answers)
+        return
     rtc = _remote(address, INSTANCE)
-
-    def work() -> None:
-        while not end.is_set():
-            rtc.call("get_component_profile")
-            answers.value += 1
-
-    threads = [threading.Thread(target=work) for _ in range(8)]
-    for thread in threads:
-        thread.start()
-    ready.set()
-    for thread in threads:
-        thread.join()
+    context = rtc.context
+    if kind == "corba profile":
+        _repeat(lambda _: rtc.call("get_component_profile"), ready, end, answers)
+        return
+    state = "get_component_state"
+    _repeat(lambda _: rtc.ask(context, state, rtc.reference), ready, end, answers)
 
 
 def operate_corba(
@@ -303,5 +348,8 @@ DOORS = {
     **{kind: Door(foxglove, flood_unread, operate_foxglove) for kind in _UNREAD},
     "ctl state": Door(zenoh, flood_control, operate_control),
     "ctl describe": Door(zenoh, flood_control, operate_control),
+    "zenoh calls": Door(zenoh, flood_calls, operate_control),
     "corba profile": Door(corba, flood_corba, operate_corba),
+    "corba state": Door(corba, flood_corba, operate_corba),
+    "corba calls": Door(corba, flood_corba, operate_corba),
 }

@@ -61,7 +61,10 @@ OTHERS = (
     "foxglove garbage",
     "ctl state",
     "ctl describe",
+    "zenoh calls",
     "corba profile",
+    "corba state",
+    "corba calls",
 )
 """Kinds whose doors `flood_doors` has."""
 _FULL = ("calls",)

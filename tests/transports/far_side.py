@@ -26,6 +26,7 @@ from patience import PATIENCE
 from refrobots._idl.basic_data_type import Time, TimedOctetSeq
 from refrobots.tecs.board import MotorBoard
 from rtgen import runtime
+from rtgen.runtime import requests
 from rtgen.runtime.opaque_rpc.interface import OpaqueRpc, OpaqueRpcFailed
 
 NEAR, FAR = "near", "far"
@@ -57,6 +58,21 @@ def wait_for(condition: Callable[[], object]) -> Any:
     return found
 
 
+class Turns(requests.Pace):
+    """Counts the calls that ask for their turn."""
+
+    def __init__(self) -> None:
+        super().__init__(1.0)
+        self.waits = self.charges = 0
+
+    def wait(self) -> None:
+        self.waits += 1
+
+    def charge(self, seconds: float) -> None:
+        assert seconds > 0.0
+        self.charges += 1
+
+
 class Asked(OpaqueRpc):
     """Executes the first word of a request."""
 
@@ -64,6 +80,8 @@ class Asked(OpaqueRpc):
         self._end = end
         self._carried_out = 0
         self._let_go = threading.Event()
+        self._before = requests.overruns, requests.calls
+        self._turns = Turns()
 
     def begin(self, request: bytes, first: int) -> bytes:
         name, _, rest = request.partition(b" ")
@@ -93,6 +111,19 @@ class Asked(OpaqueRpc):
 
     def _counted(self, what: bytes, _: int) -> bytes:
         return b"%d" % (self._carried_out if what == b"holds" else self._end.stops)
+
+    def _late(self, _: bytes, __: int) -> bytes:
+        """Let ticks be left out from now on, and count the calls that wait because of them."""
+        self._before = requests.overruns, requests.calls
+        requests.overruns = requests.Overruns(lambda: 0.0)
+        requests.overruns.report()
+        requests.calls = self._turns = Turns()
+        return b""
+
+    def _turned(self, _: bytes, __: int) -> bytes:
+        """End what `late` has begun; return how many calls have waited, and were counted."""
+        requests.overruns, requests.calls = self._before
+        return struct.pack("<II", self._turns.waits, self._turns.charges)
 
     def _release(self, _: bytes, __: int) -> bytes:
         self._let_go.set()

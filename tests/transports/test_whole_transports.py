@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 import threading
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -163,6 +164,16 @@ def test_calls_of_many_threads_get_their_own_replies(pair: Pair) -> None:
     for thread in threads:
         thread.join()
     assert found == [True] * 100
+
+
+def test_calls_wait_for_their_turn_while_ticks_are_left_out(pair: Pair) -> None:
+    assert pair.ask("echo x", 1) == b"x"
+    pair.ask("late")
+    for _ in range(5):
+        assert pair.ask("echo x", 1) == b"x"
+    waits, charges = struct.unpack("<II", pair.ask("turned"))
+    assert waits >= 6
+    assert charges >= 5
 
 
 def test_a_call_that_takes_too_long_is_sent_once(

@@ -279,8 +279,27 @@ class Allowance:
         return min(credit + (self._clock() - then) * share, self._burst)
 
 
+class Overruns:
+    """Whether components of this process have left out ticks recently."""
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._last: float | None = None
+
+    def report(self) -> None:
+        """Take note of a tick that was left out."""
+        self._last = self._clock()
+
+    def recent(self) -> bool:
+        """Return whether one was reported within the last second."""
+        return self._last is not None and self._clock() - self._last < _QUIET
+
+
 class Pace:
-    """The part of the time that requests may take whose threads can wait."""
+    """The part of the time that requests may take whose threads can wait.
+
+    Threads wait only while `applies` holds, after a long request at most `burst / share` [s].
+    """
 
     def __init__(
         self,
@@ -288,23 +307,29 @@ class Pace:
         burst: float = BURST,
         clock: Callable[[], float] = time.perf_counter,
         sleep: Callable[[float], None] = time.sleep,
+        applies: Callable[[], bool] = lambda: True,
     ) -> None:
         self._share = share
         self._burst = self._credit = burst
         self._clock = clock
         self._sleep = sleep
+        self._applies = applies
         self._last = clock()
         self._lock = threading.Lock()
+        self._turn = threading.Lock()
 
     def wait(self) -> None:
         """Wait until a request may be executed."""
-        while (debt := -self._earned()) >= 0.0:
-            self._sleep(min(max(debt / self._share, _SHORTEST), _LONGEST))
+        if not self._applies():
+            return
+        with self._turn:  # One thread looks at the clock, the others wait for it.
+            while self._applies() and (debt := -self._earned()) >= 0.0:
+                self._sleep(min(max(debt / self._share, _SHORTEST), _LONGEST))
 
     def charge(self, seconds: float) -> None:
         """Count the time of a request [s]."""
         with self._lock:
-            self._credit -= seconds
+            self._credit = max(self._credit - seconds, -self._burst)
 
     def _earned(self) -> float:
         with self._lock:
@@ -312,6 +337,32 @@ class Pace:
             earned = self._credit + (now - self._last) * self._share
             self._credit, self._last = min(earned, self._burst), now
             return self._credit
+
+
+overruns: Final = Overruns()
+"""Those of the components of this process that run in real time."""
+calls: Final = Pace(0.25, applies=overruns.recent)
+"""The part of the time for calls of other processes while components leave out ticks.
+
+Calls are part of the work of a system, so nothing limits them before.
+"""
+
+
+def await_turn() -> float | None:
+    """Wait until a call of another process may be executed; return the time of the thread [s].
+
+    Return None for one that is not limited.
+    """
+    if not overruns.recent():
+        return None
+    calls.wait()
+    return time.thread_time()
+
+
+def charge(begun: float | None, conversion: float) -> None:
+    """Count the time of a call since `await_turn`, and that of its conversion [s]."""
+    if begun is not None:
+        calls.charge(time.thread_time() - begun + conversion)
 
 
 class Rates:

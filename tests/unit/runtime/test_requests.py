@@ -6,7 +6,15 @@ from collections.abc import Callable
 
 import pytest
 
-from rtgen.runtime.requests import Allowance, Client, Pace, Queues, Rates, Requests
+from rtgen.runtime.requests import (
+    Allowance,
+    Client,
+    Overruns,
+    Pace,
+    Queues,
+    Rates,
+    Requests,
+)
 
 
 class Time:
@@ -226,6 +234,36 @@ def test_threads_that_can_wait_keep_their_pace() -> None:
         time.now += 0.002
         pace.charge(0.002)
     assert 0.19 < 2.0 / time.now < 0.21
+
+
+def test_threads_wait_only_while_there_is_a_reason() -> None:
+    time = Time()
+    overruns = Overruns(time)
+    waited: list[float] = []
+
+    def sleep(seconds: float) -> None:
+        waited.append(seconds)
+        time.now += seconds
+
+    pace = Pace(0.25, 0.05, time, sleep, overruns.recent)
+
+    def call(seconds: float) -> float:
+        """Return for how long a call waits that then takes a time."""
+        begun = time.now
+        pace.wait()
+        found = time.now - begun
+        time.now += seconds
+        pace.charge(seconds)
+        return found
+
+    assert [call(0.1) for _ in range(50)] == [0.0] * 50
+    overruns.report()
+    assert overruns.recent()
+    assert call(0.1) == 0.0
+    assert 0.0 < call(0.1) <= 0.05 / 0.25 + 0.05  # a long one is not paid for long
+    assert 0.0 < call(10.0) <= 0.05 / 0.25 + 0.05
+    assert not overruns.recent()
+    assert call(0.1) == 0.0
 
 
 def messages(rates: Rates, time: Time, clients: int, seconds: float) -> list[int]:

@@ -6,7 +6,7 @@ import logging
 import threading
 from _thread import interrupt_main
 from collections.abc import Callable
-from typing import Any, Protocol, TypeVar
+from typing import Any, Final, Protocol, TypeVar
 
 import omniORB
 from omniORB import CORBA, PortableServer, tcInternal
@@ -24,6 +24,7 @@ from rtgen.runtime.marshalling.octets import (
     read_reference,
     write_reference,
 )
+from rtgen.runtime.requests import await_turn, charge
 from rtgen.runtime.services.calls import encoded_arguments
 from rtgen.runtime.services.servants import (
     Invoker,
@@ -37,6 +38,9 @@ from rtgen.runtime.services.servants import (
 
 _REPORTED = (ObjectNotExist, UnknownException)
 """Operations whose failures are not reported: polling for ACTIVE is harmless, skeletons report."""
+
+CONVERSION: Final = 1e-4
+"""Time in which omniORB reads a request and writes its answer [s]."""
 
 _S = TypeVar("_S", bound=Servant)
 
@@ -247,11 +251,19 @@ def _servant_class(interface: type[Servant], operations: Operations) -> type[Any
     return type(interface.__name__, (PortableServer.Servant,), parts)
 
 
+def begin() -> float | None:
+    """Wait for the turn of a call of another process; return as `await_turn` does."""
+    if isinstance(threading.current_thread(), omniORB.WorkerThread):
+        return await_turn()
+    return None  # a thread of this process calls
+
+
 def _method(name: str, operation: Any) -> Callable[..., Any]:
     count, arguments_of, reply = operation.count, operation.arguments, operation.reply
 
     def method(self: Any, *values: Any) -> Any:
         given = values[:count]
+        begun = begin()
         self._busy.append(None)
         try:
             if arguments_of is not None:
@@ -279,6 +291,7 @@ def _method(name: str, operation: Any) -> Callable[..., Any]:
             raise raised(UnknownException(f"{name}: {described(error)}")) from error
         finally:
             self._busy.pop()
+            charge(begun, CONVERSION)
 
     return method
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Hashable
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
-from rtgen.runtime.requests import Queues, Requests
+from rtgen.runtime.requests import Queues, Requests, await_turn, charge
 
 _MAX_THREADS = 32
 _MAX_BUSY = 8
@@ -21,6 +21,8 @@ _MAX_WAITING = 1024
 _MAX_OF_CLIENT = 64
 """Maximum number of those of one client."""
 _PATIENCE = 60.0
+_CONVERSION = 2e-4
+"""Time in which an engine reads a request and writes its answer [s]."""
 
 
 class Workers:
@@ -51,8 +53,11 @@ class Workers:
 
     def _carry_out(self) -> None:
         # Work that waits for a place of its client is executed by the thread that leaves one.
-        while self._requests.carry_out_one(limited=False):
-            pass
+        while True:
+            begun = await_turn()
+            if not self._requests.carry_out_one(limited=False):
+                return
+            charge(begun, _CONVERSION)
 
     def close(self) -> None:
         """Start no further work."""

@@ -10,6 +10,7 @@ from heapq import heappop, heappush
 from typing import Any
 
 from rtgen.facts.connector_properties import Subscription
+from rtgen.runtime import requests
 from rtgen.runtime.errors import BlockedError
 from rtgen.runtime.ports.publisher import Publisher
 from rtgen.runtime.rtc.component import Component
@@ -145,6 +146,7 @@ class PeriodicThread:
                 self.longest = max(self.longest, now - begun)
                 self._due, overruns = next_instant(self._due, self._period, now)
             if overruns:
+                requests.overruns.report()
                 self._on_overrun(overruns)
 
     def _wait(self) -> bool:

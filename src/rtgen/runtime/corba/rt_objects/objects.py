@@ -14,20 +14,22 @@ from omniORB import CORBA, PortableServer
 from rtgen.runtime.corba import iors
 from rtgen.runtime.corba.code_sets import unsendable
 from rtgen.runtime.corba.faults import is_timeout
-from rtgen.runtime.corba.objects import SkeletonClass
+from rtgen.runtime.corba.objects import CONVERSION, SkeletonClass, begin
 from rtgen.runtime.corba.orb import Orb
 from rtgen.runtime.corba.rt_objects.wire import Interface
 from rtgen.runtime.failures import log
-from rtgen.runtime.requests import Pace
+from rtgen.runtime.requests import Pace, charge
 
 _SHARE: Final = 0.2
 """The part of the time for reading profiles, configurations and so on."""
 _BURST: Final = 0.5
 """Time that is saved up for that, such as for the start of a tool [s]."""
-_CONVERSION: Final = 1e-4
-"""Time in which omniORB reads a request and writes its answer [s]."""
 _READING: Final = re.compile(r"get_(?!component_state)").match
 """Operations that wait: not those for states, samples and connections."""
+_FIRST: Final = re.compile(
+    r"(?:de)?activate|reset|start|stop|exit|finalize|put$|get$|on_"
+).match
+"""Operations that never wait: people stop a robot by them; samples and ticks are the work itself."""
 _POSTING: Final = 100
 """Milliseconds in which a request is sent."""
 
@@ -146,7 +148,12 @@ def _class_of(interface: Interface) -> type[Any]:
         "_omni_skeleton": SkeletonClass(interface, operations),
     }
     for name in operations:
-        parts[name] = _paced(_method(name)) if _READING(name) else _method(name)
+        method = _method(name)
+        if _READING(name):
+            method = _paced(method)
+        elif not _FIRST(name):
+            method = _called(method)
+        parts[name] = method
     return type(f"{interface.repository_id}", (PortableServer.Servant,), parts)
 
 
@@ -175,6 +182,19 @@ def _paced(method: Any) -> Any:
         try:
             return method(self, *arguments)
         finally:
-            self._pace.charge(time.thread_time() - begun + _CONVERSION)
+            self._pace.charge(time.thread_time() - begun + CONVERSION)
 
     return paced
+
+
+def _called(method: Any) -> Any:
+    """Return a method that waits for its turn while components leave out ticks."""
+
+    def called(self: Any, *arguments: Any) -> Any:
+        begun = begin()
+        try:
+            return method(self, *arguments)
+        finally:
+            charge(begun, CONVERSION)
+
+    return called
