@@ -359,7 +359,7 @@ def await_turn() -> float | None:
     return time.thread_time()
 
 
-def charge(begun: float | None, conversion: float) -> None:
+def charge(begun: float | None, conversion: float = 0.0) -> None:
     """Count the time of a call since `await_turn`, and that of its conversion [s]."""
     if begun is not None:
         calls.charge(time.thread_time() - begun + conversion)

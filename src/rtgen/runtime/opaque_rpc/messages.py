@@ -22,6 +22,7 @@ from rtgen.runtime.opaque_rpc.errors import (
     RpcError,
 )
 from rtgen.runtime.opaque_rpc.tdr import SHARED_BEGIN, SHARED_END
+from rtgen.runtime.requests import await_turn, charge
 
 Send: TypeAlias = Callable[[bytes], None]
 
@@ -104,9 +105,11 @@ class MessageReader(ABC):
         next_head, more, find = self.head, self.more, handlers.get
         while head := next_head(HEAD):
             handler = find(head) or find_handler(head, more, handlers)
+            begun = await_turn()
             reply = handler(more)
             if reply is not None:
                 send(reply)
+            charge(begun)
 
     def more(self, n: int) -> bytes:
         """Return the next n bytes of the message.
@@ -225,9 +228,11 @@ class SharedUnmarshaller:
         if not 0 <= number < len(self._handlers):
             raise ProtocolError(E_ID, f"unknown sub-channel {number}")
         handler = find_handler(reader.more(HEAD), reader.more, self._handlers[number])
+        begun = await_turn()
         reply = handler(reader.more)
         if reply is not None:
             send(reply)
+        charge(begun)
         self._expect(reader.more(2), SHARED_END)
 
     def _expect(self, data: bytes, magic: int) -> None:

@@ -28,6 +28,7 @@ from rtgen.runtime.opaque_rpc.messages import (
     log,
     serve,
 )
+from rtgen.runtime.requests import await_turn, charge
 from rtgen.runtime.sockets import TIME_OVER
 
 _POLL_INTERVAL = 0.2
@@ -63,9 +64,11 @@ class _SocketReader(MessageReader):
             if not head:
                 return
             handler = find(head) or find_handler(head, more, handlers)
+            begun = await_turn()
             reply = handler(more)
             if reply is not None:
                 send(reply)
+            charge(begun)
 
     def _wait(self) -> bytes:
         connection = self._connection

@@ -29,7 +29,7 @@ _READING: Final = re.compile(r"get_(?!component_state)").match
 _FIRST: Final = re.compile(
     r"(?:de)?activate|reset|start|stop|exit|finalize|put$|get$|on_"
 ).match
-"""Operations that never wait: people stop a robot by them; samples and ticks are the work itself."""
+"""Operations that never wait: people stop a robot by them, or they are samples and ticks."""
 _POSTING: Final = 100
 """Milliseconds in which a request is sent."""
 
