@@ -67,7 +67,6 @@ WRITERS = {
     "project/output.py _sync_folder",
     "project/output.py _write_whole",
     "runtime/canopen/node/parameter_file.py ParameterFile.write",
-    "runtime/corba/rt_objects/activation.py Activations._write",
     "runtime/rtc/checkpoints.py CheckpointFile.__init__",
     "scaffold/writing.py added",
     "ui/documents/storing.py _create",

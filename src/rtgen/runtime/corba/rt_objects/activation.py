@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from omniORB import CORBA
 
-from rtgen.files import read_file
+from rtgen.files import create_file, read_file
 from rtgen.runtime.corba.faults import is_silent, is_timeout
 from rtgen.runtime.corba.rt_objects.objects import Exported
 from rtgen.runtime.corba.rt_objects.remote import FAULTS, RemoteRtc
@@ -124,7 +124,8 @@ class Activations:
                 for name, each in self._activated.items()
             ]
             try:
-                self._file.write_text("".join(lines), encoding="utf-8")
+                with create_file(self._file) as stream:
+                    stream.write("".join(lines).encode())
             except OSError as error:
                 log.warning("cannot write %s: %s", self._file, error.strerror)
 
