@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import functools
 import gc
 import math
@@ -279,8 +280,9 @@ def _of_file(error: OSError) -> Diagnostic | None:
     from rtgen.project.rules import ENVIRONMENT
 
     name = os.fsdecode(error.filename)
-    unusable = ENVIRONMENT.at(None, f"cannot use {name}: {error.strerror}")
-    return path_finding(name) or unusable
+    if error.errno == errno.ENAMETOOLONG and (found := path_finding(name)) is not None:
+        return found
+    return ENVIRONMENT.at(None, f"cannot use {name}: {error.strerror}")
 
 
 class Definitions(msgspec.Struct, frozen=True, kw_only=True):
