@@ -21,7 +21,7 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "generated"))
@@ -32,7 +32,7 @@ from websockets.sync.client import ClientConnection, connect  # noqa: E402
 from refrobots import rtc  # noqa: E402
 from rtgen import runtime  # noqa: E402
 from rtgen.model import System, SystemComponent  # noqa: E402
-from rtgen.runtime.rtc.profiles import ComponentProfile, data_port  # noqa: E402
+from rtgen.runtime.rtc.profiles import ComponentProfile  # noqa: E402
 from rtgen.ui.buses import Describer  # noqa: E402
 from rtgen.ui.project import Known, Opened, RunWatcher  # noqa: E402
 from rtgen.ui.protocol import ui  # noqa: E402
@@ -42,22 +42,14 @@ from rtgen.ui.session import Session  # noqa: E402
 COMPONENTS, WRITERS, CONNECTIONS, RATE = 60, 50, 200, 100.0
 
 
-class Node(runtime.Component):
+class Node(runtime.Component, type_name="Node", rate=RATE):
     """Writes a sample each tick, if it is a writer, and reads what it received."""
 
-    profile: ClassVar = ComponentProfile(
-        "Node",
-        rate=RATE,
-        ports=(
-            data_port("inport", "heard", rtc.TimedPose2D),
-            data_port("outport", "said", rtc.TimedPose2D),
-        ),
-    )
+    heard = runtime.inport(rtc.TimedPose2D)
+    said = runtime.outport(rtc.TimedPose2D)
 
     def __init__(self, name: str, *, writes: bool) -> None:
         super().__init__(name)
-        self.heard = self.add_in_port("heard", rtc.TimedPose2D)
-        self.said = self.add_out_port("said", rtc.TimedPose2D)
         self.writes = writes
         self.written = 0
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from decimal import Decimal
+from enum import Enum
 from typing import Any, Final
 
 TRUE: Final = ("true", "1", "yes", "on")
@@ -40,6 +41,20 @@ def number(text: str) -> float:
 def items(text: str) -> list[str]:
     """Split a sequence at commas and trim its items; none in a blank text."""
     return [item.strip() for item in text.split(",")] if text.strip() else []
+
+
+def default_text(value: Any) -> str:
+    """Return the text of a parameter's default in profiles; booleans are 1 and 0 there, which
+    every target accepts.
+    """
+    match value:
+        case bool():
+            return str(int(value))
+        case Enum():
+            return value.name
+        case list() | bytes():
+            return ",".join(map(default_text, value))
+    return str(value)
 
 
 def text_of(value: Any) -> str:

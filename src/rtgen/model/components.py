@@ -65,12 +65,14 @@ class ConfigurationParameter(Documented, frozen=True, kw_only=True):
 class Component(Declaration, frozen=True, kw_only=True):
     """A component: the CORBA 3 construct read as an RTC. Rate in Hz; dates as xsd:dateTime.
 
-    `ports` and `configuration` include inherited ones, base first. `runtime_base` is the base
-    class of its generated base if that is not the runtime's `Component`, and `factory` constructs
+    `ports` and `configuration` include inherited ones, base first. `runtime_base` is the base class
+    of its generated base if that is not the runtime's `Component`, and `factory` constructs
     instances if that is not a skeleton for the user to complete; both are written `module:name`,
     where a module with a leading dot is below the generated package. `module` has the generated
-    base, if that has no package of its own below `components`. `other_file` contains the IDL
-    definition that a profile of the component replaces. `language` is that of its profile.
+    base, if that has no package of its own below `components`. `configuration_base` is the
+    runtime's class of parameters that all components of its kind have, if there is one.
+    `other_file` contains the IDL definition that a profile of the component replaces. `language` is
+    that of its profile.
     """
 
     ports: tuple[Port, ...] = ()
@@ -92,6 +94,7 @@ class Component(Declaration, frozen=True, kw_only=True):
     updated: str = NO_DATE
     language: str = "Python"
     runtime_base: str = ""
+    configuration_base: str = ""
     factory: str = ""
     module: str = ""
     other_file: str = ""

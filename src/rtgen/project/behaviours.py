@@ -25,8 +25,9 @@ _MISSPELT = re.compile(
     rf"^ +def (?!(?:{'|'.join(sorted(_CALLBACKS))})\b)[oO]n\w+\(", re.M
 )
 """A method that begins as callbacks do, and is none."""
-_PARAMETERS = "Struct, gc=False"
-"""The bases of a generated class of configuration parameters."""
+_DECLARED = re.compile(r"^    (\w+) = \w+\(", re.M)
+_OF_COMPONENT = re.compile(r"^class \w+\(\s*Component\b", re.M)
+"""The declarations of ports, and the beginning of the class, in a generated base."""
 
 
 def check(project: Project, artifacts: Sequence[Artifact]) -> list[Diagnostic]:
@@ -102,17 +103,15 @@ def _ports(file: str, text: str, base: str) -> Iterator[Diagnostic]:
 
     Nothing if one of the classes has another base, which might define the port.
     """
-    generated = [each for each in _CLASS.findall(base) if each != _PARAMETERS]
-    if generated != ["Component"] or any(
-        "," in parents for parents in _CLASS.findall(text)
-    ):
+    mixed = any("," in parents for parents in _CLASS.findall(text))
+    if mixed or not _OF_COMPONENT.search(base):
         return
-    made = set(_SET.findall(base))
-    known = {*made, *_SET.findall(text), *_NAMED.findall(text)}
+    declared = set(_DECLARED.findall(base))
+    known = {*declared, *_SET.findall(text), *_NAMED.findall(text)}
     uses = {use[1]: use for use in reversed([*_USE.finditer(text)])}
     for name, use in uses.items():
         if name not in known:
-            near = _nearest(name, made)
+            near = _nearest(name, declared)
             yield UNKNOWN_PORT.at(
                 _span(file, text, use.start(1), use.end(1)),
                 f"the definition has no port {name!r}",

@@ -66,14 +66,21 @@ from rtgen.runtime.rtc.configuration import (
     DEFAULT_SET,
     ConfigurationSets,
 )
+from rtgen.runtime.rtc.declarations import (
+    Configuration,
+    configuration,
+    consumer,
+    inport,
+    outport,
+    parameter,
+    provider,
+)
 from rtgen.runtime.rtc.execution_context import ExecutionContext
 from rtgen.runtime.rtc.participant import Participant
 from rtgen.runtime.rtc.profiles import (
     ComponentProfile,
     ParameterProfile,
     PortProfile,
-    data_port,
-    service_port,
 )
 from rtgen.runtime.services.connectors import ServiceConnector
 from rtgen.runtime.services.ports import (
@@ -136,6 +143,7 @@ __all__ = [
     "ComponentProfile",
     "ConfFile",
     "ConfFileError",
+    "Configuration",
     "ConfigurationError",
     "ConfigurationSets",
     "ConnectError",
@@ -195,7 +203,11 @@ __all__ = [
     "UnknownObservableError",
     "UnknownParameterError",
     "UnknownPortError",
-    "data_port",
+    "configuration",
+    "consumer",
+    "inport",
     "operation",
-    "service_port",
+    "outport",
+    "parameter",
+    "provider",
 ]

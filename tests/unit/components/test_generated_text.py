@@ -82,45 +82,56 @@ def test_headers_say_who_owns_the_file() -> None:
 @pytest.mark.parametrize(
     ("item", "line"),
     [
-        (parameter("a", DOUBLE, 3), "a: float = 3.0"),
-        (parameter("a", LONG), "a: int = 0"),
-        (parameter("a", BOOLEAN, True), "a: bool = True"),
-        (parameter("a", STRING, 'say "hi"'), "a: str = 'say \"hi\"'"),
-        (parameter("a", MODE), "a: safety.Mode = safety.Mode.CLIP"),
+        (parameter("a", DOUBLE, 3), 'a: float = parameter(3.0, text="3")'),
+        (parameter("a", DOUBLE, 3.0), "a: float = parameter(3.0)"),
+        (parameter("a", LONG), "a: int = parameter(0)"),
+        (
+            parameter("a", PrimitiveType(Primitive.SHORT), -1),
+            'a: int = parameter(-1, type="short")',
+        ),
+        (parameter("a", BOOLEAN, True), "a: bool = parameter(True)"),
+        (parameter("a", STRING, 'say "hi"'), "a: str = parameter('say \"hi\"')"),
+        (
+            parameter("a", MODE),
+            'a: safety.Mode = parameter(safety.Mode.CLIP, type="Safety::Mode")',
+        ),
         (
             parameter("a", MODE, EnumeratorName(("Safety", "DROP"))),
-            "a: safety.Mode = safety.Mode.DROP",
+            'a: safety.Mode = parameter(safety.Mode.DROP, type="Safety::Mode")',
         ),
-        (parameter("a", DOUBLES), "a: list[float] = field(default_factory=list)"),
         (
-            parameter("a", DOUBLES, "1, 2.5"),
-            "a: list[float] = field(default_factory=lambda: [1.0, 2.5])",
+            parameter("a", DOUBLES),
+            'a: list[float] = parameter([], type="sequence<double>")',
+        ),
+        (
+            parameter("a", DOUBLES, "1.0,2.5"),
+            'a: list[float] = parameter([1.0, 2.5], type="sequence<double>")',
         ),
         (
             parameter("a", SequenceType(STRING), "x,y"),
-            'a: list[str] = field(default_factory=lambda: ["x", "y"])',
+            'a: list[str] = parameter(["x", "y"], type="sequence<string>")',
         ),
         (
             parameter("a", SequenceType(PrimitiveType(Primitive.OCTET)), "1,255"),
-            "a: bytes = bytes([1, 255])",
+            'a: bytes = parameter(bytes([1, 255]), type="sequence<octet>")',
         ),
         (
             parameter("a", SequenceType(PrimitiveType(Primitive.OCTET))),
-            'a: bytes = b""',
+            'a: bytes = parameter(b"", type="sequence<octet>")',
         ),
-        (parameter("from", LONG), "from_: int = 0"),
+        (parameter("from", LONG), 'from_: int = parameter(0, name="from")'),
         (
-            parameter("list", DOUBLES),
-            "list_: list[float] = field(default_factory=list)",
+            parameter("list", LONG, 2),
+            'list_: int = parameter(2, name="list")',
         ),
-        (parameter("safety", MODE), "safety_: safety.Mode = safety.Mode.CLIP"),
+        (parameter("parameter", LONG), "parameter: int = _parameter(0)"),
     ],
 )
 def test_configuration_fields(item: ConfigurationParameter, line: str) -> None:
     assert f"\n    {line}\n" in base_of(component(item))
 
 
-def test_units_and_docs_are_attribute_docstrings() -> None:
+def test_units_and_docs_are_arguments() -> None:
     text = base_of(
         component(
             port("inport", "a", unit="m", doc="Where it is.\nIn the frame."),
@@ -129,10 +140,18 @@ def test_units_and_docs_are_attribute_docstrings() -> None:
         )
     )
     assert (
-        '    x: float = 0.0\n    """Period [s]."""\n    y: float = 0.0\n    """[m]"""\n'
-        in text
-    )
-    assert '        """Where it is [m].\n        In the frame.\n        """\n' in text
+        '    x: float = parameter(0.0, "Period.", unit="s")\n'
+        '    y: float = parameter(0.0, unit="m")\n'
+    ) in text
+    assert (
+        "    a = inport(\n"
+        "        rtc.TimedLong,\n"
+        '        """Where it is.\n'
+        "        In the frame.\n"
+        '        """,\n'
+        '        unit="m",\n'
+        "    )\n"
+    ) in text
 
 
 def test_ports() -> None:
@@ -147,24 +166,43 @@ def test_ports() -> None:
             port("inport", "profile"),
         )
     )
-    body = text[text.index("super()") :]
-    assert [line.strip() for line in body.splitlines()[1:]] == [
-        'self.status_in = self.add_in_port("status", rtc.TimedLong)',
-        'self.status_out = self.add_out_port("status", rtc.TimedLong)',
-        'self.positon = self.add_in_port(".positon", rtc.TimedLong)',
-        'self.brake = self.add_provider("Safety", "left", safety.Brake)',
-        'self.log = self.add_consumer("log", "Component", robots_Component)',
-        'self.config_ = self.add_in_port("config", rtc.TimedLong)',
-        'self.profile_ = self.add_in_port("profile", rtc.TimedLong)',
+    body = text[text.index("status_in") :]
+    assert [line.strip() for line in body.splitlines()] == [
+        'status_in = inport(rtc.TimedLong, name="status")',
+        'status_out = outport(rtc.TimedLong, name="status")',
+        'positon = inport(rtc.TimedLong, name=".positon")',
+        'brake = provider(safety.Brake, port="Safety", instance="left")',
+        'log = consumer(robots_Component, instance="Component")',
+        'config_ = inport(rtc.TimedLong, name="config")',
+        'profile_ = inport(rtc.TimedLong, name="profile")',
     ]
     assert "from ... import Component as robots_Component, rtc, safety\n" in text
+
+
+def test_ports_named_as_modules_and_functions_hide_nothing() -> None:
+    text = base_of(
+        component(
+            *(port("inport", name) for name in ("rtc", "inport", "outport")),
+            port("outport", "other"),
+        )
+    )
+    body = text[text.index("    rtc = ") :]
+    assert [line.strip() for line in body.splitlines()] == [
+        "rtc = _inport(robots_rtc.TimedLong)",
+        "inport = _inport(robots_rtc.TimedLong)",
+        "outport = _inport(robots_rtc.TimedLong)",
+        "other = _outport(robots_rtc.TimedLong)",
+    ]
+    assert (
+        "from rtgen.runtime import Component, inport as _inport, outport as _" in text
+    )
 
 
 def test_a_component_without_anything() -> None:
     text = base_of(component())
     assert "__init__" not in text
-    assert "Struct" not in text
-    assert "import Component, ComponentProfile\n" in text
+    assert "Configuration" not in text
+    assert "import Component\n" in text
 
 
 def test_servants_have_the_operations_of_their_interface() -> None:
@@ -188,8 +226,13 @@ WORDS = sorted(
     {word for word in keyword.kwlist if word.isalpha()}
     | COMPONENT_NAMES
     | {
-        "field",
-        "Struct",
+        "Configuration",
+        "configuration",
+        "consumer",
+        "inport",
+        "outport",
+        "parameter",
+        "provider",
         "list",
         "int",
         "Component",
@@ -279,4 +322,4 @@ def test_a_module_called_self_does_not_hide_the_component() -> None:
     found = artifacts(model(component(port("inport", "a", "self::T")), more=(data,)))
     text = found["robots/components/limiter/__init__.py"].text
     assert "from ... import self as robots_self\n" in text
-    assert 'self.a = self.add_in_port("a", robots_self.T)\n' in text
+    assert "    a = inport(robots_self.T)\n" in text

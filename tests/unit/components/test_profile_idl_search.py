@@ -79,7 +79,7 @@ def generated(*options: str) -> str:
 
 
 def is_complete(text: str) -> bool:
-    return "kin.TimedJoint)" in text and "kin.Solver)" in text and kin_is_read()
+    return "kin.TimedJoint)" in text and "provider(kin.Solver" in text and kin_is_read()
 
 
 def kin_is_read() -> bool:

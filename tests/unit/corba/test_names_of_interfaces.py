@@ -8,29 +8,22 @@ import pytest
 
 from refrobots.canopen import Manager
 from rtgen.cli import run
-from rtgen.runtime import Component, ComponentProfile, service_port
+from rtgen.runtime import Component, consumer, provider
 from rtgen.runtime.corba.rt_objects.services import descriptor, offers, type_names
 
 
-class Peer(Component):
-    profile = ComponentProfile(
-        "Peer",
-        ports=(
-            service_port("provider", "own", Manager, type_name="Lab::Boss"),
-            service_port("consumer", "other", Manager),
-        ),
-    )
+class Peer(Component, type_name="Peer"):
+    own = provider(Manager, type_name="Lab::Boss")
+    other = consumer(Manager)
 
 
 def test_the_author_s_name_goes_before_the_scoped_one() -> None:
     peer = Peer("Peer0")
-    provider = peer.add_provider("own", "own", Manager)
-    consumer = peer.add_consumer("other", "other", Manager)
-    assert type_names(provider) == ["Lab::Boss", "CANopen::Manager", "Manager"]
-    assert type_names(consumer) == ["CANopen::Manager", "Manager"]
-    assert descriptor(provider) == "Lab::Boss.own"
-    assert descriptor(consumer) == "CANopen::Manager.other"
-    assert offers("Peer0", "own", {provider: "IOR:1"}) == dict.fromkeys(
+    assert type_names(peer.own) == ["Lab::Boss", "CANopen::Manager", "Manager"]
+    assert type_names(peer.other) == ["CANopen::Manager", "Manager"]
+    assert descriptor(peer.own) == "Lab::Boss.own"
+    assert descriptor(peer.other) == "CANopen::Manager.other"
+    assert offers("Peer0", "own", {peer.own: "IOR:1"}) == dict.fromkeys(
         (
             "Peer0.port.own.provided.Lab::Boss.own",
             "port.Lab::Boss.own",

@@ -13,7 +13,6 @@ import rtgen
 from rtgen import runtime
 from rtgen.cli.ui import CommandProject
 from rtgen.model import System
-from rtgen.runtime.rtc.profiles import ComponentProfile, data_port
 from rtgen.ui.session import Session
 
 pytestmark = [pytest.mark.slow, pytest.mark.peer]
@@ -43,16 +42,8 @@ class GridProject(CommandProject):
     ) -> runtime.System:
         types = self._types
 
-        class Mapper(runtime.Component):
-            profile = ComponentProfile(
-                "Mapper",
-                rate=10.0,
-                ports=(data_port("outport", "map", types.OccupancyGrid),),
-            )
-
-            def __init__(self, name: str) -> None:
-                super().__init__(name)
-                self.map = self.add_out_port("map", types.OccupancyGrid)
+        class Mapper(runtime.Component, type_name="Mapper", rate=10.0):
+            map = runtime.outport(types.OccupancyGrid)
 
             def on_execute(self, ec_id: int) -> runtime.ReturnCode_t:
                 grid = types.OccupancyGrid(data=[0, 0, 100, -1])

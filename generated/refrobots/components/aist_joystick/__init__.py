@@ -4,29 +4,39 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import Component, Configuration, configuration, outport, parameter
 
 from ... import iis, rtc
 
 
-class AistJoystickConfiguration(Struct, gc=False):
-    """Configuration of AistJoystick."""
+class AistJoystickConfiguration(Configuration):
+    """Parameters of AistJoystick."""
 
-    script: str = ""
-    """File that tells what the hand does, relative to the system file: lines
-    `SECONDS FORWARD LEFT TURN`, each within -1..1.
-    """
-    max_v: float = 0.3
-    """Speed at full deflection [m/s]."""
-    max_w: float = 0.5
-    """Angular speed at full deflection [rad/s]."""
+    script: str = parameter(
+        "",
+        """File that tells what the hand does, relative to the system file: lines
+        `SECONDS FORWARD LEFT TURN`, each within -1..1.
+        """,
+        widget="text",
+    )
+    max_v: float = parameter(0.3, "Speed at full deflection.", minimum=0.0, unit="m/s")
+    max_w: float = parameter(
+        0.5,
+        "Angular speed at full deflection.",
+        minimum=0.0,
+        unit="rad/s",
+    )
 
 
-class AistJoystickBase(Component):
+class AistJoystickBase(
+    Component,
+    type_name="AistJoystick",
+    category="Robots",
+    vendor="rtgen",
+    version="1.0.0",
+    description="AIST joystick: a digital pad",
+    rate=50.0,
+):
     """AIST joystick: a digital pad.
 
     Each direction is on or off, from half deflection on.
@@ -35,67 +45,14 @@ class AistJoystickBase(Component):
     tells that there are four joysticks, not how they differ: that is ours.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="AistJoystick",
-        kind="DataFlowComponent",
-        category="Robots",
-        vendor="rtgen",
-        version="1.0.0",
-        description="AIST joystick: a digital pad",
-        rate=50.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "outport",
-                "velocity",
-                rtc.TimedVelocity,
-                "Travel command of the first phase.",
-                unit="m/s, rad/s",
-            ),
-            data_port(
-                "outport",
-                "moving_command",
-                iis.TimedVelocity,
-                "Travel command of the second phase.",
-                unit="m/s, rad/s",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="script",
-                python_name="script",
-                type="string",
-                default="",
-                widget="text",
-                description="File that tells what the hand does, relative to the system file: lines",
-            ),
-            ParameterProfile(
-                name="max_v",
-                python_name="max_v",
-                type="double",
-                default="0.3",
-                minimum=0.0,
-                unit="m/s",
-                description="Speed at full deflection.",
-            ),
-            ParameterProfile(
-                name="max_w",
-                python_name="max_w",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="rad/s",
-                description="Angular speed at full deflection.",
-            ),
-        ),
+    config = configuration(AistJoystickConfiguration)
+    velocity = outport(
+        rtc.TimedVelocity,
+        "Travel command of the first phase.",
+        unit="m/s, rad/s",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(AistJoystickConfiguration())
-        self.velocity = self.add_out_port("velocity", rtc.TimedVelocity)
-        """Travel command of the first phase [m/s, rad/s]."""
-        self.moving_command = self.add_out_port("moving_command", iis.TimedVelocity)
-        """Travel command of the second phase [m/s, rad/s]."""
+    moving_command = outport(
+        iis.TimedVelocity,
+        "Travel command of the second phase.",
+        unit="m/s, rad/s",
+    )

@@ -4,32 +4,42 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import ComponentProfile, ParameterProfile, data_port, service_port
+from rtgen.runtime import Configuration, configuration, outport, parameter, provider
 from rtgen.runtime.canopen.master.manager import CanopenManager
 
 from ... import canopen
 
 
-class CanopenManagerConfiguration(Struct, gc=False):
-    """Configuration of CanopenManager."""
+class CanopenManagerConfiguration(Configuration):
+    """Parameters of CanopenManager."""
 
-    network: str = ""
-    """Network: name of its bus file."""
-    interface: str = "virtual"
-    """Interface of python-can; in simulated time the bus is simulated."""
-    channel: str = "can0"
-    """Channel of the interface."""
-    bitrate: int = 0
-    """Bit rate; 0: the default of the interface [bit/s]."""
-    options: str = ""
-    """Further arguments of the interface, such as "host=127.0.0.1,port=29536"."""
+    network: str = parameter("", "Network: name of its bus file.")
+    interface: str = parameter(
+        "virtual",
+        "Interface of python-can; in simulated time the bus is simulated.",
+    )
+    channel: str = parameter("can0", "Channel of the interface.")
+    bitrate: int = parameter(
+        0,
+        "Bit rate; 0: the default of the interface.",
+        minimum=0,
+        unit="bit/s",
+    )
+    options: str = parameter(
+        "",
+        'Further arguments of the interface, such as "host=127.0.0.1,port=29536".',
+    )
 
 
-class CanopenManagerBase(CanopenManager):
+class CanopenManagerBase(
+    CanopenManager,
+    type_name="CanopenManager",
+    category="CANopen",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Manager of a CANopen network",
+    rate=100.0,
+):
     """Runs a CANopen network: checks, configures, starts and supervises its nodes.
 
     The NMT master, which sends SYNC and its own heartbeat as configured in the bus file. It runs the
@@ -37,77 +47,10 @@ class CanopenManagerBase(CanopenManager):
     failure of a mandatory node leads to ERROR.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="CanopenManager",
-        kind="DataFlowComponent",
-        category="CANopen",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Manager of a CANopen network",
-        rate=100.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "outport",
-                "states",
-                canopen.NodeState,
-                "The state of a node, sent on each change.",
-            ),
-            service_port(
-                "provider",
-                "manager",
-                canopen.Manager,
-                "Commands for nodes, and their states.",
-                instance="Manager",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="network",
-                python_name="network",
-                type="string",
-                default="",
-                description="Network: name of its bus file.",
-            ),
-            ParameterProfile(
-                name="interface",
-                python_name="interface",
-                type="string",
-                default="virtual",
-                description="Interface of python-can; in simulated time the bus is simulated.",
-            ),
-            ParameterProfile(
-                name="channel",
-                python_name="channel",
-                type="string",
-                default="can0",
-                description="Channel of the interface.",
-            ),
-            ParameterProfile(
-                name="bitrate",
-                python_name="bitrate",
-                type="long",
-                default="0",
-                minimum=0,
-                unit="bit/s",
-                description="Bit rate; 0: the default of the interface.",
-            ),
-            ParameterProfile(
-                name="options",
-                python_name="options",
-                type="string",
-                default="",
-                description='Further arguments of the interface, such as "host=127.0.0.1,port=29536".',
-            ),
-        ),
+    config = configuration(CanopenManagerConfiguration)
+    states = outport(canopen.NodeState, "The state of a node, sent on each change.")
+    manager = provider(
+        canopen.Manager,
+        "Commands for nodes, and their states.",
+        instance="Manager",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(CanopenManagerConfiguration())
-        self.states = self.add_out_port("states", canopen.NodeState)
-        """The state of a node, sent on each change."""
-        self.manager = self.add_provider("manager", "Manager", canopen.Manager)
-        """Commands for nodes, and their states."""

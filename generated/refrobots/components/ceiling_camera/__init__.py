@@ -4,37 +4,53 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import (
+    Component,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+)
 
 from ... import iis, rtc
 
 
-class CeilingCameraConfiguration(Struct, gc=False):
-    """Configuration of CeilingCamera."""
+class CeilingCameraConfiguration(Configuration):
+    """Parameters of CeilingCamera."""
 
-    ceiling_map: str = "ceiling_map"
-    """The ceiling, read on activation: lines `m X Y RADIUS`, a lamp each [m]."""
-    width: int = 320
-    """Columns of a picture."""
-    height: int = 240
-    """Rows of a picture."""
-    Center_X: int = 160
-    """Column of the point straight above the base."""
-    Center_Y: int = 120
-    """Row of the point straight above the base."""
-    pixel: float = 0.01
-    """Size of the part of the ceiling in a pixel [m]."""
-    noise: int = 40
-    """Number of pixels of a picture that are bright by mistake."""
-    seed: int = 1
-    """Seed of the random numbers."""
+    ceiling_map: str = parameter(
+        "ceiling_map",
+        "The ceiling, read on activation: lines `m X Y RADIUS`, a lamp each [m].",
+    )
+    width: int = parameter(320, "Columns of a picture.", minimum=16, maximum=4096)
+    height: int = parameter(240, "Rows of a picture.", minimum=16, maximum=4096)
+    Center_X: int = parameter(160, "Column of the point straight above the base.")
+    Center_Y: int = parameter(120, "Row of the point straight above the base.")
+    pixel: float = parameter(
+        0.01,
+        "Size of the part of the ceiling in a pixel.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    noise: int = parameter(
+        40,
+        "Number of pixels of a picture that are bright by mistake.",
+        minimum=0,
+        maximum=10000,
+    )
+    seed: int = parameter(1, "Seed of the random numbers.")
 
 
-class CeilingCameraBase(Component):
+class CeilingCameraBase(
+    Component,
+    type_name="CeilingCamera",
+    category="Simulation",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Camera that looks at the ceiling, simulated",
+    rate=10.0,
+):
     """Takes pictures of the ceiling above the base: lamps, round and bright, on a dark ground.
 
     Not in the source, where the camera is a device. A picture has one octet for each pixel
@@ -42,104 +58,6 @@ class CeilingCameraBase(Component):
     left. Some pixels are wrong, at random but the same in each run.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="CeilingCamera",
-        kind="DataFlowComponent",
-        category="Simulation",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Camera that looks at the ceiling, simulated",
-        rate=10.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "pose",
-                iis.TimedPose2D,
-                "True pose of the base.",
-                unit="m, rad",
-            ),
-            data_port(
-                "outport",
-                "CameraData",
-                rtc.TimedOctetSeq,
-                "The pictures, with the time of the pose.",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="ceiling_map",
-                python_name="ceiling_map",
-                type="string",
-                default="ceiling_map",
-                description="The ceiling, read on activation: lines `m X Y RADIUS`, a lamp each [m].",
-            ),
-            ParameterProfile(
-                name="width",
-                python_name="width",
-                type="long",
-                default="320",
-                minimum=16,
-                maximum=4096,
-                description="Columns of a picture.",
-            ),
-            ParameterProfile(
-                name="height",
-                python_name="height",
-                type="long",
-                default="240",
-                minimum=16,
-                maximum=4096,
-                description="Rows of a picture.",
-            ),
-            ParameterProfile(
-                name="Center_X",
-                python_name="Center_X",
-                type="long",
-                default="160",
-                description="Column of the point straight above the base.",
-            ),
-            ParameterProfile(
-                name="Center_Y",
-                python_name="Center_Y",
-                type="long",
-                default="120",
-                description="Row of the point straight above the base.",
-            ),
-            ParameterProfile(
-                name="pixel",
-                python_name="pixel",
-                type="double",
-                default="0.01",
-                unit="m",
-                constraint="x>0.0",
-                description="Size of the part of the ceiling in a pixel.",
-            ),
-            ParameterProfile(
-                name="noise",
-                python_name="noise",
-                type="long",
-                default="40",
-                minimum=0,
-                maximum=10000,
-                description="Number of pixels of a picture that are bright by mistake.",
-            ),
-            ParameterProfile(
-                name="seed",
-                python_name="seed",
-                type="long",
-                default="1",
-                description="Seed of the random numbers.",
-            ),
-        ),
-    )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(CeilingCameraConfiguration())
-        self.pose = self.add_in_port("pose", iis.TimedPose2D)
-        """True pose of the base [m, rad]."""
-        self.CameraData = self.add_out_port("CameraData", rtc.TimedOctetSeq)
-        """The pictures, with the time of the pose."""
+    config = configuration(CeilingCameraConfiguration)
+    pose = inport(iis.TimedPose2D, "True pose of the base.", unit="m, rad")
+    CameraData = outport(rtc.TimedOctetSeq, "The pictures, with the time of the pose.")

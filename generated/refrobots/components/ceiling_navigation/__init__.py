@@ -4,47 +4,84 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import (
+    Component,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+)
 
 from ... import iis, rtc
 
 
-class CeilingNavigationConfiguration(Struct, gc=False):
-    """Configuration of CeilingNavigation."""
+class CeilingNavigationConfiguration(Configuration):
+    """Parameters of CeilingNavigation."""
 
-    NavigationMap: str = "ceiling_map"
-    """The map of the ceiling, read on activation: lines `m X Y RADIUS`, a lamp each [m]."""
-    BlockCoefficient: float = 0.414
-    """Minimum share of the square block around a lamp that the lamp fills."""
-    SearchScope: float = 2.0
-    """Maximum distance from the expected place of a lamp, in diameters of the lamp."""
-    BlackWhiteValue: int = 220
-    """Brightness from which a pixel counts as bright."""
-    ImageWidth: int = 320
-    """Columns of a picture."""
-    Center_X: int = 160
-    """Column of the point straight above the base."""
-    Center_Y: int = 120
-    """Row of the point straight above the base."""
-    RealMapSize: float = 100.0
-    """Length on the ceiling that corresponds to `VirtualMapSize` in a picture [cm]."""
-    VirtualMapSize: float = 100.0
-    """Number of pixels that show `RealMapSize` [pixels]."""
-    PositionTimeout: float = 0.5
-    """Lamps are looked for about no position older than this: without one there is no pose by the [s]
-    ceiling. 0: any age. Not in the source.
-    """
-    CameraTimeout: float = 1.0
-    """Pictures older than this are dropped; without any for so long it is reported. 0: any age. Not [s]
-    in the source.
-    """
+    NavigationMap: str = parameter(
+        "ceiling_map",
+        "The map of the ceiling, read on activation: lines `m X Y RADIUS`, a lamp each [m].",
+    )
+    BlockCoefficient: float = parameter(
+        0.414,
+        "Minimum share of the square block around a lamp that the lamp fills.",
+        minimum=0.0,
+        maximum=1.0,
+    )
+    SearchScope: float = parameter(
+        2.0,
+        "Maximum distance from the expected place of a lamp, in diameters of the lamp.",
+        constraint="x>0.0",
+    )
+    BlackWhiteValue: int = parameter(
+        220,
+        "Brightness from which a pixel counts as bright.",
+        minimum=1,
+        maximum=255,
+    )
+    ImageWidth: int = parameter(320, "Columns of a picture.", minimum=16, maximum=4096)
+    Center_X: int = parameter(160, "Column of the point straight above the base.")
+    Center_Y: int = parameter(120, "Row of the point straight above the base.")
+    RealMapSize: float = parameter(
+        100.0,
+        "Length on the ceiling that corresponds to `VirtualMapSize` in a picture.",
+        unit="cm",
+        constraint="x>0.0",
+    )
+    VirtualMapSize: float = parameter(
+        100.0,
+        "Number of pixels that show `RealMapSize`.",
+        unit="pixels",
+        constraint="x>0.0",
+    )
+    PositionTimeout: float = parameter(
+        0.5,
+        """Lamps are looked for about no position older than this: without one there is no pose by the
+        ceiling. 0: any age. Not in the source.
+        """,
+        minimum=0.0,
+        unit="s",
+    )
+    CameraTimeout: float = parameter(
+        1.0,
+        """Pictures older than this are dropped; without any for so long it is reported. 0: any age. Not
+        in the source.
+        """,
+        minimum=0.0,
+        unit="s",
+    )
 
 
-class CeilingNavigationBase(Component):
+class CeilingNavigationBase(
+    Component,
+    type_name="CeilingNavigation",
+    category="Navigation",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Pose by the lamps of the ceiling",
+    rate=50.0,
+):
     """Finds the pose of the base by the lamps of the ceiling in a picture.
 
     The public component matches blocks of the picture against a picture of the whole ceiling;
@@ -53,141 +90,18 @@ class CeilingNavigationBase(Component):
     public names and defaults.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="CeilingNavigation",
-        kind="DataFlowComponent",
-        category="Navigation",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Pose by the lamps of the ceiling",
-        rate=50.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "CameraData",
-                rtc.TimedOctetSeq,
-                "Pictures of the ceiling: one octet for each pixel, row by row, upper edge ahead.",
-            ),
-            data_port(
-                "inport",
-                "LocalizedPosition",
-                iis.TimedPose2D,
-                "Approximate pose of the base.",
-                unit="m, rad",
-            ),
-            data_port(
-                "outport",
-                "CeilingPosition",
-                iis.TimedPose2D,
-                "Pose of the base at the time of the picture.",
-                unit="m, rad",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="NavigationMap",
-                python_name="NavigationMap",
-                type="string",
-                default="ceiling_map",
-                description="The map of the ceiling, read on activation: lines `m X Y RADIUS`, a lamp each [m].",
-            ),
-            ParameterProfile(
-                name="BlockCoefficient",
-                python_name="BlockCoefficient",
-                type="double",
-                default="0.414",
-                minimum=0.0,
-                maximum=1.0,
-                description="Minimum share of the square block around a lamp that the lamp fills.",
-            ),
-            ParameterProfile(
-                name="SearchScope",
-                python_name="SearchScope",
-                type="double",
-                default="2.0",
-                constraint="x>0.0",
-                description="Maximum distance from the expected place of a lamp, in diameters of the lamp.",
-            ),
-            ParameterProfile(
-                name="BlackWhiteValue",
-                python_name="BlackWhiteValue",
-                type="long",
-                default="220",
-                minimum=1,
-                maximum=255,
-                description="Brightness from which a pixel counts as bright.",
-            ),
-            ParameterProfile(
-                name="ImageWidth",
-                python_name="ImageWidth",
-                type="long",
-                default="320",
-                minimum=16,
-                maximum=4096,
-                description="Columns of a picture.",
-            ),
-            ParameterProfile(
-                name="Center_X",
-                python_name="Center_X",
-                type="long",
-                default="160",
-                description="Column of the point straight above the base.",
-            ),
-            ParameterProfile(
-                name="Center_Y",
-                python_name="Center_Y",
-                type="long",
-                default="120",
-                description="Row of the point straight above the base.",
-            ),
-            ParameterProfile(
-                name="RealMapSize",
-                python_name="RealMapSize",
-                type="double",
-                default="100.0",
-                unit="cm",
-                constraint="x>0.0",
-                description="Length on the ceiling that corresponds to `VirtualMapSize` in a picture.",
-            ),
-            ParameterProfile(
-                name="VirtualMapSize",
-                python_name="VirtualMapSize",
-                type="double",
-                default="100.0",
-                unit="pixels",
-                constraint="x>0.0",
-                description="Number of pixels that show `RealMapSize`.",
-            ),
-            ParameterProfile(
-                name="PositionTimeout",
-                python_name="PositionTimeout",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="s",
-                description="Lamps are looked for about no position older than this: without one there is no pose by the",
-            ),
-            ParameterProfile(
-                name="CameraTimeout",
-                python_name="CameraTimeout",
-                type="double",
-                default="1.0",
-                minimum=0.0,
-                unit="s",
-                description="Pictures older than this are dropped; without any for so long it is reported. 0: any age. Not",
-            ),
-        ),
+    config = configuration(CeilingNavigationConfiguration)
+    CameraData = inport(
+        rtc.TimedOctetSeq,
+        "Pictures of the ceiling: one octet for each pixel, row by row, upper edge ahead.",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(CeilingNavigationConfiguration())
-        self.CameraData = self.add_in_port("CameraData", rtc.TimedOctetSeq)
-        """Pictures of the ceiling: one octet for each pixel, row by row, upper edge ahead."""
-        self.LocalizedPosition = self.add_in_port("LocalizedPosition", iis.TimedPose2D)
-        """Approximate pose of the base [m, rad]."""
-        self.CeilingPosition = self.add_out_port("CeilingPosition", iis.TimedPose2D)
-        """Pose of the base at the time of the picture [m, rad]."""
+    LocalizedPosition = inport(
+        iis.TimedPose2D,
+        "Approximate pose of the base.",
+        unit="m, rad",
+    )
+    CeilingPosition = outport(
+        iis.TimedPose2D,
+        "Pose of the base at the time of the picture.",
+        unit="m, rad",
+    )

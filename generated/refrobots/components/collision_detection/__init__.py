@@ -4,39 +4,68 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
 from rtgen.runtime import (
     Component,
-    ComponentProfile,
-    ParameterProfile,
-    data_port,
-    service_port,
+    Configuration,
+    configuration,
+    consumer,
+    inport,
+    parameter,
 )
 
 from ... import RefHard, iis
 
 
-class CollisionDetectionConfiguration(Struct, gc=False):
-    """Configuration of CollisionDetection."""
+class CollisionDetectionConfiguration(Configuration):
+    """Parameters of CollisionDetection."""
 
-    radiusOfBodyArea: float = 0.45
-    """Radius of a circle around the whole body [m]."""
-    margin: float = 0.1
-    """Distance between body and obstacle that remains at rest [m]."""
-    reaction: float = 0.25
-    """Time until the base begins to stop [s]."""
-    deceleration: float = 2.0
-    """Deceleration of the base [m/s^2]."""
-    ObstaclesTimeout: float = 0.5
-    """The base is held while the newest scan is older than this; 0: never [s]."""
-    VelocityTimeout: float = 0.5
-    """The base is held while the newest velocity is older than this; 0: never [s]."""
+    radiusOfBodyArea: float = parameter(
+        0.45,
+        "Radius of a circle around the whole body.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    margin: float = parameter(
+        0.1,
+        "Distance between body and obstacle that remains at rest.",
+        minimum=0.0,
+        unit="m",
+    )
+    reaction: float = parameter(
+        0.25,
+        "Time until the base begins to stop.",
+        minimum=0.0,
+        unit="s",
+    )
+    deceleration: float = parameter(
+        2.0,
+        "Deceleration of the base.",
+        unit="m/s^2",
+        constraint="x>0.0",
+    )
+    ObstaclesTimeout: float = parameter(
+        0.5,
+        "The base is held while the newest scan is older than this; 0: never.",
+        minimum=0.0,
+        unit="s",
+    )
+    VelocityTimeout: float = parameter(
+        0.5,
+        "The base is held while the newest velocity is older than this; 0: never.",
+        minimum=0.0,
+        unit="s",
+    )
 
 
-class CollisionDetectionBase(Component):
+class CollisionDetectionBase(
+    Component,
+    type_name="CollisionDetection",
+    category="Navigation",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Stops the base before a collision",
+    rate=100.0,
+):
     """Calls `Stop` of the base when its velocity leads to a collision, and `Go` when it no longer does.
 
     It stops the base also while it has no scan, or no velocity, that is young enough, and it does
@@ -45,104 +74,11 @@ class CollisionDetectionBase(Component):
     that of a bumper.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="CollisionDetection",
-        kind="DataFlowComponent",
-        category="Navigation",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Stops the base before a collision",
-        rate=100.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "obstacles",
-                iis.TimedPoint2DSeq,
-                "The points of the newest scan.",
-                unit="m",
-            ),
-            data_port(
-                "inport",
-                "velocity",
-                iis.TimedVelocity2D,
-                "The commanded velocity of the base.",
-                unit="m/s, rad/s",
-            ),
-            service_port(
-                "consumer",
-                "BumpRefHard",
-                RefHard,
-                "Stops the base.",
-                instance="RefHard",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="radiusOfBodyArea",
-                python_name="radiusOfBodyArea",
-                type="double",
-                default="0.45",
-                unit="m",
-                constraint="x>0.0",
-                description="Radius of a circle around the whole body.",
-            ),
-            ParameterProfile(
-                name="margin",
-                python_name="margin",
-                type="double",
-                default="0.1",
-                minimum=0.0,
-                unit="m",
-                description="Distance between body and obstacle that remains at rest.",
-            ),
-            ParameterProfile(
-                name="reaction",
-                python_name="reaction",
-                type="double",
-                default="0.25",
-                minimum=0.0,
-                unit="s",
-                description="Time until the base begins to stop.",
-            ),
-            ParameterProfile(
-                name="deceleration",
-                python_name="deceleration",
-                type="double",
-                default="2.0",
-                unit="m/s^2",
-                constraint="x>0.0",
-                description="Deceleration of the base.",
-            ),
-            ParameterProfile(
-                name="ObstaclesTimeout",
-                python_name="ObstaclesTimeout",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="s",
-                description="The base is held while the newest scan is older than this; 0: never.",
-            ),
-            ParameterProfile(
-                name="VelocityTimeout",
-                python_name="VelocityTimeout",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="s",
-                description="The base is held while the newest velocity is older than this; 0: never.",
-            ),
-        ),
+    config = configuration(CollisionDetectionConfiguration)
+    obstacles = inport(iis.TimedPoint2DSeq, "The points of the newest scan.", unit="m")
+    velocity = inport(
+        iis.TimedVelocity2D,
+        "The commanded velocity of the base.",
+        unit="m/s, rad/s",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(CollisionDetectionConfiguration())
-        self.obstacles = self.add_in_port("obstacles", iis.TimedPoint2DSeq)
-        """The points of the newest scan [m]."""
-        self.velocity = self.add_in_port("velocity", iis.TimedVelocity2D)
-        """The commanded velocity of the base [m/s, rad/s]."""
-        self.BumpRefHard = self.add_consumer("BumpRefHard", "RefHard", RefHard)
-        """Stops the base."""
+    BumpRefHard = consumer(RefHard, "Stops the base.", instance="RefHard")

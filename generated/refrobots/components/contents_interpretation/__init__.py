@@ -4,70 +4,43 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import (
+    Component,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+)
 
 from ... import ucode
 
 
-class ContentsInterpretationConfiguration(Struct, gc=False):
-    """Configuration of ContentsInterpretation."""
+class ContentsInterpretationConfiguration(Configuration):
+    """Parameters of ContentsInterpretation."""
 
-    cache: int = 4
-    """Maximum number of cached contents; the least recently used one is dropped first."""
+    cache: int = parameter(
+        4,
+        "Maximum number of cached contents; the least recently used one is dropped first.",
+        minimum=1,
+        maximum=64,
+    )
 
 
-class ContentsInterpretationBase(Component):
+class ContentsInterpretationBase(
+    Component,
+    type_name="ContentsInterpretation",
+    category="Embedded",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Contents of the records of ucodes",
+    rate=20.0,
+):
     """Interprets records: where a marker is, and what it stands for (Fig 123).
 
     Interpreted contents are cached. The ports are not in the source.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="ContentsInterpretation",
-        kind="DataFlowComponent",
-        category="Embedded",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Contents of the records of ucodes",
-        rate=20.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "record",
-                ucode.TimedRecord,
-                "Records, with their markers.",
-            ),
-            data_port(
-                "outport",
-                "contents",
-                ucode.TimedContents,
-                "The interpreted contents.",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="cache",
-                python_name="cache",
-                type="long",
-                default="4",
-                minimum=1,
-                maximum=64,
-                description="Maximum number of cached contents; the least recently used one is dropped first.",
-            ),
-        ),
-    )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(ContentsInterpretationConfiguration())
-        self.record = self.add_in_port("record", ucode.TimedRecord)
-        """Records, with their markers."""
-        self.contents = self.add_out_port("contents", ucode.TimedContents)
-        """The interpreted contents."""
+    config = configuration(ContentsInterpretationConfiguration)
+    record = inport(ucode.TimedRecord, "Records, with their markers.")
+    contents = outport(ucode.TimedContents, "The interpreted contents.")

@@ -4,72 +4,43 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import Component, Configuration, configuration, inport, parameter
 
 from ... import iis
 
 
-class DispPositionConfiguration(Struct, gc=False):
-    """Configuration of DispPosition."""
+class DispPositionConfiguration(Configuration):
+    """Parameters of DispPosition."""
 
-    map_file: str = "route_map"
-    """The map, read on activation, as PathPlanning reads it; empty: none."""
-    picture: str = ""
-    """The picture to be written (.svg, .png or .pdf); empty: none."""
+    map_file: str = parameter(
+        "route_map",
+        "The map, read on activation, as PathPlanning reads it; empty: none.",
+        widget="text",
+    )
+    picture: str = parameter(
+        "",
+        "The picture to be written (.svg, .png or .pdf); empty: none.",
+        widget="text",
+    )
 
 
-class DispPositionBase(Component):
+class DispPositionBase(
+    Component,
+    type_name="DispPosition",
+    category="Navigation",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Pose and trail on a map",
+    rate=10.0,
+):
     """Draws the pose of the base and its trail on the map of the planner.
 
     The public component shows a window; this one writes the picture when it is deactivated.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="DispPosition",
-        kind="DataFlowComponent",
-        category="Navigation",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Pose and trail on a map",
-        rate=10.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "position",
-                iis.TimedPose2D,
-                "Pose of the base. The name of the port is not in the source.",
-                unit="m, rad",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="map_file",
-                python_name="map_file",
-                type="string",
-                default="route_map",
-                widget="text",
-                description="The map, read on activation, as PathPlanning reads it; empty: none.",
-            ),
-            ParameterProfile(
-                name="picture",
-                python_name="picture",
-                type="string",
-                default="",
-                widget="text",
-                description="The picture to be written (.svg, .png or .pdf); empty: none.",
-            ),
-        ),
+    config = configuration(DispPositionConfiguration)
+    position = inport(
+        iis.TimedPose2D,
+        "Pose of the base. The name of the port is not in the source.",
+        unit="m, rad",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(DispPositionConfiguration())
-        self.position = self.add_in_port("position", iis.TimedPose2D)
-        """Pose of the base. The name of the port is not in the source [m, rad]."""

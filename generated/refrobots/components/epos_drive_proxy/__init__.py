@@ -6,12 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from struct import Struct as _Struct, error as _error
-from typing import ClassVar
 
-from msgspec import Struct
-
-from rtgen.runtime import ComponentProfile, ParameterProfile, data_port, service_port
+from rtgen.runtime import configuration, inport, outport, parameter, provider
 from rtgen.runtime.canopen import pdo as _pdo
+from rtgen.runtime.canopen.configuration import ProxyConfiguration
 from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue
 from rtgen.runtime.canopen.hooks import Receiver, Sender
 from rtgen.runtime.canopen.master.proxy import CanopenProxy
@@ -23,245 +21,63 @@ from ... import canopen, eposdrive, rtc
 from ...eposdrive import DESCRIPTION, EposDriveObjects
 
 
-class EposDriveProxyConfiguration(Struct, gc=False):
-    """Configuration of EposDriveProxy."""
+class EposDriveProxyConfiguration(ProxyConfiguration):
+    """Parameters of EposDriveProxy."""
 
-    interface: str = "virtual"
-    """Interface of python-can; in simulated time the bus is simulated."""
-    channel: str = "can0"
-    """Channel of the interface."""
-    bitrate: int = 0
-    """Bit rate; 0: the default of the interface [bit/s]."""
-    options: str = ""
-    """Further arguments of the interface, such as "host=127.0.0.1,port=29536"."""
-    node_id: int = 1
-    """Node-id."""
     network: str = "rh3_beego"
-    """Network: name of its bus file; empty: none."""
-    master: bool = False
-    """Whether the proxy itself sends NMT commands if the process has no manager on the bus."""
-    heartbeat_timeout: int = 0
-    """Heartbeat time-out; 0: the value of the network, else three periods [ms]."""
-    boot_timeout: int = 2000
-    """Maximum time from a reset to the boot-up message [ms]."""
-    emergency_stop: str = ""
-    """Emergency codes that lead to ERROR, such as xxxx,-82xx; others are only reported. Empty: the value of the network."""
-    recoveries: int = 0
-    """Maximum number of automatic recoveries from ERROR in a row; 0: the value of the network."""
-    sdo_in_error: bool = False
-    """Whether the device is pre-operational in ERROR, so that SDO works, instead of stopped."""
-    Profile_acceleration: float = 359.0391604102621
-    """Profile acceleration (6083h, UNSIGNED32, times 7.479982508547127e-06), written by SDO [rad/s^2]."""
-    Profile_deceleration: float = 359.0391604102621
-    """Profile deceleration (6084h, UNSIGNED32, times 7.479982508547127e-06), written by SDO [rad/s^2]."""
-    Producer_heartbeat_time: int = 100
-    """Producer heartbeat time (1017h, UNSIGNED16), written by SDO."""
+    Profile_acceleration: float = parameter(
+        359.0391604102621,
+        "Profile acceleration (6083h, UNSIGNED32, times 7.479982508547127e-06), written by SDO.",
+        unit="rad/s^2",
+    )
+    Profile_deceleration: float = parameter(
+        359.0391604102621,
+        "Profile deceleration (6084h, UNSIGNED32, times 7.479982508547127e-06), written by SDO.",
+        unit="rad/s^2",
+    )
+    Producer_heartbeat_time: int = parameter(
+        100,
+        "Producer heartbeat time (1017h, UNSIGNED16), written by SDO.",
+        type="unsigned short",
+    )
 
 
-class EposDriveProxyBase(CanopenProxy):
+class EposDriveProxyBase(
+    CanopenProxy,
+    type_name="EposDriveProxy",
+    category="CANopen",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Proxy of Wheel drive 24/5",
+    rate=100.0,
+    max_instances=0,
+):
     """Proxy of a device on a CANopen bus: Wheel drive 24/5.
 
     OutPorts send the data received from the device, InPorts take the data for it.
     The life cycle follows the NMT state of the device.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="EposDriveProxy",
-        kind="DataFlowComponent",
-        category="CANopen",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Proxy of Wheel drive 24/5",
-        rate=100.0,
-        max_instances=0,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "outport",
-                "tpdo1",
-                eposdrive.Tpdo1,
-                "TPDO 1: Statusword, Modes_of_operation_display.",
-            ),
-            data_port(
-                "outport",
-                "tpdo2",
-                eposdrive.Tpdo2,
-                "TPDO 2: Position_actual_value, Velocity_actual_value.",
-            ),
-            data_port(
-                "outport",
-                "tpdo3",
-                eposdrive.Tpdo3,
-                "TPDO 3: Torque_actual_value, Current_actual_value.",
-            ),
-            data_port(
-                "outport",
-                "tpdo4",
-                eposdrive.Tpdo4,
-                "TPDO 4: Digital_input_state, Error_code.",
-            ),
-            data_port(
-                "inport",
-                "rpdo1",
-                eposdrive.Rpdo1,
-                "RPDO 1: Controlword, Modes_of_operation.",
-            ),
-            data_port("inport", "rpdo2", eposdrive.Rpdo2, "RPDO 2: Target_position."),
-            data_port("inport", "rpdo3", eposdrive.Rpdo3, "RPDO 3: Target_velocity."),
-            data_port("inport", "rpdo4", eposdrive.Rpdo4, "RPDO 4: Target_torque."),
-            service_port(
-                "provider",
-                "sdo",
-                canopen.ObjectDictionary,
-                "The objects of the device, read and written by SDO.",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="interface",
-                python_name="interface",
-                type="string",
-                default="virtual",
-                description="Interface of python-can; in simulated time the bus is simulated.",
-            ),
-            ParameterProfile(
-                name="channel",
-                python_name="channel",
-                type="string",
-                default="can0",
-                description="Channel of the interface.",
-            ),
-            ParameterProfile(
-                name="bitrate",
-                python_name="bitrate",
-                type="long",
-                default="0",
-                minimum=0,
-                unit="bit/s",
-                description="Bit rate; 0: the default of the interface.",
-            ),
-            ParameterProfile(
-                name="options",
-                python_name="options",
-                type="string",
-                default="",
-                description='Further arguments of the interface, such as "host=127.0.0.1,port=29536".',
-            ),
-            ParameterProfile(
-                name="node_id",
-                python_name="node_id",
-                type="long",
-                default="1",
-                minimum=1,
-                maximum=127,
-                description="Node-id.",
-            ),
-            ParameterProfile(
-                name="network",
-                python_name="network",
-                type="string",
-                default="rh3_beego",
-                description="Network: name of its bus file; empty: none.",
-            ),
-            ParameterProfile(
-                name="master",
-                python_name="master",
-                type="boolean",
-                default="0",
-                description="Whether the proxy itself sends NMT commands if the process has no manager on the bus.",
-            ),
-            ParameterProfile(
-                name="heartbeat_timeout",
-                python_name="heartbeat_timeout",
-                type="long",
-                default="0",
-                minimum=0,
-                unit="ms",
-                description="Heartbeat time-out; 0: the value of the network, else three periods.",
-            ),
-            ParameterProfile(
-                name="boot_timeout",
-                python_name="boot_timeout",
-                type="long",
-                default="2000",
-                minimum=1,
-                unit="ms",
-                description="Maximum time from a reset to the boot-up message.",
-            ),
-            ParameterProfile(
-                name="emergency_stop",
-                python_name="emergency_stop",
-                type="string",
-                default="",
-                description="Emergency codes that lead to ERROR, such as xxxx,-82xx; others are only reported. Empty: the value of the network.",
-            ),
-            ParameterProfile(
-                name="recoveries",
-                python_name="recoveries",
-                type="long",
-                default="0",
-                minimum=0,
-                description="Maximum number of automatic recoveries from ERROR in a row; 0: the value of the network.",
-            ),
-            ParameterProfile(
-                name="sdo_in_error",
-                python_name="sdo_in_error",
-                type="boolean",
-                default="0",
-                description="Whether the device is pre-operational in ERROR, so that SDO works, instead of stopped.",
-            ),
-            ParameterProfile(
-                name="Profile_acceleration",
-                python_name="Profile_acceleration",
-                type="double",
-                default="359.0391604102621",
-                unit="rad/s^2",
-                description="Profile acceleration (6083h, UNSIGNED32, times 7.479982508547127e-06), written by SDO.",
-            ),
-            ParameterProfile(
-                name="Profile_deceleration",
-                python_name="Profile_deceleration",
-                type="double",
-                default="359.0391604102621",
-                unit="rad/s^2",
-                description="Profile deceleration (6084h, UNSIGNED32, times 7.479982508547127e-06), written by SDO.",
-            ),
-            ParameterProfile(
-                name="Producer_heartbeat_time",
-                python_name="Producer_heartbeat_time",
-                type="unsigned short",
-                default="100",
-                description="Producer heartbeat time (1017h, UNSIGNED16), written by SDO.",
-            ),
-        ),
+    config = configuration(EposDriveProxyConfiguration)
+    tpdo1 = outport(eposdrive.Tpdo1, "TPDO 1: Statusword, Modes_of_operation_display.")
+    tpdo2 = outport(
+        eposdrive.Tpdo2,
+        "TPDO 2: Position_actual_value, Velocity_actual_value.",
+    )
+    tpdo3 = outport(
+        eposdrive.Tpdo3,
+        "TPDO 3: Torque_actual_value, Current_actual_value.",
+    )
+    tpdo4 = outport(eposdrive.Tpdo4, "TPDO 4: Digital_input_state, Error_code.")
+    rpdo1 = inport(eposdrive.Rpdo1, "RPDO 1: Controlword, Modes_of_operation.")
+    rpdo2 = inport(eposdrive.Rpdo2, "RPDO 2: Target_position.")
+    rpdo3 = inport(eposdrive.Rpdo3, "RPDO 3: Target_velocity.")
+    rpdo4 = inport(eposdrive.Rpdo4, "RPDO 4: Target_torque.")
+    sdo = provider(
+        canopen.ObjectDictionary,
+        "The objects of the device, read and written by SDO.",
     )
 
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(EposDriveProxyConfiguration())
-        self.tpdo1 = self.add_out_port("tpdo1", eposdrive.Tpdo1)
-        """TPDO 1: Statusword, Modes_of_operation_display."""
-        self.tpdo2 = self.add_out_port("tpdo2", eposdrive.Tpdo2)
-        """TPDO 2: Position_actual_value, Velocity_actual_value."""
-        self.tpdo3 = self.add_out_port("tpdo3", eposdrive.Tpdo3)
-        """TPDO 3: Torque_actual_value, Current_actual_value."""
-        self.tpdo4 = self.add_out_port("tpdo4", eposdrive.Tpdo4)
-        """TPDO 4: Digital_input_state, Error_code."""
-        self.rpdo1 = self.add_in_port("rpdo1", eposdrive.Rpdo1)
-        """RPDO 1: Controlword, Modes_of_operation."""
-        self.rpdo2 = self.add_in_port("rpdo2", eposdrive.Rpdo2)
-        """RPDO 2: Target_position."""
-        self.rpdo3 = self.add_in_port("rpdo3", eposdrive.Rpdo3)
-        """RPDO 3: Target_velocity."""
-        self.rpdo4 = self.add_in_port("rpdo4", eposdrive.Rpdo4)
-        """RPDO 4: Target_torque."""
-        self.sdo = self.add_provider("sdo", "sdo", canopen.ObjectDictionary)
-        """The objects of the device, read and written by SDO."""
-
-
-_OverflowError = OverflowError
-_TypeError = TypeError
 
 _TPDO1 = _Struct("<Hb")
 _TPDO2 = _Struct("<ii")
@@ -332,7 +148,7 @@ def encode_rpdo1(Controlword: int, Modes_of_operation: int) -> bytes:
     """
     try:
         return _RPDO1.pack(Controlword, Modes_of_operation)
-    except (_error, _OverflowError, _TypeError) as _reason:
+    except (_error, OverflowError, TypeError) as _reason:
         raise _pdo.PdoError(f"RPDO 1: {_reason}") from None
 
 
@@ -343,7 +159,7 @@ def encode_rpdo2(Target_position: int) -> bytes:
     """
     try:
         return _RPDO2.pack(Target_position)
-    except (_error, _OverflowError, _TypeError) as _reason:
+    except (_error, OverflowError, TypeError) as _reason:
         raise _pdo.PdoError(f"RPDO 2: {_reason}") from None
 
 
@@ -354,7 +170,7 @@ def encode_rpdo3(Target_velocity: int) -> bytes:
     """
     try:
         return _RPDO3.pack(Target_velocity)
-    except (_error, _OverflowError, _TypeError) as _reason:
+    except (_error, OverflowError, TypeError) as _reason:
         raise _pdo.PdoError(f"RPDO 3: {_reason}") from None
 
 
@@ -365,7 +181,7 @@ def encode_rpdo4(Target_torque: int) -> bytes:
     """
     try:
         return _RPDO4.pack(Target_torque)
-    except (_error, _OverflowError, _TypeError) as _reason:
+    except (_error, OverflowError, TypeError) as _reason:
         raise _pdo.PdoError(f"RPDO 4: {_reason}") from None
 
 

@@ -5,11 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
-from msgspec import Struct
-
-from rtgen.runtime import ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import configuration, inport, outport
+from rtgen.runtime.canopen.configuration import DeviceConfiguration
 from rtgen.runtime.canopen.hooks import Getter, Incoming, Outgoing, Setter
 from rtgen.runtime.canopen.node.device import CanopenDevice
 
@@ -91,153 +90,47 @@ def _outgoing_tpdo4(sample: Any, set_: Setter) -> None:
     set_((0x2100, 0), sample.Angle_reference)
 
 
-class FPaletteDeviceConfiguration(Struct, gc=False):
-    """Configuration of FPaletteDevice."""
+class FPaletteDeviceConfiguration(DeviceConfiguration):
+    """Parameters of FPaletteDevice."""
 
-    interface: str = "virtual"
-    """Interface of python-can; in simulated time the bus is simulated."""
-    channel: str = "can0"
-    """Channel of the interface."""
-    bitrate: int = 0
-    """Bit rate; 0: the default of the interface [bit/s]."""
-    options: str = ""
-    """Further arguments of the interface, such as "host=127.0.0.1,port=29536"."""
     node_id: int = 2
-    """Node-id, 255: assigned by LSS."""
     network: str = "pdo_linking"
-    """Network: name of its bus file; empty: none."""
-    merged_stop: bool = False
-    """Whether a stop command has the effect of figure 111 of RTC-CANopen."""
-    parameter_file: str = ""
-    """File of stored parameters (1010h), name.json below the working folder; empty: none."""
 
 
-class FPaletteDeviceBase(FPaletteSlave):
+class FPaletteDeviceBase(
+    FPaletteSlave,
+    type_name="FPaletteDevice",
+    category="CANopen",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Device f-palette",
+    rate=100.0,
+    max_instances=0,
+):
     """Device on a CANopen bus: f-palette.
 
     InPorts get the received data, data written to OutPorts are transmitted.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="FPaletteDevice",
-        kind="DataFlowComponent",
-        category="CANopen",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Device f-palette",
-        rate=100.0,
-        max_instances=0,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "outport",
-                "tpdo1",
-                fpalette.Tpdo1,
-                "TPDO 1: Digital_inputs_1_to_8, Digital_inputs_9_to_16.",
-            ),
-            data_port(
-                "outport",
-                "tpdo2",
-                fpalette.Tpdo2,
-                "TPDO 2: Analogue_input_1, Analogue_input_2, Analogue_input_3, Analogue_input_4.",
-            ),
-            data_port(
-                "outport",
-                "tpdo3",
-                fpalette.Tpdo3,
-                "TPDO 3: Analogue_input_5, Analogue_input_6, Analogue_input_7, Analogue_input_8.",
-            ),
-            data_port("outport", "tpdo4", fpalette.Tpdo4, "TPDO 4: Angle_reference."),
-            data_port(
-                "inport",
-                "rpdo1",
-                fpalette.Rpdo1,
-                "RPDO 1: Digital_outputs_1_to_8, Digital_outputs_9_to_16.",
-            ),
-            data_port(
-                "inport",
-                "rpdo2",
-                fpalette.Rpdo2,
-                "RPDO 2: Analogue_output_1, Analogue_output_2, Analogue_output_3, Analogue_output_4.",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="interface",
-                python_name="interface",
-                type="string",
-                default="virtual",
-                description="Interface of python-can; in simulated time the bus is simulated.",
-            ),
-            ParameterProfile(
-                name="channel",
-                python_name="channel",
-                type="string",
-                default="can0",
-                description="Channel of the interface.",
-            ),
-            ParameterProfile(
-                name="bitrate",
-                python_name="bitrate",
-                type="long",
-                default="0",
-                minimum=0,
-                unit="bit/s",
-                description="Bit rate; 0: the default of the interface.",
-            ),
-            ParameterProfile(
-                name="options",
-                python_name="options",
-                type="string",
-                default="",
-                description='Further arguments of the interface, such as "host=127.0.0.1,port=29536".',
-            ),
-            ParameterProfile(
-                name="node_id",
-                python_name="node_id",
-                type="long",
-                default="2",
-                minimum=1,
-                maximum=255,
-                description="Node-id, 255: assigned by LSS.",
-            ),
-            ParameterProfile(
-                name="network",
-                python_name="network",
-                type="string",
-                default="pdo_linking",
-                description="Network: name of its bus file; empty: none.",
-            ),
-            ParameterProfile(
-                name="merged_stop",
-                python_name="merged_stop",
-                type="boolean",
-                default="0",
-                description="Whether a stop command has the effect of figure 111 of RTC-CANopen.",
-            ),
-            ParameterProfile(
-                name="parameter_file",
-                python_name="parameter_file",
-                type="string",
-                default="",
-                description="File of stored parameters (1010h), name.json below the working folder; empty: none.",
-            ),
-        ),
+    config = configuration(FPaletteDeviceConfiguration)
+    tpdo1 = outport(
+        fpalette.Tpdo1,
+        "TPDO 1: Digital_inputs_1_to_8, Digital_inputs_9_to_16.",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(FPaletteDeviceConfiguration())
-        self.tpdo1 = self.add_out_port("tpdo1", fpalette.Tpdo1)
-        """TPDO 1: Digital_inputs_1_to_8, Digital_inputs_9_to_16."""
-        self.tpdo2 = self.add_out_port("tpdo2", fpalette.Tpdo2)
-        """TPDO 2: Analogue_input_1, Analogue_input_2, Analogue_input_3, Analogue_input_4."""
-        self.tpdo3 = self.add_out_port("tpdo3", fpalette.Tpdo3)
-        """TPDO 3: Analogue_input_5, Analogue_input_6, Analogue_input_7, Analogue_input_8."""
-        self.tpdo4 = self.add_out_port("tpdo4", fpalette.Tpdo4)
-        """TPDO 4: Angle_reference."""
-        self.rpdo1 = self.add_in_port("rpdo1", fpalette.Rpdo1)
-        """RPDO 1: Digital_outputs_1_to_8, Digital_outputs_9_to_16."""
-        self.rpdo2 = self.add_in_port("rpdo2", fpalette.Rpdo2)
-        """RPDO 2: Analogue_output_1, Analogue_output_2, Analogue_output_3, Analogue_output_4."""
+    tpdo2 = outport(
+        fpalette.Tpdo2,
+        "TPDO 2: Analogue_input_1, Analogue_input_2, Analogue_input_3, Analogue_input_4.",
+    )
+    tpdo3 = outport(
+        fpalette.Tpdo3,
+        "TPDO 3: Analogue_input_5, Analogue_input_6, Analogue_input_7, Analogue_input_8.",
+    )
+    tpdo4 = outport(fpalette.Tpdo4, "TPDO 4: Angle_reference.")
+    rpdo1 = inport(
+        fpalette.Rpdo1,
+        "RPDO 1: Digital_outputs_1_to_8, Digital_outputs_9_to_16.",
+    )
+    rpdo2 = inport(
+        fpalette.Rpdo2,
+        "RPDO 2: Analogue_output_1, Analogue_output_2, Analogue_output_3, Analogue_output_4.",
+    )

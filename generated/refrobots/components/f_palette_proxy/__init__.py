@@ -6,12 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from struct import Struct as _Struct, error as _error
-from typing import ClassVar
 
-from msgspec import Struct
-
-from rtgen.runtime import ComponentProfile, ParameterProfile, data_port, service_port
+from rtgen.runtime import configuration, inport, outport, provider
 from rtgen.runtime.canopen import pdo as _pdo
+from rtgen.runtime.canopen.configuration import ProxyConfiguration
 from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue
 from rtgen.runtime.canopen.hooks import Receiver, Sender
 from rtgen.runtime.canopen.master.proxy import CanopenProxy
@@ -23,210 +21,56 @@ from ... import canopen, fpalette, rtc
 from ...fpalette import DESCRIPTION, FPaletteObjects
 
 
-class FPaletteProxyConfiguration(Struct, gc=False):
-    """Configuration of FPaletteProxy."""
+class FPaletteProxyConfiguration(ProxyConfiguration):
+    """Parameters of FPaletteProxy."""
 
-    interface: str = "virtual"
-    """Interface of python-can; in simulated time the bus is simulated."""
-    channel: str = "can0"
-    """Channel of the interface."""
-    bitrate: int = 0
-    """Bit rate; 0: the default of the interface [bit/s]."""
-    options: str = ""
-    """Further arguments of the interface, such as "host=127.0.0.1,port=29536"."""
     node_id: int = 2
-    """Node-id."""
     network: str = "pdo_linking"
-    """Network: name of its bus file; empty: none."""
-    master: bool = False
-    """Whether the proxy itself sends NMT commands if the process has no manager on the bus."""
-    heartbeat_timeout: int = 0
-    """Heartbeat time-out; 0: the value of the network, else three periods [ms]."""
-    boot_timeout: int = 2000
-    """Maximum time from a reset to the boot-up message [ms]."""
-    emergency_stop: str = ""
-    """Emergency codes that lead to ERROR, such as xxxx,-82xx; others are only reported. Empty: the value of the network."""
-    recoveries: int = 0
-    """Maximum number of automatic recoveries from ERROR in a row; 0: the value of the network."""
-    sdo_in_error: bool = False
-    """Whether the device is pre-operational in ERROR, so that SDO works, instead of stopped."""
 
 
-class FPaletteProxyBase(CanopenProxy):
+class FPaletteProxyBase(
+    CanopenProxy,
+    type_name="FPaletteProxy",
+    category="CANopen",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Proxy of f-palette",
+    rate=100.0,
+    max_instances=0,
+):
     """Proxy of a device on a CANopen bus: f-palette.
 
     OutPorts send the data received from the device, InPorts take the data for it.
     The life cycle follows the NMT state of the device.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="FPaletteProxy",
-        kind="DataFlowComponent",
-        category="CANopen",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Proxy of f-palette",
-        rate=100.0,
-        max_instances=0,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "outport",
-                "tpdo1",
-                fpalette.Tpdo1,
-                "TPDO 1: Digital_inputs_1_to_8, Digital_inputs_9_to_16.",
-            ),
-            data_port(
-                "outport",
-                "tpdo2",
-                fpalette.Tpdo2,
-                "TPDO 2: Analogue_input_1, Analogue_input_2, Analogue_input_3, Analogue_input_4.",
-            ),
-            data_port(
-                "outport",
-                "tpdo3",
-                fpalette.Tpdo3,
-                "TPDO 3: Analogue_input_5, Analogue_input_6, Analogue_input_7, Analogue_input_8.",
-            ),
-            data_port("outport", "tpdo4", fpalette.Tpdo4, "TPDO 4: Angle_reference."),
-            data_port(
-                "inport",
-                "rpdo1",
-                fpalette.Rpdo1,
-                "RPDO 1: Digital_outputs_1_to_8, Digital_outputs_9_to_16.",
-            ),
-            data_port(
-                "inport",
-                "rpdo2",
-                fpalette.Rpdo2,
-                "RPDO 2: Analogue_output_1, Analogue_output_2, Analogue_output_3, Analogue_output_4.",
-            ),
-            service_port(
-                "provider",
-                "sdo",
-                canopen.ObjectDictionary,
-                "The objects of the device, read and written by SDO.",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="interface",
-                python_name="interface",
-                type="string",
-                default="virtual",
-                description="Interface of python-can; in simulated time the bus is simulated.",
-            ),
-            ParameterProfile(
-                name="channel",
-                python_name="channel",
-                type="string",
-                default="can0",
-                description="Channel of the interface.",
-            ),
-            ParameterProfile(
-                name="bitrate",
-                python_name="bitrate",
-                type="long",
-                default="0",
-                minimum=0,
-                unit="bit/s",
-                description="Bit rate; 0: the default of the interface.",
-            ),
-            ParameterProfile(
-                name="options",
-                python_name="options",
-                type="string",
-                default="",
-                description='Further arguments of the interface, such as "host=127.0.0.1,port=29536".',
-            ),
-            ParameterProfile(
-                name="node_id",
-                python_name="node_id",
-                type="long",
-                default="2",
-                minimum=1,
-                maximum=127,
-                description="Node-id.",
-            ),
-            ParameterProfile(
-                name="network",
-                python_name="network",
-                type="string",
-                default="pdo_linking",
-                description="Network: name of its bus file; empty: none.",
-            ),
-            ParameterProfile(
-                name="master",
-                python_name="master",
-                type="boolean",
-                default="0",
-                description="Whether the proxy itself sends NMT commands if the process has no manager on the bus.",
-            ),
-            ParameterProfile(
-                name="heartbeat_timeout",
-                python_name="heartbeat_timeout",
-                type="long",
-                default="0",
-                minimum=0,
-                unit="ms",
-                description="Heartbeat time-out; 0: the value of the network, else three periods.",
-            ),
-            ParameterProfile(
-                name="boot_timeout",
-                python_name="boot_timeout",
-                type="long",
-                default="2000",
-                minimum=1,
-                unit="ms",
-                description="Maximum time from a reset to the boot-up message.",
-            ),
-            ParameterProfile(
-                name="emergency_stop",
-                python_name="emergency_stop",
-                type="string",
-                default="",
-                description="Emergency codes that lead to ERROR, such as xxxx,-82xx; others are only reported. Empty: the value of the network.",
-            ),
-            ParameterProfile(
-                name="recoveries",
-                python_name="recoveries",
-                type="long",
-                default="0",
-                minimum=0,
-                description="Maximum number of automatic recoveries from ERROR in a row; 0: the value of the network.",
-            ),
-            ParameterProfile(
-                name="sdo_in_error",
-                python_name="sdo_in_error",
-                type="boolean",
-                default="0",
-                description="Whether the device is pre-operational in ERROR, so that SDO works, instead of stopped.",
-            ),
-        ),
+    config = configuration(FPaletteProxyConfiguration)
+    tpdo1 = outport(
+        fpalette.Tpdo1,
+        "TPDO 1: Digital_inputs_1_to_8, Digital_inputs_9_to_16.",
+    )
+    tpdo2 = outport(
+        fpalette.Tpdo2,
+        "TPDO 2: Analogue_input_1, Analogue_input_2, Analogue_input_3, Analogue_input_4.",
+    )
+    tpdo3 = outport(
+        fpalette.Tpdo3,
+        "TPDO 3: Analogue_input_5, Analogue_input_6, Analogue_input_7, Analogue_input_8.",
+    )
+    tpdo4 = outport(fpalette.Tpdo4, "TPDO 4: Angle_reference.")
+    rpdo1 = inport(
+        fpalette.Rpdo1,
+        "RPDO 1: Digital_outputs_1_to_8, Digital_outputs_9_to_16.",
+    )
+    rpdo2 = inport(
+        fpalette.Rpdo2,
+        "RPDO 2: Analogue_output_1, Analogue_output_2, Analogue_output_3, Analogue_output_4.",
+    )
+    sdo = provider(
+        canopen.ObjectDictionary,
+        "The objects of the device, read and written by SDO.",
     )
 
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(FPaletteProxyConfiguration())
-        self.tpdo1 = self.add_out_port("tpdo1", fpalette.Tpdo1)
-        """TPDO 1: Digital_inputs_1_to_8, Digital_inputs_9_to_16."""
-        self.tpdo2 = self.add_out_port("tpdo2", fpalette.Tpdo2)
-        """TPDO 2: Analogue_input_1, Analogue_input_2, Analogue_input_3, Analogue_input_4."""
-        self.tpdo3 = self.add_out_port("tpdo3", fpalette.Tpdo3)
-        """TPDO 3: Analogue_input_5, Analogue_input_6, Analogue_input_7, Analogue_input_8."""
-        self.tpdo4 = self.add_out_port("tpdo4", fpalette.Tpdo4)
-        """TPDO 4: Angle_reference."""
-        self.rpdo1 = self.add_in_port("rpdo1", fpalette.Rpdo1)
-        """RPDO 1: Digital_outputs_1_to_8, Digital_outputs_9_to_16."""
-        self.rpdo2 = self.add_in_port("rpdo2", fpalette.Rpdo2)
-        """RPDO 2: Analogue_output_1, Analogue_output_2, Analogue_output_3, Analogue_output_4."""
-        self.sdo = self.add_provider("sdo", "sdo", canopen.ObjectDictionary)
-        """The objects of the device, read and written by SDO."""
-
-
-_OverflowError = OverflowError
-_TypeError = TypeError
 
 _TPDO1 = _Struct("<BB")
 _TPDO2 = _Struct("<hhhh")
@@ -295,7 +139,7 @@ def encode_rpdo1(Digital_outputs_1_to_8: int, Digital_outputs_9_to_16: int) -> b
     """
     try:
         return _RPDO1.pack(Digital_outputs_1_to_8, Digital_outputs_9_to_16)
-    except (_error, _OverflowError, _TypeError) as _reason:
+    except (_error, OverflowError, TypeError) as _reason:
         raise _pdo.PdoError(f"RPDO 1: {_reason}") from None
 
 
@@ -316,7 +160,7 @@ def encode_rpdo2(
             Analogue_output_3,
             Analogue_output_4,
         )
-    except (_error, _OverflowError, _TypeError) as _reason:
+    except (_error, OverflowError, TypeError) as _reason:
         raise _pdo.PdoError(f"RPDO 2: {_reason}") from None
 
 

@@ -4,33 +4,57 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import Component, Configuration, configuration, outport, parameter
 
 from ... import iis, rtc
 
 
-class GamePadConfiguration(Struct, gc=False):
-    """Configuration of GamePad."""
+class GamePadConfiguration(Configuration):
+    """Parameters of GamePad."""
 
-    Klx: float = 1.0
-    """Sideways speed for the full left stick [m/s]."""
-    Kly: float = 1.0
-    """Speed for the full left stick [m/s]."""
-    Krx: float = 1.0
-    """Angular speed for the full right stick [rad/s]."""
-    Kry: float = 1.0
-    """Not used: the right stick forward has no meaning for a base."""
-    str_port: str = "/dev/input/js0"
-    """The device, numbered by its last digits."""
-    script: str = ""
-    """Script that replaces the device; empty: the device."""
+    Klx: float = parameter(
+        1.0,
+        "Sideways speed for the full left stick.",
+        type="float",
+        unit="m/s",
+    )
+    Kly: float = parameter(
+        1.0,
+        "Speed for the full left stick.",
+        type="float",
+        unit="m/s",
+    )
+    Krx: float = parameter(
+        1.0,
+        "Angular speed for the full right stick.",
+        type="float",
+        unit="rad/s",
+    )
+    Kry: float = parameter(
+        1.0,
+        "Not used: the right stick forward has no meaning for a base.",
+        type="float",
+    )
+    str_port: str = parameter(
+        "/dev/input/js0",
+        "The device, numbered by its last digits.",
+    )
+    script: str = parameter(
+        "",
+        "Script that replaces the device; empty: the device.",
+        widget="text",
+    )
 
 
-class GamePadBase(Component):
+class GamePadBase(
+    Component,
+    type_name="GamePad",
+    category="Input",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Game pad",
+    rate=66.0,
+):
     """Sends sticks and buttons of a game pad: as they are, and as velocities.
 
     Sticks go from -1 to 1, to the right and towards the hand positive. A forward push of the left
@@ -38,168 +62,28 @@ class GamePadBase(Component):
     source, replaces the device: lines `SECONDS LX LY RX RY BUTTONS`.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="GamePad",
-        kind="DataFlowComponent",
-        category="Input",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Game pad",
-        rate=66.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "outport",
-                "Button",
-                rtc.TimedULong,
-                "The buttons, one bit for each.",
-            ),
-            data_port(
-                "outport",
-                "StickLX",
-                rtc.TimedFloat,
-                "Left stick, to the right.",
-            ),
-            data_port(
-                "outport",
-                "StickLY",
-                rtc.TimedFloat,
-                "Left stick, towards the hand.",
-            ),
-            data_port(
-                "outport",
-                "StickRX",
-                rtc.TimedFloat,
-                "Right stick, to the right.",
-            ),
-            data_port(
-                "outport",
-                "StickRY",
-                rtc.TimedFloat,
-                "Right stick, towards the hand.",
-            ),
-            data_port(
-                "outport",
-                "StickLXd",
-                rtc.TimedDouble,
-                "Left stick, to the right.",
-            ),
-            data_port(
-                "outport",
-                "StickLYd",
-                rtc.TimedDouble,
-                "Left stick, towards the hand.",
-            ),
-            data_port(
-                "outport",
-                "StickRXd",
-                rtc.TimedDouble,
-                "Right stick, to the right.",
-            ),
-            data_port(
-                "outport",
-                "StickRYd",
-                rtc.TimedDouble,
-                "Right stick, towards the hand.",
-            ),
-            data_port(
-                "outport",
-                "Velocity",
-                rtc.TimedVelocity,
-                "Velocity of the first phase of the common interfaces.",
-                unit="m/s, rad/s",
-            ),
-            data_port(
-                "outport",
-                "VelocityIIS",
-                iis.TimedVelocity,
-                "Velocity of the second phase.",
-                unit="m/s, rad/s",
-            ),
-            data_port(
-                "outport",
-                "Velocity2DIIS",
-                iis.TimedVelocity2D,
-                "Velocity of the third phase; sent only while the game pad is there.",
-                unit="m/s, rad/s",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="Klx",
-                python_name="Klx",
-                type="float",
-                default="1.0",
-                unit="m/s",
-                description="Sideways speed for the full left stick.",
-            ),
-            ParameterProfile(
-                name="Kly",
-                python_name="Kly",
-                type="float",
-                default="1.0",
-                unit="m/s",
-                description="Speed for the full left stick.",
-            ),
-            ParameterProfile(
-                name="Krx",
-                python_name="Krx",
-                type="float",
-                default="1.0",
-                unit="rad/s",
-                description="Angular speed for the full right stick.",
-            ),
-            ParameterProfile(
-                name="Kry",
-                python_name="Kry",
-                type="float",
-                default="1.0",
-                description="Not used: the right stick forward has no meaning for a base.",
-            ),
-            ParameterProfile(
-                name="str_port",
-                python_name="str_port",
-                type="string",
-                default="/dev/input/js0",
-                description="The device, numbered by its last digits.",
-            ),
-            ParameterProfile(
-                name="script",
-                python_name="script",
-                type="string",
-                default="",
-                widget="text",
-                description="Script that replaces the device; empty: the device.",
-            ),
-        ),
+    config = configuration(GamePadConfiguration)
+    Button = outport(rtc.TimedULong, "The buttons, one bit for each.")
+    StickLX = outport(rtc.TimedFloat, "Left stick, to the right.")
+    StickLY = outport(rtc.TimedFloat, "Left stick, towards the hand.")
+    StickRX = outport(rtc.TimedFloat, "Right stick, to the right.")
+    StickRY = outport(rtc.TimedFloat, "Right stick, towards the hand.")
+    StickLXd = outport(rtc.TimedDouble, "Left stick, to the right.")
+    StickLYd = outport(rtc.TimedDouble, "Left stick, towards the hand.")
+    StickRXd = outport(rtc.TimedDouble, "Right stick, to the right.")
+    StickRYd = outport(rtc.TimedDouble, "Right stick, towards the hand.")
+    Velocity = outport(
+        rtc.TimedVelocity,
+        "Velocity of the first phase of the common interfaces.",
+        unit="m/s, rad/s",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(GamePadConfiguration())
-        self.Button = self.add_out_port("Button", rtc.TimedULong)
-        """The buttons, one bit for each."""
-        self.StickLX = self.add_out_port("StickLX", rtc.TimedFloat)
-        """Left stick, to the right."""
-        self.StickLY = self.add_out_port("StickLY", rtc.TimedFloat)
-        """Left stick, towards the hand."""
-        self.StickRX = self.add_out_port("StickRX", rtc.TimedFloat)
-        """Right stick, to the right."""
-        self.StickRY = self.add_out_port("StickRY", rtc.TimedFloat)
-        """Right stick, towards the hand."""
-        self.StickLXd = self.add_out_port("StickLXd", rtc.TimedDouble)
-        """Left stick, to the right."""
-        self.StickLYd = self.add_out_port("StickLYd", rtc.TimedDouble)
-        """Left stick, towards the hand."""
-        self.StickRXd = self.add_out_port("StickRXd", rtc.TimedDouble)
-        """Right stick, to the right."""
-        self.StickRYd = self.add_out_port("StickRYd", rtc.TimedDouble)
-        """Right stick, towards the hand."""
-        self.Velocity = self.add_out_port("Velocity", rtc.TimedVelocity)
-        """Velocity of the first phase of the common interfaces [m/s, rad/s]."""
-        self.VelocityIIS = self.add_out_port("VelocityIIS", iis.TimedVelocity)
-        """Velocity of the second phase [m/s, rad/s]."""
-        self.Velocity2DIIS = self.add_out_port("Velocity2DIIS", iis.TimedVelocity2D)
-        """Velocity of the third phase; sent only while the game pad is there [m/s, rad/s]."""
+    VelocityIIS = outport(
+        iis.TimedVelocity,
+        "Velocity of the second phase.",
+        unit="m/s, rad/s",
+    )
+    Velocity2DIIS = outport(
+        iis.TimedVelocity2D,
+        "Velocity of the third phase; sent only while the game pad is there.",
+        unit="m/s, rad/s",
+    )

@@ -4,127 +4,72 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import (
+    Component,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+)
 
 from ... import iis, rtc
 
 
-class HokuyoAistConfiguration(Struct, gc=False):
-    """Configuration of HokuyoAist."""
+class HokuyoAistConfiguration(Configuration):
+    """Parameters of HokuyoAist."""
 
-    walls: str = "-2 -2 4 -2; 4 -2 4 2; 4 2 -2 2; -2 2 -2 -2; 1 1 1.5 1"
-    """The room: walls `X1 Y1 X2 Y2` [m], separated by semicolons."""
-    start_angle: float = -2.0
-    """First angle of a scan [rad]."""
-    end_angle: float = 2.0
-    """Last angle of a scan [rad]."""
-    rays: int = 201
-    """Number of rays of a scan."""
-    min_range: float = 0.02
-    """The smallest range that is measured [m]."""
-    max_range: float = 4.0
-    """The greatest range that is measured [m]."""
+    walls: str = parameter(
+        "-2 -2 4 -2; 4 -2 4 2; 4 2 -2 2; -2 2 -2 -2; 1 1 1.5 1",
+        "The room: walls `X1 Y1 X2 Y2` [m], separated by semicolons.",
+    )
+    start_angle: float = parameter(
+        -2.0,
+        "First angle of a scan.",
+        minimum=-3.14,
+        maximum=3.14,
+        unit="rad",
+    )
+    end_angle: float = parameter(
+        2.0,
+        "Last angle of a scan.",
+        minimum=-3.14,
+        maximum=3.14,
+        unit="rad",
+    )
+    rays: int = parameter(201, "Number of rays of a scan.", minimum=2, maximum=1024)
+    min_range: float = parameter(
+        0.02,
+        "The smallest range that is measured.",
+        minimum=0.0,
+        unit="m",
+    )
+    max_range: float = parameter(
+        4.0,
+        "The greatest range that is measured.",
+        unit="m",
+        constraint="x>0.0",
+    )
 
 
-class HokuyoAistBase(Component):
+class HokuyoAistBase(
+    Component,
+    type_name="HokuyoAist",
+    category="Embedded",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Range finder on a board",
+    rate=10.0,
+):
     """A range sensor like the open HokuyoAist, with a simulated device: it measures a synthetic room.
 
     The source shows it on a board (Fig 122) and names no port; they are ours.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="HokuyoAist",
-        kind="DataFlowComponent",
-        category="Embedded",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Range finder on a board",
-        rate=10.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "pose",
-                iis.TimedPose2D,
-                "True pose of the range finder.",
-                unit="m, rad",
-            ),
-            data_port(
-                "outport",
-                "range",
-                rtc.RangeData,
-                "The scan, with the time of the pose. A range of 0 means that nothing was hit.",
-                unit="m",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="walls",
-                python_name="walls",
-                type="string",
-                default="-2 -2 4 -2; 4 -2 4 2; 4 2 -2 2; -2 2 -2 -2; 1 1 1.5 1",
-                description="The room: walls `X1 Y1 X2 Y2` [m], separated by semicolons.",
-            ),
-            ParameterProfile(
-                name="start_angle",
-                python_name="start_angle",
-                type="double",
-                default="-2.0",
-                minimum=-3.14,
-                maximum=3.14,
-                unit="rad",
-                description="First angle of a scan.",
-            ),
-            ParameterProfile(
-                name="end_angle",
-                python_name="end_angle",
-                type="double",
-                default="2.0",
-                minimum=-3.14,
-                maximum=3.14,
-                unit="rad",
-                description="Last angle of a scan.",
-            ),
-            ParameterProfile(
-                name="rays",
-                python_name="rays",
-                type="long",
-                default="201",
-                minimum=2,
-                maximum=1024,
-                description="Number of rays of a scan.",
-            ),
-            ParameterProfile(
-                name="min_range",
-                python_name="min_range",
-                type="double",
-                default="0.02",
-                minimum=0.0,
-                unit="m",
-                description="The smallest range that is measured.",
-            ),
-            ParameterProfile(
-                name="max_range",
-                python_name="max_range",
-                type="double",
-                default="4.0",
-                unit="m",
-                constraint="x>0.0",
-                description="The greatest range that is measured.",
-            ),
-        ),
+    config = configuration(HokuyoAistConfiguration)
+    pose = inport(iis.TimedPose2D, "True pose of the range finder.", unit="m, rad")
+    range = outport(
+        rtc.RangeData,
+        "The scan, with the time of the pose. A range of 0 means that nothing was hit.",
+        unit="m",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(HokuyoAistConfiguration())
-        self.pose = self.add_in_port("pose", iis.TimedPose2D)
-        """True pose of the range finder [m, rad]."""
-        self.range = self.add_out_port("range", rtc.RangeData)
-        """The scan, with the time of the pose. A range of 0 means that nothing was hit [m]."""

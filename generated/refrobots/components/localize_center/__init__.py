@@ -4,37 +4,56 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import (
+    Component,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+)
 
 from ... import iis
 
 
-class LocalizeCenterConfiguration(Struct, gc=False):
-    """Configuration of LocalizeCenter."""
+class LocalizeCenterConfiguration(Configuration):
+    """Parameters of LocalizeCenter."""
 
-    startX: float = 3.24
-    """Start pose: x [m]."""
-    startY: float = 7.7
-    """Start pose: y [m]."""
-    startTheta: float = -1.57
-    """Start pose: heading [rad]."""
-    cycle: int = 20
-    """Executions after which the pose of odometry is repeated without a pose of the ceiling."""
-    PositionTimeout: float = 0.5
-    """Poses of odometry older than this are dropped. Without any for so long the ceiling corrects [s]
-    nothing, the last pose is repeated, and it is reported. 0: any age. Not in the source.
-    """
-    CeilingTimeout: float = 5.0
-    """Poses of the ceiling older than this are dropped; without any for so long it is reported, and [s]
-    odometry continues alone. 0: any age. Not in the source.
-    """
+    startX: float = parameter(3.24, "Start pose: x.", unit="m")
+    startY: float = parameter(7.7, "Start pose: y.", unit="m")
+    startTheta: float = parameter(-1.57, "Start pose: heading.", unit="rad")
+    cycle: int = parameter(
+        20,
+        "Executions after which the pose of odometry is repeated without a pose of the ceiling.",
+        minimum=1,
+    )
+    PositionTimeout: float = parameter(
+        0.5,
+        """Poses of odometry older than this are dropped. Without any for so long the ceiling corrects
+        nothing, the last pose is repeated, and it is reported. 0: any age. Not in the source.
+        """,
+        minimum=0.0,
+        unit="s",
+    )
+    CeilingTimeout: float = parameter(
+        5.0,
+        """Poses of the ceiling older than this are dropped; without any for so long it is reported, and
+        odometry continues alone. 0: any age. Not in the source.
+        """,
+        minimum=0.0,
+        unit="s",
+    )
 
 
-class LocalizeCenterBase(Component):
+class LocalizeCenterBase(
+    Component,
+    type_name="LocalizeCenter",
+    category="Navigation",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Weighted mean of odometry and ceiling",
+    rate=100.0,
+):
     """Localises the base: the weighted mean of odometry and ceiling, 19 to 1.
 
     The ceiling's pose is compared with that of odometry at the time of its picture. Without
@@ -42,100 +61,11 @@ class LocalizeCenterBase(Component):
     start pose, which odometry takes over.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="LocalizeCenter",
-        kind="DataFlowComponent",
-        category="Navigation",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Weighted mean of odometry and ceiling",
-        rate=100.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "dp_odmIn",
-                iis.TimedPose2D,
-                "Pose by odometry.",
-                unit="m, rad",
-            ),
-            data_port(
-                "inport",
-                "dp_ceilIn",
-                iis.TimedPose2D,
-                "Pose by the ceiling.",
-                unit="m, rad",
-            ),
-            data_port(
-                "outport",
-                "dp_out0",
-                iis.TimedPose2D,
-                "The pose, for odometry to take over.",
-                unit="m, rad",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="startX",
-                python_name="startX",
-                type="double",
-                default="3.24",
-                unit="m",
-                description="Start pose: x.",
-            ),
-            ParameterProfile(
-                name="startY",
-                python_name="startY",
-                type="double",
-                default="7.7",
-                unit="m",
-                description="Start pose: y.",
-            ),
-            ParameterProfile(
-                name="startTheta",
-                python_name="startTheta",
-                type="double",
-                default="-1.57",
-                unit="rad",
-                description="Start pose: heading.",
-            ),
-            ParameterProfile(
-                name="cycle",
-                python_name="cycle",
-                type="long",
-                default="20",
-                minimum=1,
-                description="Executions after which the pose of odometry is repeated without a pose of the ceiling.",
-            ),
-            ParameterProfile(
-                name="PositionTimeout",
-                python_name="PositionTimeout",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="s",
-                description="Poses of odometry older than this are dropped. Without any for so long the ceiling corrects",
-            ),
-            ParameterProfile(
-                name="CeilingTimeout",
-                python_name="CeilingTimeout",
-                type="double",
-                default="5.0",
-                minimum=0.0,
-                unit="s",
-                description="Poses of the ceiling older than this are dropped; without any for so long it is reported, and",
-            ),
-        ),
+    config = configuration(LocalizeCenterConfiguration)
+    dp_odmIn = inport(iis.TimedPose2D, "Pose by odometry.", unit="m, rad")
+    dp_ceilIn = inport(iis.TimedPose2D, "Pose by the ceiling.", unit="m, rad")
+    dp_out0 = outport(
+        iis.TimedPose2D,
+        "The pose, for odometry to take over.",
+        unit="m, rad",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(LocalizeCenterConfiguration())
-        self.dp_odmIn = self.add_in_port("dp_odmIn", iis.TimedPose2D)
-        """Pose by odometry [m, rad]."""
-        self.dp_ceilIn = self.add_in_port("dp_ceilIn", iis.TimedPose2D)
-        """Pose by the ceiling [m, rad]."""
-        self.dp_out0 = self.add_out_port("dp_out0", iis.TimedPose2D)
-        """The pose, for odometry to take over [m, rad]."""

@@ -4,39 +4,76 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import (
+    Component,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+)
 
 from ... import iis, rtc
 
 
-class LRFCapture_URGConfiguration(Struct, gc=False):
-    """Configuration of LRFCapture_URG."""
+class LRFCapture_URGConfiguration(Configuration):
+    """Parameters of LRFCapture_URG."""
 
-    room: str = "room"
-    """The room, read on activation: lines `w X1 Y1 X2 Y2` for walls, `c X Y RADIUS` for
-    posts [m].
-    """
-    offset_x: float = 0.2
-    """Distance of the range finder ahead of the centre of the drive axle [m]."""
-    angle: float = 2.0943951023931953
-    """Field of view to either side [rad]."""
-    resolution: float = 0.006135923151542565
-    """Angle between two rays [rad]."""
-    min_range: float = 0.02
-    """The smallest range that is measured [m]."""
-    max_range: float = 4.0
-    """The greatest range that is measured [m]."""
-    noise: float = 0.005
-    """Standard deviation of a range [m]."""
-    seed: int = 1
-    """Seed of the random numbers."""
+    room: str = parameter(
+        "room",
+        """The room, read on activation: lines `w X1 Y1 X2 Y2` for walls, `c X Y RADIUS` for
+        posts [m].
+        """,
+    )
+    offset_x: float = parameter(
+        0.2,
+        "Distance of the range finder ahead of the centre of the drive axle.",
+        unit="m",
+    )
+    angle: float = parameter(
+        2.0943951023931953,
+        "Field of view to either side.",
+        minimum=0.0,
+        maximum=3.14,
+        unit="rad",
+    )
+    resolution: float = parameter(
+        0.006135923151542565,
+        "Angle between two rays.",
+        minimum=0.001,
+        maximum=1.0,
+        unit="rad",
+    )
+    min_range: float = parameter(
+        0.02,
+        "The smallest range that is measured.",
+        minimum=0.0,
+        unit="m",
+    )
+    max_range: float = parameter(
+        4.0,
+        "The greatest range that is measured.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    noise: float = parameter(
+        0.005,
+        "Standard deviation of a range.",
+        minimum=0.0,
+        unit="m",
+    )
+    seed: int = parameter(1, "Seed of the random numbers.")
 
 
-class LRFCapture_URGBase(Component):
+class LRFCapture_URGBase(
+    Component,
+    type_name="LRFCapture_URG",
+    category="Simulation",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Range finder URG, simulated",
+    rate=10.0,
+):
     """Scans a room with the range finder URG: 240 degrees, up to 4 m, ten times a second.
 
     The source only names this component; its ports are not in the source. The room is a plan of
@@ -44,110 +81,10 @@ class LRFCapture_URGBase(Component):
     the same in each run. A range of 0 means that nothing was hit.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="LRFCapture_URG",
-        kind="DataFlowComponent",
-        category="Simulation",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Range finder URG, simulated",
-        rate=10.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "pose",
-                iis.TimedPose2D,
-                "True pose of the base.",
-                unit="m, rad",
-            ),
-            data_port(
-                "outport",
-                "range",
-                rtc.RangeData,
-                "The scan, with the time of the pose, and where on the base it was taken.",
-                unit="m",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="room",
-                python_name="room",
-                type="string",
-                default="room",
-                description="The room, read on activation: lines `w X1 Y1 X2 Y2` for walls, `c X Y RADIUS` for",
-            ),
-            ParameterProfile(
-                name="offset_x",
-                python_name="offset_x",
-                type="double",
-                default="0.2",
-                unit="m",
-                description="Distance of the range finder ahead of the centre of the drive axle.",
-            ),
-            ParameterProfile(
-                name="angle",
-                python_name="angle",
-                type="double",
-                default="2.0943951023931953",
-                minimum=0.0,
-                maximum=3.14,
-                unit="rad",
-                description="Field of view to either side.",
-            ),
-            ParameterProfile(
-                name="resolution",
-                python_name="resolution",
-                type="double",
-                default="0.006135923151542565",
-                minimum=0.001,
-                maximum=1.0,
-                unit="rad",
-                description="Angle between two rays.",
-            ),
-            ParameterProfile(
-                name="min_range",
-                python_name="min_range",
-                type="double",
-                default="0.02",
-                minimum=0.0,
-                unit="m",
-                description="The smallest range that is measured.",
-            ),
-            ParameterProfile(
-                name="max_range",
-                python_name="max_range",
-                type="double",
-                default="4.0",
-                unit="m",
-                constraint="x>0.0",
-                description="The greatest range that is measured.",
-            ),
-            ParameterProfile(
-                name="noise",
-                python_name="noise",
-                type="double",
-                default="0.005",
-                minimum=0.0,
-                unit="m",
-                description="Standard deviation of a range.",
-            ),
-            ParameterProfile(
-                name="seed",
-                python_name="seed",
-                type="long",
-                default="1",
-                description="Seed of the random numbers.",
-            ),
-        ),
+    config = configuration(LRFCapture_URGConfiguration)
+    pose = inport(iis.TimedPose2D, "True pose of the base.", unit="m, rad")
+    range = outport(
+        rtc.RangeData,
+        "The scan, with the time of the pose, and where on the base it was taken.",
+        unit="m",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(LRFCapture_URGConfiguration())
-        self.pose = self.add_in_port("pose", iis.TimedPose2D)
-        """True pose of the base [m, rad]."""
-        self.range = self.add_out_port("range", rtc.RangeData)
-        """The scan, with the time of the pose, and where on the base it was taken [m]."""

@@ -4,155 +4,91 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
 from rtgen.runtime import (
     Component,
-    ComponentProfile,
-    ParameterProfile,
-    data_port,
-    service_port,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+    provider,
 )
 
 from ... import RefHard, iis, rtc
 
 
-class MotorControlConfiguration(Struct, gc=False):
-    """Configuration of MotorControl."""
+class MotorControlConfiguration(Configuration):
+    """Parameters of MotorControl."""
 
-    WheelTread: float = 0.441
-    """Distance between the wheels, to convert velocities to wheel speeds [m]."""
-    WheelRadiusLeft: float = 0.1
-    """Radius of the left wheel, to convert velocities to wheel speeds [m]."""
-    WheelRadiusRight: float = 0.1
-    """Radius of the right wheel, to convert velocities to wheel speeds [m]."""
-    CommandTimeout: float = 0.5
-    """Time without a velocity after which the base stops; 0: never [s]."""
+    WheelTread: float = parameter(
+        0.441,
+        "Distance between the wheels, to convert velocities to wheel speeds.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    WheelRadiusLeft: float = parameter(
+        0.1,
+        "Radius of the left wheel, to convert velocities to wheel speeds.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    WheelRadiusRight: float = parameter(
+        0.1,
+        "Radius of the right wheel, to convert velocities to wheel speeds.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    CommandTimeout: float = parameter(
+        0.5,
+        "Time without a velocity after which the base stops; 0: never.",
+        minimum=0.0,
+        unit="s",
+    )
 
 
-class MotorControlBase(Component):
+class MotorControlBase(
+    Component,
+    type_name="MotorControl",
+    category="Simulation",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Motor control of a simulated base",
+    rate=1000.0,
+):
     """Replaces RefHardRh3 for a base that is simulated elsewhere (RefHw).
 
     The source only names this component; ports and parameters are those of RefHardRh3 for
     motor control.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="MotorControl",
-        kind="DataFlowComponent",
-        category="Simulation",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Motor control of a simulated base",
-        rate=1000.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "InTargetVelocity",
-                iis.TimedVelocity2D,
-                "Velocity for the base.",
-                unit="m/s, rad/s",
-            ),
-            data_port(
-                "inport",
-                "InWheelAngle",
-                rtc.TimedDoubleSeq,
-                "Angles of the wheels, from the base.",
-                unit="rad",
-            ),
-            data_port(
-                "outport",
-                "WheelSpeed",
-                rtc.TimedDoubleSeq,
-                "Speeds for the left and the right wheel.",
-                unit="rad/s",
-            ),
-            data_port(
-                "outport",
-                "OutWheelAngle",
-                rtc.TimedDoubleSeq,
-                "Absolute rotation angles of the left and the right wheel.",
-                unit="rad",
-            ),
-            service_port(
-                "provider",
-                "InventGUIRefHard",
-                RefHard,
-                "Starts and stops travelling, from a user interface.",
-                instance="RefHard",
-            ),
-            service_port(
-                "provider",
-                "BumpRefHard",
-                RefHard,
-                "Stops travelling, from a bumper.",
-                instance="RefHard",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="WheelTread",
-                python_name="WheelTread",
-                type="double",
-                default="0.441",
-                unit="m",
-                constraint="x>0.0",
-                description="Distance between the wheels, to convert velocities to wheel speeds.",
-            ),
-            ParameterProfile(
-                name="WheelRadiusLeft",
-                python_name="WheelRadiusLeft",
-                type="double",
-                default="0.1",
-                unit="m",
-                constraint="x>0.0",
-                description="Radius of the left wheel, to convert velocities to wheel speeds.",
-            ),
-            ParameterProfile(
-                name="WheelRadiusRight",
-                python_name="WheelRadiusRight",
-                type="double",
-                default="0.1",
-                unit="m",
-                constraint="x>0.0",
-                description="Radius of the right wheel, to convert velocities to wheel speeds.",
-            ),
-            ParameterProfile(
-                name="CommandTimeout",
-                python_name="CommandTimeout",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="s",
-                description="Time without a velocity after which the base stops; 0: never.",
-            ),
-        ),
+    config = configuration(MotorControlConfiguration)
+    InTargetVelocity = inport(
+        iis.TimedVelocity2D,
+        "Velocity for the base.",
+        unit="m/s, rad/s",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(MotorControlConfiguration())
-        self.InTargetVelocity = self.add_in_port(
-            "InTargetVelocity",
-            iis.TimedVelocity2D,
-        )
-        """Velocity for the base [m/s, rad/s]."""
-        self.InWheelAngle = self.add_in_port("InWheelAngle", rtc.TimedDoubleSeq)
-        """Angles of the wheels, from the base [rad]."""
-        self.WheelSpeed = self.add_out_port("WheelSpeed", rtc.TimedDoubleSeq)
-        """Speeds for the left and the right wheel [rad/s]."""
-        self.OutWheelAngle = self.add_out_port("OutWheelAngle", rtc.TimedDoubleSeq)
-        """Absolute rotation angles of the left and the right wheel [rad]."""
-        self.InventGUIRefHard = self.add_provider(
-            "InventGUIRefHard",
-            "RefHard",
-            RefHard,
-        )
-        """Starts and stops travelling, from a user interface."""
-        self.BumpRefHard = self.add_provider("BumpRefHard", "RefHard", RefHard)
-        """Stops travelling, from a bumper."""
+    InWheelAngle = inport(
+        rtc.TimedDoubleSeq,
+        "Angles of the wheels, from the base.",
+        unit="rad",
+    )
+    WheelSpeed = outport(
+        rtc.TimedDoubleSeq,
+        "Speeds for the left and the right wheel.",
+        unit="rad/s",
+    )
+    OutWheelAngle = outport(
+        rtc.TimedDoubleSeq,
+        "Absolute rotation angles of the left and the right wheel.",
+        unit="rad",
+    )
+    InventGUIRefHard = provider(
+        RefHard,
+        "Starts and stops travelling, from a user interface.",
+        instance="RefHard",
+    )
+    BumpRefHard = provider(
+        RefHard,
+        "Stops travelling, from a bumper.",
+        instance="RefHard",
+    )

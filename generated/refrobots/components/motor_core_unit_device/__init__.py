@@ -5,11 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
-from msgspec import Struct
-
-from rtgen.runtime import ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import configuration, inport, outport
+from rtgen.runtime.canopen.configuration import DeviceConfiguration
 from rtgen.runtime.canopen.hooks import Getter, Incoming, Outgoing, Setter
 from rtgen.runtime.canopen.node.device import CanopenDevice
 
@@ -114,169 +113,45 @@ def _outgoing_tpdo4(sample: Any, set_: Setter) -> None:
     set_((0x2001, 0), sample.Motor_temperature)
 
 
-class MotorCoreUnitDeviceConfiguration(Struct, gc=False):
-    """Configuration of MotorCoreUnitDevice."""
+class MotorCoreUnitDeviceConfiguration(DeviceConfiguration):
+    """Parameters of MotorCoreUnitDevice."""
 
-    interface: str = "virtual"
-    """Interface of python-can; in simulated time the bus is simulated."""
-    channel: str = "can0"
-    """Channel of the interface."""
-    bitrate: int = 0
-    """Bit rate; 0: the default of the interface [bit/s]."""
-    options: str = ""
-    """Further arguments of the interface, such as "host=127.0.0.1,port=29536"."""
-    node_id: int = 1
-    """Node-id, 255: assigned by LSS."""
     network: str = "pdo_linking"
-    """Network: name of its bus file; empty: none."""
-    merged_stop: bool = False
-    """Whether a stop command has the effect of figure 111 of RTC-CANopen."""
-    parameter_file: str = ""
-    """File of stored parameters (1010h), name.json below the working folder; empty: none."""
 
 
-class MotorCoreUnitDeviceBase(MotorCoreUnitSlave):
+class MotorCoreUnitDeviceBase(
+    MotorCoreUnitSlave,
+    type_name="MotorCoreUnitDevice",
+    category="CANopen",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Device Motor core unit",
+    rate=100.0,
+    max_instances=0,
+):
     """Device on a CANopen bus: Motor core unit.
 
     InPorts get the received data, data written to OutPorts are transmitted.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="MotorCoreUnitDevice",
-        kind="DataFlowComponent",
-        category="CANopen",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Device Motor core unit",
-        rate=100.0,
-        max_instances=0,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "outport",
-                "tpdo1",
-                motorcoreunit.Tpdo1,
-                "TPDO 1: Statusword, Modes_of_operation_display.",
-            ),
-            data_port(
-                "outport",
-                "tpdo2",
-                motorcoreunit.Tpdo2,
-                "TPDO 2: Position_actual_value, Velocity_actual_value.",
-            ),
-            data_port(
-                "outport",
-                "tpdo3",
-                motorcoreunit.Tpdo3,
-                "TPDO 3: Torque_actual_value, Current_actual_value.",
-            ),
-            data_port(
-                "outport",
-                "tpdo4",
-                motorcoreunit.Tpdo4,
-                "TPDO 4: Gear_encoder_angle, Motor_temperature.",
-            ),
-            data_port(
-                "inport",
-                "rpdo1",
-                motorcoreunit.Rpdo1,
-                "RPDO 1: Controlword, Modes_of_operation.",
-            ),
-            data_port(
-                "inport",
-                "rpdo2",
-                motorcoreunit.Rpdo2,
-                "RPDO 2: Target_position.",
-            ),
-            data_port(
-                "inport",
-                "rpdo3",
-                motorcoreunit.Rpdo3,
-                "RPDO 3: Target_velocity.",
-            ),
-            data_port("inport", "rpdo4", motorcoreunit.Rpdo4, "RPDO 4: Target_torque."),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="interface",
-                python_name="interface",
-                type="string",
-                default="virtual",
-                description="Interface of python-can; in simulated time the bus is simulated.",
-            ),
-            ParameterProfile(
-                name="channel",
-                python_name="channel",
-                type="string",
-                default="can0",
-                description="Channel of the interface.",
-            ),
-            ParameterProfile(
-                name="bitrate",
-                python_name="bitrate",
-                type="long",
-                default="0",
-                minimum=0,
-                unit="bit/s",
-                description="Bit rate; 0: the default of the interface.",
-            ),
-            ParameterProfile(
-                name="options",
-                python_name="options",
-                type="string",
-                default="",
-                description='Further arguments of the interface, such as "host=127.0.0.1,port=29536".',
-            ),
-            ParameterProfile(
-                name="node_id",
-                python_name="node_id",
-                type="long",
-                default="1",
-                minimum=1,
-                maximum=255,
-                description="Node-id, 255: assigned by LSS.",
-            ),
-            ParameterProfile(
-                name="network",
-                python_name="network",
-                type="string",
-                default="pdo_linking",
-                description="Network: name of its bus file; empty: none.",
-            ),
-            ParameterProfile(
-                name="merged_stop",
-                python_name="merged_stop",
-                type="boolean",
-                default="0",
-                description="Whether a stop command has the effect of figure 111 of RTC-CANopen.",
-            ),
-            ParameterProfile(
-                name="parameter_file",
-                python_name="parameter_file",
-                type="string",
-                default="",
-                description="File of stored parameters (1010h), name.json below the working folder; empty: none.",
-            ),
-        ),
+    config = configuration(MotorCoreUnitDeviceConfiguration)
+    tpdo1 = outport(
+        motorcoreunit.Tpdo1,
+        "TPDO 1: Statusword, Modes_of_operation_display.",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(MotorCoreUnitDeviceConfiguration())
-        self.tpdo1 = self.add_out_port("tpdo1", motorcoreunit.Tpdo1)
-        """TPDO 1: Statusword, Modes_of_operation_display."""
-        self.tpdo2 = self.add_out_port("tpdo2", motorcoreunit.Tpdo2)
-        """TPDO 2: Position_actual_value, Velocity_actual_value."""
-        self.tpdo3 = self.add_out_port("tpdo3", motorcoreunit.Tpdo3)
-        """TPDO 3: Torque_actual_value, Current_actual_value."""
-        self.tpdo4 = self.add_out_port("tpdo4", motorcoreunit.Tpdo4)
-        """TPDO 4: Gear_encoder_angle, Motor_temperature."""
-        self.rpdo1 = self.add_in_port("rpdo1", motorcoreunit.Rpdo1)
-        """RPDO 1: Controlword, Modes_of_operation."""
-        self.rpdo2 = self.add_in_port("rpdo2", motorcoreunit.Rpdo2)
-        """RPDO 2: Target_position."""
-        self.rpdo3 = self.add_in_port("rpdo3", motorcoreunit.Rpdo3)
-        """RPDO 3: Target_velocity."""
-        self.rpdo4 = self.add_in_port("rpdo4", motorcoreunit.Rpdo4)
-        """RPDO 4: Target_torque."""
+    tpdo2 = outport(
+        motorcoreunit.Tpdo2,
+        "TPDO 2: Position_actual_value, Velocity_actual_value.",
+    )
+    tpdo3 = outport(
+        motorcoreunit.Tpdo3,
+        "TPDO 3: Torque_actual_value, Current_actual_value.",
+    )
+    tpdo4 = outport(
+        motorcoreunit.Tpdo4,
+        "TPDO 4: Gear_encoder_angle, Motor_temperature.",
+    )
+    rpdo1 = inport(motorcoreunit.Rpdo1, "RPDO 1: Controlword, Modes_of_operation.")
+    rpdo2 = inport(motorcoreunit.Rpdo2, "RPDO 2: Target_position.")
+    rpdo3 = inport(motorcoreunit.Rpdo3, "RPDO 3: Target_velocity.")
+    rpdo4 = inport(motorcoreunit.Rpdo4, "RPDO 4: Target_torque.")

@@ -6,12 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from struct import Struct as _Struct, error as _error
-from typing import ClassVar
 
-from msgspec import Struct
-
-from rtgen.runtime import ComponentProfile, ParameterProfile, data_port, service_port
+from rtgen.runtime import configuration, inport, outport, parameter, provider
 from rtgen.runtime.canopen import pdo as _pdo
+from rtgen.runtime.canopen.configuration import ProxyConfiguration
 from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue
 from rtgen.runtime.canopen.hooks import Receiver, Sender
 from rtgen.runtime.canopen.master.proxy import CanopenProxy
@@ -23,235 +21,59 @@ from ... import canopen, motorcoreunit, rtc
 from ...motorcoreunit import DESCRIPTION, MotorCoreUnitObjects
 
 
-class MotorCoreUnitProxyConfiguration(Struct, gc=False):
-    """Configuration of MotorCoreUnitProxy."""
+class MotorCoreUnitProxyConfiguration(ProxyConfiguration):
+    """Parameters of MotorCoreUnitProxy."""
 
-    interface: str = "virtual"
-    """Interface of python-can; in simulated time the bus is simulated."""
-    channel: str = "can0"
-    """Channel of the interface."""
-    bitrate: int = 0
-    """Bit rate; 0: the default of the interface [bit/s]."""
-    options: str = ""
-    """Further arguments of the interface, such as "host=127.0.0.1,port=29536"."""
-    node_id: int = 1
-    """Node-id."""
     network: str = "pdo_linking"
-    """Network: name of its bus file; empty: none."""
-    master: bool = False
-    """Whether the proxy itself sends NMT commands if the process has no manager on the bus."""
-    heartbeat_timeout: int = 0
-    """Heartbeat time-out; 0: the value of the network, else three periods [ms]."""
-    boot_timeout: int = 2000
-    """Maximum time from a reset to the boot-up message [ms]."""
-    emergency_stop: str = ""
-    """Emergency codes that lead to ERROR, such as xxxx,-82xx; others are only reported. Empty: the value of the network."""
-    recoveries: int = 0
-    """Maximum number of automatic recoveries from ERROR in a row; 0: the value of the network."""
-    sdo_in_error: bool = False
-    """Whether the device is pre-operational in ERROR, so that SDO works, instead of stopped."""
-    Controlword: int = 6
-    """Controlword (6040h, UNSIGNED16), written by SDO."""
+    Controlword: int = parameter(
+        6,
+        "Controlword (6040h, UNSIGNED16), written by SDO.",
+        type="unsigned short",
+    )
 
 
-class MotorCoreUnitProxyBase(CanopenProxy):
+class MotorCoreUnitProxyBase(
+    CanopenProxy,
+    type_name="MotorCoreUnitProxy",
+    category="CANopen",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Proxy of Motor core unit",
+    rate=100.0,
+    max_instances=0,
+):
     """Proxy of a device on a CANopen bus: Motor core unit.
 
     OutPorts send the data received from the device, InPorts take the data for it.
     The life cycle follows the NMT state of the device.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="MotorCoreUnitProxy",
-        kind="DataFlowComponent",
-        category="CANopen",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Proxy of Motor core unit",
-        rate=100.0,
-        max_instances=0,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "outport",
-                "tpdo1",
-                motorcoreunit.Tpdo1,
-                "TPDO 1: Statusword, Modes_of_operation_display.",
-            ),
-            data_port(
-                "outport",
-                "tpdo2",
-                motorcoreunit.Tpdo2,
-                "TPDO 2: Position_actual_value, Velocity_actual_value.",
-            ),
-            data_port(
-                "outport",
-                "tpdo3",
-                motorcoreunit.Tpdo3,
-                "TPDO 3: Torque_actual_value, Current_actual_value.",
-            ),
-            data_port(
-                "outport",
-                "tpdo4",
-                motorcoreunit.Tpdo4,
-                "TPDO 4: Gear_encoder_angle, Motor_temperature.",
-            ),
-            data_port(
-                "inport",
-                "rpdo1",
-                motorcoreunit.Rpdo1,
-                "RPDO 1: Controlword, Modes_of_operation.",
-            ),
-            data_port(
-                "inport",
-                "rpdo2",
-                motorcoreunit.Rpdo2,
-                "RPDO 2: Target_position.",
-            ),
-            data_port(
-                "inport",
-                "rpdo3",
-                motorcoreunit.Rpdo3,
-                "RPDO 3: Target_velocity.",
-            ),
-            data_port("inport", "rpdo4", motorcoreunit.Rpdo4, "RPDO 4: Target_torque."),
-            service_port(
-                "provider",
-                "sdo",
-                canopen.ObjectDictionary,
-                "The objects of the device, read and written by SDO.",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="interface",
-                python_name="interface",
-                type="string",
-                default="virtual",
-                description="Interface of python-can; in simulated time the bus is simulated.",
-            ),
-            ParameterProfile(
-                name="channel",
-                python_name="channel",
-                type="string",
-                default="can0",
-                description="Channel of the interface.",
-            ),
-            ParameterProfile(
-                name="bitrate",
-                python_name="bitrate",
-                type="long",
-                default="0",
-                minimum=0,
-                unit="bit/s",
-                description="Bit rate; 0: the default of the interface.",
-            ),
-            ParameterProfile(
-                name="options",
-                python_name="options",
-                type="string",
-                default="",
-                description='Further arguments of the interface, such as "host=127.0.0.1,port=29536".',
-            ),
-            ParameterProfile(
-                name="node_id",
-                python_name="node_id",
-                type="long",
-                default="1",
-                minimum=1,
-                maximum=127,
-                description="Node-id.",
-            ),
-            ParameterProfile(
-                name="network",
-                python_name="network",
-                type="string",
-                default="pdo_linking",
-                description="Network: name of its bus file; empty: none.",
-            ),
-            ParameterProfile(
-                name="master",
-                python_name="master",
-                type="boolean",
-                default="0",
-                description="Whether the proxy itself sends NMT commands if the process has no manager on the bus.",
-            ),
-            ParameterProfile(
-                name="heartbeat_timeout",
-                python_name="heartbeat_timeout",
-                type="long",
-                default="0",
-                minimum=0,
-                unit="ms",
-                description="Heartbeat time-out; 0: the value of the network, else three periods.",
-            ),
-            ParameterProfile(
-                name="boot_timeout",
-                python_name="boot_timeout",
-                type="long",
-                default="2000",
-                minimum=1,
-                unit="ms",
-                description="Maximum time from a reset to the boot-up message.",
-            ),
-            ParameterProfile(
-                name="emergency_stop",
-                python_name="emergency_stop",
-                type="string",
-                default="",
-                description="Emergency codes that lead to ERROR, such as xxxx,-82xx; others are only reported. Empty: the value of the network.",
-            ),
-            ParameterProfile(
-                name="recoveries",
-                python_name="recoveries",
-                type="long",
-                default="0",
-                minimum=0,
-                description="Maximum number of automatic recoveries from ERROR in a row; 0: the value of the network.",
-            ),
-            ParameterProfile(
-                name="sdo_in_error",
-                python_name="sdo_in_error",
-                type="boolean",
-                default="0",
-                description="Whether the device is pre-operational in ERROR, so that SDO works, instead of stopped.",
-            ),
-            ParameterProfile(
-                name="Controlword",
-                python_name="Controlword",
-                type="unsigned short",
-                default="6",
-                description="Controlword (6040h, UNSIGNED16), written by SDO.",
-            ),
-        ),
+    config = configuration(MotorCoreUnitProxyConfiguration)
+    tpdo1 = outport(
+        motorcoreunit.Tpdo1,
+        "TPDO 1: Statusword, Modes_of_operation_display.",
+    )
+    tpdo2 = outport(
+        motorcoreunit.Tpdo2,
+        "TPDO 2: Position_actual_value, Velocity_actual_value.",
+    )
+    tpdo3 = outport(
+        motorcoreunit.Tpdo3,
+        "TPDO 3: Torque_actual_value, Current_actual_value.",
+    )
+    tpdo4 = outport(
+        motorcoreunit.Tpdo4,
+        "TPDO 4: Gear_encoder_angle, Motor_temperature.",
+    )
+    rpdo1 = inport(motorcoreunit.Rpdo1, "RPDO 1: Controlword, Modes_of_operation.")
+    rpdo2 = inport(motorcoreunit.Rpdo2, "RPDO 2: Target_position.")
+    rpdo3 = inport(motorcoreunit.Rpdo3, "RPDO 3: Target_velocity.")
+    rpdo4 = inport(motorcoreunit.Rpdo4, "RPDO 4: Target_torque.")
+    sdo = provider(
+        canopen.ObjectDictionary,
+        "The objects of the device, read and written by SDO.",
     )
 
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(MotorCoreUnitProxyConfiguration())
-        self.tpdo1 = self.add_out_port("tpdo1", motorcoreunit.Tpdo1)
-        """TPDO 1: Statusword, Modes_of_operation_display."""
-        self.tpdo2 = self.add_out_port("tpdo2", motorcoreunit.Tpdo2)
-        """TPDO 2: Position_actual_value, Velocity_actual_value."""
-        self.tpdo3 = self.add_out_port("tpdo3", motorcoreunit.Tpdo3)
-        """TPDO 3: Torque_actual_value, Current_actual_value."""
-        self.tpdo4 = self.add_out_port("tpdo4", motorcoreunit.Tpdo4)
-        """TPDO 4: Gear_encoder_angle, Motor_temperature."""
-        self.rpdo1 = self.add_in_port("rpdo1", motorcoreunit.Rpdo1)
-        """RPDO 1: Controlword, Modes_of_operation."""
-        self.rpdo2 = self.add_in_port("rpdo2", motorcoreunit.Rpdo2)
-        """RPDO 2: Target_position."""
-        self.rpdo3 = self.add_in_port("rpdo3", motorcoreunit.Rpdo3)
-        """RPDO 3: Target_velocity."""
-        self.rpdo4 = self.add_in_port("rpdo4", motorcoreunit.Rpdo4)
-        """RPDO 4: Target_torque."""
-        self.sdo = self.add_provider("sdo", "sdo", canopen.ObjectDictionary)
-        """The objects of the device, read and written by SDO."""
-
-
-_OverflowError = OverflowError
-_TypeError = TypeError
 
 _TPDO1 = _Struct("<Hb")
 _TPDO2 = _Struct("<ii")
@@ -322,7 +144,7 @@ def encode_rpdo1(Controlword: int, Modes_of_operation: int) -> bytes:
     """
     try:
         return _RPDO1.pack(Controlword, Modes_of_operation)
-    except (_error, _OverflowError, _TypeError) as _reason:
+    except (_error, OverflowError, TypeError) as _reason:
         raise _pdo.PdoError(f"RPDO 1: {_reason}") from None
 
 
@@ -333,7 +155,7 @@ def encode_rpdo2(Target_position: int) -> bytes:
     """
     try:
         return _RPDO2.pack(Target_position)
-    except (_error, _OverflowError, _TypeError) as _reason:
+    except (_error, OverflowError, TypeError) as _reason:
         raise _pdo.PdoError(f"RPDO 2: {_reason}") from None
 
 
@@ -344,7 +166,7 @@ def encode_rpdo3(Target_velocity: int) -> bytes:
     """
     try:
         return _RPDO3.pack(Target_velocity)
-    except (_error, _OverflowError, _TypeError) as _reason:
+    except (_error, OverflowError, TypeError) as _reason:
         raise _pdo.PdoError(f"RPDO 3: {_reason}") from None
 
 
@@ -355,7 +177,7 @@ def encode_rpdo4(Target_torque: int) -> bytes:
     """
     try:
         return _RPDO4.pack(Target_torque)
-    except (_error, _OverflowError, _TypeError) as _reason:
+    except (_error, OverflowError, TypeError) as _reason:
         raise _pdo.PdoError(f"RPDO 4: {_reason}") from None
 
 

@@ -4,165 +4,95 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import (
+    Component,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+)
 
 from ... import iis
 
 
-class NavigationConfiguration(Struct, gc=False):
-    """Configuration of Navigation."""
+class NavigationConfiguration(Configuration):
+    """Parameters of Navigation."""
 
-    judge_radius: float = 0.5
-    """Distance from a waypoint at which the base slows down to a crawl [m]."""
-    max_vel: float = 0.3
-    """Maximum speed of the base on a straight [m/s]."""
-    GoalTolerance: float = 0.03
-    """FINISH is given no farther from the goal than this; a base that has missed it, or is led to [m]
-    a goal that the last straight does not end at, is turned and driven there, ten times at
-    most: then the travel ends in ERROR. Not in the source.
-    """
-    SettleTime: float = 0.0
-    """The base has to stand at the goal for so long before FINISH, for a localisation that lags [s].
-    Not in the source.
-    """
-    PositionTimeout: float = 0.5
-    """Without a position younger than this the base is stopped, until there is one; 0: never. Not [s]
-    in the source.
-    """
-    MaxJump: float = 0.3
-    """A position this far from the one before, on the way, is not a motion: its source was [m]
-    restarted, and the travel ends in ERROR; 0: never. Not in the source.
-    """
-    ProgressTimeout: float = 20.0
-    """A base that gets no nearer to its waypoint for so long is reported; 0: never. Not in the [s]
-    source.
-    """
-
-
-class NavigationBase(Component):
-    """Adds travel mode and speed to the waypoints of a path, and sends them one by one."""
-
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="Navigation",
-        kind="DataFlowComponent",
-        category="Navigation",
-        vendor="rtgen",
-        version="1.1.0",
-        description="Gives out the waypoints of a path one by one",
-        rate=50.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "position",
-                iis.TimedPose2D,
-                "Pose of the base.",
-                unit="m, rad",
-            ),
-            data_port(
-                "inport",
-                "min_path",
-                iis.TimedPath2DSeq,
-                "The path to run. A new one replaces the old one, an empty one stops",
-                unit="m, rad",
-            ),
-            data_port(
-                "outport",
-                "path",
-                iis.Path,
-                "The waypoint to travel to, and how.",
-                unit="m, rad",
-            ),
-            data_port(
-                "outport",
-                "status",
-                iis.TimedState,
-                "State of the travel, at every execution.",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="judge_radius",
-                python_name="judge_radius",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="m",
-                description="Distance from a waypoint at which the base slows down to a crawl.",
-            ),
-            ParameterProfile(
-                name="max_vel",
-                python_name="max_vel",
-                type="double",
-                default="0.3",
-                minimum=0.0,
-                unit="m/s",
-                description="Maximum speed of the base on a straight.",
-            ),
-            ParameterProfile(
-                name="GoalTolerance",
-                python_name="GoalTolerance",
-                type="double",
-                default="0.03",
-                unit="m",
-                constraint="x>0.0",
-                description="FINISH is given no farther from the goal than this; a base that has missed it, or is led to",
-            ),
-            ParameterProfile(
-                name="SettleTime",
-                python_name="SettleTime",
-                type="double",
-                default="0.0",
-                minimum=0.0,
-                unit="s",
-                description="The base has to stand at the goal for so long before FINISH, for a localisation that lags.",
-            ),
-            ParameterProfile(
-                name="PositionTimeout",
-                python_name="PositionTimeout",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="s",
-                description="Without a position younger than this the base is stopped, until there is one; 0: never. Not",
-            ),
-            ParameterProfile(
-                name="MaxJump",
-                python_name="MaxJump",
-                type="double",
-                default="0.3",
-                minimum=0.0,
-                unit="m",
-                description="A position this far from the one before, on the way, is not a motion: its source was",
-            ),
-            ParameterProfile(
-                name="ProgressTimeout",
-                python_name="ProgressTimeout",
-                type="double",
-                default="20.0",
-                minimum=0.0,
-                unit="s",
-                description="A base that gets no nearer to its waypoint for so long is reported; 0: never. Not in the",
-            ),
-        ),
+    judge_radius: float = parameter(
+        0.5,
+        "Distance from a waypoint at which the base slows down to a crawl.",
+        minimum=0.0,
+        unit="m",
+    )
+    max_vel: float = parameter(
+        0.3,
+        "Maximum speed of the base on a straight.",
+        minimum=0.0,
+        unit="m/s",
+    )
+    GoalTolerance: float = parameter(
+        0.03,
+        """FINISH is given no farther from the goal than this; a base that has missed it, or is led to
+        a goal that the last straight does not end at, is turned and driven there, ten times at
+        most: then the travel ends in ERROR. Not in the source.
+        """,
+        unit="m",
+        constraint="x>0.0",
+    )
+    SettleTime: float = parameter(
+        0.0,
+        """The base has to stand at the goal for so long before FINISH, for a localisation that lags.
+        Not in the source.
+        """,
+        minimum=0.0,
+        unit="s",
+    )
+    PositionTimeout: float = parameter(
+        0.5,
+        """Without a position younger than this the base is stopped, until there is one; 0: never. Not
+        in the source.
+        """,
+        minimum=0.0,
+        unit="s",
+    )
+    MaxJump: float = parameter(
+        0.3,
+        """A position this far from the one before, on the way, is not a motion: its source was
+        restarted, and the travel ends in ERROR; 0: never. Not in the source.
+        """,
+        minimum=0.0,
+        unit="m",
+    )
+    ProgressTimeout: float = parameter(
+        20.0,
+        """A base that gets no nearer to its waypoint for so long is reported; 0: never. Not in the
+        source.
+        """,
+        minimum=0.0,
+        unit="s",
     )
 
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(NavigationConfiguration())
-        self.position = self.add_in_port("position", iis.TimedPose2D)
-        """Pose of the base [m, rad]."""
-        self.min_path = self.add_in_port("min_path", iis.TimedPath2DSeq)
-        """The path to run. A new one replaces the old one, an empty one stops [m, rad]
+
+class NavigationBase(
+    Component,
+    type_name="Navigation",
+    category="Navigation",
+    vendor="rtgen",
+    version="1.1.0",
+    description="Gives out the waypoints of a path one by one",
+    rate=50.0,
+):
+    """Adds travel mode and speed to the waypoints of a path, and sends them one by one."""
+
+    config = configuration(NavigationConfiguration)
+    position = inport(iis.TimedPose2D, "Pose of the base.", unit="m, rad")
+    min_path = inport(
+        iis.TimedPath2DSeq,
+        """The path to run. A new one replaces the old one, an empty one stops
         the base.
-        """
-        self.path = self.add_out_port("path", iis.Path)
-        """The waypoint to travel to, and how [m, rad]."""
-        self.status = self.add_out_port("status", iis.TimedState)
-        """State of the travel, at every execution."""
+        """,
+        unit="m, rad",
+    )
+    path = outport(iis.Path, "The waypoint to travel to, and how.", unit="m, rad")
+    status = outport(iis.TimedState, "State of the travel, at every execution.")

@@ -4,116 +4,72 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import (
+    Component,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+)
 
 from ... import iis, rtc
 
 
-class ObstacleMonitorConfiguration(Struct, gc=False):
-    """Configuration of ObstacleMonitor."""
+class ObstacleMonitorConfiguration(Configuration):
+    """Parameters of ObstacleMonitor."""
 
-    picture: str = ""
-    """The picture to be written (.svg, .png or .pdf); empty: none."""
-    scans: int = 1000
-    """Number of scans whose points are kept for the picture."""
-    PositionTimeout: float = 0.5
-    """Without a position younger than this nothing is drawn; 0: any age [s]."""
-    ObstaclesTimeout: float = 0.5
-    """Scans older than this are dropped; without any for so long it is reported. 0: any age [s]."""
+    picture: str = parameter(
+        "",
+        "The picture to be written (.svg, .png or .pdf); empty: none.",
+        widget="text",
+    )
+    scans: int = parameter(
+        1000,
+        "Number of scans whose points are kept for the picture.",
+        minimum=1,
+        maximum=100000,
+    )
+    PositionTimeout: float = parameter(
+        0.5,
+        "Without a position younger than this nothing is drawn; 0: any age.",
+        minimum=0.0,
+        unit="s",
+    )
+    ObstaclesTimeout: float = parameter(
+        0.5,
+        "Scans older than this are dropped; without any for so long it is reported. 0: any age.",
+        minimum=0.0,
+        unit="s",
+    )
 
 
-class ObstacleMonitorBase(Component):
+class ObstacleMonitorBase(
+    Component,
+    type_name="ObstacleMonitor",
+    category="Navigation",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Shows obstacles",
+    rate=10.0,
+):
     """Reports the distance of the nearest obstacle, and draws the obstacles of the run.
 
     The source only names this component; its ports are not in the source. The picture is written
     when it is deactivated.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="ObstacleMonitor",
-        kind="DataFlowComponent",
-        category="Navigation",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Shows obstacles",
-        rate=10.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "obstacles",
-                iis.TimedPoint2DSeq,
-                "The points of the newest scan.",
-                unit="m",
-            ),
-            data_port(
-                "inport",
-                "position",
-                iis.TimedPose2D,
-                "Pose of the base, to draw points in the world frame; without it they are drawn around",
-                unit="m, rad",
-            ),
-            data_port(
-                "outport",
-                "nearest",
-                rtc.TimedDouble,
-                "Distance of the nearest point, from the centre of the base.",
-                unit="m",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="picture",
-                python_name="picture",
-                type="string",
-                default="",
-                widget="text",
-                description="The picture to be written (.svg, .png or .pdf); empty: none.",
-            ),
-            ParameterProfile(
-                name="scans",
-                python_name="scans",
-                type="long",
-                default="1000",
-                minimum=1,
-                maximum=100000,
-                description="Number of scans whose points are kept for the picture.",
-            ),
-            ParameterProfile(
-                name="PositionTimeout",
-                python_name="PositionTimeout",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="s",
-                description="Without a position younger than this nothing is drawn; 0: any age.",
-            ),
-            ParameterProfile(
-                name="ObstaclesTimeout",
-                python_name="ObstaclesTimeout",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="s",
-                description="Scans older than this are dropped; without any for so long it is reported. 0: any age.",
-            ),
-        ),
-    )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(ObstacleMonitorConfiguration())
-        self.obstacles = self.add_in_port("obstacles", iis.TimedPoint2DSeq)
-        """The points of the newest scan [m]."""
-        self.position = self.add_in_port("position", iis.TimedPose2D)
-        """Pose of the base, to draw points in the world frame; without it they are drawn around [m, rad]
+    config = configuration(ObstacleMonitorConfiguration)
+    obstacles = inport(iis.TimedPoint2DSeq, "The points of the newest scan.", unit="m")
+    position = inport(
+        iis.TimedPose2D,
+        """Pose of the base, to draw points in the world frame; without it they are drawn around
         the base.
-        """
-        self.nearest = self.add_out_port("nearest", rtc.TimedDouble)
-        """Distance of the nearest point, from the centre of the base [m]."""
+        """,
+        unit="m, rad",
+    )
+    nearest = outport(
+        rtc.TimedDouble,
+        "Distance of the nearest point, from the centre of the base.",
+        unit="m",
+    )

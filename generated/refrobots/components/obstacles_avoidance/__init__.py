@@ -4,35 +4,74 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import (
+    Component,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+)
 
 from ... import iis
 
 
-class ObstaclesAvoidanceConfiguration(Struct, gc=False):
-    """Configuration of ObstaclesAvoidance."""
+class ObstaclesAvoidanceConfiguration(Configuration):
+    """Parameters of ObstaclesAvoidance."""
 
-    radiusOfBodyArea: float = 0.45
-    """Radius of a circle around the whole body [m]."""
-    clearance: float = 0.2
-    """Room that is kept between body and obstacles [m]."""
-    horizon: float = 1.5
-    """Distance up to which obstacles are considered [m]."""
-    min_radius: float = 0.5
-    """The narrowest arc that is tried [m]."""
-    deceleration: float = 0.2
-    """Deceleration by which the base is brought to a stop in front of an obstacle [m/s^2]."""
-    max_w: float = 0.6
-    """Maximum angular speed that is asked for [rad/s]."""
-    ObstaclesTimeout: float = 0.5
-    """Points older than this do not count any more, and the base stops; 0: never [s]."""
+    radiusOfBodyArea: float = parameter(
+        0.45,
+        "Radius of a circle around the whole body.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    clearance: float = parameter(
+        0.2,
+        "Room that is kept between body and obstacles.",
+        minimum=0.0,
+        unit="m",
+    )
+    horizon: float = parameter(
+        1.5,
+        "Distance up to which obstacles are considered.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    min_radius: float = parameter(
+        0.5,
+        "The narrowest arc that is tried.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    deceleration: float = parameter(
+        0.2,
+        "Deceleration by which the base is brought to a stop in front of an obstacle.",
+        unit="m/s^2",
+        constraint="x>0.0",
+    )
+    max_w: float = parameter(
+        0.6,
+        "Maximum angular speed that is asked for.",
+        unit="rad/s",
+        constraint="x>0.0",
+    )
+    ObstaclesTimeout: float = parameter(
+        0.5,
+        "Points older than this do not count any more, and the base stops; 0: never.",
+        minimum=0.0,
+        unit="s",
+    )
 
 
-class ObstaclesAvoidanceBase(Component):
+class ObstaclesAvoidanceBase(
+    Component,
+    type_name="ObstaclesAvoidance",
+    category="Navigation",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Changes the velocity to pass obstacles",
+    rate=100.0,
+):
     """Changes the velocity asked for so that the base passes obstacles.
 
     The base is taken as a circle that goes along arcs. If the arc asked for is free, the velocity
@@ -43,113 +82,15 @@ class ObstaclesAvoidanceBase(Component):
     component only the name survived; ports and method are ours.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="ObstaclesAvoidance",
-        kind="DataFlowComponent",
-        category="Navigation",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Changes the velocity to pass obstacles",
-        rate=100.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "obstacles",
-                iis.TimedPoint2DSeq,
-                "The points of the newest scan.",
-                unit="m",
-            ),
-            data_port(
-                "inport",
-                "velocity_in",
-                iis.TimedVelocity2D,
-                "The velocity asked for.",
-                unit="m/s, rad/s",
-            ),
-            data_port(
-                "outport",
-                "velocity_out",
-                iis.TimedVelocity2D,
-                "The velocity to be driven.",
-                unit="m/s, rad/s",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="radiusOfBodyArea",
-                python_name="radiusOfBodyArea",
-                type="double",
-                default="0.45",
-                unit="m",
-                constraint="x>0.0",
-                description="Radius of a circle around the whole body.",
-            ),
-            ParameterProfile(
-                name="clearance",
-                python_name="clearance",
-                type="double",
-                default="0.2",
-                minimum=0.0,
-                unit="m",
-                description="Room that is kept between body and obstacles.",
-            ),
-            ParameterProfile(
-                name="horizon",
-                python_name="horizon",
-                type="double",
-                default="1.5",
-                unit="m",
-                constraint="x>0.0",
-                description="Distance up to which obstacles are considered.",
-            ),
-            ParameterProfile(
-                name="min_radius",
-                python_name="min_radius",
-                type="double",
-                default="0.5",
-                unit="m",
-                constraint="x>0.0",
-                description="The narrowest arc that is tried.",
-            ),
-            ParameterProfile(
-                name="deceleration",
-                python_name="deceleration",
-                type="double",
-                default="0.2",
-                unit="m/s^2",
-                constraint="x>0.0",
-                description="Deceleration by which the base is brought to a stop in front of an obstacle.",
-            ),
-            ParameterProfile(
-                name="max_w",
-                python_name="max_w",
-                type="double",
-                default="0.6",
-                unit="rad/s",
-                constraint="x>0.0",
-                description="Maximum angular speed that is asked for.",
-            ),
-            ParameterProfile(
-                name="ObstaclesTimeout",
-                python_name="ObstaclesTimeout",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="s",
-                description="Points older than this do not count any more, and the base stops; 0: never.",
-            ),
-        ),
+    config = configuration(ObstaclesAvoidanceConfiguration)
+    obstacles = inport(iis.TimedPoint2DSeq, "The points of the newest scan.", unit="m")
+    velocity_in = inport(
+        iis.TimedVelocity2D,
+        "The velocity asked for.",
+        unit="m/s, rad/s",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(ObstaclesAvoidanceConfiguration())
-        self.obstacles = self.add_in_port("obstacles", iis.TimedPoint2DSeq)
-        """The points of the newest scan [m]."""
-        self.velocity_in = self.add_in_port("velocity_in", iis.TimedVelocity2D)
-        """The velocity asked for [m/s, rad/s]."""
-        self.velocity_out = self.add_out_port("velocity_out", iis.TimedVelocity2D)
-        """The velocity to be driven [m/s, rad/s]."""
+    velocity_out = outport(
+        iis.TimedVelocity2D,
+        "The velocity to be driven.",
+        unit="m/s, rad/s",
+    )

@@ -4,180 +4,99 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import (
+    Component,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+)
 
 from ... import iis, rtc
 
 
-class OdometryConfiguration(Struct, gc=False):
-    """Configuration of Odometry."""
+class OdometryConfiguration(Configuration):
+    """Parameters of Odometry."""
 
-    leftWheelID: int = 0
-    """Index of the left drive wheel in the wheel angles."""
-    rightWheelID: int = 1
-    """Index of the right drive wheel in the wheel angles."""
-    radiusOfLeftWheel: float = 0.0995
-    """Radius of the left wheel; tunes the accuracy of translation [m]."""
-    radiusOfRightWheel: float = 0.0995
-    """Radius of the right wheel; tunes the accuracy of translation [m]."""
-    lengthOfAxle: float = 0.464
-    """Distance between the drive wheels; tunes the accuracy of rotation [m]."""
-    radiusOfBodyArea: float = 0.45
-    """Radius of a circle around the whole body, for a safety area; not used here [m]."""
-    initialPose_x: float = 0.0
-    """Pose on activation: x [m]."""
-    initialPose_y: float = 0.0
-    """Pose on activation: y [m]."""
-    initialPose_theta: float = 0.0
-    """Pose on activation: heading [rad]."""
-    WheelAngleTimeout: float = 0.5
-    """Wheel angles older than this are dropped, and without any for so long it is reported; no [s]
-    pose is sent then. 0: any age. Not in the source.
-    """
+    leftWheelID: int = parameter(
+        0,
+        "Index of the left drive wheel in the wheel angles.",
+        minimum=0,
+    )
+    rightWheelID: int = parameter(
+        1,
+        "Index of the right drive wheel in the wheel angles.",
+        minimum=0,
+    )
+    radiusOfLeftWheel: float = parameter(
+        0.0995,
+        "Radius of the left wheel; tunes the accuracy of translation.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    radiusOfRightWheel: float = parameter(
+        0.0995,
+        "Radius of the right wheel; tunes the accuracy of translation.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    lengthOfAxle: float = parameter(
+        0.464,
+        "Distance between the drive wheels; tunes the accuracy of rotation.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    radiusOfBodyArea: float = parameter(
+        0.45,
+        "Radius of a circle around the whole body, for a safety area; not used here.",
+        minimum=0.0,
+        unit="m",
+    )
+    initialPose_x: float = parameter(0.0, "Pose on activation: x.", unit="m")
+    initialPose_y: float = parameter(0.0, "Pose on activation: y.", unit="m")
+    initialPose_theta: float = parameter(
+        0.0,
+        "Pose on activation: heading.",
+        unit="rad",
+    )
+    WheelAngleTimeout: float = parameter(
+        0.5,
+        """Wheel angles older than this are dropped, and without any for so long it is reported; no
+        pose is sent then. 0: any age. Not in the source.
+        """,
+        minimum=0.0,
+        unit="s",
+    )
 
 
-class OdometryBase(Component):
+class OdometryBase(
+    Component,
+    type_name="Odometry",
+    category="Navigation",
+    vendor="rtgen",
+    version="1.1.0",
+    description="Pose from wheel angles",
+    rate=100.0,
+):
     """Estimates the pose of the centre of the drive axle from the angles of the wheels.
 
     Parameters are read on activation, and the pose starts from the initial pose then.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="Odometry",
-        kind="DataFlowComponent",
-        category="Navigation",
-        vendor="rtgen",
-        version="1.1.0",
-        description="Pose from wheel angles",
-        rate=100.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "CurrentWheelAngle",
-                rtc.TimedDoubleSeq,
-                "Rotation angles of the wheels, absolute.",
-                unit="rad",
-            ),
-            data_port(
-                "inport",
-                "LocalizedPosition",
-                iis.TimedPose2D,
-                "Pose by external sensors; not used.",
-                unit="m, rad",
-            ),
-            data_port(
-                "outport",
-                "OdometryPosition",
-                iis.TimedPose2D,
-                "Pose by odometry, with the time of the wheel angles.",
-                unit="m, rad",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="leftWheelID",
-                python_name="leftWheelID",
-                type="long",
-                default="0",
-                minimum=0,
-                description="Index of the left drive wheel in the wheel angles.",
-            ),
-            ParameterProfile(
-                name="rightWheelID",
-                python_name="rightWheelID",
-                type="long",
-                default="1",
-                minimum=0,
-                description="Index of the right drive wheel in the wheel angles.",
-            ),
-            ParameterProfile(
-                name="radiusOfLeftWheel",
-                python_name="radiusOfLeftWheel",
-                type="double",
-                default="0.0995",
-                unit="m",
-                constraint="x>0.0",
-                description="Radius of the left wheel; tunes the accuracy of translation.",
-            ),
-            ParameterProfile(
-                name="radiusOfRightWheel",
-                python_name="radiusOfRightWheel",
-                type="double",
-                default="0.0995",
-                unit="m",
-                constraint="x>0.0",
-                description="Radius of the right wheel; tunes the accuracy of translation.",
-            ),
-            ParameterProfile(
-                name="lengthOfAxle",
-                python_name="lengthOfAxle",
-                type="double",
-                default="0.464",
-                unit="m",
-                constraint="x>0.0",
-                description="Distance between the drive wheels; tunes the accuracy of rotation.",
-            ),
-            ParameterProfile(
-                name="radiusOfBodyArea",
-                python_name="radiusOfBodyArea",
-                type="double",
-                default="0.45",
-                minimum=0.0,
-                unit="m",
-                description="Radius of a circle around the whole body, for a safety area; not used here.",
-            ),
-            ParameterProfile(
-                name="initialPose_x",
-                python_name="initialPose_x",
-                type="double",
-                default="0.0",
-                unit="m",
-                description="Pose on activation: x.",
-            ),
-            ParameterProfile(
-                name="initialPose_y",
-                python_name="initialPose_y",
-                type="double",
-                default="0.0",
-                unit="m",
-                description="Pose on activation: y.",
-            ),
-            ParameterProfile(
-                name="initialPose_theta",
-                python_name="initialPose_theta",
-                type="double",
-                default="0.0",
-                unit="rad",
-                description="Pose on activation: heading.",
-            ),
-            ParameterProfile(
-                name="WheelAngleTimeout",
-                python_name="WheelAngleTimeout",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="s",
-                description="Wheel angles older than this are dropped, and without any for so long it is reported; no",
-            ),
-        ),
+    config = configuration(OdometryConfiguration)
+    CurrentWheelAngle = inport(
+        rtc.TimedDoubleSeq,
+        "Rotation angles of the wheels, absolute.",
+        unit="rad",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(OdometryConfiguration())
-        self.CurrentWheelAngle = self.add_in_port(
-            "CurrentWheelAngle",
-            rtc.TimedDoubleSeq,
-        )
-        """Rotation angles of the wheels, absolute [rad]."""
-        self.LocalizedPosition = self.add_in_port("LocalizedPosition", iis.TimedPose2D)
-        """Pose by external sensors; not used [m, rad]."""
-        self.OdometryPosition = self.add_out_port("OdometryPosition", iis.TimedPose2D)
-        """Pose by odometry, with the time of the wheel angles [m, rad]."""
+    LocalizedPosition = inport(
+        iis.TimedPose2D,
+        "Pose by external sensors; not used.",
+        unit="m, rad",
+    )
+    OdometryPosition = outport(
+        iis.TimedPose2D,
+        "Pose by odometry, with the time of the wheel angles.",
+        unit="m, rad",
+    )

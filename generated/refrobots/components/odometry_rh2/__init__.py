@@ -4,164 +4,101 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import (
+    Component,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+)
 
 from ... import iis, rtc
 
 
-class OdometryRh2Configuration(Struct, gc=False):
-    """Configuration of OdometryRh2."""
+class OdometryRh2Configuration(Configuration):
+    """Parameters of OdometryRh2."""
 
-    leftWheelID: int = 0
-    """Index of the left drive wheel in the wheel angles."""
-    rightWheelID: int = 1
-    """Index of the right drive wheel in the wheel angles."""
-    radiusOfLeftWheel: float = 0.1
-    """Radius of the left wheel; tunes the accuracy of translation [m]."""
-    radiusOfRightWheel: float = 0.1
-    """Radius of the right wheel; tunes the accuracy of translation [m]."""
-    lengthOfAxle: float = 0.441
-    """Distance between the drive wheels; tunes the accuracy of rotation [m]."""
-    radiusOfBodyArea: float = 0.45
-    """Radius of a circle around the whole body, for a safety area; not used here [m]."""
-    WheelAngleTimeout: float = 0.5
-    """Wheel angles older than this are dropped, and without any for so long it is reported; no [s]
-    pose is sent then. 0: any age. Not in the source.
-    """
-    LocalizationTimeout: float = 2.0
-    """A pose by other sensors older than this is dropped; without any for so long it is reported, [s]
-    and the pose continues by the wheels alone. 0: any age. Not in the source.
-    """
+    leftWheelID: int = parameter(
+        0,
+        "Index of the left drive wheel in the wheel angles.",
+        minimum=0,
+    )
+    rightWheelID: int = parameter(
+        1,
+        "Index of the right drive wheel in the wheel angles.",
+        minimum=0,
+    )
+    radiusOfLeftWheel: float = parameter(
+        0.1,
+        "Radius of the left wheel; tunes the accuracy of translation.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    radiusOfRightWheel: float = parameter(
+        0.1,
+        "Radius of the right wheel; tunes the accuracy of translation.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    lengthOfAxle: float = parameter(
+        0.441,
+        "Distance between the drive wheels; tunes the accuracy of rotation.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    radiusOfBodyArea: float = parameter(
+        0.45,
+        "Radius of a circle around the whole body, for a safety area; not used here.",
+        minimum=0.0,
+        unit="m",
+    )
+    WheelAngleTimeout: float = parameter(
+        0.5,
+        """Wheel angles older than this are dropped, and without any for so long it is reported; no
+        pose is sent then. 0: any age. Not in the source.
+        """,
+        minimum=0.0,
+        unit="s",
+    )
+    LocalizationTimeout: float = parameter(
+        2.0,
+        """A pose by other sensors older than this is dropped; without any for so long it is reported,
+        and the pose continues by the wheels alone. 0: any age. Not in the source.
+        """,
+        minimum=0.0,
+        unit="s",
+    )
 
 
-class OdometryRh2Base(Component):
+class OdometryRh2Base(
+    Component,
+    type_name="OdometryRh2",
+    category="Navigation",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Pose from wheel angles, corrected from outside",
+    rate=100.0,
+):
     """Estimates the pose of the centre of the drive axle from the angles of the wheels, and takes
     over every pose that a localisation by other sensors sends.
 
     It has no parameters for the initial pose: the localisation sends that.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="OdometryRh2",
-        kind="DataFlowComponent",
-        category="Navigation",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Pose from wheel angles, corrected from outside",
-        rate=100.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "CurrentWheelAngle",
-                rtc.TimedDoubleSeq,
-                "Rotation angles of the wheels, absolute.",
-                unit="rad",
-            ),
-            data_port(
-                "inport",
-                "LocalizedPosition",
-                iis.TimedPose2D,
-                "Pose by other sensors; replaces the current pose.",
-                unit="m, rad",
-            ),
-            data_port(
-                "outport",
-                "OdometryPosition",
-                iis.TimedPose2D,
-                "Pose by odometry, with the time of the wheel angles.",
-                unit="m, rad",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="leftWheelID",
-                python_name="leftWheelID",
-                type="long",
-                default="0",
-                minimum=0,
-                description="Index of the left drive wheel in the wheel angles.",
-            ),
-            ParameterProfile(
-                name="rightWheelID",
-                python_name="rightWheelID",
-                type="long",
-                default="1",
-                minimum=0,
-                description="Index of the right drive wheel in the wheel angles.",
-            ),
-            ParameterProfile(
-                name="radiusOfLeftWheel",
-                python_name="radiusOfLeftWheel",
-                type="double",
-                default="0.1",
-                unit="m",
-                constraint="x>0.0",
-                description="Radius of the left wheel; tunes the accuracy of translation.",
-            ),
-            ParameterProfile(
-                name="radiusOfRightWheel",
-                python_name="radiusOfRightWheel",
-                type="double",
-                default="0.1",
-                unit="m",
-                constraint="x>0.0",
-                description="Radius of the right wheel; tunes the accuracy of translation.",
-            ),
-            ParameterProfile(
-                name="lengthOfAxle",
-                python_name="lengthOfAxle",
-                type="double",
-                default="0.441",
-                unit="m",
-                constraint="x>0.0",
-                description="Distance between the drive wheels; tunes the accuracy of rotation.",
-            ),
-            ParameterProfile(
-                name="radiusOfBodyArea",
-                python_name="radiusOfBodyArea",
-                type="double",
-                default="0.45",
-                minimum=0.0,
-                unit="m",
-                description="Radius of a circle around the whole body, for a safety area; not used here.",
-            ),
-            ParameterProfile(
-                name="WheelAngleTimeout",
-                python_name="WheelAngleTimeout",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="s",
-                description="Wheel angles older than this are dropped, and without any for so long it is reported; no",
-            ),
-            ParameterProfile(
-                name="LocalizationTimeout",
-                python_name="LocalizationTimeout",
-                type="double",
-                default="2.0",
-                minimum=0.0,
-                unit="s",
-                description="A pose by other sensors older than this is dropped; without any for so long it is reported,",
-            ),
-        ),
+    config = configuration(OdometryRh2Configuration)
+    CurrentWheelAngle = inport(
+        rtc.TimedDoubleSeq,
+        "Rotation angles of the wheels, absolute.",
+        unit="rad",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(OdometryRh2Configuration())
-        self.CurrentWheelAngle = self.add_in_port(
-            "CurrentWheelAngle",
-            rtc.TimedDoubleSeq,
-        )
-        """Rotation angles of the wheels, absolute [rad]."""
-        self.LocalizedPosition = self.add_in_port("LocalizedPosition", iis.TimedPose2D)
-        """Pose by other sensors; replaces the current pose [m, rad]."""
-        self.OdometryPosition = self.add_out_port("OdometryPosition", iis.TimedPose2D)
-        """Pose by odometry, with the time of the wheel angles [m, rad]."""
+    LocalizedPosition = inport(
+        iis.TimedPose2D,
+        "Pose by other sensors; replaces the current pose.",
+        unit="m, rad",
+    )
+    OdometryPosition = outport(
+        iis.TimedPose2D,
+        "Pose by odometry, with the time of the wheel angles.",
+        unit="m, rad",
+    )

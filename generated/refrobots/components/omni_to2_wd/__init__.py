@@ -4,128 +4,81 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import (
+    Component,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+)
 
 from ... import iis
 
 
-class OmniTo2WDConfiguration(Struct, gc=False):
-    """Configuration of OmniTo2WD."""
+class OmniTo2WDConfiguration(Configuration):
+    """Parameters of OmniTo2WD."""
 
-    PositionTimeout: float = 0.5
-    """A path is planned from no position older than this; the goal waits for one. 0: any age. Not [s]
-    in the source.
-    """
-    StatusTimeout: float = 1.0
-    """Without a state of the travel for so long the navigation does not have the path: it is [s]
-    planned and sent again; 0: never. Not in the source.
-    """
-    ArrivalRadius: float = 0.1
-    """A FINISH farther from the goal than this is not passed on: the path is planned and sent [m]
-    again. Not in the source.
-    """
+    PositionTimeout: float = parameter(
+        0.5,
+        """A path is planned from no position older than this; the goal waits for one. 0: any age. Not
+        in the source.
+        """,
+        minimum=0.0,
+        unit="s",
+    )
+    StatusTimeout: float = parameter(
+        1.0,
+        """Without a state of the travel for so long the navigation does not have the path: it is
+        planned and sent again; 0: never. Not in the source.
+        """,
+        minimum=0.0,
+        unit="s",
+    )
+    ArrivalRadius: float = parameter(
+        0.1,
+        """A FINISH farther from the goal than this is not passed on: the path is planned and sent
+        again. Not in the source.
+        """,
+        unit="m",
+        constraint="x>0.0",
+    )
 
 
-class OmniTo2WDBase(Component):
+class OmniTo2WDBase(
+    Component,
+    type_name="OmniTo2WD",
+    category="Navigation",
+    vendor="rtgen",
+    version="1.1.0",
+    description="Plans turn, straight, turn",
+    rate=50.0,
+):
     """Plans a path that a base with two driven wheels can run: turn, straight, turn.
 
     Waypoints are collected until the last one (102) has come; between them the path is
     turn and straight, after the last one it turns to the heading asked for.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="OmniTo2WD",
-        kind="DataFlowComponent",
-        category="Navigation",
-        vendor="rtgen",
-        version="1.1.0",
-        description="Plans turn, straight, turn",
-        rate=50.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "current_position",
-                iis.TimedPose2D,
-                "Pose of the base.",
-                unit="m, rad",
-            ),
-            data_port(
-                "inport",
-                "goal",
-                iis.TimedPose2D,
-                "The goal, or one waypoint of a path.",
-                unit="m, rad",
-            ),
-            data_port(
-                "inport",
-                "status",
-                iis.TimedState,
-                "State of the travel, from the navigation.",
-                "status_in",
-            ),
-            data_port(
-                "outport",
-                "min_path",
-                iis.TimedPath2DSeq,
-                "The planned path; its first pose is that of the base.",
-                unit="m, rad",
-            ),
-            data_port(
-                "outport",
-                "status",
-                iis.TimedState,
-                "FINISH, once for each path that was run to its end.",
-                "status_out",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="PositionTimeout",
-                python_name="PositionTimeout",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="s",
-                description="A path is planned from no position older than this; the goal waits for one. 0: any age. Not",
-            ),
-            ParameterProfile(
-                name="StatusTimeout",
-                python_name="StatusTimeout",
-                type="double",
-                default="1.0",
-                minimum=0.0,
-                unit="s",
-                description="Without a state of the travel for so long the navigation does not have the path: it is",
-            ),
-            ParameterProfile(
-                name="ArrivalRadius",
-                python_name="ArrivalRadius",
-                type="double",
-                default="0.1",
-                unit="m",
-                constraint="x>0.0",
-                description="A FINISH farther from the goal than this is not passed on: the path is planned and sent",
-            ),
-        ),
+    config = configuration(OmniTo2WDConfiguration)
+    current_position = inport(iis.TimedPose2D, "Pose of the base.", unit="m, rad")
+    goal = inport(
+        iis.TimedPose2D,
+        "The goal, or one waypoint of a path.",
+        unit="m, rad",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(OmniTo2WDConfiguration())
-        self.current_position = self.add_in_port("current_position", iis.TimedPose2D)
-        """Pose of the base [m, rad]."""
-        self.goal = self.add_in_port("goal", iis.TimedPose2D)
-        """The goal, or one waypoint of a path [m, rad]."""
-        self.status_in = self.add_in_port("status", iis.TimedState)
-        """State of the travel, from the navigation."""
-        self.min_path = self.add_out_port("min_path", iis.TimedPath2DSeq)
-        """The planned path; its first pose is that of the base [m, rad]."""
-        self.status_out = self.add_out_port("status", iis.TimedState)
-        """FINISH, once for each path that was run to its end."""
+    status_in = inport(
+        iis.TimedState,
+        "State of the travel, from the navigation.",
+        name="status",
+    )
+    min_path = outport(
+        iis.TimedPath2DSeq,
+        "The planned path; its first pose is that of the base.",
+        unit="m, rad",
+    )
+    status_out = outport(
+        iis.TimedState,
+        "FINISH, once for each path that was run to its end.",
+        name="status",
+    )

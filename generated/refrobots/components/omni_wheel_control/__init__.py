@@ -4,57 +4,115 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import (
+    Component,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+)
 
 from ... import iis, rtc
 
 
-class OmniWheelControlConfiguration(Struct, gc=False):
-    """Configuration of OmniWheelControl."""
+class OmniWheelControlConfiguration(Configuration):
+    """Parameters of OmniWheelControl."""
 
-    robot_id: int = 0
-    """Tells the robots apart."""
-    following: str = "track"
-    """How a robot is followed: along the track that it has left, or straight towards where
-    it is.
-    """
-    distance: float = 1.0
-    """Distance to the robot that is followed: along the track, or as the crow flies [m]."""
-    max_v: float = 0.4
-    """Maximum speed while following [m/s]."""
-    max_w: float = 1.0
-    """Maximum angular speed while following [rad/s]."""
-    CommandTimeout: float = 0.5
-    """The robot comes to rest when no travel command has come for so long; 0: never [s]."""
-    TargetTimeout: float = 0.0
-    """The position of a leader older than this is not followed any more; 0, as in the [s]
-    experiments: the robot goes up to its distance from the last one, and waits there.
-    """
-    start_x: float = 0.0
-    """Pose at the first activation: x [m]."""
-    start_y: float = 0.0
-    """Pose at the first activation: y [m]."""
-    start_theta: float = 0.0
-    """Pose at the first activation: heading [rad]."""
-    Wheels: int = 4
-    """Number of omni-wheels, evenly around the centre."""
-    WheelRadius: float = 0.05
-    """Radius of the wheels [m]."""
-    WheelDistance: float = 0.2
-    """Distance of the wheels from the centre [m]."""
-    max_wheel_speed: float = 30.0
-    """Maximum speed of a wheel [rad/s]."""
-    max_wheel_acceleration: float = 40.0
-    """Maximum acceleration of a wheel [rad/s^2]."""
-    EncoderCount: int = 8192
-    """Counts of the encoder for one turn of its wheel."""
+    robot_id: int = parameter(0, "Tells the robots apart.", minimum=0)
+    following: str = parameter(
+        "track",
+        """How a robot is followed: along the track that it has left, or straight towards where
+        it is.
+        """,
+        constraint="(track,distance)",
+        widget="radio",
+    )
+    distance: float = parameter(
+        1.0,
+        "Distance to the robot that is followed: along the track, or as the crow flies.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    max_v: float = parameter(
+        0.4,
+        "Maximum speed while following.",
+        minimum=0.0,
+        unit="m/s",
+    )
+    max_w: float = parameter(
+        1.0,
+        "Maximum angular speed while following.",
+        minimum=0.0,
+        unit="rad/s",
+    )
+    CommandTimeout: float = parameter(
+        0.5,
+        "The robot comes to rest when no travel command has come for so long; 0: never.",
+        minimum=0.0,
+        unit="s",
+    )
+    TargetTimeout: float = parameter(
+        0.0,
+        """The position of a leader older than this is not followed any more; 0, as in the
+        experiments: the robot goes up to its distance from the last one, and waits there.
+        """,
+        minimum=0.0,
+        unit="s",
+    )
+    start_x: float = parameter(0.0, "Pose at the first activation: x.", unit="m")
+    start_y: float = parameter(0.0, "Pose at the first activation: y.", unit="m")
+    start_theta: float = parameter(
+        0.0,
+        "Pose at the first activation: heading.",
+        unit="rad",
+    )
+    Wheels: int = parameter(
+        4,
+        "Number of omni-wheels, evenly around the centre.",
+        minimum=3,
+        maximum=12,
+    )
+    WheelRadius: float = parameter(
+        0.05,
+        "Radius of the wheels.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    WheelDistance: float = parameter(
+        0.2,
+        "Distance of the wheels from the centre.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    max_wheel_speed: float = parameter(
+        30.0,
+        "Maximum speed of a wheel.",
+        unit="rad/s",
+        constraint="x>0.0",
+    )
+    max_wheel_acceleration: float = parameter(
+        40.0,
+        "Maximum acceleration of a wheel.",
+        unit="rad/s^2",
+        constraint="x>0.0",
+    )
+    EncoderCount: int = parameter(
+        8192,
+        "Counts of the encoder for one turn of its wheel.",
+        minimum=1,
+    )
 
 
-class OmniWheelControlBase(Component):
+class OmniWheelControlBase(
+    Component,
+    type_name="OmniWheelControl",
+    category="Robots",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Omni-Wheel, simulated",
+    rate=100.0,
+):
     """Omni-Wheel: omni-wheels, in any direction without turning, simulated.
 
     The newest input counts: a travel command drives the robot, a target position makes it
@@ -63,200 +121,26 @@ class OmniWheelControlBase(Component):
     which are read when it is first activated.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="OmniWheelControl",
-        kind="DataFlowComponent",
-        category="Robots",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Omni-Wheel, simulated",
-        rate=100.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "velocity",
-                rtc.TimedVelocity,
-                "Travel command of the first phase: any joystick drives any robot by it.",
-                unit="m/s, rad/s",
-            ),
-            data_port(
-                "inport",
-                "moving_command",
-                iis.TimedVelocity,
-                "Travel command of the second phase.",
-                unit="m/s, rad/s",
-            ),
-            data_port(
-                "inport",
-                "target_position",
-                iis.TimedPosition,
-                "Where the robot to be followed is: the self-position of that robot as it is.",
-                unit="m, rad",
-            ),
-            data_port(
-                "outport",
-                "self_position",
-                iis.TimedPosition,
-                "Where this robot is by the encoders of its wheels, in the world frame that all",
-                unit="m, rad",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="robot_id",
-                python_name="robot_id",
-                type="long",
-                default="0",
-                minimum=0,
-                description="Tells the robots apart.",
-            ),
-            ParameterProfile(
-                name="following",
-                python_name="following",
-                type="string",
-                default="track",
-                constraint="(track,distance)",
-                widget="radio",
-                description="How a robot is followed: along the track that it has left, or straight towards where",
-            ),
-            ParameterProfile(
-                name="distance",
-                python_name="distance",
-                type="double",
-                default="1.0",
-                unit="m",
-                constraint="x>0.0",
-                description="Distance to the robot that is followed: along the track, or as the crow flies.",
-            ),
-            ParameterProfile(
-                name="max_v",
-                python_name="max_v",
-                type="double",
-                default="0.4",
-                minimum=0.0,
-                unit="m/s",
-                description="Maximum speed while following.",
-            ),
-            ParameterProfile(
-                name="max_w",
-                python_name="max_w",
-                type="double",
-                default="1.0",
-                minimum=0.0,
-                unit="rad/s",
-                description="Maximum angular speed while following.",
-            ),
-            ParameterProfile(
-                name="CommandTimeout",
-                python_name="CommandTimeout",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="s",
-                description="The robot comes to rest when no travel command has come for so long; 0: never.",
-            ),
-            ParameterProfile(
-                name="TargetTimeout",
-                python_name="TargetTimeout",
-                type="double",
-                default="0.0",
-                minimum=0.0,
-                unit="s",
-                description="The position of a leader older than this is not followed any more; 0, as in the",
-            ),
-            ParameterProfile(
-                name="start_x",
-                python_name="start_x",
-                type="double",
-                default="0.0",
-                unit="m",
-                description="Pose at the first activation: x.",
-            ),
-            ParameterProfile(
-                name="start_y",
-                python_name="start_y",
-                type="double",
-                default="0.0",
-                unit="m",
-                description="Pose at the first activation: y.",
-            ),
-            ParameterProfile(
-                name="start_theta",
-                python_name="start_theta",
-                type="double",
-                default="0.0",
-                unit="rad",
-                description="Pose at the first activation: heading.",
-            ),
-            ParameterProfile(
-                name="Wheels",
-                python_name="Wheels",
-                type="long",
-                default="4",
-                minimum=3,
-                maximum=12,
-                description="Number of omni-wheels, evenly around the centre.",
-            ),
-            ParameterProfile(
-                name="WheelRadius",
-                python_name="WheelRadius",
-                type="double",
-                default="0.05",
-                unit="m",
-                constraint="x>0.0",
-                description="Radius of the wheels.",
-            ),
-            ParameterProfile(
-                name="WheelDistance",
-                python_name="WheelDistance",
-                type="double",
-                default="0.2",
-                unit="m",
-                constraint="x>0.0",
-                description="Distance of the wheels from the centre.",
-            ),
-            ParameterProfile(
-                name="max_wheel_speed",
-                python_name="max_wheel_speed",
-                type="double",
-                default="30.0",
-                unit="rad/s",
-                constraint="x>0.0",
-                description="Maximum speed of a wheel.",
-            ),
-            ParameterProfile(
-                name="max_wheel_acceleration",
-                python_name="max_wheel_acceleration",
-                type="double",
-                default="40.0",
-                unit="rad/s^2",
-                constraint="x>0.0",
-                description="Maximum acceleration of a wheel.",
-            ),
-            ParameterProfile(
-                name="EncoderCount",
-                python_name="EncoderCount",
-                type="long",
-                default="8192",
-                minimum=1,
-                description="Counts of the encoder for one turn of its wheel.",
-            ),
-        ),
+    config = configuration(OmniWheelControlConfiguration)
+    velocity = inport(
+        rtc.TimedVelocity,
+        "Travel command of the first phase: any joystick drives any robot by it.",
+        unit="m/s, rad/s",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(OmniWheelControlConfiguration())
-        self.velocity = self.add_in_port("velocity", rtc.TimedVelocity)
-        """Travel command of the first phase: any joystick drives any robot by it [m/s, rad/s]."""
-        self.moving_command = self.add_in_port("moving_command", iis.TimedVelocity)
-        """Travel command of the second phase [m/s, rad/s]."""
-        self.target_position = self.add_in_port("target_position", iis.TimedPosition)
-        """Where the robot to be followed is: the self-position of that robot as it is [m, rad]."""
-        self.self_position = self.add_out_port("self_position", iis.TimedPosition)
-        """Where this robot is by the encoders of its wheels, in the world frame that all [m, rad]
+    moving_command = inport(
+        iis.TimedVelocity,
+        "Travel command of the second phase.",
+        unit="m/s, rad/s",
+    )
+    target_position = inport(
+        iis.TimedPosition,
+        "Where the robot to be followed is: the self-position of that robot as it is.",
+        unit="m, rad",
+    )
+    self_position = outport(
+        iis.TimedPosition,
+        """Where this robot is by the encoders of its wheels, in the world frame that all
         robots share; `id[0]` is `robot_id`.
-        """
+        """,
+        unit="m, rad",
+    )

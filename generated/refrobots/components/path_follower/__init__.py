@@ -4,201 +4,93 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import (
+    Component,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+)
 
 from ... import iis
 
 
-class PathFollowerConfiguration(Struct, gc=False):
-    """Configuration of PathFollower."""
+class PathFollowerConfiguration(Configuration):
+    """Parameters of PathFollower."""
 
-    control_cycle: float = 0.02
-    """Control period: the time step of the control law [s]."""
-    line_C1: float = 0.01
-    """Line following: slow-down in turns.
-    Without effect, as in the module that the source reuses.
-    """
-    line_Dist: float = 0.05
-    """Line following: maximum distance from the line in the control law [m]."""
-    line_K1: float = 800.0
-    """Line following: gain on the distance from the line."""
-    line_K2: float = 300.0
-    """Line following: gain on the angle to the line."""
-    line_K3: float = 400.0
-    """Line following: gain on the angular velocity."""
-    max_acc_v: float = 0.0003
-    """Maximum change of speed per execution [m/s]."""
-    max_acc_w: float = 0.1
-    """Maximum change of angular speed per execution [rad/s]."""
-    max_v: float = 1.0
-    """Maximum speed [m/s]."""
-    max_w: float = 0.3
-    """Maximum angular speed [rad/s]."""
-    PositionTimeout: float = 0.5
-    """The base stops at once, and continues with a new one, while the position is older [s]
-    than this; 0: never. Not in the source.
-    """
-    TargetTimeout: float = 0.5
-    """The same for the waypoint, which the navigation repeats. 0, never, for a [s]
-    navigation that sends each waypoint once. Not in the source.
-    """
+    control_cycle: float = parameter(
+        0.02,
+        "Control period: the time step of the control law.",
+        unit="s",
+        constraint="x>0.0",
+    )
+    line_C1: float = parameter(
+        0.01,
+        """Line following: slow-down in turns.
+        Without effect, as in the module that the source reuses.
+        """,
+    )
+    line_Dist: float = parameter(
+        0.05,
+        "Line following: maximum distance from the line in the control law.",
+        minimum=0.0,
+        unit="m",
+    )
+    line_K1: float = parameter(
+        800.0,
+        "Line following: gain on the distance from the line.",
+    )
+    line_K2: float = parameter(300.0, "Line following: gain on the angle to the line.")
+    line_K3: float = parameter(400.0, "Line following: gain on the angular velocity.")
+    max_acc_v: float = parameter(
+        0.0003,
+        "Maximum change of speed per execution.",
+        minimum=0.0,
+        unit="m/s",
+    )
+    max_acc_w: float = parameter(
+        0.1,
+        "Maximum change of angular speed per execution.",
+        minimum=0.0,
+        unit="rad/s",
+    )
+    max_v: float = parameter(1.0, "Maximum speed.", minimum=0.0, unit="m/s")
+    max_w: float = parameter(0.3, "Maximum angular speed.", minimum=0.0, unit="rad/s")
+    PositionTimeout: float = parameter(
+        0.5,
+        """The base stops at once, and continues with a new one, while the position is older
+        than this; 0: never. Not in the source.
+        """,
+        minimum=0.0,
+        unit="s",
+    )
+    TargetTimeout: float = parameter(
+        0.5,
+        """The same for the waypoint, which the navigation repeats. 0, never, for a
+        navigation that sends each waypoint once. Not in the source.
+        """,
+        minimum=0.0,
+        unit="s",
+    )
 
 
-class PathFollowerBase(Component):
+class PathFollowerBase(
+    Component,
+    type_name="PathFollower",
+    category="Navigation",
+    vendor="rtgen",
+    version="1.1.0",
+    description="Follows lines and turns on the spot",
+    rate=1000.0,
+):
     """Sends the base a velocity at every execution, so that it follows the waypoint.
 
     `max_acc_v` and `max_acc_w` are changes of velocity per execution: their defaults
     suit an execution rate of 1000 Hz.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="PathFollower",
-        kind="DataFlowComponent",
-        category="Navigation",
-        vendor="rtgen",
-        version="1.1.0",
-        description="Follows lines and turns on the spot",
-        rate=1000.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "position",
-                iis.TimedPose2D,
-                "Pose of the base.",
-                unit="m, rad",
-            ),
-            data_port(
-                "inport",
-                "target_path",
-                iis.Path,
-                "The waypoint to travel to, and how.",
-                unit="m, rad",
-            ),
-            data_port(
-                "outport",
-                "velocity",
-                iis.TimedVelocity2D,
-                "Velocity for the base.",
-                unit="m/s, rad/s",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="control_cycle",
-                python_name="control_cycle",
-                type="double",
-                default="0.02",
-                unit="s",
-                constraint="x>0.0",
-                description="Control period: the time step of the control law.",
-            ),
-            ParameterProfile(
-                name="line_C1",
-                python_name="line_C1",
-                type="double",
-                default="0.01",
-                description="Line following: slow-down in turns.",
-            ),
-            ParameterProfile(
-                name="line_Dist",
-                python_name="line_Dist",
-                type="double",
-                default="0.05",
-                minimum=0.0,
-                unit="m",
-                description="Line following: maximum distance from the line in the control law.",
-            ),
-            ParameterProfile(
-                name="line_K1",
-                python_name="line_K1",
-                type="double",
-                default="800.0",
-                description="Line following: gain on the distance from the line.",
-            ),
-            ParameterProfile(
-                name="line_K2",
-                python_name="line_K2",
-                type="double",
-                default="300.0",
-                description="Line following: gain on the angle to the line.",
-            ),
-            ParameterProfile(
-                name="line_K3",
-                python_name="line_K3",
-                type="double",
-                default="400.0",
-                description="Line following: gain on the angular velocity.",
-            ),
-            ParameterProfile(
-                name="max_acc_v",
-                python_name="max_acc_v",
-                type="double",
-                default="0.0003",
-                minimum=0.0,
-                unit="m/s",
-                description="Maximum change of speed per execution.",
-            ),
-            ParameterProfile(
-                name="max_acc_w",
-                python_name="max_acc_w",
-                type="double",
-                default="0.1",
-                minimum=0.0,
-                unit="rad/s",
-                description="Maximum change of angular speed per execution.",
-            ),
-            ParameterProfile(
-                name="max_v",
-                python_name="max_v",
-                type="double",
-                default="1.0",
-                minimum=0.0,
-                unit="m/s",
-                description="Maximum speed.",
-            ),
-            ParameterProfile(
-                name="max_w",
-                python_name="max_w",
-                type="double",
-                default="0.3",
-                minimum=0.0,
-                unit="rad/s",
-                description="Maximum angular speed.",
-            ),
-            ParameterProfile(
-                name="PositionTimeout",
-                python_name="PositionTimeout",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="s",
-                description="The base stops at once, and continues with a new one, while the position is older",
-            ),
-            ParameterProfile(
-                name="TargetTimeout",
-                python_name="TargetTimeout",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="s",
-                description="The same for the waypoint, which the navigation repeats. 0, never, for a",
-            ),
-        ),
-    )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(PathFollowerConfiguration())
-        self.position = self.add_in_port("position", iis.TimedPose2D)
-        """Pose of the base [m, rad]."""
-        self.target_path = self.add_in_port("target_path", iis.Path)
-        """The waypoint to travel to, and how [m, rad]."""
-        self.velocity = self.add_out_port("velocity", iis.TimedVelocity2D)
-        """Velocity for the base [m/s, rad/s]."""
+    config = configuration(PathFollowerConfiguration)
+    position = inport(iis.TimedPose2D, "Pose of the base.", unit="m, rad")
+    target_path = inport(iis.Path, "The waypoint to travel to, and how.", unit="m, rad")
+    velocity = outport(iis.TimedVelocity2D, "Velocity for the base.", unit="m/s, rad/s")

@@ -4,38 +4,63 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import (
+    Component,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+)
 
 from ... import iis
 
 
-class PathPlanningConfiguration(Struct, gc=False):
-    """Configuration of PathPlanning."""
+class PathPlanningConfiguration(Configuration):
+    """Parameters of PathPlanning."""
 
-    map_file: str = "route_map"
-    """The map, read on activation: lines `n NUMBER X Y THETA` for nodes [m, rad] and
-    `l FROM TO COST` for links in both directions, which cost their length where COST is not
-    above 0.
-    """
-    PositionTimeout: float = 0.5
-    """A path is planned from no position older than this; the goal waits for one. 0: any age. Not [s]
-    in the source.
-    """
-    StatusTimeout: float = 1.0
-    """Without a state of the travel for so long the navigation does not have the path: it is [s]
-    planned and sent again; 0: never. Not in the source.
-    """
-    ArrivalRadius: float = 0.1
-    """A FINISH farther from the goal than this is not passed on: the path is planned and sent [m]
-    again. Not in the source.
-    """
+    map_file: str = parameter(
+        "route_map",
+        """The map, read on activation: lines `n NUMBER X Y THETA` for nodes [m, rad] and
+        `l FROM TO COST` for links in both directions, which cost their length where COST is not
+        above 0.
+        """,
+    )
+    PositionTimeout: float = parameter(
+        0.5,
+        """A path is planned from no position older than this; the goal waits for one. 0: any age. Not
+        in the source.
+        """,
+        minimum=0.0,
+        unit="s",
+    )
+    StatusTimeout: float = parameter(
+        1.0,
+        """Without a state of the travel for so long the navigation does not have the path: it is
+        planned and sent again; 0: never. Not in the source.
+        """,
+        minimum=0.0,
+        unit="s",
+    )
+    ArrivalRadius: float = parameter(
+        0.1,
+        """A FINISH farther from the goal than this is not passed on: the path is planned and sent
+        again. Not in the source.
+        """,
+        unit="m",
+        constraint="x>0.0",
+    )
 
 
-class PathPlanningBase(Component):
+class PathPlanningBase(
+    Component,
+    type_name="PathPlanning",
+    category="Navigation",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Plans along the links of a map",
+    rate=50.0,
+):
     """Plans the cheapest path along the links of a map; replaces OmniTo2WD by rewiring.
 
     The path begins at the node nearest to the base and ends at the node nearest to the goal; the
@@ -45,102 +70,25 @@ class PathPlanningBase(Component):
     fits where the other was.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="PathPlanning",
-        kind="DataFlowComponent",
-        category="Navigation",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Plans along the links of a map",
-        rate=50.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "current_position",
-                iis.TimedPose2D,
-                "Pose of the base.",
-                unit="m, rad",
-            ),
-            data_port(
-                "inport",
-                "goal",
-                iis.TimedPose2D,
-                "The goal, or one waypoint of a path.",
-                unit="m, rad",
-            ),
-            data_port(
-                "inport",
-                "status",
-                iis.TimedState,
-                "State of the travel, from the navigation.",
-                "status_in",
-            ),
-            data_port(
-                "outport",
-                "min_path",
-                iis.TimedPath2DSeq,
-                "The planned path; its first pose is the node that it begins at.",
-                unit="m, rad",
-            ),
-            data_port(
-                "outport",
-                "status",
-                iis.TimedState,
-                "FINISH, once for each path that was run to its end.",
-                "status_out",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="map_file",
-                python_name="map_file",
-                type="string",
-                default="route_map",
-                description="The map, read on activation: lines `n NUMBER X Y THETA` for nodes [m, rad] and",
-            ),
-            ParameterProfile(
-                name="PositionTimeout",
-                python_name="PositionTimeout",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="s",
-                description="A path is planned from no position older than this; the goal waits for one. 0: any age. Not",
-            ),
-            ParameterProfile(
-                name="StatusTimeout",
-                python_name="StatusTimeout",
-                type="double",
-                default="1.0",
-                minimum=0.0,
-                unit="s",
-                description="Without a state of the travel for so long the navigation does not have the path: it is",
-            ),
-            ParameterProfile(
-                name="ArrivalRadius",
-                python_name="ArrivalRadius",
-                type="double",
-                default="0.1",
-                unit="m",
-                constraint="x>0.0",
-                description="A FINISH farther from the goal than this is not passed on: the path is planned and sent",
-            ),
-        ),
+    config = configuration(PathPlanningConfiguration)
+    current_position = inport(iis.TimedPose2D, "Pose of the base.", unit="m, rad")
+    goal = inport(
+        iis.TimedPose2D,
+        "The goal, or one waypoint of a path.",
+        unit="m, rad",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(PathPlanningConfiguration())
-        self.current_position = self.add_in_port("current_position", iis.TimedPose2D)
-        """Pose of the base [m, rad]."""
-        self.goal = self.add_in_port("goal", iis.TimedPose2D)
-        """The goal, or one waypoint of a path [m, rad]."""
-        self.status_in = self.add_in_port("status", iis.TimedState)
-        """State of the travel, from the navigation."""
-        self.min_path = self.add_out_port("min_path", iis.TimedPath2DSeq)
-        """The planned path; its first pose is the node that it begins at [m, rad]."""
-        self.status_out = self.add_out_port("status", iis.TimedState)
-        """FINISH, once for each path that was run to its end."""
+    status_in = inport(
+        iis.TimedState,
+        "State of the travel, from the navigation.",
+        name="status",
+    )
+    min_path = outport(
+        iis.TimedPath2DSeq,
+        "The planned path; its first pose is the node that it begins at.",
+        unit="m, rad",
+    )
+    status_out = outport(
+        iis.TimedState,
+        "FINISH, once for each path that was run to its end.",
+        name="status",
+    )

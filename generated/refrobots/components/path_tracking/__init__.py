@@ -4,39 +4,68 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import (
+    Component,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+)
 
 from ... import iis
 
 
-class PathTrackingConfiguration(Struct, gc=False):
-    """Configuration of PathTracking."""
+class PathTrackingConfiguration(Configuration):
+    """Parameters of PathTracking."""
 
-    max_v: float = 0.3
-    """Maximum speed [m/s]."""
-    max_w: float = 1.0
-    """Maximum angular speed [rad/s]."""
-    lookahead: float = 0.25
-    """Look-ahead distance on the path [m]."""
-    near: float = 0.02
-    """The last waypoint is reached this near [m]."""
-    turned: float = 0.02
-    """The last heading is reached this near [rad]."""
-    PositionTimeout: float = 0.5
-    """The robot stops, and continues with a new one, while the position is older than [s]
-    this; 0: never.
-    """
-    MaxJump: float = 0.3
-    """A position this far from the one before, on the way, is not a motion: its source was [m]
-    restarted, and the travel ends in ERROR; 0: never.
-    """
+    max_v: float = parameter(0.3, "Maximum speed.", minimum=0.0, unit="m/s")
+    max_w: float = parameter(1.0, "Maximum angular speed.", minimum=0.0, unit="rad/s")
+    lookahead: float = parameter(
+        0.25,
+        "Look-ahead distance on the path.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    near: float = parameter(
+        0.02,
+        "The last waypoint is reached this near.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    turned: float = parameter(
+        0.02,
+        "The last heading is reached this near.",
+        unit="rad",
+        constraint="x>0.0",
+    )
+    PositionTimeout: float = parameter(
+        0.5,
+        """The robot stops, and continues with a new one, while the position is older than
+        this; 0: never.
+        """,
+        minimum=0.0,
+        unit="s",
+    )
+    MaxJump: float = parameter(
+        0.3,
+        """A position this far from the one before, on the way, is not a motion: its source was
+        restarted, and the travel ends in ERROR; 0: never.
+        """,
+        minimum=0.0,
+        unit="m",
+    )
 
 
-class PathTrackingBase(Component):
+class PathTrackingBase(
+    Component,
+    type_name="PathTracking",
+    category="Interfaces",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Follows paths",
+    rate=100.0,
+):
     """Gives travel commands that keep the robot on the path, and reports each waypoint passed.
 
     Where the interfaces do not specify the behaviour: between two waypoints the path is straight; a
@@ -47,127 +76,25 @@ class PathTrackingBase(Component):
     turned to. The source names the interfaces, not the ports; those are ours.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="PathTracking",
-        kind="DataFlowComponent",
-        category="Interfaces",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Follows paths",
-        rate=100.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "path",
-                iis.TimedPath2DSeq,
-                "Waypoints in the world frame, the start first. A new list takes the place of the old",
-                unit="m, rad",
-            ),
-            data_port(
-                "inport",
-                "position",
-                iis.TimedPose2D,
-                "Pose of the robot.",
-                unit="m, rad",
-            ),
-            data_port(
-                "outport",
-                "command",
-                iis.TimedVelocity2D,
-                "Travel command in the frame of the body, with its time, at every execution.",
-                unit="m/s, rad/s",
-            ),
-            data_port(
-                "outport",
-                "state",
-                iis.TimedPose2D,
-                "State of the travel, for each waypoint passed and when the robot has stopped: `id[0]`",
-                unit="m, rad",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="max_v",
-                python_name="max_v",
-                type="double",
-                default="0.3",
-                minimum=0.0,
-                unit="m/s",
-                description="Maximum speed.",
-            ),
-            ParameterProfile(
-                name="max_w",
-                python_name="max_w",
-                type="double",
-                default="1.0",
-                minimum=0.0,
-                unit="rad/s",
-                description="Maximum angular speed.",
-            ),
-            ParameterProfile(
-                name="lookahead",
-                python_name="lookahead",
-                type="double",
-                default="0.25",
-                unit="m",
-                constraint="x>0.0",
-                description="Look-ahead distance on the path.",
-            ),
-            ParameterProfile(
-                name="near",
-                python_name="near",
-                type="double",
-                default="0.02",
-                unit="m",
-                constraint="x>0.0",
-                description="The last waypoint is reached this near.",
-            ),
-            ParameterProfile(
-                name="turned",
-                python_name="turned",
-                type="double",
-                default="0.02",
-                unit="rad",
-                constraint="x>0.0",
-                description="The last heading is reached this near.",
-            ),
-            ParameterProfile(
-                name="PositionTimeout",
-                python_name="PositionTimeout",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="s",
-                description="The robot stops, and continues with a new one, while the position is older than",
-            ),
-            ParameterProfile(
-                name="MaxJump",
-                python_name="MaxJump",
-                type="double",
-                default="0.3",
-                minimum=0.0,
-                unit="m",
-                description="A position this far from the one before, on the way, is not a motion: its source was",
-            ),
-        ),
-    )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(PathTrackingConfiguration())
-        self.path = self.add_in_port("path", iis.TimedPath2DSeq)
-        """Waypoints in the world frame, the start first. A new list takes the place of the old [m, rad]
+    config = configuration(PathTrackingConfiguration)
+    path = inport(
+        iis.TimedPath2DSeq,
+        """Waypoints in the world frame, the start first. A new list takes the place of the old
         one, an empty list means: stop there.
-        """
-        self.position = self.add_in_port("position", iis.TimedPose2D)
-        """Pose of the robot [m, rad]."""
-        self.command = self.add_out_port("command", iis.TimedVelocity2D)
-        """Travel command in the frame of the body, with its time, at every execution [m/s, rad/s]."""
-        self.state = self.add_out_port("state", iis.TimedPose2D)
-        """State of the travel, for each waypoint passed and when the robot has stopped: `id[0]` [m, rad]
+        """,
+        unit="m, rad",
+    )
+    position = inport(iis.TimedPose2D, "Pose of the robot.", unit="m, rad")
+    command = outport(
+        iis.TimedVelocity2D,
+        "Travel command in the frame of the body, with its time, at every execution.",
+        unit="m/s, rad/s",
+    )
+    state = outport(
+        iis.TimedPose2D,
+        """State of the travel, for each waypoint passed and when the robot has stopped: `id[0]`
         the number of the waypoint reached last, `id[1]` 0 travelling or 1 stopped, `data` the
         waypoint. The source does not say which members have them.
-        """
+        """,
+        unit="m, rad",
+    )

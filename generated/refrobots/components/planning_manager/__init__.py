@@ -4,103 +4,65 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import (
+    Component,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+)
 
 from ... import iis
 
 
-class PlanningManagerConfiguration(Struct, gc=False):
-    """Configuration of PlanningManager."""
+class PlanningManagerConfiguration(Configuration):
+    """Parameters of PlanningManager."""
 
-    speed: float = 0.3
-    """Travel speed asked for; negative to go backward [m/s]."""
-    PositionTimeout: float = 0.5
-    """A path is planned from no position older than this; the target waits for one. 0: any age [s]."""
+    speed: float = parameter(
+        0.3,
+        "Travel speed asked for; negative to go backward.",
+        unit="m/s",
+    )
+    PositionTimeout: float = parameter(
+        0.5,
+        "A path is planned from no position older than this; the target waits for one. 0: any age.",
+        minimum=0.0,
+        unit="s",
+    )
 
 
-class PlanningManagerBase(Component):
+class PlanningManagerBase(
+    Component,
+    type_name="PlanningManager",
+    category="Interfaces",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Plans paths, manages the state of the travel",
+    rate=50.0,
+):
     """Makes a path of the target and the present position, and watches the travel along it.
 
     The path is nominal: straight to the target. It is sent once both are known. The source
     names the interfaces, not the ports; those are ours.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="PlanningManager",
-        kind="DataFlowComponent",
-        category="Interfaces",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Plans paths, manages the state of the travel",
-        rate=50.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "targets",
-                iis.TimedPose2DSeq,
-                "Targets: only the first one counts; an empty list clears the target, and the robot is",
-                unit="m, rad",
-            ),
-            data_port(
-                "inport",
-                "position",
-                iis.TimedPose2D,
-                "Pose of the robot.",
-                unit="m, rad",
-            ),
-            data_port(
-                "inport",
-                "state",
-                iis.TimedPose2D,
-                "State of the travel: `id[0]` the number of the waypoint, `id[1]` 1 when stopped.",
-                unit="m, rad",
-            ),
-            data_port(
-                "outport",
-                "path",
-                iis.TimedPath2DSeq,
-                "The path; its first waypoint is where the robot is. An empty one stops the robot.",
-                unit="m, rad",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="speed",
-                python_name="speed",
-                type="double",
-                default="0.3",
-                unit="m/s",
-                description="Travel speed asked for; negative to go backward.",
-            ),
-            ParameterProfile(
-                name="PositionTimeout",
-                python_name="PositionTimeout",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="s",
-                description="A path is planned from no position older than this; the target waits for one. 0: any age.",
-            ),
-        ),
-    )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(PlanningManagerConfiguration())
-        self.targets = self.add_in_port("targets", iis.TimedPose2DSeq)
-        """Targets: only the first one counts; an empty list clears the target, and the robot is [m, rad]
+    config = configuration(PlanningManagerConfiguration)
+    targets = inport(
+        iis.TimedPose2DSeq,
+        """Targets: only the first one counts; an empty list clears the target, and the robot is
         told to stop at the spot.
-        """
-        self.position = self.add_in_port("position", iis.TimedPose2D)
-        """Pose of the robot [m, rad]."""
-        self.state = self.add_in_port("state", iis.TimedPose2D)
-        """State of the travel: `id[0]` the number of the waypoint, `id[1]` 1 when stopped [m, rad]."""
-        self.path = self.add_out_port("path", iis.TimedPath2DSeq)
-        """The path; its first waypoint is where the robot is. An empty one stops the robot [m, rad]."""
+        """,
+        unit="m, rad",
+    )
+    position = inport(iis.TimedPose2D, "Pose of the robot.", unit="m, rad")
+    state = inport(
+        iis.TimedPose2D,
+        "State of the travel: `id[0]` the number of the waypoint, `id[1]` 1 when stopped.",
+        unit="m, rad",
+    )
+    path = outport(
+        iis.TimedPath2DSeq,
+        "The path; its first waypoint is where the robot is. An empty one stops the robot.",
+        unit="m, rad",
+    )

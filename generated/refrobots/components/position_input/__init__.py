@@ -4,33 +4,63 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import (
+    Component,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+)
 
 from ... import iis
 
 
-class PositionInputConfiguration(Struct, gc=False):
-    """Configuration of PositionInput."""
+class PositionInputConfiguration(Configuration):
+    """Parameters of PositionInput."""
 
-    goal_x: float = 3.4
-    """Goal of the input `parameters`: x [m]."""
-    goal_y: float = 7.7
-    """Goal of the input `parameters`: y [m]."""
-    goal_theta: float = -1.57
-    """Goal of the input `parameters`: heading [rad]."""
-    input: str = "console"
-    """Origin of commands; not in the source, which reads the console."""
-    input_file: str = ""
-    """File of the input `file`, not in the source: `goal X Y TH` or
-    `path X Y TH; X Y TH; ...` on each line.
-    """
+    goal_x: float = parameter(
+        3.4,
+        "Goal of the input `parameters`: x.",
+        name="01_x",
+        unit="m",
+    )
+    goal_y: float = parameter(
+        7.7,
+        "Goal of the input `parameters`: y.",
+        name="01_y",
+        unit="m",
+    )
+    goal_theta: float = parameter(
+        -1.57,
+        "Goal of the input `parameters`: heading.",
+        name="01_th",
+        unit="rad",
+    )
+    input: str = parameter(
+        "console",
+        "Origin of commands; not in the source, which reads the console.",
+        constraint="(console,file,parameters)",
+        widget="radio",
+    )
+    input_file: str = parameter(
+        "",
+        """File of the input `file`, not in the source: `goal X Y TH` or
+        `path X Y TH; X Y TH; ...` on each line.
+        """,
+        widget="text",
+    )
 
 
-class PositionInputBase(Component):
+class PositionInputBase(
+    Component,
+    type_name="PositionInput",
+    category="Navigation",
+    vendor="rtgen",
+    version="1.1.0",
+    description="Sends goals and paths of an operator",
+    rate=10.0,
+):
     """Takes goals and paths from an operator and sends them to the planner.
 
     A goal is one message with an empty `id`; a path is one message for each waypoint,
@@ -39,82 +69,11 @@ class PositionInputBase(Component):
     error state.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="PositionInput",
-        kind="DataFlowComponent",
-        category="Navigation",
-        vendor="rtgen",
-        version="1.1.0",
-        description="Sends goals and paths of an operator",
-        rate=10.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "status",
-                iis.TimedState,
-                "State of the travel, from the planner.",
-            ),
-            data_port(
-                "outport",
-                ".positon",
-                iis.TimedPose2D,
-                "The goal, or one waypoint of a path. The name is spelled as in the source.",
-                "positon",
-                unit="m, rad",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="01_x",
-                python_name="goal_x",
-                type="double",
-                default="3.4",
-                unit="m",
-                description="Goal of the input `parameters`: x.",
-            ),
-            ParameterProfile(
-                name="01_y",
-                python_name="goal_y",
-                type="double",
-                default="7.7",
-                unit="m",
-                description="Goal of the input `parameters`: y.",
-            ),
-            ParameterProfile(
-                name="01_th",
-                python_name="goal_theta",
-                type="double",
-                default="-1.57",
-                unit="rad",
-                description="Goal of the input `parameters`: heading.",
-            ),
-            ParameterProfile(
-                name="input",
-                python_name="input",
-                type="string",
-                default="console",
-                constraint="(console,file,parameters)",
-                widget="radio",
-                description="Origin of commands; not in the source, which reads the console.",
-            ),
-            ParameterProfile(
-                name="input_file",
-                python_name="input_file",
-                type="string",
-                default="",
-                widget="text",
-                description="File of the input `file`, not in the source: `goal X Y TH` or",
-            ),
-        ),
+    config = configuration(PositionInputConfiguration)
+    status = inport(iis.TimedState, "State of the travel, from the planner.")
+    positon = outport(
+        iis.TimedPose2D,
+        "The goal, or one waypoint of a path. The name is spelled as in the source.",
+        name=".positon",
+        unit="m, rad",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(PositionInputConfiguration())
-        self.status = self.add_in_port("status", iis.TimedState)
-        """State of the travel, from the planner."""
-        self.positon = self.add_out_port(".positon", iis.TimedPose2D)
-        """The goal, or one waypoint of a path. The name is spelled as in the source [m, rad]."""

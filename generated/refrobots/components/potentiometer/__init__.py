@@ -4,84 +4,46 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import Component, Configuration, configuration, outport, parameter
 
 from ... import rtc
 
 
-class PotentiometerConfiguration(Struct, gc=False):
-    """Configuration of Potentiometer."""
+class PotentiometerConfiguration(Configuration):
+    """Parameters of Potentiometer."""
 
-    offset: float = 0.0
-    """The voltage about which it is turned [V]."""
-    amplitude: float = 2.5
-    """Maximum angle to each side [V]."""
-    frequency: float = 0.1
-    """Frequency of turning to and fro; 0: not turned [Hz]."""
-
-
-class PotentiometerBase(Component):
-    """Gives the voltage of a potentiometer: still, or turned to and fro like a sine."""
-
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="Potentiometer",
-        kind="DataFlowComponent",
-        category="CANopen",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Potentiometer",
-        rate=100.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "outport",
-                "voltage",
-                rtc.TimedDouble,
-                "The voltage at the wiper.",
-                unit="V",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="offset",
-                python_name="offset",
-                type="double",
-                default="0.0",
-                minimum=-5.0,
-                maximum=5.0,
-                unit="V",
-                description="The voltage about which it is turned.",
-            ),
-            ParameterProfile(
-                name="amplitude",
-                python_name="amplitude",
-                type="double",
-                default="2.5",
-                minimum=0.0,
-                maximum=5.0,
-                unit="V",
-                description="Maximum angle to each side.",
-            ),
-            ParameterProfile(
-                name="frequency",
-                python_name="frequency",
-                type="double",
-                default="0.1",
-                minimum=0.0,
-                unit="Hz",
-                description="Frequency of turning to and fro; 0: not turned.",
-            ),
-        ),
+    offset: float = parameter(
+        0.0,
+        "The voltage about which it is turned.",
+        minimum=-5.0,
+        maximum=5.0,
+        unit="V",
+    )
+    amplitude: float = parameter(
+        2.5,
+        "Maximum angle to each side.",
+        minimum=0.0,
+        maximum=5.0,
+        unit="V",
+    )
+    frequency: float = parameter(
+        0.1,
+        "Frequency of turning to and fro; 0: not turned.",
+        minimum=0.0,
+        unit="Hz",
     )
 
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(PotentiometerConfiguration())
-        self.voltage = self.add_out_port("voltage", rtc.TimedDouble)
-        """The voltage at the wiper [V]."""
+
+class PotentiometerBase(
+    Component,
+    type_name="Potentiometer",
+    category="CANopen",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Potentiometer",
+    rate=100.0,
+):
+    """Gives the voltage of a potentiometer: still, or turned to and fro like a sine."""
+
+    config = configuration(PotentiometerConfiguration)
+    voltage = outport(rtc.TimedDouble, "The voltage at the wiper.", unit="V")

@@ -4,368 +4,162 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
 from rtgen.runtime import (
     Component,
-    ComponentProfile,
-    ParameterProfile,
-    data_port,
-    service_port,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+    provider,
 )
 
 from ... import RefHard, ftmd, iis, rtc
 
 
-class RefHardFourXConfiguration(Struct, gc=False):
-    """Configuration of RefHardFourX."""
+class RefHardFourXConfiguration(Configuration):
+    """Parameters of RefHardFourX."""
 
-    Velocity_limit: float = 10.0
-    """Maximum speed of a wheel [rad/s]."""
-    WheelTread: float = 0.441
-    """Distance between the sides, to convert velocities to wheel speeds [m]."""
-    WheelRadiusLeft: float = 0.1
-    """Radius of the left wheels, to convert velocities to wheel speeds [m]."""
-    WheelRadiusRight: float = 0.1
-    """Radius of the right wheels, to convert velocities to wheel speeds [m]."""
-    EncoderConstant_L: float = 1.0
-    """Factor on the angle that the left encoders give."""
-    EncoderConstant_R: float = 1.0
-    """Factor on the angle that the right encoders give."""
-    PlantWheelTread: float = 0.464
-    """True distance between the sides of the simulated base [m]."""
-    PlantWheelRadiusLeft: float = 0.0995
-    """True radius of the left wheels of the simulated base [m]."""
-    PlantWheelRadiusRight: float = 0.0995
-    """True radius of the right wheels of the simulated base [m]."""
-    PlantStart_x: float = 0.0
-    """Pose of the simulated base at the first activation: x [m]."""
-    PlantStart_y: float = 0.0
-    """Pose of the simulated base at the first activation: y [m]."""
-    PlantStart_theta: float = 0.0
-    """Pose of the simulated base at the first activation: heading [rad]."""
-    CommandTimeout: float = 0.5
-    """Time without a velocity after which the base stops; 0: never [s]."""
-    DriveTimeout: float = 0.05
-    """A drive is lost when no position has come from it for so long [s]."""
+    Velocity_limit: float = parameter(
+        10.0,
+        "Maximum speed of a wheel.",
+        minimum=0.0,
+        unit="rad/s",
+    )
+    WheelTread: float = parameter(
+        0.441,
+        "Distance between the sides, to convert velocities to wheel speeds.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    WheelRadiusLeft: float = parameter(
+        0.1,
+        "Radius of the left wheels, to convert velocities to wheel speeds.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    WheelRadiusRight: float = parameter(
+        0.1,
+        "Radius of the right wheels, to convert velocities to wheel speeds.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    EncoderConstant_L: float = parameter(
+        1.0,
+        "Factor on the angle that the left encoders give.",
+    )
+    EncoderConstant_R: float = parameter(
+        1.0,
+        "Factor on the angle that the right encoders give.",
+    )
+    PlantWheelTread: float = parameter(
+        0.464,
+        "True distance between the sides of the simulated base.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    PlantWheelRadiusLeft: float = parameter(
+        0.0995,
+        "True radius of the left wheels of the simulated base.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    PlantWheelRadiusRight: float = parameter(
+        0.0995,
+        "True radius of the right wheels of the simulated base.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    PlantStart_x: float = parameter(
+        0.0,
+        "Pose of the simulated base at the first activation: x.",
+        unit="m",
+    )
+    PlantStart_y: float = parameter(
+        0.0,
+        "Pose of the simulated base at the first activation: y.",
+        unit="m",
+    )
+    PlantStart_theta: float = parameter(
+        0.0,
+        "Pose of the simulated base at the first activation: heading.",
+        unit="rad",
+    )
+    CommandTimeout: float = parameter(
+        0.5,
+        "Time without a velocity after which the base stops; 0: never.",
+        minimum=0.0,
+        unit="s",
+    )
+    DriveTimeout: float = parameter(
+        0.05,
+        "A drive is lost when no position has come from it for so long.",
+        unit="s",
+        constraint="x>0.0",
+    )
 
 
-class RefHardFourXBase(Component):
+class RefHardFourXBase(
+    Component,
+    type_name="RefHardFourX",
+    category="CANopen",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Mobile base FourX with CANopen drives",
+    rate=100.0,
+):
     """Replaces RefHardRh3 on a base with four driven wheels.
 
     The wheels of a side are given one speed, and what they turn is averaged. All wheels stop when
     one drive is lost; they go on when it is back. The pose of the plant follows from the encoders.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="RefHardFourX",
-        kind="DataFlowComponent",
-        category="CANopen",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Mobile base FourX with CANopen drives",
-        rate=100.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "InTargetVelocity",
-                iis.TimedVelocity2D,
-                "Velocity for the base.",
-                unit="m/s, rad/s",
-            ),
-            data_port(
-                "outport",
-                "OutWheelAngle",
-                rtc.TimedDoubleSeq,
-                "Absolute rotation angles of the left and the right wheels, by the encoders.",
-                unit="rad",
-            ),
-            service_port(
-                "provider",
-                "InventGUIRefHard",
-                RefHard,
-                "Starts and stops travelling, from a user interface.",
-                instance="RefHard",
-            ),
-            service_port(
-                "provider",
-                "BumpRefHard",
-                RefHard,
-                "Stops travelling, from a bumper.",
-                instance="RefHard",
-            ),
-            data_port(
-                "inport",
-                "front_left_status",
-                ftmd.Tpdo1,
-                "State of the front left drive.",
-            ),
-            data_port(
-                "inport",
-                "front_left_motion",
-                ftmd.Tpdo2,
-                "Position and velocity of the front left drive.",
-            ),
-            data_port(
-                "outport",
-                "front_left_control",
-                ftmd.Rpdo1,
-                "Commands for the front left drive.",
-            ),
-            data_port(
-                "outport",
-                "front_left_target",
-                ftmd.Rpdo3,
-                "Velocity for the front left drive.",
-            ),
-            data_port(
-                "inport",
-                "front_right_status",
-                ftmd.Tpdo1,
-                "State of the front right drive.",
-            ),
-            data_port(
-                "inport",
-                "front_right_motion",
-                ftmd.Tpdo2,
-                "Position and velocity of the front right drive.",
-            ),
-            data_port(
-                "outport",
-                "front_right_control",
-                ftmd.Rpdo1,
-                "Commands for the front right drive.",
-            ),
-            data_port(
-                "outport",
-                "front_right_target",
-                ftmd.Rpdo3,
-                "Velocity for the front right drive.",
-            ),
-            data_port(
-                "inport",
-                "rear_left_status",
-                ftmd.Tpdo1,
-                "State of the rear left drive.",
-            ),
-            data_port(
-                "inport",
-                "rear_left_motion",
-                ftmd.Tpdo2,
-                "Position and velocity of the rear left drive.",
-            ),
-            data_port(
-                "outport",
-                "rear_left_control",
-                ftmd.Rpdo1,
-                "Commands for the rear left drive.",
-            ),
-            data_port(
-                "outport",
-                "rear_left_target",
-                ftmd.Rpdo3,
-                "Velocity for the rear left drive.",
-            ),
-            data_port(
-                "inport",
-                "rear_right_status",
-                ftmd.Tpdo1,
-                "State of the rear right drive.",
-            ),
-            data_port(
-                "inport",
-                "rear_right_motion",
-                ftmd.Tpdo2,
-                "Position and velocity of the rear right drive.",
-            ),
-            data_port(
-                "outport",
-                "rear_right_control",
-                ftmd.Rpdo1,
-                "Commands for the rear right drive.",
-            ),
-            data_port(
-                "outport",
-                "rear_right_target",
-                ftmd.Rpdo3,
-                "Velocity for the rear right drive.",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="Velocity_limit",
-                python_name="Velocity_limit",
-                type="double",
-                default="10.0",
-                minimum=0.0,
-                unit="rad/s",
-                description="Maximum speed of a wheel.",
-            ),
-            ParameterProfile(
-                name="WheelTread",
-                python_name="WheelTread",
-                type="double",
-                default="0.441",
-                unit="m",
-                constraint="x>0.0",
-                description="Distance between the sides, to convert velocities to wheel speeds.",
-            ),
-            ParameterProfile(
-                name="WheelRadiusLeft",
-                python_name="WheelRadiusLeft",
-                type="double",
-                default="0.1",
-                unit="m",
-                constraint="x>0.0",
-                description="Radius of the left wheels, to convert velocities to wheel speeds.",
-            ),
-            ParameterProfile(
-                name="WheelRadiusRight",
-                python_name="WheelRadiusRight",
-                type="double",
-                default="0.1",
-                unit="m",
-                constraint="x>0.0",
-                description="Radius of the right wheels, to convert velocities to wheel speeds.",
-            ),
-            ParameterProfile(
-                name="EncoderConstant_L",
-                python_name="EncoderConstant_L",
-                type="double",
-                default="1.0",
-                description="Factor on the angle that the left encoders give.",
-            ),
-            ParameterProfile(
-                name="EncoderConstant_R",
-                python_name="EncoderConstant_R",
-                type="double",
-                default="1.0",
-                description="Factor on the angle that the right encoders give.",
-            ),
-            ParameterProfile(
-                name="PlantWheelTread",
-                python_name="PlantWheelTread",
-                type="double",
-                default="0.464",
-                unit="m",
-                constraint="x>0.0",
-                description="True distance between the sides of the simulated base.",
-            ),
-            ParameterProfile(
-                name="PlantWheelRadiusLeft",
-                python_name="PlantWheelRadiusLeft",
-                type="double",
-                default="0.0995",
-                unit="m",
-                constraint="x>0.0",
-                description="True radius of the left wheels of the simulated base.",
-            ),
-            ParameterProfile(
-                name="PlantWheelRadiusRight",
-                python_name="PlantWheelRadiusRight",
-                type="double",
-                default="0.0995",
-                unit="m",
-                constraint="x>0.0",
-                description="True radius of the right wheels of the simulated base.",
-            ),
-            ParameterProfile(
-                name="PlantStart_x",
-                python_name="PlantStart_x",
-                type="double",
-                default="0.0",
-                unit="m",
-                description="Pose of the simulated base at the first activation: x.",
-            ),
-            ParameterProfile(
-                name="PlantStart_y",
-                python_name="PlantStart_y",
-                type="double",
-                default="0.0",
-                unit="m",
-                description="Pose of the simulated base at the first activation: y.",
-            ),
-            ParameterProfile(
-                name="PlantStart_theta",
-                python_name="PlantStart_theta",
-                type="double",
-                default="0.0",
-                unit="rad",
-                description="Pose of the simulated base at the first activation: heading.",
-            ),
-            ParameterProfile(
-                name="CommandTimeout",
-                python_name="CommandTimeout",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="s",
-                description="Time without a velocity after which the base stops; 0: never.",
-            ),
-            ParameterProfile(
-                name="DriveTimeout",
-                python_name="DriveTimeout",
-                type="double",
-                default="0.05",
-                unit="s",
-                constraint="x>0.0",
-                description="A drive is lost when no position has come from it for so long.",
-            ),
-        ),
+    config = configuration(RefHardFourXConfiguration)
+    InTargetVelocity = inport(
+        iis.TimedVelocity2D,
+        "Velocity for the base.",
+        unit="m/s, rad/s",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(RefHardFourXConfiguration())
-        self.InTargetVelocity = self.add_in_port(
-            "InTargetVelocity",
-            iis.TimedVelocity2D,
-        )
-        """Velocity for the base [m/s, rad/s]."""
-        self.OutWheelAngle = self.add_out_port("OutWheelAngle", rtc.TimedDoubleSeq)
-        """Absolute rotation angles of the left and the right wheels, by the encoders [rad]."""
-        self.InventGUIRefHard = self.add_provider(
-            "InventGUIRefHard",
-            "RefHard",
-            RefHard,
-        )
-        """Starts and stops travelling, from a user interface."""
-        self.BumpRefHard = self.add_provider("BumpRefHard", "RefHard", RefHard)
-        """Stops travelling, from a bumper."""
-        self.front_left_status = self.add_in_port("front_left_status", ftmd.Tpdo1)
-        """State of the front left drive."""
-        self.front_left_motion = self.add_in_port("front_left_motion", ftmd.Tpdo2)
-        """Position and velocity of the front left drive."""
-        self.front_left_control = self.add_out_port("front_left_control", ftmd.Rpdo1)
-        """Commands for the front left drive."""
-        self.front_left_target = self.add_out_port("front_left_target", ftmd.Rpdo3)
-        """Velocity for the front left drive."""
-        self.front_right_status = self.add_in_port("front_right_status", ftmd.Tpdo1)
-        """State of the front right drive."""
-        self.front_right_motion = self.add_in_port("front_right_motion", ftmd.Tpdo2)
-        """Position and velocity of the front right drive."""
-        self.front_right_control = self.add_out_port("front_right_control", ftmd.Rpdo1)
-        """Commands for the front right drive."""
-        self.front_right_target = self.add_out_port("front_right_target", ftmd.Rpdo3)
-        """Velocity for the front right drive."""
-        self.rear_left_status = self.add_in_port("rear_left_status", ftmd.Tpdo1)
-        """State of the rear left drive."""
-        self.rear_left_motion = self.add_in_port("rear_left_motion", ftmd.Tpdo2)
-        """Position and velocity of the rear left drive."""
-        self.rear_left_control = self.add_out_port("rear_left_control", ftmd.Rpdo1)
-        """Commands for the rear left drive."""
-        self.rear_left_target = self.add_out_port("rear_left_target", ftmd.Rpdo3)
-        """Velocity for the rear left drive."""
-        self.rear_right_status = self.add_in_port("rear_right_status", ftmd.Tpdo1)
-        """State of the rear right drive."""
-        self.rear_right_motion = self.add_in_port("rear_right_motion", ftmd.Tpdo2)
-        """Position and velocity of the rear right drive."""
-        self.rear_right_control = self.add_out_port("rear_right_control", ftmd.Rpdo1)
-        """Commands for the rear right drive."""
-        self.rear_right_target = self.add_out_port("rear_right_target", ftmd.Rpdo3)
-        """Velocity for the rear right drive."""
+    OutWheelAngle = outport(
+        rtc.TimedDoubleSeq,
+        "Absolute rotation angles of the left and the right wheels, by the encoders.",
+        unit="rad",
+    )
+    InventGUIRefHard = provider(
+        RefHard,
+        "Starts and stops travelling, from a user interface.",
+        instance="RefHard",
+    )
+    BumpRefHard = provider(
+        RefHard,
+        "Stops travelling, from a bumper.",
+        instance="RefHard",
+    )
+    front_left_status = inport(ftmd.Tpdo1, "State of the front left drive.")
+    front_left_motion = inport(
+        ftmd.Tpdo2,
+        "Position and velocity of the front left drive.",
+    )
+    front_left_control = outport(ftmd.Rpdo1, "Commands for the front left drive.")
+    front_left_target = outport(ftmd.Rpdo3, "Velocity for the front left drive.")
+    front_right_status = inport(ftmd.Tpdo1, "State of the front right drive.")
+    front_right_motion = inport(
+        ftmd.Tpdo2,
+        "Position and velocity of the front right drive.",
+    )
+    front_right_control = outport(ftmd.Rpdo1, "Commands for the front right drive.")
+    front_right_target = outport(ftmd.Rpdo3, "Velocity for the front right drive.")
+    rear_left_status = inport(ftmd.Tpdo1, "State of the rear left drive.")
+    rear_left_motion = inport(
+        ftmd.Tpdo2,
+        "Position and velocity of the rear left drive.",
+    )
+    rear_left_control = outport(ftmd.Rpdo1, "Commands for the rear left drive.")
+    rear_left_target = outport(ftmd.Rpdo3, "Velocity for the rear left drive.")
+    rear_right_status = inport(ftmd.Tpdo1, "State of the rear right drive.")
+    rear_right_motion = inport(
+        ftmd.Tpdo2,
+        "Position and velocity of the rear right drive.",
+    )
+    rear_right_control = outport(ftmd.Rpdo1, "Commands for the rear right drive.")
+    rear_right_target = outport(ftmd.Rpdo3, "Velocity for the rear right drive.")

@@ -4,79 +4,161 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
 from rtgen.runtime import (
     Component,
-    ComponentProfile,
-    ParameterProfile,
-    data_port,
-    service_port,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+    provider,
 )
 
 from ... import RefHard, iis, rtc
 
 
-class RefHardRh3Configuration(Struct, gc=False):
-    """Configuration of RefHardRh3."""
+class RefHardRh3Configuration(Configuration):
+    """Parameters of RefHardRh3."""
 
-    DeviceFileName: str = "/dev/ttyUSB0"
-    """Device file of the serial link to the motor controllers; not simulated."""
-    gain_P: int = 10
-    """Drive motor, position control: proportional gain; not simulated."""
-    gain_I: int = 0
-    """Drive motor, position control: integral gain; not simulated."""
-    gain_D: int = 0
-    """Drive motor, position control: derivative gain; not simulated."""
-    gain_VP: int = 10
-    """Drive motor, speed control: proportional gain; not simulated."""
-    gain_VI: int = 0
-    """Drive motor, speed control: integral gain; not simulated."""
-    gain_VD: int = 1
-    """Drive motor, speed control: derivative gain; not simulated."""
-    Velocity_limit: float = 10.0
-    """Maximum speed of a wheel [rad/s]."""
-    Acceleration_limit: float = 50.0
-    """Maximum acceleration of a wheel [rad/s^2]."""
-    WheelTread: float = 0.441
-    """Distance between the wheels, to convert velocities to wheel speeds [m]."""
-    WheelRadiusLeft: float = 0.1
-    """Radius of the left wheel, to convert velocities to wheel speeds [m]."""
-    WheelRadiusRight: float = 0.1
-    """Radius of the right wheel, to convert velocities to wheel speeds [m]."""
-    GearRatio: float = 74.91
-    """Turns of the drive motor for one turn of its wheel."""
-    EncoderCount: int = 2000
-    """Counts of the encoder for one turn of the drive motor."""
-    EncoderConstant_L: float = 1.0
-    """Factor on the angle that the left encoder gives."""
-    EncoderConstant_R: float = 1.0
-    """Factor on the angle that the right encoder gives."""
-    PlantWheelTread: float = 0.464
-    """True distance between the wheels of the simulated base [m]."""
-    PlantWheelRadiusLeft: float = 0.0995
-    """True radius of the left wheel of the simulated base [m]."""
-    PlantWheelRadiusRight: float = 0.0995
-    """True radius of the right wheel of the simulated base [m]."""
-    PlantStart_x: float = 0.0
-    """Pose of the simulated base at the first activation: x [m]."""
-    PlantStart_y: float = 0.0
-    """Pose of the simulated base at the first activation: y [m]."""
-    PlantStart_theta: float = 0.0
-    """Pose of the simulated base at the first activation: heading [rad]."""
-    PlantRoom: str = ""
-    """Obstacles around the simulated base, read on activation in the format of LRFCapture_URG's
-    `room`; empty: none. A contact stops the base and leads to ERROR.
-    """
-    PlantRadius: float = 0.45
-    """Radius of the body of the simulated base, for contacts [m]."""
-    CommandTimeout: float = 0.5
-    """Time without a velocity after which the base stops; 0: never [s]."""
+    DeviceFileName: str = parameter(
+        "/dev/ttyUSB0",
+        "Device file of the serial link to the motor controllers; not simulated.",
+    )
+    gain_P: int = parameter(
+        10,
+        "Drive motor, position control: proportional gain; not simulated.",
+    )
+    gain_I: int = parameter(
+        0,
+        "Drive motor, position control: integral gain; not simulated.",
+    )
+    gain_D: int = parameter(
+        0,
+        "Drive motor, position control: derivative gain; not simulated.",
+    )
+    gain_VP: int = parameter(
+        10,
+        "Drive motor, speed control: proportional gain; not simulated.",
+    )
+    gain_VI: int = parameter(
+        0,
+        "Drive motor, speed control: integral gain; not simulated.",
+    )
+    gain_VD: int = parameter(
+        1,
+        "Drive motor, speed control: derivative gain; not simulated.",
+    )
+    Velocity_limit: float = parameter(
+        10.0,
+        "Maximum speed of a wheel.",
+        minimum=0.0,
+        unit="rad/s",
+    )
+    Acceleration_limit: float = parameter(
+        50.0,
+        "Maximum acceleration of a wheel.",
+        minimum=0.0,
+        unit="rad/s^2",
+    )
+    WheelTread: float = parameter(
+        0.441,
+        "Distance between the wheels, to convert velocities to wheel speeds.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    WheelRadiusLeft: float = parameter(
+        0.1,
+        "Radius of the left wheel, to convert velocities to wheel speeds.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    WheelRadiusRight: float = parameter(
+        0.1,
+        "Radius of the right wheel, to convert velocities to wheel speeds.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    GearRatio: float = parameter(
+        74.91,
+        "Turns of the drive motor for one turn of its wheel.",
+        constraint="x>0.0",
+    )
+    EncoderCount: int = parameter(
+        2000,
+        "Counts of the encoder for one turn of the drive motor.",
+        minimum=1,
+    )
+    EncoderConstant_L: float = parameter(
+        1.0,
+        "Factor on the angle that the left encoder gives.",
+    )
+    EncoderConstant_R: float = parameter(
+        1.0,
+        "Factor on the angle that the right encoder gives.",
+    )
+    PlantWheelTread: float = parameter(
+        0.464,
+        "True distance between the wheels of the simulated base.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    PlantWheelRadiusLeft: float = parameter(
+        0.0995,
+        "True radius of the left wheel of the simulated base.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    PlantWheelRadiusRight: float = parameter(
+        0.0995,
+        "True radius of the right wheel of the simulated base.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    PlantStart_x: float = parameter(
+        0.0,
+        "Pose of the simulated base at the first activation: x.",
+        unit="m",
+    )
+    PlantStart_y: float = parameter(
+        0.0,
+        "Pose of the simulated base at the first activation: y.",
+        unit="m",
+    )
+    PlantStart_theta: float = parameter(
+        0.0,
+        "Pose of the simulated base at the first activation: heading.",
+        unit="rad",
+    )
+    PlantRoom: str = parameter(
+        "",
+        """Obstacles around the simulated base, read on activation in the format of LRFCapture_URG's
+        `room`; empty: none. A contact stops the base and leads to ERROR.
+        """,
+        widget="text",
+    )
+    PlantRadius: float = parameter(
+        0.45,
+        "Radius of the body of the simulated base, for contacts.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    CommandTimeout: float = parameter(
+        0.5,
+        "Time without a velocity after which the base stops; 0: never.",
+        minimum=0.0,
+        unit="s",
+    )
 
 
-class RefHardRh3Base(Component):
+class RefHardRh3Base(
+    Component,
+    type_name="RefHardRh3",
+    category="Navigation",
+    vendor="rtgen",
+    version="1.1.0",
+    description="Mobile base RH3, simulated",
+    rate=1000.0,
+):
     """Drives the two wheels of the base RH3 and reads their encoders.
 
     The base is simulated: each wheel takes its target speed within its limits of speed
@@ -85,278 +167,31 @@ class RefHardRh3Base(Component):
     `CommandTimeout` and the port `PlantPose` are not in the source.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="RefHardRh3",
-        kind="DataFlowComponent",
-        category="Navigation",
-        vendor="rtgen",
-        version="1.1.0",
-        description="Mobile base RH3, simulated",
-        rate=1000.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "InTargetVelocity",
-                iis.TimedVelocity2D,
-                "Velocity for the base.",
-                unit="m/s, rad/s",
-            ),
-            data_port(
-                "outport",
-                "OutWheelAngle",
-                rtc.TimedDoubleSeq,
-                "Absolute rotation angles of the left and the right wheel, by the encoders.",
-                unit="rad",
-            ),
-            data_port(
-                "outport",
-                "PlantPose",
-                iis.TimedPose2D,
-                "True pose of the simulated base, for simulated sensors.",
-                unit="m, rad",
-            ),
-            service_port(
-                "provider",
-                "InventGUIRefHard",
-                RefHard,
-                "Starts and stops travelling, from a user interface.",
-                instance="RefHard",
-            ),
-            service_port(
-                "provider",
-                "BumpRefHard",
-                RefHard,
-                "Stops travelling, from a bumper.",
-                instance="RefHard",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="DeviceFileName",
-                python_name="DeviceFileName",
-                type="string",
-                default="/dev/ttyUSB0",
-                description="Device file of the serial link to the motor controllers; not simulated.",
-            ),
-            ParameterProfile(
-                name="gain_P",
-                python_name="gain_P",
-                type="long",
-                default="10",
-                description="Drive motor, position control: proportional gain; not simulated.",
-            ),
-            ParameterProfile(
-                name="gain_I",
-                python_name="gain_I",
-                type="long",
-                default="0",
-                description="Drive motor, position control: integral gain; not simulated.",
-            ),
-            ParameterProfile(
-                name="gain_D",
-                python_name="gain_D",
-                type="long",
-                default="0",
-                description="Drive motor, position control: derivative gain; not simulated.",
-            ),
-            ParameterProfile(
-                name="gain_VP",
-                python_name="gain_VP",
-                type="long",
-                default="10",
-                description="Drive motor, speed control: proportional gain; not simulated.",
-            ),
-            ParameterProfile(
-                name="gain_VI",
-                python_name="gain_VI",
-                type="long",
-                default="0",
-                description="Drive motor, speed control: integral gain; not simulated.",
-            ),
-            ParameterProfile(
-                name="gain_VD",
-                python_name="gain_VD",
-                type="long",
-                default="1",
-                description="Drive motor, speed control: derivative gain; not simulated.",
-            ),
-            ParameterProfile(
-                name="Velocity_limit",
-                python_name="Velocity_limit",
-                type="double",
-                default="10.0",
-                minimum=0.0,
-                unit="rad/s",
-                description="Maximum speed of a wheel.",
-            ),
-            ParameterProfile(
-                name="Acceleration_limit",
-                python_name="Acceleration_limit",
-                type="double",
-                default="50.0",
-                minimum=0.0,
-                unit="rad/s^2",
-                description="Maximum acceleration of a wheel.",
-            ),
-            ParameterProfile(
-                name="WheelTread",
-                python_name="WheelTread",
-                type="double",
-                default="0.441",
-                unit="m",
-                constraint="x>0.0",
-                description="Distance between the wheels, to convert velocities to wheel speeds.",
-            ),
-            ParameterProfile(
-                name="WheelRadiusLeft",
-                python_name="WheelRadiusLeft",
-                type="double",
-                default="0.1",
-                unit="m",
-                constraint="x>0.0",
-                description="Radius of the left wheel, to convert velocities to wheel speeds.",
-            ),
-            ParameterProfile(
-                name="WheelRadiusRight",
-                python_name="WheelRadiusRight",
-                type="double",
-                default="0.1",
-                unit="m",
-                constraint="x>0.0",
-                description="Radius of the right wheel, to convert velocities to wheel speeds.",
-            ),
-            ParameterProfile(
-                name="GearRatio",
-                python_name="GearRatio",
-                type="double",
-                default="74.91",
-                constraint="x>0.0",
-                description="Turns of the drive motor for one turn of its wheel.",
-            ),
-            ParameterProfile(
-                name="EncoderCount",
-                python_name="EncoderCount",
-                type="long",
-                default="2000",
-                minimum=1,
-                description="Counts of the encoder for one turn of the drive motor.",
-            ),
-            ParameterProfile(
-                name="EncoderConstant_L",
-                python_name="EncoderConstant_L",
-                type="double",
-                default="1.0",
-                description="Factor on the angle that the left encoder gives.",
-            ),
-            ParameterProfile(
-                name="EncoderConstant_R",
-                python_name="EncoderConstant_R",
-                type="double",
-                default="1.0",
-                description="Factor on the angle that the right encoder gives.",
-            ),
-            ParameterProfile(
-                name="PlantWheelTread",
-                python_name="PlantWheelTread",
-                type="double",
-                default="0.464",
-                unit="m",
-                constraint="x>0.0",
-                description="True distance between the wheels of the simulated base.",
-            ),
-            ParameterProfile(
-                name="PlantWheelRadiusLeft",
-                python_name="PlantWheelRadiusLeft",
-                type="double",
-                default="0.0995",
-                unit="m",
-                constraint="x>0.0",
-                description="True radius of the left wheel of the simulated base.",
-            ),
-            ParameterProfile(
-                name="PlantWheelRadiusRight",
-                python_name="PlantWheelRadiusRight",
-                type="double",
-                default="0.0995",
-                unit="m",
-                constraint="x>0.0",
-                description="True radius of the right wheel of the simulated base.",
-            ),
-            ParameterProfile(
-                name="PlantStart_x",
-                python_name="PlantStart_x",
-                type="double",
-                default="0.0",
-                unit="m",
-                description="Pose of the simulated base at the first activation: x.",
-            ),
-            ParameterProfile(
-                name="PlantStart_y",
-                python_name="PlantStart_y",
-                type="double",
-                default="0.0",
-                unit="m",
-                description="Pose of the simulated base at the first activation: y.",
-            ),
-            ParameterProfile(
-                name="PlantStart_theta",
-                python_name="PlantStart_theta",
-                type="double",
-                default="0.0",
-                unit="rad",
-                description="Pose of the simulated base at the first activation: heading.",
-            ),
-            ParameterProfile(
-                name="PlantRoom",
-                python_name="PlantRoom",
-                type="string",
-                default="",
-                widget="text",
-                description="Obstacles around the simulated base, read on activation in the format of LRFCapture_URG's",
-            ),
-            ParameterProfile(
-                name="PlantRadius",
-                python_name="PlantRadius",
-                type="double",
-                default="0.45",
-                unit="m",
-                constraint="x>0.0",
-                description="Radius of the body of the simulated base, for contacts.",
-            ),
-            ParameterProfile(
-                name="CommandTimeout",
-                python_name="CommandTimeout",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="s",
-                description="Time without a velocity after which the base stops; 0: never.",
-            ),
-        ),
+    config = configuration(RefHardRh3Configuration)
+    InTargetVelocity = inport(
+        iis.TimedVelocity2D,
+        "Velocity for the base.",
+        unit="m/s, rad/s",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(RefHardRh3Configuration())
-        self.InTargetVelocity = self.add_in_port(
-            "InTargetVelocity",
-            iis.TimedVelocity2D,
-        )
-        """Velocity for the base [m/s, rad/s]."""
-        self.OutWheelAngle = self.add_out_port("OutWheelAngle", rtc.TimedDoubleSeq)
-        """Absolute rotation angles of the left and the right wheel, by the encoders [rad]."""
-        self.PlantPose = self.add_out_port("PlantPose", iis.TimedPose2D)
-        """True pose of the simulated base, for simulated sensors [m, rad].
+    OutWheelAngle = outport(
+        rtc.TimedDoubleSeq,
+        "Absolute rotation angles of the left and the right wheel, by the encoders.",
+        unit="rad",
+    )
+    PlantPose = outport(
+        iis.TimedPose2D,
+        """True pose of the simulated base, for simulated sensors.
         Sent while it is connected.
-        """
-        self.InventGUIRefHard = self.add_provider(
-            "InventGUIRefHard",
-            "RefHard",
-            RefHard,
-        )
-        """Starts and stops travelling, from a user interface."""
-        self.BumpRefHard = self.add_provider("BumpRefHard", "RefHard", RefHard)
-        """Stops travelling, from a bumper."""
+        """,
+        unit="m, rad",
+    )
+    InventGUIRefHard = provider(
+        RefHard,
+        "Starts and stops travelling, from a user interface.",
+        instance="RefHard",
+    )
+    BumpRefHard = provider(
+        RefHard,
+        "Stops travelling, from a bumper.",
+        instance="RefHard",
+    )

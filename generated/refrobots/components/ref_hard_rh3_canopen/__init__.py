@@ -4,304 +4,142 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
 from rtgen.runtime import (
     Component,
-    ComponentProfile,
-    ParameterProfile,
-    data_port,
-    service_port,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+    provider,
 )
 
 from ... import RefHard, eposdrive, iis, rtc
 
 
-class RefHardRh3CanopenConfiguration(Struct, gc=False):
-    """Configuration of RefHardRh3Canopen."""
+class RefHardRh3CanopenConfiguration(Configuration):
+    """Parameters of RefHardRh3Canopen."""
 
-    Velocity_limit: float = 10.0
-    """Maximum speed of a wheel [rad/s]."""
-    WheelTread: float = 0.441
-    """Distance between the wheels, to convert velocities to wheel speeds [m]."""
-    WheelRadiusLeft: float = 0.1
-    """Radius of the left wheel, to convert velocities to wheel speeds [m]."""
-    WheelRadiusRight: float = 0.1
-    """Radius of the right wheel, to convert velocities to wheel speeds [m]."""
-    EncoderConstant_L: float = 1.0
-    """Factor on the angle that the left encoder gives."""
-    EncoderConstant_R: float = 1.0
-    """Factor on the angle that the right encoder gives."""
-    PlantWheelTread: float = 0.464
-    """True distance between the wheels of the simulated base [m]."""
-    PlantWheelRadiusLeft: float = 0.0995
-    """True radius of the left wheel of the simulated base [m]."""
-    PlantWheelRadiusRight: float = 0.0995
-    """True radius of the right wheel of the simulated base [m]."""
-    PlantStart_x: float = 0.0
-    """Pose of the simulated base at the first activation: x [m]."""
-    PlantStart_y: float = 0.0
-    """Pose of the simulated base at the first activation: y [m]."""
-    PlantStart_theta: float = 0.0
-    """Pose of the simulated base at the first activation: heading [rad]."""
-    CommandTimeout: float = 0.5
-    """Time without a velocity after which the base stops; 0: never [s]."""
-    DriveTimeout: float = 0.05
-    """A drive is lost when no position has come from it for so long [s]."""
+    Velocity_limit: float = parameter(
+        10.0,
+        "Maximum speed of a wheel.",
+        minimum=0.0,
+        unit="rad/s",
+    )
+    WheelTread: float = parameter(
+        0.441,
+        "Distance between the wheels, to convert velocities to wheel speeds.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    WheelRadiusLeft: float = parameter(
+        0.1,
+        "Radius of the left wheel, to convert velocities to wheel speeds.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    WheelRadiusRight: float = parameter(
+        0.1,
+        "Radius of the right wheel, to convert velocities to wheel speeds.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    EncoderConstant_L: float = parameter(
+        1.0,
+        "Factor on the angle that the left encoder gives.",
+    )
+    EncoderConstant_R: float = parameter(
+        1.0,
+        "Factor on the angle that the right encoder gives.",
+    )
+    PlantWheelTread: float = parameter(
+        0.464,
+        "True distance between the wheels of the simulated base.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    PlantWheelRadiusLeft: float = parameter(
+        0.0995,
+        "True radius of the left wheel of the simulated base.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    PlantWheelRadiusRight: float = parameter(
+        0.0995,
+        "True radius of the right wheel of the simulated base.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    PlantStart_x: float = parameter(
+        0.0,
+        "Pose of the simulated base at the first activation: x.",
+        unit="m",
+    )
+    PlantStart_y: float = parameter(
+        0.0,
+        "Pose of the simulated base at the first activation: y.",
+        unit="m",
+    )
+    PlantStart_theta: float = parameter(
+        0.0,
+        "Pose of the simulated base at the first activation: heading.",
+        unit="rad",
+    )
+    CommandTimeout: float = parameter(
+        0.5,
+        "Time without a velocity after which the base stops; 0: never.",
+        minimum=0.0,
+        unit="s",
+    )
+    DriveTimeout: float = parameter(
+        0.05,
+        "A drive is lost when no position has come from it for so long.",
+        unit="s",
+        constraint="x>0.0",
+    )
 
 
-class RefHardRh3CanopenBase(Component):
+class RefHardRh3CanopenBase(
+    Component,
+    type_name="RefHardRh3Canopen",
+    category="CANopen",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Mobile base RH3 with CANopen drives",
+    rate=100.0,
+):
     """Replaces RefHardRh3 where each wheel hangs on a CANopen drive.
 
     The other ports lead to the proxies of the drives. Both wheels stop when one drive is lost; they
     go on when it is back. The pose of the plant follows from the drives' encoders.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="RefHardRh3Canopen",
-        kind="DataFlowComponent",
-        category="CANopen",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Mobile base RH3 with CANopen drives",
-        rate=100.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "InTargetVelocity",
-                iis.TimedVelocity2D,
-                "Velocity for the base.",
-                unit="m/s, rad/s",
-            ),
-            data_port(
-                "outport",
-                "OutWheelAngle",
-                rtc.TimedDoubleSeq,
-                "Absolute rotation angles of the left and the right wheel, by the encoders.",
-                unit="rad",
-            ),
-            service_port(
-                "provider",
-                "InventGUIRefHard",
-                RefHard,
-                "Starts and stops travelling, from a user interface.",
-                instance="RefHard",
-            ),
-            service_port(
-                "provider",
-                "BumpRefHard",
-                RefHard,
-                "Stops travelling, from a bumper.",
-                instance="RefHard",
-            ),
-            data_port(
-                "inport",
-                "left_status",
-                eposdrive.Tpdo1,
-                "State of the left drive.",
-            ),
-            data_port(
-                "inport",
-                "left_motion",
-                eposdrive.Tpdo2,
-                "Position and velocity of the left drive.",
-            ),
-            data_port(
-                "outport",
-                "left_control",
-                eposdrive.Rpdo1,
-                "Commands for the left drive.",
-            ),
-            data_port(
-                "outport",
-                "left_target",
-                eposdrive.Rpdo3,
-                "Velocity for the left drive.",
-            ),
-            data_port(
-                "inport",
-                "right_status",
-                eposdrive.Tpdo1,
-                "State of the right drive.",
-            ),
-            data_port(
-                "inport",
-                "right_motion",
-                eposdrive.Tpdo2,
-                "Position and velocity of the right drive.",
-            ),
-            data_port(
-                "outport",
-                "right_control",
-                eposdrive.Rpdo1,
-                "Commands for the right drive.",
-            ),
-            data_port(
-                "outport",
-                "right_target",
-                eposdrive.Rpdo3,
-                "Velocity for the right drive.",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="Velocity_limit",
-                python_name="Velocity_limit",
-                type="double",
-                default="10.0",
-                minimum=0.0,
-                unit="rad/s",
-                description="Maximum speed of a wheel.",
-            ),
-            ParameterProfile(
-                name="WheelTread",
-                python_name="WheelTread",
-                type="double",
-                default="0.441",
-                unit="m",
-                constraint="x>0.0",
-                description="Distance between the wheels, to convert velocities to wheel speeds.",
-            ),
-            ParameterProfile(
-                name="WheelRadiusLeft",
-                python_name="WheelRadiusLeft",
-                type="double",
-                default="0.1",
-                unit="m",
-                constraint="x>0.0",
-                description="Radius of the left wheel, to convert velocities to wheel speeds.",
-            ),
-            ParameterProfile(
-                name="WheelRadiusRight",
-                python_name="WheelRadiusRight",
-                type="double",
-                default="0.1",
-                unit="m",
-                constraint="x>0.0",
-                description="Radius of the right wheel, to convert velocities to wheel speeds.",
-            ),
-            ParameterProfile(
-                name="EncoderConstant_L",
-                python_name="EncoderConstant_L",
-                type="double",
-                default="1.0",
-                description="Factor on the angle that the left encoder gives.",
-            ),
-            ParameterProfile(
-                name="EncoderConstant_R",
-                python_name="EncoderConstant_R",
-                type="double",
-                default="1.0",
-                description="Factor on the angle that the right encoder gives.",
-            ),
-            ParameterProfile(
-                name="PlantWheelTread",
-                python_name="PlantWheelTread",
-                type="double",
-                default="0.464",
-                unit="m",
-                constraint="x>0.0",
-                description="True distance between the wheels of the simulated base.",
-            ),
-            ParameterProfile(
-                name="PlantWheelRadiusLeft",
-                python_name="PlantWheelRadiusLeft",
-                type="double",
-                default="0.0995",
-                unit="m",
-                constraint="x>0.0",
-                description="True radius of the left wheel of the simulated base.",
-            ),
-            ParameterProfile(
-                name="PlantWheelRadiusRight",
-                python_name="PlantWheelRadiusRight",
-                type="double",
-                default="0.0995",
-                unit="m",
-                constraint="x>0.0",
-                description="True radius of the right wheel of the simulated base.",
-            ),
-            ParameterProfile(
-                name="PlantStart_x",
-                python_name="PlantStart_x",
-                type="double",
-                default="0.0",
-                unit="m",
-                description="Pose of the simulated base at the first activation: x.",
-            ),
-            ParameterProfile(
-                name="PlantStart_y",
-                python_name="PlantStart_y",
-                type="double",
-                default="0.0",
-                unit="m",
-                description="Pose of the simulated base at the first activation: y.",
-            ),
-            ParameterProfile(
-                name="PlantStart_theta",
-                python_name="PlantStart_theta",
-                type="double",
-                default="0.0",
-                unit="rad",
-                description="Pose of the simulated base at the first activation: heading.",
-            ),
-            ParameterProfile(
-                name="CommandTimeout",
-                python_name="CommandTimeout",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="s",
-                description="Time without a velocity after which the base stops; 0: never.",
-            ),
-            ParameterProfile(
-                name="DriveTimeout",
-                python_name="DriveTimeout",
-                type="double",
-                default="0.05",
-                unit="s",
-                constraint="x>0.0",
-                description="A drive is lost when no position has come from it for so long.",
-            ),
-        ),
+    config = configuration(RefHardRh3CanopenConfiguration)
+    InTargetVelocity = inport(
+        iis.TimedVelocity2D,
+        "Velocity for the base.",
+        unit="m/s, rad/s",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(RefHardRh3CanopenConfiguration())
-        self.InTargetVelocity = self.add_in_port(
-            "InTargetVelocity",
-            iis.TimedVelocity2D,
-        )
-        """Velocity for the base [m/s, rad/s]."""
-        self.OutWheelAngle = self.add_out_port("OutWheelAngle", rtc.TimedDoubleSeq)
-        """Absolute rotation angles of the left and the right wheel, by the encoders [rad]."""
-        self.InventGUIRefHard = self.add_provider(
-            "InventGUIRefHard",
-            "RefHard",
-            RefHard,
-        )
-        """Starts and stops travelling, from a user interface."""
-        self.BumpRefHard = self.add_provider("BumpRefHard", "RefHard", RefHard)
-        """Stops travelling, from a bumper."""
-        self.left_status = self.add_in_port("left_status", eposdrive.Tpdo1)
-        """State of the left drive."""
-        self.left_motion = self.add_in_port("left_motion", eposdrive.Tpdo2)
-        """Position and velocity of the left drive."""
-        self.left_control = self.add_out_port("left_control", eposdrive.Rpdo1)
-        """Commands for the left drive."""
-        self.left_target = self.add_out_port("left_target", eposdrive.Rpdo3)
-        """Velocity for the left drive."""
-        self.right_status = self.add_in_port("right_status", eposdrive.Tpdo1)
-        """State of the right drive."""
-        self.right_motion = self.add_in_port("right_motion", eposdrive.Tpdo2)
-        """Position and velocity of the right drive."""
-        self.right_control = self.add_out_port("right_control", eposdrive.Rpdo1)
-        """Commands for the right drive."""
-        self.right_target = self.add_out_port("right_target", eposdrive.Rpdo3)
-        """Velocity for the right drive."""
+    OutWheelAngle = outport(
+        rtc.TimedDoubleSeq,
+        "Absolute rotation angles of the left and the right wheel, by the encoders.",
+        unit="rad",
+    )
+    InventGUIRefHard = provider(
+        RefHard,
+        "Starts and stops travelling, from a user interface.",
+        instance="RefHard",
+    )
+    BumpRefHard = provider(
+        RefHard,
+        "Stops travelling, from a bumper.",
+        instance="RefHard",
+    )
+    left_status = inport(eposdrive.Tpdo1, "State of the left drive.")
+    left_motion = inport(eposdrive.Tpdo2, "Position and velocity of the left drive.")
+    left_control = outport(eposdrive.Rpdo1, "Commands for the left drive.")
+    left_target = outport(eposdrive.Rpdo3, "Velocity for the left drive.")
+    right_status = inport(eposdrive.Tpdo1, "State of the right drive.")
+    right_motion = inport(eposdrive.Tpdo2, "Position and velocity of the right drive.")
+    right_control = outport(eposdrive.Rpdo1, "Commands for the right drive.")
+    right_target = outport(eposdrive.Rpdo3, "Velocity for the right drive.")

@@ -4,197 +4,111 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
 from rtgen.runtime import (
     Component,
-    ComponentProfile,
-    ParameterProfile,
-    data_port,
-    service_port,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+    provider,
 )
 
 from ... import RefHard, iis, rtc
 
 
-class RefHardRh3TecsConfiguration(Struct, gc=False):
-    """Configuration of RefHardRh3Tecs."""
+class RefHardRh3TecsConfiguration(Configuration):
+    """Parameters of RefHardRh3Tecs."""
 
-    Velocity_limit: float = 10.0
-    """Maximum speed of a wheel [rad/s]."""
-    Acceleration_limit: float = 50.0
-    """Maximum acceleration of a wheel [rad/s^2]."""
-    WheelTread: float = 0.441
-    """Distance between the wheels, to convert velocities to wheel speeds [m]."""
-    WheelRadiusLeft: float = 0.1
-    """Radius of the left wheel, to convert velocities to wheel speeds [m]."""
-    WheelRadiusRight: float = 0.1
-    """Radius of the right wheel, to convert velocities to wheel speeds [m]."""
-    GearRatio: float = 74.91
-    """Turns of the drive motor for one turn of its wheel."""
-    EncoderCount: int = 2000
-    """Counts of the encoder for one turn of the drive motor."""
-    EncoderConstant_L: float = 1.0
-    """Factor on the angle that the left encoder gives."""
-    EncoderConstant_R: float = 1.0
-    """Factor on the angle that the right encoder gives."""
-    CommandTimeout: float = 0.5
-    """Time without a velocity after which the base stops; 0: never [s]."""
+    Velocity_limit: float = parameter(
+        10.0,
+        "Maximum speed of a wheel.",
+        minimum=0.0,
+        unit="rad/s",
+    )
+    Acceleration_limit: float = parameter(
+        50.0,
+        "Maximum acceleration of a wheel.",
+        minimum=0.0,
+        unit="rad/s^2",
+    )
+    WheelTread: float = parameter(
+        0.441,
+        "Distance between the wheels, to convert velocities to wheel speeds.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    WheelRadiusLeft: float = parameter(
+        0.1,
+        "Radius of the left wheel, to convert velocities to wheel speeds.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    WheelRadiusRight: float = parameter(
+        0.1,
+        "Radius of the right wheel, to convert velocities to wheel speeds.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    GearRatio: float = parameter(
+        74.91,
+        "Turns of the drive motor for one turn of its wheel.",
+        constraint="x>0.0",
+    )
+    EncoderCount: int = parameter(
+        2000,
+        "Counts of the encoder for one turn of the drive motor.",
+        minimum=1,
+    )
+    EncoderConstant_L: float = parameter(
+        1.0,
+        "Factor on the angle that the left encoder gives.",
+    )
+    EncoderConstant_R: float = parameter(
+        1.0,
+        "Factor on the angle that the right encoder gives.",
+    )
+    CommandTimeout: float = parameter(
+        0.5,
+        "Time without a velocity after which the base stops; 0: never.",
+        minimum=0.0,
+        unit="s",
+    )
 
 
-class RefHardRh3TecsBase(Component):
+class RefHardRh3TecsBase(
+    Component,
+    type_name="RefHardRh3Tecs",
+    category="TECS",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Mobile base RH3 with a TECS motor board",
+    rate=100.0,
+):
     """Replaces RefHardRh3 where the wheels hang on a TECS motor board.
 
     The board is reached through a further port, of the signature in board.cdl; the behaviour
     takes it from the component that rtgen makes of that file.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="RefHardRh3Tecs",
-        kind="DataFlowComponent",
-        category="TECS",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Mobile base RH3 with a TECS motor board",
-        rate=100.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "InTargetVelocity",
-                iis.TimedVelocity2D,
-                "Velocity for the base.",
-                unit="m/s, rad/s",
-            ),
-            data_port(
-                "outport",
-                "OutWheelAngle",
-                rtc.TimedDoubleSeq,
-                "Absolute rotation angles of the left and the right wheel, by the encoders.",
-                unit="rad",
-            ),
-            service_port(
-                "provider",
-                "InventGUIRefHard",
-                RefHard,
-                "Starts and stops travelling, from a user interface.",
-                instance="RefHard",
-            ),
-            service_port(
-                "provider",
-                "BumpRefHard",
-                RefHard,
-                "Stops travelling, from a bumper.",
-                instance="RefHard",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="Velocity_limit",
-                python_name="Velocity_limit",
-                type="double",
-                default="10.0",
-                minimum=0.0,
-                unit="rad/s",
-                description="Maximum speed of a wheel.",
-            ),
-            ParameterProfile(
-                name="Acceleration_limit",
-                python_name="Acceleration_limit",
-                type="double",
-                default="50.0",
-                minimum=0.0,
-                unit="rad/s^2",
-                description="Maximum acceleration of a wheel.",
-            ),
-            ParameterProfile(
-                name="WheelTread",
-                python_name="WheelTread",
-                type="double",
-                default="0.441",
-                unit="m",
-                constraint="x>0.0",
-                description="Distance between the wheels, to convert velocities to wheel speeds.",
-            ),
-            ParameterProfile(
-                name="WheelRadiusLeft",
-                python_name="WheelRadiusLeft",
-                type="double",
-                default="0.1",
-                unit="m",
-                constraint="x>0.0",
-                description="Radius of the left wheel, to convert velocities to wheel speeds.",
-            ),
-            ParameterProfile(
-                name="WheelRadiusRight",
-                python_name="WheelRadiusRight",
-                type="double",
-                default="0.1",
-                unit="m",
-                constraint="x>0.0",
-                description="Radius of the right wheel, to convert velocities to wheel speeds.",
-            ),
-            ParameterProfile(
-                name="GearRatio",
-                python_name="GearRatio",
-                type="double",
-                default="74.91",
-                constraint="x>0.0",
-                description="Turns of the drive motor for one turn of its wheel.",
-            ),
-            ParameterProfile(
-                name="EncoderCount",
-                python_name="EncoderCount",
-                type="long",
-                default="2000",
-                minimum=1,
-                description="Counts of the encoder for one turn of the drive motor.",
-            ),
-            ParameterProfile(
-                name="EncoderConstant_L",
-                python_name="EncoderConstant_L",
-                type="double",
-                default="1.0",
-                description="Factor on the angle that the left encoder gives.",
-            ),
-            ParameterProfile(
-                name="EncoderConstant_R",
-                python_name="EncoderConstant_R",
-                type="double",
-                default="1.0",
-                description="Factor on the angle that the right encoder gives.",
-            ),
-            ParameterProfile(
-                name="CommandTimeout",
-                python_name="CommandTimeout",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="s",
-                description="Time without a velocity after which the base stops; 0: never.",
-            ),
-        ),
+    config = configuration(RefHardRh3TecsConfiguration)
+    InTargetVelocity = inport(
+        iis.TimedVelocity2D,
+        "Velocity for the base.",
+        unit="m/s, rad/s",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(RefHardRh3TecsConfiguration())
-        self.InTargetVelocity = self.add_in_port(
-            "InTargetVelocity",
-            iis.TimedVelocity2D,
-        )
-        """Velocity for the base [m/s, rad/s]."""
-        self.OutWheelAngle = self.add_out_port("OutWheelAngle", rtc.TimedDoubleSeq)
-        """Absolute rotation angles of the left and the right wheel, by the encoders [rad]."""
-        self.InventGUIRefHard = self.add_provider(
-            "InventGUIRefHard",
-            "RefHard",
-            RefHard,
-        )
-        """Starts and stops travelling, from a user interface."""
-        self.BumpRefHard = self.add_provider("BumpRefHard", "RefHard", RefHard)
-        """Stops travelling, from a bumper."""
+    OutWheelAngle = outport(
+        rtc.TimedDoubleSeq,
+        "Absolute rotation angles of the left and the right wheel, by the encoders.",
+        unit="rad",
+    )
+    InventGUIRefHard = provider(
+        RefHard,
+        "Starts and stops travelling, from a user interface.",
+        instance="RefHard",
+    )
+    BumpRefHard = provider(
+        RefHard,
+        "Stops travelling, from a bumper.",
+        instance="RefHard",
+    )

@@ -4,200 +4,112 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import (
+    Component,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+)
 
 from ... import iis, rtc
 
 
-class RefHwConfiguration(Struct, gc=False):
-    """Configuration of RefHw."""
+class RefHwConfiguration(Configuration):
+    """Parameters of RefHw."""
 
-    Velocity_limit: float = 10.0
-    """Maximum speed of a wheel [rad/s]."""
-    Acceleration_limit: float = 50.0
-    """Maximum acceleration of a wheel [rad/s^2]."""
-    EncoderCount: int = 149820
-    """Counts of the encoder for one turn of its wheel."""
-    PlantWheelTread: float = 0.464
-    """Distance between the wheels [m]."""
-    PlantWheelRadiusLeft: float = 0.0995
-    """Radius of the left wheel [m]."""
-    PlantWheelRadiusRight: float = 0.0995
-    """Radius of the right wheel [m]."""
-    PlantStart_x: float = 0.0
-    """Pose at the first activation: x [m]."""
-    PlantStart_y: float = 0.0
-    """Pose at the first activation: y [m]."""
-    PlantStart_theta: float = 0.0
-    """Pose at the first activation: heading [rad]."""
-    PlantRoom: str = ""
-    """Obstacles around the simulated base, read on activation in the format of LRFCapture_URG's
-    `room`; empty: none. A contact stops the base and leads to ERROR.
-    """
-    PlantRadius: float = 0.45
-    """Radius of the body of the simulated base, for contacts [m]."""
-    CommandTimeout: float = 0.5
-    """Time without speeds after which the wheels stop; 0: never [s]."""
+    Velocity_limit: float = parameter(
+        10.0,
+        "Maximum speed of a wheel.",
+        minimum=0.0,
+        unit="rad/s",
+    )
+    Acceleration_limit: float = parameter(
+        50.0,
+        "Maximum acceleration of a wheel.",
+        minimum=0.0,
+        unit="rad/s^2",
+    )
+    EncoderCount: int = parameter(
+        149820,
+        "Counts of the encoder for one turn of its wheel.",
+        minimum=1,
+    )
+    PlantWheelTread: float = parameter(
+        0.464,
+        "Distance between the wheels.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    PlantWheelRadiusLeft: float = parameter(
+        0.0995,
+        "Radius of the left wheel.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    PlantWheelRadiusRight: float = parameter(
+        0.0995,
+        "Radius of the right wheel.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    PlantStart_x: float = parameter(0.0, "Pose at the first activation: x.", unit="m")
+    PlantStart_y: float = parameter(0.0, "Pose at the first activation: y.", unit="m")
+    PlantStart_theta: float = parameter(
+        0.0,
+        "Pose at the first activation: heading.",
+        unit="rad",
+    )
+    PlantRoom: str = parameter(
+        "",
+        """Obstacles around the simulated base, read on activation in the format of LRFCapture_URG's
+        `room`; empty: none. A contact stops the base and leads to ERROR.
+        """,
+        widget="text",
+    )
+    PlantRadius: float = parameter(
+        0.45,
+        "Radius of the body of the simulated base, for contacts.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    CommandTimeout: float = parameter(
+        0.5,
+        "Time without speeds after which the wheels stop; 0: never.",
+        minimum=0.0,
+        unit="s",
+    )
 
 
-class RefHwBase(Component):
+class RefHwBase(
+    Component,
+    type_name="RefHw",
+    category="Simulation",
+    vendor="rtgen",
+    version="1.0.0",
+    description="The base of the simulator",
+    rate=1000.0,
+):
     """The simulated base: its wheels take the speeds that they are given, within their limits.
 
     In the source OpenHRP simulates it; here it is the plant that RefHardRh3 has, too. Its ports
     are not in the source.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="RefHw",
-        kind="DataFlowComponent",
-        category="Simulation",
-        vendor="rtgen",
-        version="1.0.0",
-        description="The base of the simulator",
-        rate=1000.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "WheelSpeed",
-                rtc.TimedDoubleSeq,
-                "Speeds for the left and the right wheel.",
-                unit="rad/s",
-            ),
-            data_port(
-                "outport",
-                "WheelAngle",
-                rtc.TimedDoubleSeq,
-                "Angles of the left and the right wheel, by the encoders.",
-                unit="rad",
-            ),
-            data_port(
-                "outport",
-                "pose",
-                iis.TimedPose2D,
-                "True pose of the base, for simulated sensors.",
-                unit="m, rad",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="Velocity_limit",
-                python_name="Velocity_limit",
-                type="double",
-                default="10.0",
-                minimum=0.0,
-                unit="rad/s",
-                description="Maximum speed of a wheel.",
-            ),
-            ParameterProfile(
-                name="Acceleration_limit",
-                python_name="Acceleration_limit",
-                type="double",
-                default="50.0",
-                minimum=0.0,
-                unit="rad/s^2",
-                description="Maximum acceleration of a wheel.",
-            ),
-            ParameterProfile(
-                name="EncoderCount",
-                python_name="EncoderCount",
-                type="long",
-                default="149820",
-                minimum=1,
-                description="Counts of the encoder for one turn of its wheel.",
-            ),
-            ParameterProfile(
-                name="PlantWheelTread",
-                python_name="PlantWheelTread",
-                type="double",
-                default="0.464",
-                unit="m",
-                constraint="x>0.0",
-                description="Distance between the wheels.",
-            ),
-            ParameterProfile(
-                name="PlantWheelRadiusLeft",
-                python_name="PlantWheelRadiusLeft",
-                type="double",
-                default="0.0995",
-                unit="m",
-                constraint="x>0.0",
-                description="Radius of the left wheel.",
-            ),
-            ParameterProfile(
-                name="PlantWheelRadiusRight",
-                python_name="PlantWheelRadiusRight",
-                type="double",
-                default="0.0995",
-                unit="m",
-                constraint="x>0.0",
-                description="Radius of the right wheel.",
-            ),
-            ParameterProfile(
-                name="PlantStart_x",
-                python_name="PlantStart_x",
-                type="double",
-                default="0.0",
-                unit="m",
-                description="Pose at the first activation: x.",
-            ),
-            ParameterProfile(
-                name="PlantStart_y",
-                python_name="PlantStart_y",
-                type="double",
-                default="0.0",
-                unit="m",
-                description="Pose at the first activation: y.",
-            ),
-            ParameterProfile(
-                name="PlantStart_theta",
-                python_name="PlantStart_theta",
-                type="double",
-                default="0.0",
-                unit="rad",
-                description="Pose at the first activation: heading.",
-            ),
-            ParameterProfile(
-                name="PlantRoom",
-                python_name="PlantRoom",
-                type="string",
-                default="",
-                widget="text",
-                description="Obstacles around the simulated base, read on activation in the format of LRFCapture_URG's",
-            ),
-            ParameterProfile(
-                name="PlantRadius",
-                python_name="PlantRadius",
-                type="double",
-                default="0.45",
-                unit="m",
-                constraint="x>0.0",
-                description="Radius of the body of the simulated base, for contacts.",
-            ),
-            ParameterProfile(
-                name="CommandTimeout",
-                python_name="CommandTimeout",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="s",
-                description="Time without speeds after which the wheels stop; 0: never.",
-            ),
-        ),
+    config = configuration(RefHwConfiguration)
+    WheelSpeed = inport(
+        rtc.TimedDoubleSeq,
+        "Speeds for the left and the right wheel.",
+        unit="rad/s",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(RefHwConfiguration())
-        self.WheelSpeed = self.add_in_port("WheelSpeed", rtc.TimedDoubleSeq)
-        """Speeds for the left and the right wheel [rad/s]."""
-        self.WheelAngle = self.add_out_port("WheelAngle", rtc.TimedDoubleSeq)
-        """Angles of the left and the right wheel, by the encoders [rad]."""
-        self.pose = self.add_out_port("pose", iis.TimedPose2D)
-        """True pose of the base, for simulated sensors [m, rad]."""
+    WheelAngle = outport(
+        rtc.TimedDoubleSeq,
+        "Angles of the left and the right wheel, by the encoders.",
+        unit="rad",
+    )
+    pose = outport(
+        iis.TimedPose2D,
+        "True pose of the base, for simulated sensors.",
+        unit="m, rad",
+    )

@@ -4,205 +4,97 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import Component, Configuration, configuration, outport, parameter
 
 from ... import rh3
 
 
-class SimulatedMotorBoardConfiguration(Struct, gc=False):
-    """Configuration of SimulatedMotorBoard."""
+class SimulatedMotorBoardConfiguration(Configuration):
+    """Parameters of SimulatedMotorBoard."""
 
-    transport: str = "tcp"
-    """Listening end of the board: `tcp`, `serial`, or `none` if another process runs the board."""
-    host: str = "127.0.0.1"
-    """TCP: the address to listen at."""
-    port: int = 8931
-    """TCP: the port to listen at."""
-    device: str = "none"
-    """Serial line: its device."""
-    baudrate: int = 115200
-    """Serial line: its speed [bit/s]."""
-    link: bool = True
-    """Whether the line is whole."""
-    watchdog: float = 0.08
-    """The wheels are held when no speeds have come for so long [s]."""
-    GearRatio: float = 74.91
-    """Turns of the drive motor for one turn of its wheel."""
-    EncoderCount: int = 2000
-    """Counts of the encoder for one turn of the drive motor."""
-    PlantWheelTread: float = 0.464
-    """Distance between the wheels [m]."""
-    PlantWheelRadiusLeft: float = 0.0995
-    """Radius of the left wheel [m]."""
-    PlantWheelRadiusRight: float = 0.0995
-    """Radius of the right wheel [m]."""
-    PlantStart_x: float = 0.0
-    """Pose of the base when the board is switched on: x [m]."""
-    PlantStart_y: float = 0.0
-    """Pose of the base when the board is switched on: y [m]."""
-    PlantStart_theta: float = 0.0
-    """Pose of the base when the board is switched on: heading [rad]."""
+    transport: str = parameter(
+        "tcp",
+        "Listening end of the board: `tcp`, `serial`, or `none` if another process runs the board.",
+        constraint="(tcp,serial,none)",
+    )
+    host: str = parameter("127.0.0.1", "TCP: the address to listen at.")
+    port: int = parameter(8931, "TCP: the port to listen at.", minimum=0, maximum=65535)
+    device: str = parameter("none", "Serial line: its device.")
+    baudrate: int = parameter(
+        115200,
+        "Serial line: its speed.",
+        minimum=1,
+        unit="bit/s",
+    )
+    link: bool = parameter(True, "Whether the line is whole.")
+    watchdog: float = parameter(
+        0.08,
+        "The wheels are held when no speeds have come for so long.",
+        unit="s",
+        constraint="x>0.0",
+    )
+    GearRatio: float = parameter(
+        74.91,
+        "Turns of the drive motor for one turn of its wheel.",
+        constraint="x>0.0",
+    )
+    EncoderCount: int = parameter(
+        2000,
+        "Counts of the encoder for one turn of the drive motor.",
+        minimum=1,
+    )
+    PlantWheelTread: float = parameter(
+        0.464,
+        "Distance between the wheels.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    PlantWheelRadiusLeft: float = parameter(
+        0.0995,
+        "Radius of the left wheel.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    PlantWheelRadiusRight: float = parameter(
+        0.0995,
+        "Radius of the right wheel.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    PlantStart_x: float = parameter(
+        0.0,
+        "Pose of the base when the board is switched on: x.",
+        unit="m",
+    )
+    PlantStart_y: float = parameter(
+        0.0,
+        "Pose of the base when the board is switched on: y.",
+        unit="m",
+    )
+    PlantStart_theta: float = parameter(
+        0.0,
+        "Pose of the base when the board is switched on: heading.",
+        unit="rad",
+    )
 
 
-class SimulatedMotorBoardBase(Component):
+class SimulatedMotorBoardBase(
+    Component,
+    type_name="SimulatedMotorBoard",
+    category="TECS",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Motor board of RH3, simulated",
+    rate=1000.0,
+):
     """Stands in for a motor board: answers its calls, and moves the base that it drives.
 
     It listens at a TCP port or at a serial line; in simulated time, for components of the
     same system. It knows no other component, so it can run in a process of its own.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="SimulatedMotorBoard",
-        kind="DataFlowComponent",
-        category="TECS",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Motor board of RH3, simulated",
-        rate=1000.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "outport",
-                "events",
-                rh3.BoardEvent,
-                "The board's log; a board has no such port, but a simulated one can tell.",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="transport",
-                python_name="transport",
-                type="string",
-                default="tcp",
-                constraint="(tcp,serial,none)",
-                description="Listening end of the board: `tcp`, `serial`, or `none` if another process runs the board.",
-            ),
-            ParameterProfile(
-                name="host",
-                python_name="host",
-                type="string",
-                default="127.0.0.1",
-                description="TCP: the address to listen at.",
-            ),
-            ParameterProfile(
-                name="port",
-                python_name="port",
-                type="long",
-                default="8931",
-                minimum=0,
-                maximum=65535,
-                description="TCP: the port to listen at.",
-            ),
-            ParameterProfile(
-                name="device",
-                python_name="device",
-                type="string",
-                default="none",
-                description="Serial line: its device.",
-            ),
-            ParameterProfile(
-                name="baudrate",
-                python_name="baudrate",
-                type="long",
-                default="115200",
-                minimum=1,
-                unit="bit/s",
-                description="Serial line: its speed.",
-            ),
-            ParameterProfile(
-                name="link",
-                python_name="link",
-                type="boolean",
-                default="1",
-                description="Whether the line is whole.",
-            ),
-            ParameterProfile(
-                name="watchdog",
-                python_name="watchdog",
-                type="double",
-                default="0.08",
-                unit="s",
-                constraint="x>0.0",
-                description="The wheels are held when no speeds have come for so long.",
-            ),
-            ParameterProfile(
-                name="GearRatio",
-                python_name="GearRatio",
-                type="double",
-                default="74.91",
-                constraint="x>0.0",
-                description="Turns of the drive motor for one turn of its wheel.",
-            ),
-            ParameterProfile(
-                name="EncoderCount",
-                python_name="EncoderCount",
-                type="long",
-                default="2000",
-                minimum=1,
-                description="Counts of the encoder for one turn of the drive motor.",
-            ),
-            ParameterProfile(
-                name="PlantWheelTread",
-                python_name="PlantWheelTread",
-                type="double",
-                default="0.464",
-                unit="m",
-                constraint="x>0.0",
-                description="Distance between the wheels.",
-            ),
-            ParameterProfile(
-                name="PlantWheelRadiusLeft",
-                python_name="PlantWheelRadiusLeft",
-                type="double",
-                default="0.0995",
-                unit="m",
-                constraint="x>0.0",
-                description="Radius of the left wheel.",
-            ),
-            ParameterProfile(
-                name="PlantWheelRadiusRight",
-                python_name="PlantWheelRadiusRight",
-                type="double",
-                default="0.0995",
-                unit="m",
-                constraint="x>0.0",
-                description="Radius of the right wheel.",
-            ),
-            ParameterProfile(
-                name="PlantStart_x",
-                python_name="PlantStart_x",
-                type="double",
-                default="0.0",
-                unit="m",
-                description="Pose of the base when the board is switched on: x.",
-            ),
-            ParameterProfile(
-                name="PlantStart_y",
-                python_name="PlantStart_y",
-                type="double",
-                default="0.0",
-                unit="m",
-                description="Pose of the base when the board is switched on: y.",
-            ),
-            ParameterProfile(
-                name="PlantStart_theta",
-                python_name="PlantStart_theta",
-                type="double",
-                default="0.0",
-                unit="rad",
-                description="Pose of the base when the board is switched on: heading.",
-            ),
-        ),
+    config = configuration(SimulatedMotorBoardConfiguration)
+    events = outport(
+        rh3.BoardEvent,
+        "The board's log; a board has no such port, but a simulated one can tell.",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(SimulatedMotorBoardConfiguration())
-        self.events = self.add_out_port("events", rh3.BoardEvent)
-        """The board's log; a board has no such port, but a simulated one can tell."""

@@ -4,61 +4,34 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from rtgen.runtime import Component, ComponentProfile, data_port
+from rtgen.runtime import Component, inport, outport
 
 from ... import iis
 
 
-class SwitchInputRTCBase(Component):
+class SwitchInputRTCBase(
+    Component,
+    type_name="SwitchInputRTC",
+    category="Navigation",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Chooses between game pad and navigation",
+    rate=20.0,
+):
     """Chooses between the velocity of a game pad and that of the navigation.
 
     Velocities of the game pad are always forwarded; those of the navigation only if the game pad
     has sent nothing for more than half a second. Without input nothing is sent.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="SwitchInputRTC",
-        kind="DataFlowComponent",
-        category="Navigation",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Chooses between game pad and navigation",
-        rate=20.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "inVelJoy",
-                iis.TimedVelocity2D,
-                "Velocity by hand.",
-                unit="m/s, rad/s",
-            ),
-            data_port(
-                "inport",
-                "inVelAuto",
-                iis.TimedVelocity2D,
-                "Velocity of the navigation.",
-                unit="m/s, rad/s",
-            ),
-            data_port(
-                "outport",
-                "outVel",
-                iis.TimedVelocity2D,
-                "The velocity to be driven.",
-                unit="m/s, rad/s",
-            ),
-        ),
+    inVelJoy = inport(iis.TimedVelocity2D, "Velocity by hand.", unit="m/s, rad/s")
+    inVelAuto = inport(
+        iis.TimedVelocity2D,
+        "Velocity of the navigation.",
+        unit="m/s, rad/s",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.inVelJoy = self.add_in_port("inVelJoy", iis.TimedVelocity2D)
-        """Velocity by hand [m/s, rad/s]."""
-        self.inVelAuto = self.add_in_port("inVelAuto", iis.TimedVelocity2D)
-        """Velocity of the navigation [m/s, rad/s]."""
-        self.outVel = self.add_out_port("outVel", iis.TimedVelocity2D)
-        """The velocity to be driven [m/s, rad/s]."""
+    outVel = outport(
+        iis.TimedVelocity2D,
+        "The velocity to be driven.",
+        unit="m/s, rad/s",
+    )

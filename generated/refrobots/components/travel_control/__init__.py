@@ -4,33 +4,53 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import (
+    Component,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+)
 
 from ... import iis
 
 
-class TravelControlConfiguration(Struct, gc=False):
-    """Configuration of TravelControl."""
+class TravelControlConfiguration(Configuration):
+    """Parameters of TravelControl."""
 
-    robot: str = "RefHard"
-    """Which robot it is."""
-    CommandTimeout: float = 0.5
-    """The robot comes to rest when no travel command has come for so long, or when the newest [s]
-    one is older; 0: never.
-    """
-    start_x: float = 0.0
-    """Pose at the first activation: x [m]."""
-    start_y: float = 0.0
-    """Pose at the first activation: y [m]."""
-    start_theta: float = 0.0
-    """Pose at the first activation: heading [rad]."""
+    robot: str = parameter(
+        "RefHard",
+        "Which robot it is.",
+        constraint="(RefHard,SegwayRmp,BlackShip,OmniWheel)",
+        widget="radio",
+    )
+    CommandTimeout: float = parameter(
+        0.5,
+        """The robot comes to rest when no travel command has come for so long, or when the newest
+        one is older; 0: never.
+        """,
+        minimum=0.0,
+        unit="s",
+    )
+    start_x: float = parameter(0.0, "Pose at the first activation: x.", unit="m")
+    start_y: float = parameter(0.0, "Pose at the first activation: y.", unit="m")
+    start_theta: float = parameter(
+        0.0,
+        "Pose at the first activation: heading.",
+        unit="rad",
+    )
 
 
-class TravelControlBase(Component):
+class TravelControlBase(
+    Component,
+    type_name="TravelControl",
+    category="Interfaces",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Drives a robot, third phase",
+    rate=100.0,
+):
     """Drives a robot by travel commands and tells how it moves.
 
     The robot is simulated, one of the four of the experiments. Commands without a time stamp
@@ -38,85 +58,16 @@ class TravelControlBase(Component):
     ours.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="TravelControl",
-        kind="DataFlowComponent",
-        category="Interfaces",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Drives a robot, third phase",
-        rate=100.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "command",
-                iis.TimedVelocity2D,
-                "Travel command in the frame of the body, with its time; one at least every 10 ms or so.",
-                unit="m/s, rad/s",
-            ),
-            data_port(
-                "outport",
-                "information",
-                iis.TimedVelocity2D,
-                "Travel information: the present velocity by the encoders, with its time, at every",
-                unit="m/s, rad/s",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="robot",
-                python_name="robot",
-                type="string",
-                default="RefHard",
-                constraint="(RefHard,SegwayRmp,BlackShip,OmniWheel)",
-                widget="radio",
-                description="Which robot it is.",
-            ),
-            ParameterProfile(
-                name="CommandTimeout",
-                python_name="CommandTimeout",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="s",
-                description="The robot comes to rest when no travel command has come for so long, or when the newest",
-            ),
-            ParameterProfile(
-                name="start_x",
-                python_name="start_x",
-                type="double",
-                default="0.0",
-                unit="m",
-                description="Pose at the first activation: x.",
-            ),
-            ParameterProfile(
-                name="start_y",
-                python_name="start_y",
-                type="double",
-                default="0.0",
-                unit="m",
-                description="Pose at the first activation: y.",
-            ),
-            ParameterProfile(
-                name="start_theta",
-                python_name="start_theta",
-                type="double",
-                default="0.0",
-                unit="rad",
-                description="Pose at the first activation: heading.",
-            ),
-        ),
+    config = configuration(TravelControlConfiguration)
+    command = inport(
+        iis.TimedVelocity2D,
+        "Travel command in the frame of the body, with its time; one at least every 10 ms or so.",
+        unit="m/s, rad/s",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(TravelControlConfiguration())
-        self.command = self.add_in_port("command", iis.TimedVelocity2D)
-        """Travel command in the frame of the body, with its time; one at least every 10 ms or so [m/s, rad/s]."""
-        self.information = self.add_out_port("information", iis.TimedVelocity2D)
-        """Travel information: the present velocity by the encoders, with its time, at every [m/s, rad/s]
+    information = outport(
+        iis.TimedVelocity2D,
+        """Travel information: the present velocity by the encoders, with its time, at every
         execution.
-        """
+        """,
+        unit="m/s, rad/s",
+    )

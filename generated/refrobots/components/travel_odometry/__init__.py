@@ -4,104 +4,56 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import (
+    Component,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+)
 
 from ... import iis
 
 
-class TravelOdometryConfiguration(Struct, gc=False):
-    """Configuration of TravelOdometry."""
+class TravelOdometryConfiguration(Configuration):
+    """Parameters of TravelOdometry."""
 
-    start_x: float = 0.0
-    """Pose on activation: x [m]."""
-    start_y: float = 0.0
-    """Pose on activation: y [m]."""
-    start_theta: float = 0.0
-    """Pose on activation: heading [rad]."""
-    InformationTimeout: float = 0.5
-    """After a gap this long in the information the robot may be anywhere: ERROR; 0: never [s]."""
+    start_x: float = parameter(0.0, "Pose on activation: x.", unit="m")
+    start_y: float = parameter(0.0, "Pose on activation: y.", unit="m")
+    start_theta: float = parameter(0.0, "Pose on activation: heading.", unit="rad")
+    InformationTimeout: float = parameter(
+        0.5,
+        "After a gap this long in the information the robot may be anywhere: ERROR; 0: never.",
+        minimum=0.0,
+        unit="s",
+    )
 
 
-class TravelOdometryBase(Component):
+class TravelOdometryBase(
+    Component,
+    type_name="TravelOdometry",
+    category="Interfaces",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Position from travel information",
+    rate=100.0,
+):
     """Estimates the position of a robot from its travel information.
 
     The source names the interfaces, not the ports; those are ours.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="TravelOdometry",
-        kind="DataFlowComponent",
-        category="Interfaces",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Position from travel information",
-        rate=100.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "information",
-                iis.TimedVelocity2D,
-                "How the robot moves, in the frame of its body. Each sample holds since the one before.",
-                unit="m/s, rad/s",
-            ),
-            data_port(
-                "outport",
-                "position",
-                iis.TimedPose2D,
-                "Self-position in the world frame, the heading within 0..2 pi, with the time of the",
-                unit="m, rad",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="start_x",
-                python_name="start_x",
-                type="double",
-                default="0.0",
-                unit="m",
-                description="Pose on activation: x.",
-            ),
-            ParameterProfile(
-                name="start_y",
-                python_name="start_y",
-                type="double",
-                default="0.0",
-                unit="m",
-                description="Pose on activation: y.",
-            ),
-            ParameterProfile(
-                name="start_theta",
-                python_name="start_theta",
-                type="double",
-                default="0.0",
-                unit="rad",
-                description="Pose on activation: heading.",
-            ),
-            ParameterProfile(
-                name="InformationTimeout",
-                python_name="InformationTimeout",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="s",
-                description="After a gap this long in the information the robot may be anywhere: ERROR; 0: never.",
-            ),
-        ),
+    config = configuration(TravelOdometryConfiguration)
+    information = inport(
+        iis.TimedVelocity2D,
+        "How the robot moves, in the frame of its body. Each sample holds since the one before.",
+        unit="m/s, rad/s",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(TravelOdometryConfiguration())
-        self.information = self.add_in_port("information", iis.TimedVelocity2D)
-        """How the robot moves, in the frame of its body. Each sample holds since the one before [m/s, rad/s]."""
-        self.position = self.add_out_port("position", iis.TimedPose2D)
-        """Self-position in the world frame, the heading within 0..2 pi, with the time of the [m, rad]
+    position = outport(
+        iis.TimedPose2D,
+        """Self-position in the world frame, the heading within 0..2 pi, with the time of the
         information.
-        """
+        """,
+        unit="m, rad",
+    )

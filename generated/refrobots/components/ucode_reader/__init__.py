@@ -4,102 +4,62 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import (
+    Component,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+)
 
 from ... import iis, ucode
 
 
-class UcodeReaderConfiguration(Struct, gc=False):
-    """Configuration of UcodeReader."""
+class UcodeReaderConfiguration(Configuration):
+    """Parameters of UcodeReader."""
 
-    markers: str = ""
-    """The markers: `CODE X Y` [m], the code in hexadecimal digits, separated by semicolons."""
-    walls: str = ""
-    """Walls that hide markers: `X1 Y1 X2 Y2` [m], separated by semicolons."""
-    reach: float = 2.0
-    """Maximum distance of a marker that is read [m]."""
-    angle: float = 1.0
-    """Maximum angle from straight ahead of a marker that is read [rad]."""
+    markers: str = parameter(
+        "",
+        "The markers: `CODE X Y` [m], the code in hexadecimal digits, separated by semicolons.",
+    )
+    walls: str = parameter(
+        "",
+        "Walls that hide markers: `X1 Y1 X2 Y2` [m], separated by semicolons.",
+    )
+    reach: float = parameter(
+        2.0,
+        "Maximum distance of a marker that is read.",
+        unit="m",
+        constraint="x>0.0",
+    )
+    angle: float = parameter(
+        1.0,
+        "Maximum angle from straight ahead of a marker that is read.",
+        minimum=0.0,
+        maximum=3.1416,
+        unit="rad",
+    )
 
 
-class UcodeReaderBase(Component):
+class UcodeReaderBase(
+    Component,
+    type_name="UcodeReader",
+    category="Embedded",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Reader of infra-red markers",
+    rate=5.0,
+):
     """Reads the ucodes of infra-red markers (Fig 123); reader and markers are simulated.
 
     A marker is read when it is near enough, within the angle of the reader, and not behind a wall.
     Ports are ours.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="UcodeReader",
-        kind="DataFlowComponent",
-        category="Embedded",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Reader of infra-red markers",
-        rate=5.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "pose",
-                iis.TimedPose2D,
-                "True pose of the reader.",
-                unit="m, rad",
-            ),
-            data_port(
-                "outport",
-                "sightings",
-                ucode.TimedSightings,
-                "The markers in view, the nearest first; sent while there is one.",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="markers",
-                python_name="markers",
-                type="string",
-                default="",
-                description="The markers: `CODE X Y` [m], the code in hexadecimal digits, separated by semicolons.",
-            ),
-            ParameterProfile(
-                name="walls",
-                python_name="walls",
-                type="string",
-                default="",
-                description="Walls that hide markers: `X1 Y1 X2 Y2` [m], separated by semicolons.",
-            ),
-            ParameterProfile(
-                name="reach",
-                python_name="reach",
-                type="double",
-                default="2.0",
-                unit="m",
-                constraint="x>0.0",
-                description="Maximum distance of a marker that is read.",
-            ),
-            ParameterProfile(
-                name="angle",
-                python_name="angle",
-                type="double",
-                default="1.0",
-                minimum=0.0,
-                maximum=3.1416,
-                unit="rad",
-                description="Maximum angle from straight ahead of a marker that is read.",
-            ),
-        ),
+    config = configuration(UcodeReaderConfiguration)
+    pose = inport(iis.TimedPose2D, "True pose of the reader.", unit="m, rad")
+    sightings = outport(
+        ucode.TimedSightings,
+        "The markers in view, the nearest first; sent while there is one.",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(UcodeReaderConfiguration())
-        self.pose = self.add_in_port("pose", iis.TimedPose2D)
-        """True pose of the reader [m, rad]."""
-        self.sightings = self.add_out_port("sightings", ucode.TimedSightings)
-        """The markers in view, the nearest first; sent while there is one."""

@@ -4,93 +4,59 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import (
+    Component,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+)
 
 from ... import ucode
 
 
-class UcodeSettlementConfiguration(Struct, gc=False):
-    """Configuration of UcodeSettlement."""
+class UcodeSettlementConfiguration(Configuration):
+    """Parameters of UcodeSettlement."""
 
-    records: str = ""
-    """The records of the server: `CODE RECORD`, the code in hexadecimal digits, separated by
-    semicolons.
-    """
-    cache: int = 4
-    """Maximum number of cached records; the least recently used one is dropped first."""
-    delay: int = 3
-    """Executions until the server answers."""
+    records: str = parameter(
+        "",
+        """The records of the server: `CODE RECORD`, the code in hexadecimal digits, separated by
+        semicolons.
+        """,
+    )
+    cache: int = parameter(
+        4,
+        "Maximum number of cached records; the least recently used one is dropped first.",
+        minimum=1,
+        maximum=64,
+    )
+    delay: int = parameter(
+        3,
+        "Executions until the server answers.",
+        minimum=0,
+        maximum=1000,
+    )
 
 
-class UcodeSettlementBase(Component):
+class UcodeSettlementBase(
+    Component,
+    type_name="UcodeSettlement",
+    category="Embedded",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Records of ucodes, with a cache",
+    rate=20.0,
+):
     """Settles ucodes: finds what is on record for the nearest marker (Fig 123).
 
     The records of a ucode server are simulated; asking it takes several executions, but what was
     asked for lately is at hand in a cache. Ports are ours.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="UcodeSettlement",
-        kind="DataFlowComponent",
-        category="Embedded",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Records of ucodes, with a cache",
-        rate=20.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                "sightings",
-                ucode.TimedSightings,
-                "The markers in view.",
-            ),
-            data_port(
-                "outport",
-                "record",
-                ucode.TimedRecord,
-                "The record of the nearest marker, for each reading.",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="records",
-                python_name="records",
-                type="string",
-                default="",
-                description="The records of the server: `CODE RECORD`, the code in hexadecimal digits, separated by",
-            ),
-            ParameterProfile(
-                name="cache",
-                python_name="cache",
-                type="long",
-                default="4",
-                minimum=1,
-                maximum=64,
-                description="Maximum number of cached records; the least recently used one is dropped first.",
-            ),
-            ParameterProfile(
-                name="delay",
-                python_name="delay",
-                type="long",
-                default="3",
-                minimum=0,
-                maximum=1000,
-                description="Executions until the server answers.",
-            ),
-        ),
+    config = configuration(UcodeSettlementConfiguration)
+    sightings = inport(ucode.TimedSightings, "The markers in view.")
+    record = outport(
+        ucode.TimedRecord,
+        "The record of the nearest marker, for each reading.",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(UcodeSettlementConfiguration())
-        self.sightings = self.add_in_port("sightings", ucode.TimedSightings)
-        """The markers in view."""
-        self.record = self.add_out_port("record", ucode.TimedRecord)
-        """The record of the nearest marker, for each reading."""

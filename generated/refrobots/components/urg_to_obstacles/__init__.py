@@ -4,66 +4,47 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import (
+    Component,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+)
 
 from ... import iis, rtc
 
 
-class Urg_to_ObstaclesConfiguration(Struct, gc=False):
-    """Configuration of Urg_to_Obstacles."""
+class Urg_to_ObstaclesConfiguration(Configuration):
+    """Parameters of Urg_to_Obstacles."""
 
-    spacing: float = 0.02
-    """Points nearer to the one before than this are left out [m]."""
+    spacing: float = parameter(
+        0.02,
+        "Points nearer to the one before than this are left out.",
+        minimum=0.0,
+        unit="m",
+    )
 
 
-class Urg_to_ObstaclesBase(Component):
+class Urg_to_ObstaclesBase(
+    Component,
+    type_name="Urg_to_Obstacles",
+    category="Navigation",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Points of a scan",
+    rate=50.0,
+):
     """Converts a scan to points in the frame of the base.
 
     The source only names this component; its ports are not in the source.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="Urg_to_Obstacles",
-        kind="DataFlowComponent",
-        category="Navigation",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Points of a scan",
-        rate=50.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port("inport", "range", rtc.RangeData, "The scan.", unit="m"),
-            data_port(
-                "outport",
-                "obstacles",
-                iis.TimedPoint2DSeq,
-                "The points, with the time of the scan.",
-                unit="m",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="spacing",
-                python_name="spacing",
-                type="double",
-                default="0.02",
-                minimum=0.0,
-                unit="m",
-                description="Points nearer to the one before than this are left out.",
-            ),
-        ),
+    config = configuration(Urg_to_ObstaclesConfiguration)
+    range = inport(rtc.RangeData, "The scan.", unit="m")
+    obstacles = outport(
+        iis.TimedPoint2DSeq,
+        "The points, with the time of the scan.",
+        unit="m",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(Urg_to_ObstaclesConfiguration())
-        self.range = self.add_in_port("range", rtc.RangeData)
-        """The scan [m]."""
-        self.obstacles = self.add_out_port("obstacles", iis.TimedPoint2DSeq)
-        """The points, with the time of the scan [m]."""

@@ -4,66 +4,42 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import Component, Configuration, configuration, outport, parameter
 
 from ... import iis
 
 
-class UserInterfaceConfiguration(Struct, gc=False):
-    """Configuration of UserInterface."""
+class UserInterfaceConfiguration(Configuration):
+    """Parameters of UserInterface."""
 
-    script: str = ""
-    """File with lines `AT X Y THETA; X Y THETA; ...` or `AT clear`, in order of AT, the
-    seconds since activation; relative to the system file.
-    """
+    script: str = parameter(
+        "",
+        """File with lines `AT X Y THETA; X Y THETA; ...` or `AT clear`, in order of AT, the
+        seconds since activation; relative to the system file.
+        """,
+        widget="text",
+    )
 
 
-class UserInterfaceBase(Component):
+class UserInterfaceBase(
+    Component,
+    type_name="UserInterface",
+    category="Interfaces",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Sends target lists",
+    rate=10.0,
+):
     """Sends target lists; what the operator wants is simulated by a script.
 
     The source names the interface, not the ports of this component; those are ours.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="UserInterface",
-        kind="DataFlowComponent",
-        category="Interfaces",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Sends target lists",
-        rate=10.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "outport",
-                "targets",
-                iis.TimedPose2DSeq,
-                "Targets in the world frame. Only the first one counts, a new list takes the place of",
-                unit="m, rad",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="script",
-                python_name="script",
-                type="string",
-                default="",
-                widget="text",
-                description="File with lines `AT X Y THETA; X Y THETA; ...` or `AT clear`, in order of AT, the",
-            ),
-        ),
-    )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(UserInterfaceConfiguration())
-        self.targets = self.add_out_port("targets", iis.TimedPose2DSeq)
-        """Targets in the world frame. Only the first one counts, a new list takes the place of [m, rad]
+    config = configuration(UserInterfaceConfiguration)
+    targets = outport(
+        iis.TimedPose2DSeq,
+        """Targets in the world frame. Only the first one counts, a new list takes the place of
         the old one, an empty list clears the target.
-        """
+        """,
+        unit="m, rad",
+    )

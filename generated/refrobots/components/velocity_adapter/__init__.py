@@ -4,36 +4,22 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from rtgen.runtime import Component, ComponentProfile, data_port
+from rtgen.runtime import Component, inport, outport
 
 from ... import iis, rtc
 
 
-class VelocityAdapterBase(Component):
+class VelocityAdapterBase(
+    Component,
+    type_name="VelocityAdapter",
+    category="Adapters",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Converts RTC::TimedVelocity to IIS::TimedVelocity2D",
+    rate=100.0,
+    max_instances=0,
+):
     """Converts RTC::TimedVelocity to IIS::TimedVelocity2D."""
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="VelocityAdapter",
-        kind="DataFlowComponent",
-        category="Adapters",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Converts RTC::TimedVelocity to IIS::TimedVelocity2D",
-        rate=100.0,
-        max_instances=0,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port("inport", "input", rtc.TimedVelocity, "What comes."),
-            data_port("outport", "output", iis.TimedVelocity2D, "What goes."),
-        ),
-    )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.input = self.add_in_port("input", rtc.TimedVelocity)
-        """What comes."""
-        self.output = self.add_out_port("output", iis.TimedVelocity2D)
-        """What goes."""
+    input = inport(rtc.TimedVelocity, "What comes.")
+    output = outport(iis.TimedVelocity2D, "What goes.")

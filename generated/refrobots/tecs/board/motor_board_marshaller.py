@@ -11,14 +11,14 @@ from typing import ClassVar, TypeAlias
 from rtgen.runtime import (
     RTC_OK,
     Component,
-    ComponentProfile,
     ReturnCode_t,
     Servant,
     Skeleton,
     Stub,
+    consumer,
     idl,
     operation,
-    service_port,
+    provider,
 )
 from rtgen.runtime.cdr import AliasCodec
 from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
@@ -107,76 +107,35 @@ class MotorBoardSkeleton(Skeleton, interface=MotorBoard):
 MotorBoard._calls_ = ".motor_board_marshaller_calls"
 
 
-class MotorBoardMarshallerBase(Component):
+class MotorBoardMarshallerBase(
+    Component,
+    type_name="MotorBoardMarshaller",
+    category="TECS",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Carries calls of sMotorBoard to a TECS board",
+    rate=10.0,
+    max_instances=0,
+):
     """Carries calls of sMotorBoard to a TECS board."""
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="MotorBoardMarshaller",
-        kind="DataFlowComponent",
-        category="TECS",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Carries calls of sMotorBoard to a TECS board",
-        rate=10.0,
-        max_instances=0,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            service_port(
-                "provider",
-                "motor_board",
-                MotorBoard,
-                "What sMotorBoard offers.",
-            ),
-            service_port(
-                "consumer",
-                "communication",
-                OpaqueRpc,
-                "The board's channel.",
-            ),
-        ),
-    )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.motor_board = self.add_provider("motor_board", "motor_board", MotorBoard)
-        """What sMotorBoard offers."""
-        self.communication = self.add_consumer(
-            "communication",
-            "communication",
-            OpaqueRpc,
-        )
-        """The board's channel."""
+    motor_board = provider(MotorBoard, "What sMotorBoard offers.")
+    communication = consumer(OpaqueRpc, "The board's channel.")
 
 
-class MotorBoardClientBase(Component):
+class MotorBoardClientBase(
+    Component,
+    type_name="MotorBoardClient",
+    category="TECS",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Calls sMotorBoard of a TECS board",
+    rate=10.0,
+    max_instances=0,
+):
     """Calls sMotorBoard of a TECS board."""
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="MotorBoardClient",
-        kind="DataFlowComponent",
-        category="TECS",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Calls sMotorBoard of a TECS board",
-        rate=10.0,
-        max_instances=0,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            service_port(
-                "consumer",
-                "motor_board",
-                MotorBoard,
-                "What sMotorBoard offers.",
-            ),
-        ),
-    )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.motor_board = self.add_consumer("motor_board", "motor_board", MotorBoard)
-        """What sMotorBoard offers."""
+    motor_board = consumer(MotorBoard, "What sMotorBoard offers.")
 
 
 class MotorBoardProxy(MotorBoardTarget):

@@ -6,6 +6,7 @@ which no field does, so a field called `error` or `Struct` hides nothing.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -51,7 +52,11 @@ def codecs_text(decoded: Sequence[PdoCodec], encoded: Sequence[PdoCodec]) -> str
     for codec in encoded:
         parts += ["", "", *_encode(codec)]
     body = "\n".join(parts)
-    aliases = [f"_{name} = {name}" for name in _BUILT_IN if f"_{name}" in body]
+    fields = {field.name for c in (*decoded, *encoded) for field in c.layout.fields}
+    hidden = [name for name in _BUILT_IN if name in fields]
+    for name in {*_BUILT_IN}.difference(hidden):
+        body = re.sub(rf"\b_{name}\b", name, body)
+    aliases = [f"_{name} = {name}" for name in hidden if f"_{name}" in body]
     structs = [
         fit(f'_{codec.name.upper()} = _Struct("{codec.layout.format}")')
         for codec in dict.fromkeys((*decoded, *encoded))

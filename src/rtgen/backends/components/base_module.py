@@ -1,9 +1,10 @@
-"""Prints the package of a component: configuration class, profile and base class."""
+"""Prints the package of a component: its configuration class and its base class."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import starmap
 
 from rtgen.backends import Options
 from rtgen.backends.components.imports import Imports
@@ -19,17 +20,17 @@ from rtgen.backends.kit.python_initial import PythonInitial
 from rtgen.backends.kit.python_module import (
     Import,
     PythonModule,
-    imports_from,
     python_module,
 )
 from rtgen.backends.kit.quoting.python import docstring, number_literal, string_literal
 from rtgen.backends.kit.rendering import render
+from rtgen.facts.canopen_parameters import SHARED
 from rtgen.facts.constraints import parse, text_of
+from rtgen.facts.parameter_texts import default_text
 from rtgen.model import (
     Component,
     ConfigurationParameter,
     ConstantValue,
-    Declaration,
     EnumeratorName,
     Model,
     NamedType,
@@ -42,29 +43,36 @@ from rtgen.model import (
 )
 from rtgen.typemap.components.names import CONFIGURATION_NAMES
 from rtgen.typemap.components.parameters import Parameters
-from rtgen.typemap.member_units import with_unit
 from rtgen.typemap.python.idl_names import PythonNames
 from rtgen.typemap.python.support import BASE_NAMES, CANOPEN_NAMES
 
 _TAKEN = CONFIGURATION_NAMES | BASE_NAMES | {"super", "self", "instance_name"}
 _FLOATING = (PrimitiveType(Primitive.FLOAT), PrimitiveType(Primitive.DOUBLE))
-_ADD = {PortKind.INPORT: "add_in_port", PortKind.OUTPORT: "add_out_port"}
-_PROFILES = {
-    PortKind.INPORT: "data_port",
-    PortKind.OUTPORT: "data_port",
-    PortKind.PROVIDER: "service_port",
-    PortKind.CONSUMER: "service_port",
+_DECLARATIONS = {
+    PortKind.INPORT: "inport",
+    PortKind.OUTPORT: "outport",
+    PortKind.PROVIDER: "provider",
+    PortKind.CONSUMER: "consumer",
 }
-"""The functions of the runtime that make the profile of a port."""
-_ADD_SERVICE = {PortKind.PROVIDER: "add_provider", PortKind.CONSUMER: "add_consumer"}
+"""The functions of the runtime that declare a port."""
+_RUNTIME = "rtgen.runtime"
+_DATA = (PortKind.INPORT, PortKind.OUTPORT)
+_FACTS = {
+    "kind": "DataFlowComponent",
+    "activity": "PERIODIC",
+    "activity_type": "",
+    "execution": "PeriodicExecutionContext",
+}
+"""Facts of a profile that are only printed if they differ."""
 
 
 @dataclass(frozen=True, slots=True)
-class _Statement:
-    """An assignment, unsplit, and the docstring below it."""
+class _Value:
+    """The default of a parameter: an expression, the IDL type of that, and its text in profiles."""
 
+    expression: str
+    type: str
     text: str
-    docstring: str
 
 
 def class_names(component: Component) -> tuple[str, str]:
@@ -91,6 +99,7 @@ def component_imports(
     `further` are names of definitions that no module may bind.
     """
     taken = _TAKEN | {*class_names(component), *further}
+    taken |= {name for _, name in attributes_of(component).ports}
     if component.runtime_base:
         taken |= CANOPEN_NAMES | {component.runtime_base.partition(":")[2]}
     return Imports(model, names, taken, base_location(names.package, component))
@@ -125,29 +134,35 @@ class _BaseModule:
         self._names = names
         self._imports = component_imports(model, names, component)
         self._initial = PythonInitial(self._imports.mapping)
+        shared = SHARED.get(component.configuration_base, ())
+        self._inherited = {each.name: each.default for each in shared}
+        self._functions: dict[str, str] = {}
+        self._hidden: Collection[str] = ()
 
     def module(self, origin: Sequence[str]) -> PythonModule:
         component = self._component
         attributes = _attributes(self._model, component, self._imports)
-        fields = [self._field(p, name) for p, name in attributes.configuration]
-        ports = [self._port(port, name) for port, name in attributes.ports]
+        self._hidden = {
+            name for _, name in (*attributes.ports, *attributes.configuration)
+        }
         title = heading(component)
-        runtime_base = self._runtime_base()
+        runtime_base = self._import(component.runtime_base or f"{_RUNTIME}:Component")
+        parameters = self._import(
+            component.configuration_base or f"{_RUNTIME}:Configuration"
+        )
+        declared = {p.name for p, _ in attributes.configuration}
         body = render(
             "components/base.py.j2",
             class_docstring=docstring(component.doc, 4, title),
-            runtime_base=runtime_base.name,
             name=component.name[-1],
             base=self._base,
-            configuration=self._configuration,
-            fields=fields,
-            ports=ports,
-            profile=self._profile(attributes),
+            arguments=self._arguments(runtime_base.name),
+            configuration=self._configuration if declared else "",
+            configuration_base=parameters.name,
+            declare=self._function("configuration") if declared else "",
+            fields=[*filter(None, starmap(self._field, attributes.configuration))],
+            ports=[*starmap(self._port, attributes.ports)],
         )
-        runtime = ["ComponentProfile", *["ParameterProfile"] * bool(fields)]
-        runtime += {_PROFILES[port.kind] for port, _ in attributes.ports}
-        of_fields = ["Struct"] * bool(fields)
-        of_fields += ["field"] * any("= field(" in field.text for field in fields)
         return python_module(
             module_path(self._names.package, component),
             self._names.package,
@@ -155,9 +170,8 @@ class _BaseModule:
             origin,
             title,
             imports=[
-                *imports_from("typing", ["ClassVar"]),
-                *imports_from("msgspec", of_fields),
-                *imports_from("rtgen.runtime", runtime),
+                *(Import(_RUNTIME, *each) for each in self._functions.items()),
+                *([parameters] if declared else []),
                 runtime_base,
                 *self._imports.imports(),
             ],
@@ -165,146 +179,136 @@ class _BaseModule:
             defines=[self._base, self._configuration],
         )
 
-    def _runtime_base(self) -> Import:
-        """Return the parent class, of the runtime or generated."""
-        parent = self._component.runtime_base or "rtgen.runtime:Component"
-        module, name = imported_from(self._options, parent)
+    def _function(self, name: str) -> str:
+        """Return the local name of a function, which no attribute of the classes hides."""
+        return self._functions.setdefault(
+            name, f"_{name}" if name in self._hidden else name
+        )
+
+    def _import(self, place: str) -> Import:
+        """Return the import of a class, of the runtime or generated."""
+        module, name = imported_from(self._options, place)
         return Import(module, name, name)
+
+    def _arguments(self, runtime_base: str) -> str:
+        """Return the bases of the class and the facts of its profile."""
+        component = self._component
+        facts = {name: getattr(component, name) for name in _FACTS}
+        texts = {
+            "type_name": component.name[-1],
+            **{name: text for name, text in facts.items() if text != _FACTS[name]},
+            "category": component.category,
+            "vendor": component.vendor,
+            "version": component.version,
+            "description": summary(component),
+        }
+        written = [runtime_base]
+        written += (f"{k}={string_literal(t)}" for k, t in texts.items() if t)
+        written.append(f"rate={number_literal(float(component.rate))}")
+        if component.max_instances != 1:
+            written.append(f"max_instances={component.max_instances}")
+        return ", ".join(written)
 
     # The configuration class.
 
-    def _field(self, parameter: ConfigurationParameter, name: str) -> _Statement:
-        mapping = self._imports.mapping
+    def _field(self, parameter: ConfigurationParameter, name: str) -> str:
+        """Return the declaration of a parameter, unsplit if its documentation is one line.
+
+        Of an inherited one, return the default alone, or nothing if that is inherited, too.
+        """
         type_ = self._model.unalias(parameter.type)
+        annotation = self._imports.mapping.annotation(type_)
+        default = self._default(parameter, type_)
+        if parameter.name in self._inherited:
+            if parameter.default == self._inherited[parameter.name]:
+                return ""
+            return f"{name}: {annotation} = {default.expression}"
+        canonical = self._parameters.canonical_type(parameter.type)
+        text = self._parameters.default_text(parameter)
+        constraint = parse(parameter.constraint)
+        arguments = {
+            "name": _other(parameter.name, name),
+            "type": _other(canonical, default.type),
+            "text": string_literal(text) if text != default.text else "",
+            "minimum": _bound(parameter.minimum),
+            "maximum": _bound(parameter.maximum),
+            "unit": _optional(parameter.unit),
+            "constraint": _optional("" if constraint is None else text_of(constraint)),
+            "widget": _optional(parameter.widget),
+        }
+        declared = _declaration(
+            self._function("parameter"), default.expression, parameter.doc, arguments
+        )
+        return f"{name}: {annotation} = {declared}"
+
+    def _default(self, parameter: ConfigurationParameter, type_: Type) -> _Value:
         if isinstance(type_, SequenceType):
-            value = self._sequence(type_, self._parameters.default_items(parameter))
-        elif parameter.default is None:
-            value = self._initial.expression(type_)
-        else:
-            value = self._literal(type_, parameter.default)
-        text = f"{name}: {mapping.annotation(type_)} = {value}"
-        return _Statement(text, docstring(with_unit(parameter.doc, parameter.unit), 4))
+            items = [
+                self._scalar(item, self._parameters.parse_item(item, text))
+                for item in (self._model.unalias(type_.element),)
+                for text in self._parameters.default_items(parameter)
+            ]
+            listed = f"[{', '.join(each.expression for each in items)}]"
+            if self._imports.mapping.is_text(type_):
+                octets = self._imports.mapping.spell("", "bytes")
+                listed = (
+                    f"{octets}({listed})" if items else self._initial.expression(type_)
+                )
+            return _Value(listed, "", ",".join(each.text for each in items))
+        if parameter.default is not None:
+            return self._scalar(type_, parameter.default)
+        text = self._parameters.default_text(parameter)
+        return self._scalar(type_, self._parameters.parse_item(type_, text))
 
-    def _sequence(self, type_: SequenceType, texts: Sequence[str]) -> str:
-        mapping = self._imports.mapping
-        item = self._model.unalias(type_.element)
-        values = [
-            self._literal(item, self._parameters.parse_item(item, text))
-            for text in texts
-        ]
-        if mapping.is_text(type_):
-            if not values:
-                return self._initial.expression(type_)
-            return f"bytes([{', '.join(values)}])"
-        factory = self._initial.factory(type_)
-        if values:
-            factory = f"lambda: [{', '.join(values)}]"
-        return f"field(default_factory={factory})"
-
-    def _literal(self, type_: Type, value: ConstantValue) -> str:
+    def _scalar(self, type_: Type, value: ConstantValue) -> _Value:
         match value:
             case EnumeratorName(name):
                 enum = self._imports.mapping.annotation(type_)
-                return f"{enum}.{self._names.enumerator(name)[1]}"
+                attribute = self._names.enumerator(name)[1]
+                return _Value(f"{enum}.{attribute}", "", attribute)
             case str():
-                return string_literal(value)
+                return _Value(string_literal(value), "string", value)
             case int() | float() if type_ in _FLOATING:
-                return number_literal(float(value))
-            case _:
-                return repr(value)
+                number = float(value)
+                return _Value(number_literal(number), "double", default_text(number))
+        type_name = "boolean" if isinstance(value, bool) else "long"
+        return _Value(repr(value), type_name, default_text(value))
 
     # The ports.
 
-    def _port(self, port: Port, name: str) -> _Statement:
-        if port.kind in _ADD:
-            add, place = _ADD[port.kind], [port.name]
-        else:
-            add, place = _ADD_SERVICE[port.kind], [port.port, port.instance]
-        type_ = self._imports.type_name(self._declaration(port).name)
-        arguments = ", ".join((*map(string_literal, place), type_))
-        text = f"self.{name} = self.{add}({arguments})"
-        return _Statement(text, docstring(with_unit(port.doc, port.unit), 8))
-
-    def _declaration(self, port: Port) -> Declaration:
+    def _port(self, port: Port, name: str) -> str:
+        """Return the declaration of a port, unsplit if its documentation is one line."""
         type_ = self._model.unalias(port.type)
         assert isinstance(type_, NamedType), "checked before anything is emitted"
-        return self._model.find(type_.name)
-
-    # The profile.
-
-    def _profile(self, attributes: Attributes) -> str:
-        component = self._component
-        ports = [self._port_profile(port, name) for port, name in attributes.ports]
-        parameters = [
-            self._parameter_profile(p, name) for p, name in attributes.configuration
-        ]
-        return _call(
-            "ComponentProfile",
-            type_name=string_literal(component.name[-1]),
-            kind=string_literal(component.kind),
-            category=string_literal(component.category),
-            vendor=string_literal(component.vendor),
-            version=string_literal(component.version),
-            description=string_literal(summary(component)),
-            rate=number_literal(float(component.rate)),
-            max_instances=str(component.max_instances),
-            activity=string_literal(component.activity),
-            activity_type=_optional(component.activity_type),
-            execution=string_literal(component.execution),
-            ports=_tuple(ports),
-            configuration=_tuple(parameters),
-        )
-
-    def _port_profile(self, port: Port, name: str) -> str:
-        type_ = self._imports.type_name(self._declaration(port).name)
-        return port_profile(port, name, type_)
-
-    def _parameter_profile(self, parameter: ConfigurationParameter, name: str) -> str:
-        constraint = parse(parameter.constraint)
-        return _call(
-            "ParameterProfile",
-            name=string_literal(parameter.name),
-            python_name=string_literal(name),
-            type=string_literal(self._parameters.canonical_type(parameter.type)),
-            default=string_literal(self._parameters.default_text(parameter)),
-            minimum=_bound(parameter.minimum),
-            maximum=_bound(parameter.maximum),
-            unit=_optional(parameter.unit),
-            constraint=_optional("" if constraint is None else text_of(constraint)),
-            widget=_optional(parameter.widget),
-            description=_optional(_first_line(parameter.doc)),
-        )
+        arguments = {"name": _other(port.name, name)}
+        if port.kind not in _DATA:
+            arguments |= {
+                "port": _other(port.port, port.name),
+                "instance": _other(port.instance, port.name),
+                "type_name": _optional(port.type_name),
+            }
+        arguments["unit"] = _optional(port.unit)
+        function = self._function(_DECLARATIONS[port.kind])
+        interface = self._imports.type_name(self._model.find(type_.name).name)
+        return f"{name} = {_declaration(function, interface, port.doc, arguments)}"
 
 
-def port_profile(port: Port, attribute: str, type_: str) -> str:
-    """The expression for the profile of a port; `type_` is that for its type."""
-    function = _PROFILES[port.kind]
-    given = [string_literal(port.kind.value), string_literal(port.name), type_]
-    doc = string_literal(_first_line(port.doc))
-    other = string_literal(attribute)
-    if attribute != port.name:
-        given += [doc, other]
-    elif port.doc:
-        given += [doc]
-    parts = {"unit": port.unit}
-    if port.kind in _ADD_SERVICE:
-        own = {"port": port.port, "instance": port.instance}
-        parts = {**own, "type_name": port.type_name, **parts}
-    given += (
-        f"{key}={string_literal(text)}"
-        for key, text in parts.items()
-        if text and (key in ("type_name", "unit") or text != port.name)
-    )
-    return f"{function}({', '.join(given)})"
+def _declaration(
+    function: str, first: str, doc: str, arguments: Mapping[str, str]
+) -> str:
+    """Return a call with the documentation, if there is one, as the second argument."""
+    named = [f"{key}={value}" for key, value in arguments.items() if value]
+    text = docstring(doc, 8).rstrip("\n")
+    if "\n" not in text:
+        documentation = [string_literal(doc.strip())] if text else []
+        return f"{function}({', '.join([first, *documentation, *named])})"
+    lines = [f"        {first},", f"{text},", *(f"        {each}," for each in named)]
+    return "\n".join([f"{function}(", *lines, "    )"])
 
 
-def _call(callee: str, /, **arguments: str) -> str:
-    """A call with keyword arguments; empty ones are omitted."""
-    return f"{callee}({', '.join(f'{key}={value}' for key, value in arguments.items() if value)})"
-
-
-def _tuple(items: Sequence[str]) -> str:
-    return f"({', '.join(items)},)" if items else ""
+def _other(name: str, usual: str) -> str:
+    """Return the literal of a name that is not the usual one."""
+    return string_literal(name) if name != usual else ""
 
 
 def _optional(text: str) -> str:
@@ -313,7 +317,3 @@ def _optional(text: str) -> str:
 
 def _bound(value: ConstantValue | None) -> str:
     return "" if value is None else str(value)
-
-
-def _first_line(doc: str) -> str:
-    return doc.strip().partition("\n")[0].strip()

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import isfinite
 from typing import Any
 
 from msgspec.structs import replace
 
 from rtgen.diagnostics import Span
+from rtgen.facts.canopen_parameters import (
+    DEVICE_CONFIGURATION,
+    OF_DEVICES,
+    OF_PROXIES,
+    PROXY_CONFIGURATION,
+    SharedParameter,
+)
 from rtgen.lowering.canopen.kinds import file_name, service_of
 from rtgen.model import (
     Component,
@@ -43,10 +50,11 @@ PROXY_BASE = "rtgen.runtime.canopen.master.proxy:CanopenProxy"
 SERVICE_PORT = "sdo"
 """The service port of a proxy."""
 
-_LSS = 255
-_STRING = StringType()
-_LONG = PrimitiveType(Primitive.LONG)
-_BOOLEAN = PrimitiveType(Primitive.BOOLEAN)
+_TYPES: Mapping[type, Type] = {
+    bool: PrimitiveType(Primitive.BOOLEAN),
+    int: PrimitiveType(Primitive.LONG),
+    str: StringType(),
+}
 _WAYS = {PdoDirection.TPDO: PortKind.OUTPORT, PdoDirection.RPDO: PortKind.INPORT}
 
 
@@ -88,7 +96,7 @@ def device_components(
         span=span,
         doc="The objects of the device, read and written by SDO.",
     )
-    common = tuple(_common(span, node_id, network))
+    defaults: dict[str, int | str] = {"node_id": node_id, "network": network}
     name = f"{kind.module}Proxy"
     yield Component(
         **_head(name, file, span),
@@ -99,7 +107,8 @@ def device_components(
         ),
         description=f"Proxy of {product}",
         ports=(*data_ports, sdo),
-        configuration=(*common, *_of_proxy(span), *_of_objects(ports)),
+        configuration=(*_shared(OF_PROXIES, span, **defaults), *_of_objects(ports)),
+        configuration_base=PROXY_CONFIGURATION,
         runtime_base=PROXY_BASE,
         factory=f".components.{module_name(name)}:{name}",
     )
@@ -112,10 +121,8 @@ def device_components(
         ),
         description=f"Device {product}",
         ports=data_ports,
-        configuration=(
-            *_common(span, node_id, network, highest=_LSS),
-            *_of_device(span),
-        ),
+        configuration=tuple(_shared(OF_DEVICES, span, **defaults)),
+        configuration_base=DEVICE_CONFIGURATION,
         runtime_base=f".components.{module_name(name)}:{kind.module}Slave",
     )
 
@@ -167,136 +174,22 @@ def _unitless(quantity: Quantity) -> str:
     return object_line(Quantity(quantity.name, quantity.variable, quantity.factor))
 
 
-def _parameter(
-    span: Span,
-    name: str,
-    type_: Type,
-    default: ConstantValue,
-    doc: str,
-    unit: str = "",
-    low: int | None = None,
-    high: int | None = None,
-) -> ConfigurationParameter:
-    return ConfigurationParameter(
-        name=name,
-        identifier=name,
-        type=type_,
-        default=default,
-        minimum=low,
-        maximum=high,
-        unit=unit,
-        span=span,
-        doc=doc,
-    )
-
-
-def _common(
-    span: Span, node_id: int, network: str, highest: int = 127
+def _shared(
+    parameters: Iterable[SharedParameter], span: Span, **defaults: int | str
 ) -> Iterator[ConfigurationParameter]:
-    assigned = f", {_LSS}: assigned by LSS" if highest == _LSS else ""
-    yield _parameter(
-        span,
-        "interface",
-        _STRING,
-        "virtual",
-        "Interface of python-can; in simulated time the bus is simulated.",
-    )
-    yield _parameter(span, "channel", _STRING, "can0", "Channel of the interface.")
-    yield _parameter(
-        span,
-        "bitrate",
-        _LONG,
-        0,
-        "Bit rate; 0: the default of the interface.",
-        "bit/s",
-        0,
-    )
-    yield _parameter(
-        span,
-        "options",
-        _STRING,
-        "",
-        'Further arguments of the interface, such as "host=127.0.0.1,port=29536".',
-    )
-    yield _parameter(
-        span, "node_id", _LONG, node_id, f"Node-id{assigned}.", "", 1, highest
-    )
-    yield _parameter(
-        span,
-        "network",
-        _STRING,
-        network,
-        "Network: name of its bus file; empty: none.",
-    )
-
-
-def _of_device(span: Span) -> Iterator[ConfigurationParameter]:
-    yield _parameter(
-        span,
-        "merged_stop",
-        _BOOLEAN,
-        False,
-        "Whether a stop command has the effect of figure 111 of RTC-CANopen.",
-    )
-    yield _parameter(
-        span,
-        "parameter_file",
-        _STRING,
-        "",
-        "File of stored parameters (1010h), name.json below the working folder; empty: none.",
-    )
-
-
-def _of_proxy(span: Span) -> Iterator[ConfigurationParameter]:
-    yield _parameter(
-        span,
-        "master",
-        _BOOLEAN,
-        False,
-        "Whether the proxy itself sends NMT commands if the process has no manager on the bus.",
-    )
-    yield _parameter(
-        span,
-        "heartbeat_timeout",
-        _LONG,
-        0,
-        "Heartbeat time-out; 0: the value of the network, else three periods.",
-        "ms",
-        0,
-    )
-    yield _parameter(
-        span,
-        "boot_timeout",
-        _LONG,
-        2000,
-        "Maximum time from a reset to the boot-up message.",
-        "ms",
-        1,
-    )
-    yield _parameter(
-        span,
-        "emergency_stop",
-        _STRING,
-        "",
-        "Emergency codes that lead to ERROR, such as xxxx,-82xx; others are only reported. "
-        "Empty: the value of the network.",
-    )
-    yield _parameter(
-        span,
-        "recoveries",
-        _LONG,
-        0,
-        "Maximum number of automatic recoveries from ERROR in a row; 0: the value of the network.",
-        "",
-        0,
-    )
-    yield _parameter(
-        span,
-        "sdo_in_error",
-        _BOOLEAN,
-        False,
-        "Whether the device is pre-operational in ERROR, so that SDO works, instead of stopped.",
-    )
+    """Yield parameters that all such components have, some with other defaults."""
+    for each in parameters:
+        yield ConfigurationParameter(
+            name=each.name,
+            identifier=each.name,
+            type=_TYPES[type(each.default)],
+            default=defaults.get(each.name, each.default),
+            minimum=each.minimum,
+            maximum=each.maximum,
+            unit=each.unit,
+            span=span,
+            doc=each.description,
+        )
 
 
 def _of_objects(ports: DevicePorts) -> Iterator[ConfigurationParameter]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar, cast
 
@@ -25,6 +25,7 @@ from rtgen.runtime.rtc.callbacks import succeeds
 from rtgen.runtime.rtc.checkpoints import Checkpoint
 from rtgen.runtime.rtc.configuration import ConfigurationSets
 from rtgen.runtime.rtc.context_operations import ExecutionContextOperations
+from rtgen.runtime.rtc.declarations import Declaration, derived_profile
 from rtgen.runtime.rtc.life_cycle import TRANSITIONS, Request
 from rtgen.runtime.rtc.profiles import ComponentProfile
 from rtgen.runtime.services.ports import Consumer, Provider
@@ -65,6 +66,18 @@ class Component:
     """
 
     profile: ClassVar[ComponentProfile] = ComponentProfile("Component")
+    _declarations: ClassVar[Mapping[str, Declaration]] = {}
+    """The ports and the configuration that the class and its bases declare, by attribute."""
+
+    def __init_subclass__(cls, **facts: Any) -> None:
+        """Derive the profile; `facts` are members of `ComponentProfile`."""
+        super().__init_subclass__()
+        bases = (getattr(base, "_declarations", {}) for base in reversed(cls.__bases__))
+        own = {n: v for n, v in vars(cls).items() if isinstance(v, Declaration)}
+        declarations = {n: v for each in (*bases, own) for n, v in each.items()}
+        if facts or declarations != cls._declarations:
+            cls._declarations = declarations
+            cls.profile = derived_profile(cls.profile, declarations.values(), facts)
 
     def __init__(self, instance_name: str | None = None) -> None:
         self.instance_name = instance_name or f"{self.profile.type_name}0"
@@ -100,11 +113,13 @@ class Component:
         self._active_contexts = 0
         self._contexts: dict[int, ExecutionContextOperations] = {}
         self._turn = threading.RLock()
+        for declaration in self._declarations.values():
+            declaration.add_to(self)
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.instance_name}>"
 
-    # Ports and configuration, added by the constructor of a generated base
+    # Ports and configuration that the class does not declare, added by its constructor
 
     def add_in_port(self, name: str, type_: type[T]) -> InPort[T]:
         """Add an InPort. Raises DuplicatePortError if the name is used."""

@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
-
 import msgspec
-
-if TYPE_CHECKING:
-    from rtgen.runtime.services.servants import Servant
 
 
 class ParameterProfile(msgspec.Struct, frozen=True, gc=False):
@@ -48,68 +43,6 @@ class PortProfile(msgspec.Struct, frozen=True, gc=False):
     unit: str = ""
     description: str = ""
     type_name: str = ""
-
-
-class _Described(Protocol):
-    """A generated type."""
-
-    _descriptor_: ClassVar[Any]
-
-
-def data_port(
-    kind: str,
-    name: str,
-    type_: type[_Described],
-    description: str = "",
-    python_name: str = "",
-    *,
-    unit: str = "",
-) -> PortProfile:
-    """Return the profile of a data port.
-
-    `python_name` is the attribute of the component, if it differs from the name.
-    """
-    return PortProfile(
-        name=name,
-        python_name=python_name or name,
-        kind=kind,
-        type=type_._descriptor_.name,
-        repository_id=type_._descriptor_.repository_id,
-        unit=unit,
-        description=description,
-    )
-
-
-def service_port(
-    kind: str,
-    name: str,
-    interface: type[Servant],
-    description: str = "",
-    python_name: str = "",
-    *,
-    port: str = "",
-    instance: str = "",
-    type_name: str = "",
-    unit: str = "",
-) -> PortProfile:
-    """Return the profile of an interface of a service port.
-
-    `python_name` is the attribute of the component, `port` the service port and `instance` the
-    instance name, each if it differs from the name; `type_name` is OpenRTM's name of the
-    interface's type, if it is not the scoped one.
-    """
-    return PortProfile(
-        name=name,
-        python_name=python_name or name,
-        kind=kind,
-        type=interface._descriptor_.name,
-        repository_id=interface._descriptor_.repository_id,
-        port=port or name,
-        instance=instance or name,
-        unit=unit,
-        description=description,
-        type_name=type_name,
-    )
 
 
 class ComponentProfile(msgspec.Struct, frozen=True, gc=False):

@@ -62,8 +62,8 @@ HOMES = {
 
 BASE_NAMES = frozenset(
     {
-        *("ClassVar", "Component", "ComponentProfile", "ParameterProfile"),
-        *("Struct", "annotations", "data_port", "service_port"),
+        *("Component", "Configuration", "annotations", "configuration", "consumer"),
+        *("inport", "outport", "parameter", "provider"),
     }
 )
 """Names imported by modules with bases of components."""

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import msgspec
 
 from rtgen.runtime.canopen.bus.link import Link
+from rtgen.runtime.canopen.configuration import ProxyConfiguration
 from rtgen.runtime.canopen.description import (
     DeviceDescription,
     Network,
@@ -31,28 +31,10 @@ from rtgen.runtime.canopen.wire.emergency import DEFAULT_STOPS, EmergencyPolicy
 from rtgen.runtime.canopen.wire.pdo_transmission import TpdoTransmitter
 
 
-class ProxySettings(msgspec.Struct, frozen=True, gc=False):
-    """Configuration parameters of every proxy."""
-
-    interface: str
-    channel: str
-    bitrate: int
-    options: str
-    node_id: int
-    network: str
-    master: bool
-    heartbeat_timeout: int
-    boot_timeout: int
-    emergency_stop: str
-    recoveries: int
-    sdo_in_error: bool
-
-
-def settings_of(config: Any) -> ProxySettings:
-    """Return the settings in the configuration of a proxy."""
-    return ProxySettings(
-        *(getattr(config, name) for name in ProxySettings.__struct_fields__)
-    )
+def settings_of(config: ProxyConfiguration) -> ProxyConfiguration:
+    """Return the settings in the configuration of a proxy, without those of its device."""
+    names = ProxyConfiguration.__struct_fields__
+    return ProxyConfiguration(**{name: getattr(config, name) for name in names})
 
 
 class ProxyPlan(msgspec.Struct, frozen=True):
@@ -89,7 +71,7 @@ class ProxyPlan(msgspec.Struct, frozen=True):
 
 def planned(
     description: DeviceDescription,
-    settings: ProxySettings,
+    settings: ProxyConfiguration,
     network: Network | None,
     placed: NodeDescription | None,
 ) -> ProxyPlan:
@@ -119,7 +101,7 @@ def planned(
 class ProxyConnection(msgspec.Struct, frozen=True):
     """A proxy's connection to its bus; `offset` is the component's time minus the link's."""
 
-    settings: ProxySettings
+    settings: ProxyConfiguration
     link: Link
     node: ProxiedNode
     control: NodeControl

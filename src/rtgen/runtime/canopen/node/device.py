@@ -13,6 +13,7 @@ from typing import Any, Final
 from rtgen.runtime.canopen import values
 from rtgen.runtime.canopen.bus.link import Link
 from rtgen.runtime.canopen.bus.links import open_link
+from rtgen.runtime.canopen.configuration import DeviceConfiguration
 from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.hooks import DeviceHooks, Incoming, Outgoing
@@ -53,7 +54,7 @@ class CanopenDevice(DeviceHooks, Component):
     must hold `bus_lock`.
     """
 
-    config: Any
+    config: DeviceConfiguration
     self_start = False
     """Whether the device enters OPERATIONAL without a master."""
     merged_stop = False
@@ -154,7 +155,7 @@ class CanopenDevice(DeviceHooks, Component):
             self._keep_parameters(
                 ParameterFile(config.parameter_file, self.description)
             )
-        node_id = int(config.node_id)
+        node_id = config.node_id
         self._distinguish(node_id)
         node.take_node_id(node_id)
         link = self._link = open_link(

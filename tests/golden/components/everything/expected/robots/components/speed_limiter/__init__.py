@@ -4,158 +4,64 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct, field
-
 from rtgen.runtime import (
     Component,
-    ComponentProfile,
-    ParameterProfile,
-    data_port,
-    service_port,
+    Configuration,
+    configuration,
+    consumer,
+    inport,
+    outport,
+    parameter,
+    provider,
 )
 
 from ... import Alive, lab
 
 
-class SpeedLimiterConfiguration(Struct, gc=False):
-    """Configuration of SpeedLimiter."""
+class SpeedLimiterConfiguration(Configuration):
+    """Parameters of SpeedLimiter."""
 
-    max_speed: float = 0.5
-    """Upper bound [m/s]."""
-    mode: lab.Mode = lab.Mode.DROP
-    gains: list[float] = field(default_factory=lambda: [0.5, 1.0])
-    input: str = "console"
-    from_: int = 3
-    list_: float = 0.0
-    quiet: bool = False
+    max_speed: float = parameter(
+        0.5,
+        "Upper bound.",
+        name="01_max",
+        unit="m/s",
+        constraint="0.0<x<=2.0",
+        widget="slider.0.05",
+    )
+    mode: lab.Mode = parameter(lab.Mode.DROP, type="Lab::Mode", widget="radio")
+    gains: list[float] = parameter([0.5, 1.0], type="sequence<double>", text="0.5, 1.0")
+    input: str = parameter("console", constraint="(console,file)", widget="radio")
+    from_: int = parameter(3, name="from", minimum=1, maximum=10, widget="spin")
+    list_: float = parameter(0.0, name="list", type="float", minimum=0.0, maximum=1.0)
+    quiet: bool = parameter(False)
 
 
-class SpeedLimiterBase(Component):
+class SpeedLimiterBase(
+    Component,
+    type_name="SpeedLimiter",
+    category="Motion & more",
+    vendor="Lab",
+    version="1.2.0",
+    description='Limits a "speed"',
+    rate=50.0,
+    max_instances=0,
+):
     """Limits a commanded speed.
 
     What is above the limit is clipped or dropped: "as configured", <always>.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="SpeedLimiter",
-        kind="DataFlowComponent",
-        category="Motion & more",
-        vendor="Lab",
-        version="1.2.0",
-        description='Limits a "speed"',
-        rate=50.0,
-        max_instances=0,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "inport",
-                ".wanted",
-                lab.TimedSpeed,
-                "What is wanted.",
-                "wanted",
-                unit="m/s",
-            ),
-            data_port(
-                "inport",
-                "status",
-                lab.Reading,
-                "State in and state out have one outside name.",
-                "status_in",
-            ),
-            data_port("outport", "status", lab.Reading, "", "status_out"),
-            data_port(
-                "outport",
-                "the_limited_speed_under_a_name_that_is_so_long_that_no_line_can_hold_it_all",
-                lab.TimedSpeed,
-            ),
-            service_port(
-                "provider",
-                "left_brake",
-                lab.Brake,
-                port="Safety",
-                instance="left",
-            ),
-            service_port(
-                "provider",
-                "right_brake",
-                lab.Brake,
-                port="Safety",
-                instance="right",
-            ),
-            service_port("consumer", "watch", Alive, port="Safety", instance="Alive"),
-            service_port("consumer", "config", Alive, "", "config_", instance="Alive"),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="01_max",
-                python_name="max_speed",
-                type="double",
-                default="0.5",
-                unit="m/s",
-                constraint="0.0<x<=2.0",
-                widget="slider.0.05",
-                description="Upper bound.",
-            ),
-            ParameterProfile(
-                name="mode",
-                python_name="mode",
-                type="Lab::Mode",
-                default="DROP",
-                widget="radio",
-            ),
-            ParameterProfile(
-                name="gains",
-                python_name="gains",
-                type="sequence<double>",
-                default="0.5, 1.0",
-            ),
-            ParameterProfile(
-                name="input",
-                python_name="input",
-                type="string",
-                default="console",
-                constraint="(console,file)",
-                widget="radio",
-            ),
-            ParameterProfile(
-                name="from",
-                python_name="from_",
-                type="long",
-                default="3",
-                minimum=1,
-                maximum=10,
-                widget="spin",
-            ),
-            ParameterProfile(
-                name="list",
-                python_name="list_",
-                type="float",
-                default="0.0",
-                minimum=0.0,
-                maximum=1.0,
-            ),
-            ParameterProfile(
-                name="quiet",
-                python_name="quiet",
-                type="boolean",
-                default="0",
-            ),
-        ),
+    config = configuration(SpeedLimiterConfiguration)
+    wanted = inport(lab.TimedSpeed, "What is wanted.", name=".wanted", unit="m/s")
+    status_in = inport(
+        lab.Reading,
+        "State in and state out have one outside name.",
+        name="status",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(SpeedLimiterConfiguration())
-        self.wanted = self.add_in_port(".wanted", lab.TimedSpeed)
-        """What is wanted [m/s]."""
-        self.status_in = self.add_in_port("status", lab.Reading)
-        """State in and state out have one outside name."""
-        self.status_out = self.add_out_port("status", lab.Reading)
-        self.the_limited_speed_under_a_name_that_is_so_long_that_no_line_can_hold_it_all = self.add_out_port("the_limited_speed_under_a_name_that_is_so_long_that_no_line_can_hold_it_all", lab.TimedSpeed)  # fmt: skip
-        self.left_brake = self.add_provider("Safety", "left", lab.Brake)
-        self.right_brake = self.add_provider("Safety", "right", lab.Brake)
-        self.watch = self.add_consumer("Safety", "Alive", Alive)
-        self.config_ = self.add_consumer("config", "Alive", Alive)
+    status_out = outport(lab.Reading, name="status")
+    the_limited_speed_under_a_name_that_is_so_long_that_no_line_can_hold_it_all = outport(lab.TimedSpeed)  # fmt: skip
+    left_brake = provider(lab.Brake, port="Safety", instance="left")
+    right_brake = provider(lab.Brake, port="Safety", instance="right")
+    watch = consumer(Alive, port="Safety", instance="Alive")
+    config_ = consumer(Alive, name="config", instance="Alive")

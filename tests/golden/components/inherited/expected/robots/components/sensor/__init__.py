@@ -4,50 +4,27 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import Component, Configuration, configuration, outport, parameter
 
 from ... import lab
 
 
-class SensorConfiguration(Struct, gc=False):
-    """Configuration of Sensor."""
+class SensorConfiguration(Configuration):
+    """Parameters of Sensor."""
 
-    period: float = 0.1
-    """Time between two readings [s]."""
+    period: float = parameter(0.1, "Time between two readings.", unit="s")
 
 
-class SensorBase(Component):
+class SensorBase(
+    Component,
+    type_name="Sensor",
+    category="Sensor",
+    vendor="Lab",
+    version="1.0.0",
+    description="What all sensors have.",
+    rate=1000.0,
+):
     """What all sensors have."""
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="Sensor",
-        kind="DataFlowComponent",
-        category="Sensor",
-        vendor="Lab",
-        version="1.0.0",
-        description="What all sensors have.",
-        rate=1000.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(data_port("outport", "value", lab.TimedLong),),
-        configuration=(
-            ParameterProfile(
-                name="period",
-                python_name="period",
-                type="double",
-                default="0.1",
-                unit="s",
-                description="Time between two readings.",
-            ),
-        ),
-    )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(SensorConfiguration())
-        self.value = self.add_out_port("value", lab.TimedLong)
+    config = configuration(SensorConfiguration)
+    value = outport(lab.TimedLong)

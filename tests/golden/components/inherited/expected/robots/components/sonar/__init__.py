@@ -4,61 +4,36 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
-from rtgen.runtime import Component, ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import (
+    Component,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+)
 
 from ... import lab
 
 
-class SonarConfiguration(Struct, gc=False):
-    """Configuration of Sonar."""
+class SonarConfiguration(Configuration):
+    """Parameters of Sonar."""
 
-    period: float = 0.1
-    """Time between two readings [s]."""
-    echoes: int = 3
+    period: float = parameter(0.1, "Time between two readings.", unit="s")
+    echoes: int = parameter(3)
 
 
-class SonarBase(Component):
+class SonarBase(
+    Component,
+    type_name="Sonar",
+    category="Sensor",
+    vendor="Lab",
+    version="1.0.0",
+    description="A sensor with a reset.",
+    rate=10.0,
+):
     """A sensor with a reset."""
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="Sonar",
-        kind="DataFlowComponent",
-        category="Sensor",
-        vendor="Lab",
-        version="1.0.0",
-        description="A sensor with a reset.",
-        rate=10.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port("outport", "value", lab.TimedLong),
-            data_port("inport", "reset", lab.TimedLong),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="period",
-                python_name="period",
-                type="double",
-                default="0.1",
-                unit="s",
-                description="Time between two readings.",
-            ),
-            ParameterProfile(
-                name="echoes",
-                python_name="echoes",
-                type="long",
-                default="3",
-            ),
-        ),
-    )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(SonarConfiguration())
-        self.value = self.add_out_port("value", lab.TimedLong)
-        self.reset = self.add_in_port("reset", lab.TimedLong)
+    config = configuration(SonarConfiguration)
+    value = outport(lab.TimedLong)
+    reset = inport(lab.TimedLong)

@@ -4,36 +4,22 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from rtgen.runtime import Component, ComponentProfile, data_port
+from rtgen.runtime import Component, inport, outport
 
 from ... import Plain, Rich
 
 
-class TheWayBackBase(Component):
+class TheWayBackBase(
+    Component,
+    type_name="TheWayBack",
+    category="Adapters",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Converts Rich to Plain",
+    rate=100.0,
+    max_instances=0,
+):
     """Converts Rich to Plain."""
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="TheWayBack",
-        kind="DataFlowComponent",
-        category="Adapters",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Converts Rich to Plain",
-        rate=100.0,
-        max_instances=0,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port("inport", "input", Rich, "What comes."),
-            data_port("outport", "output", Plain, "What goes."),
-        ),
-    )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.input = self.add_in_port("input", Rich)
-        """What comes."""
-        self.output = self.add_out_port("output", Plain)
-        """What goes."""
+    input = inport(Rich, "What comes.")
+    output = outport(Plain, "What goes.")

@@ -5,12 +5,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
-from msgspec import Struct
-
-from rtgen.runtime import ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import configuration, inport, outport
 from rtgen.runtime.canopen import pdo as _pdo
+from rtgen.runtime.canopen.configuration import DeviceConfiguration
 from rtgen.runtime.canopen.hooks import Getter, Incoming, Outgoing, Setter
 from rtgen.runtime.canopen.node.device import CanopenDevice
 from rtgen.runtime.library import rtc
@@ -94,148 +93,35 @@ def _outgoing_tpdo4(sample: Any, set_: Setter) -> None:
     set_((0x1001, 0), sample.Error_register)
 
 
-class SamplerDeviceConfiguration(Struct, gc=False):
-    """Configuration of SamplerDevice."""
+class SamplerDeviceConfiguration(DeviceConfiguration):
+    """Parameters of SamplerDevice."""
 
-    interface: str = "virtual"
-    """Interface of python-can; in simulated time the bus is simulated."""
-    channel: str = "can0"
-    """Channel of the interface."""
-    bitrate: int = 0
-    """Bit rate; 0: the default of the interface [bit/s]."""
-    options: str = ""
-    """Further arguments of the interface, such as "host=127.0.0.1,port=29536"."""
     node_id: int = 3
-    """Node-id, 255: assigned by LSS."""
     network: str = "bench"
-    """Network: name of its bus file; empty: none."""
-    merged_stop: bool = False
-    """Whether a stop command has the effect of figure 111 of RTC-CANopen."""
-    parameter_file: str = ""
-    """File of stored parameters (1010h), name.json below the working folder; empty: none."""
 
 
-class SamplerDeviceBase(SamplerSlave):
+class SamplerDeviceBase(
+    SamplerSlave,
+    type_name="SamplerDevice",
+    category="CANopen",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Device Sampler",
+    rate=100.0,
+    max_instances=0,
+):
     """Device on a CANopen bus: Sampler.
 
     InPorts get the received data, data written to OutPorts are transmitted.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="SamplerDevice",
-        kind="DataFlowComponent",
-        category="CANopen",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Device Sampler",
-        rate=100.0,
-        max_instances=0,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "outport",
-                "tpdo1",
-                sampler.Tpdo1,
-                "TPDO 1: Switch_2001_00, Gear, Level, Raw_value, Scale_factor.",
-            ),
-            data_port(
-                "outport",
-                "tpdo2",
-                sampler.Tpdo2,
-                "TPDO 2: Counter, Offset, Distance.",
-            ),
-            data_port("outport", "tpdo3", sampler.Tpdo3, "TPDO 3: Position_48, Tag."),
-            data_port(
-                "outport",
-                "tpdo4",
-                sampler.Tpdo4,
-                "TPDO 4: Time_of_day, Error_register.",
-            ),
-            data_port(
-                "inport",
-                "rpdo1",
-                sampler.Rpdo1,
-                "RPDO 1: Switch_2001_00, Gear, Level, Ticks_56.",
-            ),
-            data_port("inport", "rpdo2", sampler.Rpdo2, "RPDO 2: Offset, Distance."),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="interface",
-                python_name="interface",
-                type="string",
-                default="virtual",
-                description="Interface of python-can; in simulated time the bus is simulated.",
-            ),
-            ParameterProfile(
-                name="channel",
-                python_name="channel",
-                type="string",
-                default="can0",
-                description="Channel of the interface.",
-            ),
-            ParameterProfile(
-                name="bitrate",
-                python_name="bitrate",
-                type="long",
-                default="0",
-                minimum=0,
-                unit="bit/s",
-                description="Bit rate; 0: the default of the interface.",
-            ),
-            ParameterProfile(
-                name="options",
-                python_name="options",
-                type="string",
-                default="",
-                description='Further arguments of the interface, such as "host=127.0.0.1,port=29536".',
-            ),
-            ParameterProfile(
-                name="node_id",
-                python_name="node_id",
-                type="long",
-                default="3",
-                minimum=1,
-                maximum=255,
-                description="Node-id, 255: assigned by LSS.",
-            ),
-            ParameterProfile(
-                name="network",
-                python_name="network",
-                type="string",
-                default="bench",
-                description="Network: name of its bus file; empty: none.",
-            ),
-            ParameterProfile(
-                name="merged_stop",
-                python_name="merged_stop",
-                type="boolean",
-                default="0",
-                description="Whether a stop command has the effect of figure 111 of RTC-CANopen.",
-            ),
-            ParameterProfile(
-                name="parameter_file",
-                python_name="parameter_file",
-                type="string",
-                default="",
-                description="File of stored parameters (1010h), name.json below the working folder; empty: none.",
-            ),
-        ),
+    config = configuration(SamplerDeviceConfiguration)
+    tpdo1 = outport(
+        sampler.Tpdo1,
+        "TPDO 1: Switch_2001_00, Gear, Level, Raw_value, Scale_factor.",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(SamplerDeviceConfiguration())
-        self.tpdo1 = self.add_out_port("tpdo1", sampler.Tpdo1)
-        """TPDO 1: Switch_2001_00, Gear, Level, Raw_value, Scale_factor."""
-        self.tpdo2 = self.add_out_port("tpdo2", sampler.Tpdo2)
-        """TPDO 2: Counter, Offset, Distance."""
-        self.tpdo3 = self.add_out_port("tpdo3", sampler.Tpdo3)
-        """TPDO 3: Position_48, Tag."""
-        self.tpdo4 = self.add_out_port("tpdo4", sampler.Tpdo4)
-        """TPDO 4: Time_of_day, Error_register."""
-        self.rpdo1 = self.add_in_port("rpdo1", sampler.Rpdo1)
-        """RPDO 1: Switch_2001_00, Gear, Level, Ticks_56."""
-        self.rpdo2 = self.add_in_port("rpdo2", sampler.Rpdo2)
-        """RPDO 2: Offset, Distance."""
+    tpdo2 = outport(sampler.Tpdo2, "TPDO 2: Counter, Offset, Distance.")
+    tpdo3 = outport(sampler.Tpdo3, "TPDO 3: Position_48, Tag.")
+    tpdo4 = outport(sampler.Tpdo4, "TPDO 4: Time_of_day, Error_register.")
+    rpdo1 = inport(sampler.Rpdo1, "RPDO 1: Switch_2001_00, Gear, Level, Ticks_56.")
+    rpdo2 = inport(sampler.Rpdo2, "RPDO 2: Offset, Distance.")

@@ -5,12 +5,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
-from msgspec import Struct
-
-from rtgen.runtime import ComponentProfile, ParameterProfile, data_port
+from rtgen.runtime import configuration, inport, outport
 from rtgen.runtime.canopen import pdo as _pdo
+from rtgen.runtime.canopen.configuration import DeviceConfiguration
 from rtgen.runtime.canopen.hooks import Getter, Incoming, Outgoing, Setter
 from rtgen.runtime.canopen.node.device import CanopenDevice
 from rtgen.runtime.library import rtc
@@ -138,242 +137,47 @@ def _outgoing_Error_register(sample: Any, set_: Setter) -> None:
     set_((0x1001, 0), sample.data)
 
 
-class SamplerPiecesDeviceConfiguration(Struct, gc=False):
-    """Configuration of SamplerPiecesDevice."""
+class SamplerPiecesDeviceConfiguration(DeviceConfiguration):
+    """Parameters of SamplerPiecesDevice."""
 
-    interface: str = "virtual"
-    """Interface of python-can; in simulated time the bus is simulated."""
-    channel: str = "can0"
-    """Channel of the interface."""
-    bitrate: int = 0
-    """Bit rate; 0: the default of the interface [bit/s]."""
-    options: str = ""
-    """Further arguments of the interface, such as "host=127.0.0.1,port=29536"."""
     node_id: int = 4
-    """Node-id, 255: assigned by LSS."""
     network: str = "bench"
-    """Network: name of its bus file; empty: none."""
-    merged_stop: bool = False
-    """Whether a stop command has the effect of figure 111 of RTC-CANopen."""
-    parameter_file: str = ""
-    """File of stored parameters (1010h), name.json below the working folder; empty: none."""
 
 
-class SamplerPiecesDeviceBase(SamplerPiecesSlave):
+class SamplerPiecesDeviceBase(
+    SamplerPiecesSlave,
+    type_name="SamplerPiecesDevice",
+    category="CANopen",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Device Sampler",
+    rate=100.0,
+    max_instances=0,
+):
     """Device on a CANopen bus: Sampler.
 
     InPorts get the received data, data written to OutPorts are transmitted.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="SamplerPiecesDevice",
-        kind="DataFlowComponent",
-        category="CANopen",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Device Sampler",
-        rate=100.0,
-        max_instances=0,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "outport",
-                "Switch_2001_00_out",
-                rtc.TimedBoolean,
-                "Switch (2001h, BOOLEAN)",
-            ),
-            data_port("outport", "Gear_out", rtc.TimedShort, "Gear (2002h, INTEGER8)"),
-            data_port(
-                "outport",
-                "Level_out",
-                rtc.TimedUShort,
-                "Level (2003h, UNSIGNED16)",
-            ),
-            data_port(
-                "outport",
-                "Raw_value",
-                rtc.TimedShort,
-                "Raw value (2010h:1, INTEGER16)",
-            ),
-            data_port(
-                "outport",
-                "Scale_factor",
-                rtc.TimedFloat,
-                "Scale factor (2010h:2, REAL32)",
-            ),
-            data_port(
-                "outport",
-                "Counter",
-                rtc.TimedOctet,
-                "Counter (2005h, UNSIGNED8)",
-            ),
-            data_port(
-                "outport",
-                "Offset_out",
-                rtc.TimedLong,
-                "Offset (2014h, INTEGER24)",
-            ),
-            data_port(
-                "outport",
-                "Distance_out",
-                rtc.TimedDouble,
-                "Distance (2013h, INTEGER32, times 0.25)",
-            ),
-            data_port(
-                "outport",
-                "Position_48",
-                samplerpieces.TimedLongLong,
-                "Position 48 (2011h:1, INTEGER48)",
-            ),
-            data_port("outport", "Tag", rtc.TimedString, "Tag (2041h, VISIBLE_STRING)"),
-            data_port(
-                "outport",
-                "Time_of_day",
-                samplerpieces.TimedTime,
-                "Time of day (2042h, TIME_OF_DAY)",
-            ),
-            data_port(
-                "outport",
-                "Error_register",
-                rtc.TimedOctet,
-                "Error register (1001h, UNSIGNED8)",
-            ),
-            data_port(
-                "inport",
-                "Switch_2001_00_in",
-                rtc.TimedBoolean,
-                "Switch (2001h, BOOLEAN)",
-            ),
-            data_port("inport", "Gear_in", rtc.TimedShort, "Gear (2002h, INTEGER8)"),
-            data_port(
-                "inport",
-                "Level_in",
-                rtc.TimedUShort,
-                "Level (2003h, UNSIGNED16)",
-            ),
-            data_port(
-                "inport",
-                "Ticks_56",
-                samplerpieces.TimedULongLong,
-                "Ticks 56 (2012h, UNSIGNED56)",
-            ),
-            data_port(
-                "inport",
-                "Offset_in",
-                rtc.TimedLong,
-                "Offset (2014h, INTEGER24)",
-            ),
-            data_port(
-                "inport",
-                "Distance_in",
-                rtc.TimedDouble,
-                "Distance (2013h, INTEGER32, times 0.25)",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="interface",
-                python_name="interface",
-                type="string",
-                default="virtual",
-                description="Interface of python-can; in simulated time the bus is simulated.",
-            ),
-            ParameterProfile(
-                name="channel",
-                python_name="channel",
-                type="string",
-                default="can0",
-                description="Channel of the interface.",
-            ),
-            ParameterProfile(
-                name="bitrate",
-                python_name="bitrate",
-                type="long",
-                default="0",
-                minimum=0,
-                unit="bit/s",
-                description="Bit rate; 0: the default of the interface.",
-            ),
-            ParameterProfile(
-                name="options",
-                python_name="options",
-                type="string",
-                default="",
-                description='Further arguments of the interface, such as "host=127.0.0.1,port=29536".',
-            ),
-            ParameterProfile(
-                name="node_id",
-                python_name="node_id",
-                type="long",
-                default="4",
-                minimum=1,
-                maximum=255,
-                description="Node-id, 255: assigned by LSS.",
-            ),
-            ParameterProfile(
-                name="network",
-                python_name="network",
-                type="string",
-                default="bench",
-                description="Network: name of its bus file; empty: none.",
-            ),
-            ParameterProfile(
-                name="merged_stop",
-                python_name="merged_stop",
-                type="boolean",
-                default="0",
-                description="Whether a stop command has the effect of figure 111 of RTC-CANopen.",
-            ),
-            ParameterProfile(
-                name="parameter_file",
-                python_name="parameter_file",
-                type="string",
-                default="",
-                description="File of stored parameters (1010h), name.json below the working folder; empty: none.",
-            ),
-        ),
+    config = configuration(SamplerPiecesDeviceConfiguration)
+    Switch_2001_00_out = outport(rtc.TimedBoolean, "Switch (2001h, BOOLEAN)")
+    Gear_out = outport(rtc.TimedShort, "Gear (2002h, INTEGER8)")
+    Level_out = outport(rtc.TimedUShort, "Level (2003h, UNSIGNED16)")
+    Raw_value = outport(rtc.TimedShort, "Raw value (2010h:1, INTEGER16)")
+    Scale_factor = outport(rtc.TimedFloat, "Scale factor (2010h:2, REAL32)")
+    Counter = outport(rtc.TimedOctet, "Counter (2005h, UNSIGNED8)")
+    Offset_out = outport(rtc.TimedLong, "Offset (2014h, INTEGER24)")
+    Distance_out = outport(rtc.TimedDouble, "Distance (2013h, INTEGER32, times 0.25)")
+    Position_48 = outport(
+        samplerpieces.TimedLongLong,
+        "Position 48 (2011h:1, INTEGER48)",
     )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(SamplerPiecesDeviceConfiguration())
-        self.Switch_2001_00_out = self.add_out_port(
-            "Switch_2001_00_out",
-            rtc.TimedBoolean,
-        )
-        """Switch (2001h, BOOLEAN)"""
-        self.Gear_out = self.add_out_port("Gear_out", rtc.TimedShort)
-        """Gear (2002h, INTEGER8)"""
-        self.Level_out = self.add_out_port("Level_out", rtc.TimedUShort)
-        """Level (2003h, UNSIGNED16)"""
-        self.Raw_value = self.add_out_port("Raw_value", rtc.TimedShort)
-        """Raw value (2010h:1, INTEGER16)"""
-        self.Scale_factor = self.add_out_port("Scale_factor", rtc.TimedFloat)
-        """Scale factor (2010h:2, REAL32)"""
-        self.Counter = self.add_out_port("Counter", rtc.TimedOctet)
-        """Counter (2005h, UNSIGNED8)"""
-        self.Offset_out = self.add_out_port("Offset_out", rtc.TimedLong)
-        """Offset (2014h, INTEGER24)"""
-        self.Distance_out = self.add_out_port("Distance_out", rtc.TimedDouble)
-        """Distance (2013h, INTEGER32, times 0.25)"""
-        self.Position_48 = self.add_out_port("Position_48", samplerpieces.TimedLongLong)
-        """Position 48 (2011h:1, INTEGER48)"""
-        self.Tag = self.add_out_port("Tag", rtc.TimedString)
-        """Tag (2041h, VISIBLE_STRING)"""
-        self.Time_of_day = self.add_out_port("Time_of_day", samplerpieces.TimedTime)
-        """Time of day (2042h, TIME_OF_DAY)"""
-        self.Error_register = self.add_out_port("Error_register", rtc.TimedOctet)
-        """Error register (1001h, UNSIGNED8)"""
-        self.Switch_2001_00_in = self.add_in_port("Switch_2001_00_in", rtc.TimedBoolean)
-        """Switch (2001h, BOOLEAN)"""
-        self.Gear_in = self.add_in_port("Gear_in", rtc.TimedShort)
-        """Gear (2002h, INTEGER8)"""
-        self.Level_in = self.add_in_port("Level_in", rtc.TimedUShort)
-        """Level (2003h, UNSIGNED16)"""
-        self.Ticks_56 = self.add_in_port("Ticks_56", samplerpieces.TimedULongLong)
-        """Ticks 56 (2012h, UNSIGNED56)"""
-        self.Offset_in = self.add_in_port("Offset_in", rtc.TimedLong)
-        """Offset (2014h, INTEGER24)"""
-        self.Distance_in = self.add_in_port("Distance_in", rtc.TimedDouble)
-        """Distance (2013h, INTEGER32, times 0.25)"""
+    Tag = outport(rtc.TimedString, "Tag (2041h, VISIBLE_STRING)")
+    Time_of_day = outport(samplerpieces.TimedTime, "Time of day (2042h, TIME_OF_DAY)")
+    Error_register = outport(rtc.TimedOctet, "Error register (1001h, UNSIGNED8)")
+    Switch_2001_00_in = inport(rtc.TimedBoolean, "Switch (2001h, BOOLEAN)")
+    Gear_in = inport(rtc.TimedShort, "Gear (2002h, INTEGER8)")
+    Level_in = inport(rtc.TimedUShort, "Level (2003h, UNSIGNED16)")
+    Ticks_56 = inport(samplerpieces.TimedULongLong, "Ticks 56 (2012h, UNSIGNED56)")
+    Offset_in = inport(rtc.TimedLong, "Offset (2014h, INTEGER24)")
+    Distance_in = inport(rtc.TimedDouble, "Distance (2013h, INTEGER32, times 0.25)")

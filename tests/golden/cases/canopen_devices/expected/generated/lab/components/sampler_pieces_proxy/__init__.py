@@ -6,12 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from struct import Struct as _Struct, error as _error
-from typing import ClassVar
 
-from msgspec import Struct
-
-from rtgen.runtime import ComponentProfile, ParameterProfile, data_port, service_port
+from rtgen.runtime import configuration, inport, outport, provider
 from rtgen.runtime.canopen import pdo as _pdo
+from rtgen.runtime.canopen.configuration import ProxyConfiguration
 from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue
 from rtgen.runtime.canopen.hooks import Receiver, Sender
 from rtgen.runtime.canopen.master.proxy import CanopenProxy
@@ -24,299 +22,56 @@ from ... import samplerpieces
 from ...samplerpieces import DESCRIPTION, SamplerPiecesObjects
 
 
-class SamplerPiecesProxyConfiguration(Struct, gc=False):
-    """Configuration of SamplerPiecesProxy."""
+class SamplerPiecesProxyConfiguration(ProxyConfiguration):
+    """Parameters of SamplerPiecesProxy."""
 
-    interface: str = "virtual"
-    """Interface of python-can; in simulated time the bus is simulated."""
-    channel: str = "can0"
-    """Channel of the interface."""
-    bitrate: int = 0
-    """Bit rate; 0: the default of the interface [bit/s]."""
-    options: str = ""
-    """Further arguments of the interface, such as "host=127.0.0.1,port=29536"."""
     node_id: int = 4
-    """Node-id."""
     network: str = "bench"
-    """Network: name of its bus file; empty: none."""
-    master: bool = False
-    """Whether the proxy itself sends NMT commands if the process has no manager on the bus."""
-    heartbeat_timeout: int = 0
-    """Heartbeat time-out; 0: the value of the network, else three periods [ms]."""
-    boot_timeout: int = 2000
-    """Maximum time from a reset to the boot-up message [ms]."""
-    emergency_stop: str = ""
-    """Emergency codes that lead to ERROR, such as xxxx,-82xx; others are only reported. Empty: the value of the network."""
-    recoveries: int = 0
-    """Maximum number of automatic recoveries from ERROR in a row; 0: the value of the network."""
-    sdo_in_error: bool = False
-    """Whether the device is pre-operational in ERROR, so that SDO works, instead of stopped."""
 
 
-class SamplerPiecesProxyBase(CanopenProxy):
+class SamplerPiecesProxyBase(
+    CanopenProxy,
+    type_name="SamplerPiecesProxy",
+    category="CANopen",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Proxy of Sampler",
+    rate=100.0,
+    max_instances=0,
+):
     """Proxy of a device on a CANopen bus: Sampler.
 
     OutPorts send the data received from the device, InPorts take the data for it.
     The life cycle follows the NMT state of the device.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="SamplerPiecesProxy",
-        kind="DataFlowComponent",
-        category="CANopen",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Proxy of Sampler",
-        rate=100.0,
-        max_instances=0,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "outport",
-                "Switch_2001_00_out",
-                rtc.TimedBoolean,
-                "Switch (2001h, BOOLEAN)",
-            ),
-            data_port("outport", "Gear_out", rtc.TimedShort, "Gear (2002h, INTEGER8)"),
-            data_port(
-                "outport",
-                "Level_out",
-                rtc.TimedUShort,
-                "Level (2003h, UNSIGNED16)",
-            ),
-            data_port(
-                "outport",
-                "Raw_value",
-                rtc.TimedShort,
-                "Raw value (2010h:1, INTEGER16)",
-            ),
-            data_port(
-                "outport",
-                "Scale_factor",
-                rtc.TimedFloat,
-                "Scale factor (2010h:2, REAL32)",
-            ),
-            data_port(
-                "outport",
-                "Counter",
-                rtc.TimedOctet,
-                "Counter (2005h, UNSIGNED8)",
-            ),
-            data_port(
-                "outport",
-                "Offset_out",
-                rtc.TimedLong,
-                "Offset (2014h, INTEGER24)",
-            ),
-            data_port(
-                "outport",
-                "Distance_out",
-                rtc.TimedDouble,
-                "Distance (2013h, INTEGER32, times 0.25)",
-            ),
-            data_port(
-                "outport",
-                "Position_48",
-                samplerpieces.TimedLongLong,
-                "Position 48 (2011h:1, INTEGER48)",
-            ),
-            data_port("outport", "Tag", rtc.TimedString, "Tag (2041h, VISIBLE_STRING)"),
-            data_port(
-                "outport",
-                "Time_of_day",
-                samplerpieces.TimedTime,
-                "Time of day (2042h, TIME_OF_DAY)",
-            ),
-            data_port(
-                "outport",
-                "Error_register",
-                rtc.TimedOctet,
-                "Error register (1001h, UNSIGNED8)",
-            ),
-            data_port(
-                "inport",
-                "Switch_2001_00_in",
-                rtc.TimedBoolean,
-                "Switch (2001h, BOOLEAN)",
-            ),
-            data_port("inport", "Gear_in", rtc.TimedShort, "Gear (2002h, INTEGER8)"),
-            data_port(
-                "inport",
-                "Level_in",
-                rtc.TimedUShort,
-                "Level (2003h, UNSIGNED16)",
-            ),
-            data_port(
-                "inport",
-                "Ticks_56",
-                samplerpieces.TimedULongLong,
-                "Ticks 56 (2012h, UNSIGNED56)",
-            ),
-            data_port(
-                "inport",
-                "Offset_in",
-                rtc.TimedLong,
-                "Offset (2014h, INTEGER24)",
-            ),
-            data_port(
-                "inport",
-                "Distance_in",
-                rtc.TimedDouble,
-                "Distance (2013h, INTEGER32, times 0.25)",
-            ),
-            service_port(
-                "provider",
-                "sdo",
-                canopen.ObjectDictionary,
-                "The objects of the device, read and written by SDO.",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="interface",
-                python_name="interface",
-                type="string",
-                default="virtual",
-                description="Interface of python-can; in simulated time the bus is simulated.",
-            ),
-            ParameterProfile(
-                name="channel",
-                python_name="channel",
-                type="string",
-                default="can0",
-                description="Channel of the interface.",
-            ),
-            ParameterProfile(
-                name="bitrate",
-                python_name="bitrate",
-                type="long",
-                default="0",
-                minimum=0,
-                unit="bit/s",
-                description="Bit rate; 0: the default of the interface.",
-            ),
-            ParameterProfile(
-                name="options",
-                python_name="options",
-                type="string",
-                default="",
-                description='Further arguments of the interface, such as "host=127.0.0.1,port=29536".',
-            ),
-            ParameterProfile(
-                name="node_id",
-                python_name="node_id",
-                type="long",
-                default="4",
-                minimum=1,
-                maximum=127,
-                description="Node-id.",
-            ),
-            ParameterProfile(
-                name="network",
-                python_name="network",
-                type="string",
-                default="bench",
-                description="Network: name of its bus file; empty: none.",
-            ),
-            ParameterProfile(
-                name="master",
-                python_name="master",
-                type="boolean",
-                default="0",
-                description="Whether the proxy itself sends NMT commands if the process has no manager on the bus.",
-            ),
-            ParameterProfile(
-                name="heartbeat_timeout",
-                python_name="heartbeat_timeout",
-                type="long",
-                default="0",
-                minimum=0,
-                unit="ms",
-                description="Heartbeat time-out; 0: the value of the network, else three periods.",
-            ),
-            ParameterProfile(
-                name="boot_timeout",
-                python_name="boot_timeout",
-                type="long",
-                default="2000",
-                minimum=1,
-                unit="ms",
-                description="Maximum time from a reset to the boot-up message.",
-            ),
-            ParameterProfile(
-                name="emergency_stop",
-                python_name="emergency_stop",
-                type="string",
-                default="",
-                description="Emergency codes that lead to ERROR, such as xxxx,-82xx; others are only reported. Empty: the value of the network.",
-            ),
-            ParameterProfile(
-                name="recoveries",
-                python_name="recoveries",
-                type="long",
-                default="0",
-                minimum=0,
-                description="Maximum number of automatic recoveries from ERROR in a row; 0: the value of the network.",
-            ),
-            ParameterProfile(
-                name="sdo_in_error",
-                python_name="sdo_in_error",
-                type="boolean",
-                default="0",
-                description="Whether the device is pre-operational in ERROR, so that SDO works, instead of stopped.",
-            ),
-        ),
+    config = configuration(SamplerPiecesProxyConfiguration)
+    Switch_2001_00_out = outport(rtc.TimedBoolean, "Switch (2001h, BOOLEAN)")
+    Gear_out = outport(rtc.TimedShort, "Gear (2002h, INTEGER8)")
+    Level_out = outport(rtc.TimedUShort, "Level (2003h, UNSIGNED16)")
+    Raw_value = outport(rtc.TimedShort, "Raw value (2010h:1, INTEGER16)")
+    Scale_factor = outport(rtc.TimedFloat, "Scale factor (2010h:2, REAL32)")
+    Counter = outport(rtc.TimedOctet, "Counter (2005h, UNSIGNED8)")
+    Offset_out = outport(rtc.TimedLong, "Offset (2014h, INTEGER24)")
+    Distance_out = outport(rtc.TimedDouble, "Distance (2013h, INTEGER32, times 0.25)")
+    Position_48 = outport(
+        samplerpieces.TimedLongLong,
+        "Position 48 (2011h:1, INTEGER48)",
+    )
+    Tag = outport(rtc.TimedString, "Tag (2041h, VISIBLE_STRING)")
+    Time_of_day = outport(samplerpieces.TimedTime, "Time of day (2042h, TIME_OF_DAY)")
+    Error_register = outport(rtc.TimedOctet, "Error register (1001h, UNSIGNED8)")
+    Switch_2001_00_in = inport(rtc.TimedBoolean, "Switch (2001h, BOOLEAN)")
+    Gear_in = inport(rtc.TimedShort, "Gear (2002h, INTEGER8)")
+    Level_in = inport(rtc.TimedUShort, "Level (2003h, UNSIGNED16)")
+    Ticks_56 = inport(samplerpieces.TimedULongLong, "Ticks 56 (2012h, UNSIGNED56)")
+    Offset_in = inport(rtc.TimedLong, "Offset (2014h, INTEGER24)")
+    Distance_in = inport(rtc.TimedDouble, "Distance (2013h, INTEGER32, times 0.25)")
+    sdo = provider(
+        canopen.ObjectDictionary,
+        "The objects of the device, read and written by SDO.",
     )
 
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(SamplerPiecesProxyConfiguration())
-        self.Switch_2001_00_out = self.add_out_port(
-            "Switch_2001_00_out",
-            rtc.TimedBoolean,
-        )
-        """Switch (2001h, BOOLEAN)"""
-        self.Gear_out = self.add_out_port("Gear_out", rtc.TimedShort)
-        """Gear (2002h, INTEGER8)"""
-        self.Level_out = self.add_out_port("Level_out", rtc.TimedUShort)
-        """Level (2003h, UNSIGNED16)"""
-        self.Raw_value = self.add_out_port("Raw_value", rtc.TimedShort)
-        """Raw value (2010h:1, INTEGER16)"""
-        self.Scale_factor = self.add_out_port("Scale_factor", rtc.TimedFloat)
-        """Scale factor (2010h:2, REAL32)"""
-        self.Counter = self.add_out_port("Counter", rtc.TimedOctet)
-        """Counter (2005h, UNSIGNED8)"""
-        self.Offset_out = self.add_out_port("Offset_out", rtc.TimedLong)
-        """Offset (2014h, INTEGER24)"""
-        self.Distance_out = self.add_out_port("Distance_out", rtc.TimedDouble)
-        """Distance (2013h, INTEGER32, times 0.25)"""
-        self.Position_48 = self.add_out_port("Position_48", samplerpieces.TimedLongLong)
-        """Position 48 (2011h:1, INTEGER48)"""
-        self.Tag = self.add_out_port("Tag", rtc.TimedString)
-        """Tag (2041h, VISIBLE_STRING)"""
-        self.Time_of_day = self.add_out_port("Time_of_day", samplerpieces.TimedTime)
-        """Time of day (2042h, TIME_OF_DAY)"""
-        self.Error_register = self.add_out_port("Error_register", rtc.TimedOctet)
-        """Error register (1001h, UNSIGNED8)"""
-        self.Switch_2001_00_in = self.add_in_port("Switch_2001_00_in", rtc.TimedBoolean)
-        """Switch (2001h, BOOLEAN)"""
-        self.Gear_in = self.add_in_port("Gear_in", rtc.TimedShort)
-        """Gear (2002h, INTEGER8)"""
-        self.Level_in = self.add_in_port("Level_in", rtc.TimedUShort)
-        """Level (2003h, UNSIGNED16)"""
-        self.Ticks_56 = self.add_in_port("Ticks_56", samplerpieces.TimedULongLong)
-        """Ticks 56 (2012h, UNSIGNED56)"""
-        self.Offset_in = self.add_in_port("Offset_in", rtc.TimedLong)
-        """Offset (2014h, INTEGER24)"""
-        self.Distance_in = self.add_in_port("Distance_in", rtc.TimedDouble)
-        """Distance (2013h, INTEGER32, times 0.25)"""
-        self.sdo = self.add_provider("sdo", "sdo", canopen.ObjectDictionary)
-        """The objects of the device, read and written by SDO."""
-
-
-_OverflowError = OverflowError
-_TypeError = TypeError
 
 _TPDO1 = _Struct("<Hhf")
 _TPDO2 = _Struct("<BHbi")
@@ -396,7 +151,7 @@ def encode_rpdo1(Switch_2001_00: bool, Gear: int, Level: int, Ticks_56: int) -> 
         _s0 |= Level << 4
         _s1 = Ticks_56
         return _RPDO1.pack(_s0, _s1 & 4294967295, _s1 >> 32 & 65535, _s1 >> 48)
-    except (_error, _OverflowError, _TypeError) as _reason:
+    except (_error, OverflowError, TypeError) as _reason:
         raise _pdo.PdoError(f"RPDO 1: {_reason}") from None
 
 
@@ -408,7 +163,7 @@ def encode_rpdo2(Offset: int, Distance: int) -> bytes:
     try:
         _s1 = Offset
         return _RPDO2.pack(_s1 & 65535, _s1 >> 16, Distance)
-    except (_error, _OverflowError, _TypeError) as _reason:
+    except (_error, OverflowError, TypeError) as _reason:
         raise _pdo.PdoError(f"RPDO 2: {_reason}") from None
 
 

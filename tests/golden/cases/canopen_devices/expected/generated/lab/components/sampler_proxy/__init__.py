@@ -6,12 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from struct import Struct as _Struct, error as _error
-from typing import ClassVar
 
-from msgspec import Struct
-
-from rtgen.runtime import ComponentProfile, ParameterProfile, data_port, service_port
+from rtgen.runtime import configuration, inport, outport, parameter, provider
 from rtgen.runtime.canopen import pdo as _pdo
+from rtgen.runtime.canopen.configuration import ProxyConfiguration
 from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue
 from rtgen.runtime.canopen.hooks import Receiver, Sender
 from rtgen.runtime.canopen.master.proxy import CanopenProxy
@@ -24,235 +22,57 @@ from ... import sampler
 from ...sampler import DESCRIPTION, SamplerObjects
 
 
-class SamplerProxyConfiguration(Struct, gc=False):
-    """Configuration of SamplerProxy."""
+class SamplerProxyConfiguration(ProxyConfiguration):
+    """Parameters of SamplerProxy."""
 
-    interface: str = "virtual"
-    """Interface of python-can; in simulated time the bus is simulated."""
-    channel: str = "can0"
-    """Channel of the interface."""
-    bitrate: int = 0
-    """Bit rate; 0: the default of the interface [bit/s]."""
-    options: str = ""
-    """Further arguments of the interface, such as "host=127.0.0.1,port=29536"."""
     node_id: int = 3
-    """Node-id."""
     network: str = "bench"
-    """Network: name of its bus file; empty: none."""
-    master: bool = False
-    """Whether the proxy itself sends NMT commands if the process has no manager on the bus."""
-    heartbeat_timeout: int = 0
-    """Heartbeat time-out; 0: the value of the network, else three periods [ms]."""
-    boot_timeout: int = 2000
-    """Maximum time from a reset to the boot-up message [ms]."""
-    emergency_stop: str = ""
-    """Emergency codes that lead to ERROR, such as xxxx,-82xx; others are only reported. Empty: the value of the network."""
-    recoveries: int = 0
-    """Maximum number of automatic recoveries from ERROR in a row; 0: the value of the network."""
-    sdo_in_error: bool = False
-    """Whether the device is pre-operational in ERROR, so that SDO works, instead of stopped."""
-    Speed: float = 1.5
-    """Speed (2020h, UNSIGNED32, times 0.001), written by SDO [m/s]."""
-    Label: str = "bench"
-    """Label (2030h, VISIBLE_STRING), written by SDO."""
-    Scale_factor: float = 1.5
-    """Scale factor (2010h:2, REAL32), written by SDO."""
+    Speed: float = parameter(
+        1.5,
+        "Speed (2020h, UNSIGNED32, times 0.001), written by SDO.",
+        minimum=0.0,
+        maximum=100.0,
+        unit="m/s",
+    )
+    Label: str = parameter("bench", "Label (2030h, VISIBLE_STRING), written by SDO.")
+    Scale_factor: float = parameter(
+        1.5,
+        "Scale factor (2010h:2, REAL32), written by SDO.",
+        type="float",
+    )
 
 
-class SamplerProxyBase(CanopenProxy):
+class SamplerProxyBase(
+    CanopenProxy,
+    type_name="SamplerProxy",
+    category="CANopen",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Proxy of Sampler",
+    rate=100.0,
+    max_instances=0,
+):
     """Proxy of a device on a CANopen bus: Sampler.
 
     OutPorts send the data received from the device, InPorts take the data for it.
     The life cycle follows the NMT state of the device.
     """
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="SamplerProxy",
-        kind="DataFlowComponent",
-        category="CANopen",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Proxy of Sampler",
-        rate=100.0,
-        max_instances=0,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port(
-                "outport",
-                "tpdo1",
-                sampler.Tpdo1,
-                "TPDO 1: Switch_2001_00, Gear, Level, Raw_value, Scale_factor.",
-            ),
-            data_port(
-                "outport",
-                "tpdo2",
-                sampler.Tpdo2,
-                "TPDO 2: Counter, Offset, Distance.",
-            ),
-            data_port("outport", "tpdo3", sampler.Tpdo3, "TPDO 3: Position_48, Tag."),
-            data_port(
-                "outport",
-                "tpdo4",
-                sampler.Tpdo4,
-                "TPDO 4: Time_of_day, Error_register.",
-            ),
-            data_port(
-                "inport",
-                "rpdo1",
-                sampler.Rpdo1,
-                "RPDO 1: Switch_2001_00, Gear, Level, Ticks_56.",
-            ),
-            data_port("inport", "rpdo2", sampler.Rpdo2, "RPDO 2: Offset, Distance."),
-            service_port(
-                "provider",
-                "sdo",
-                sampler.ObjectAccess,
-                "The objects of the device, read and written by SDO.",
-            ),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="interface",
-                python_name="interface",
-                type="string",
-                default="virtual",
-                description="Interface of python-can; in simulated time the bus is simulated.",
-            ),
-            ParameterProfile(
-                name="channel",
-                python_name="channel",
-                type="string",
-                default="can0",
-                description="Channel of the interface.",
-            ),
-            ParameterProfile(
-                name="bitrate",
-                python_name="bitrate",
-                type="long",
-                default="0",
-                minimum=0,
-                unit="bit/s",
-                description="Bit rate; 0: the default of the interface.",
-            ),
-            ParameterProfile(
-                name="options",
-                python_name="options",
-                type="string",
-                default="",
-                description='Further arguments of the interface, such as "host=127.0.0.1,port=29536".',
-            ),
-            ParameterProfile(
-                name="node_id",
-                python_name="node_id",
-                type="long",
-                default="3",
-                minimum=1,
-                maximum=127,
-                description="Node-id.",
-            ),
-            ParameterProfile(
-                name="network",
-                python_name="network",
-                type="string",
-                default="bench",
-                description="Network: name of its bus file; empty: none.",
-            ),
-            ParameterProfile(
-                name="master",
-                python_name="master",
-                type="boolean",
-                default="0",
-                description="Whether the proxy itself sends NMT commands if the process has no manager on the bus.",
-            ),
-            ParameterProfile(
-                name="heartbeat_timeout",
-                python_name="heartbeat_timeout",
-                type="long",
-                default="0",
-                minimum=0,
-                unit="ms",
-                description="Heartbeat time-out; 0: the value of the network, else three periods.",
-            ),
-            ParameterProfile(
-                name="boot_timeout",
-                python_name="boot_timeout",
-                type="long",
-                default="2000",
-                minimum=1,
-                unit="ms",
-                description="Maximum time from a reset to the boot-up message.",
-            ),
-            ParameterProfile(
-                name="emergency_stop",
-                python_name="emergency_stop",
-                type="string",
-                default="",
-                description="Emergency codes that lead to ERROR, such as xxxx,-82xx; others are only reported. Empty: the value of the network.",
-            ),
-            ParameterProfile(
-                name="recoveries",
-                python_name="recoveries",
-                type="long",
-                default="0",
-                minimum=0,
-                description="Maximum number of automatic recoveries from ERROR in a row; 0: the value of the network.",
-            ),
-            ParameterProfile(
-                name="sdo_in_error",
-                python_name="sdo_in_error",
-                type="boolean",
-                default="0",
-                description="Whether the device is pre-operational in ERROR, so that SDO works, instead of stopped.",
-            ),
-            ParameterProfile(
-                name="Speed",
-                python_name="Speed",
-                type="double",
-                default="1.5",
-                minimum=0.0,
-                maximum=100.0,
-                unit="m/s",
-                description="Speed (2020h, UNSIGNED32, times 0.001), written by SDO.",
-            ),
-            ParameterProfile(
-                name="Label",
-                python_name="Label",
-                type="string",
-                default="bench",
-                description="Label (2030h, VISIBLE_STRING), written by SDO.",
-            ),
-            ParameterProfile(
-                name="Scale_factor",
-                python_name="Scale_factor",
-                type="float",
-                default="1.5",
-                description="Scale factor (2010h:2, REAL32), written by SDO.",
-            ),
-        ),
+    config = configuration(SamplerProxyConfiguration)
+    tpdo1 = outport(
+        sampler.Tpdo1,
+        "TPDO 1: Switch_2001_00, Gear, Level, Raw_value, Scale_factor.",
+    )
+    tpdo2 = outport(sampler.Tpdo2, "TPDO 2: Counter, Offset, Distance.")
+    tpdo3 = outport(sampler.Tpdo3, "TPDO 3: Position_48, Tag.")
+    tpdo4 = outport(sampler.Tpdo4, "TPDO 4: Time_of_day, Error_register.")
+    rpdo1 = inport(sampler.Rpdo1, "RPDO 1: Switch_2001_00, Gear, Level, Ticks_56.")
+    rpdo2 = inport(sampler.Rpdo2, "RPDO 2: Offset, Distance.")
+    sdo = provider(
+        sampler.ObjectAccess,
+        "The objects of the device, read and written by SDO.",
     )
 
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(SamplerProxyConfiguration())
-        self.tpdo1 = self.add_out_port("tpdo1", sampler.Tpdo1)
-        """TPDO 1: Switch_2001_00, Gear, Level, Raw_value, Scale_factor."""
-        self.tpdo2 = self.add_out_port("tpdo2", sampler.Tpdo2)
-        """TPDO 2: Counter, Offset, Distance."""
-        self.tpdo3 = self.add_out_port("tpdo3", sampler.Tpdo3)
-        """TPDO 3: Position_48, Tag."""
-        self.tpdo4 = self.add_out_port("tpdo4", sampler.Tpdo4)
-        """TPDO 4: Time_of_day, Error_register."""
-        self.rpdo1 = self.add_in_port("rpdo1", sampler.Rpdo1)
-        """RPDO 1: Switch_2001_00, Gear, Level, Ticks_56."""
-        self.rpdo2 = self.add_in_port("rpdo2", sampler.Rpdo2)
-        """RPDO 2: Offset, Distance."""
-        self.sdo = self.add_provider("sdo", "sdo", sampler.ObjectAccess)
-        """The objects of the device, read and written by SDO."""
-
-
-_OverflowError = OverflowError
-_TypeError = TypeError
 
 _TPDO1 = _Struct("<Hhf")
 _TPDO2 = _Struct("<BHbi")
@@ -332,7 +152,7 @@ def encode_rpdo1(Switch_2001_00: bool, Gear: int, Level: int, Ticks_56: int) -> 
         _s0 |= Level << 4
         _s1 = Ticks_56
         return _RPDO1.pack(_s0, _s1 & 4294967295, _s1 >> 32 & 65535, _s1 >> 48)
-    except (_error, _OverflowError, _TypeError) as _reason:
+    except (_error, OverflowError, TypeError) as _reason:
         raise _pdo.PdoError(f"RPDO 1: {_reason}") from None
 
 
@@ -344,7 +164,7 @@ def encode_rpdo2(Offset: int, Distance: int) -> bytes:
     try:
         _s1 = Offset
         return _RPDO2.pack(_s1 & 65535, _s1 >> 16, Distance)
-    except (_error, _OverflowError, _TypeError) as _reason:
+    except (_error, OverflowError, TypeError) as _reason:
         raise _pdo.PdoError(f"RPDO 2: {_reason}") from None
 
 

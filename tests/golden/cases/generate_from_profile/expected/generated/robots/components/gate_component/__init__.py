@@ -4,34 +4,21 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from rtgen.runtime import Component, ComponentProfile, data_port, service_port
+from rtgen.runtime import Component, outport, provider
 
 from ... import Gate, GatePos
 
 
-class GateComponentBase(Component):
+class GateComponentBase(
+    Component,
+    type_name="GateComponent",
+    activity="EVENTDRIVEN",
+    category="Test",
+    vendor="Lab",
+    version="1.0.0",
+    rate=10.0,
+):
     """The component GateComponent."""
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="GateComponent",
-        kind="DataFlowComponent",
-        category="Test",
-        vendor="Lab",
-        version="1.0.0",
-        description="",
-        rate=10.0,
-        max_instances=1,
-        activity="EVENTDRIVEN",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port("outport", "Pos", GatePos, "", "pos"),
-            service_port("provider", "gate", Gate, port="services"),
-        ),
-    )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.pos = self.add_out_port("Pos", GatePos)
-        self.gate = self.add_provider("services", "gate", Gate)
+    pos = outport(GatePos, name="Pos")
+    gate = provider(Gate, port="services")

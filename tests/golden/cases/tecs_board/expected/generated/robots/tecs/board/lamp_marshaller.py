@@ -10,12 +10,12 @@ from typing import ClassVar
 from rtgen.runtime import (
     RTC_OK,
     Component,
-    ComponentProfile,
     ReturnCode_t,
     Servant,
     Skeleton,
     Stub,
-    service_port,
+    consumer,
+    provider,
 )
 from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 from rtgen.runtime.opaque_rpc import (
@@ -59,64 +59,35 @@ class LampSkeleton(Skeleton, interface=Lamp):
     """Calls a servant of `nBoard::Lamp` by operation name."""
 
 
-class LampMarshallerBase(Component):
+class LampMarshallerBase(
+    Component,
+    type_name="LampMarshaller",
+    category="TECS",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Carries calls of nBoard::sLamp to a TECS board",
+    rate=10.0,
+    max_instances=0,
+):
     """Carries calls of nBoard::sLamp to a TECS board."""
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="LampMarshaller",
-        kind="DataFlowComponent",
-        category="TECS",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Carries calls of nBoard::sLamp to a TECS board",
-        rate=10.0,
-        max_instances=0,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            service_port("provider", "lamp", Lamp, "What nBoard::sLamp offers."),
-            service_port(
-                "consumer",
-                "communication",
-                OpaqueRpc,
-                "The board's channel.",
-            ),
-        ),
-    )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.lamp = self.add_provider("lamp", "lamp", Lamp)
-        """What nBoard::sLamp offers."""
-        self.communication = self.add_consumer(
-            "communication",
-            "communication",
-            OpaqueRpc,
-        )
-        """The board's channel."""
+    lamp = provider(Lamp, "What nBoard::sLamp offers.")
+    communication = consumer(OpaqueRpc, "The board's channel.")
 
 
-class LampClientBase(Component):
+class LampClientBase(
+    Component,
+    type_name="LampClient",
+    category="TECS",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Calls nBoard::sLamp of a TECS board",
+    rate=10.0,
+    max_instances=0,
+):
     """Calls nBoard::sLamp of a TECS board."""
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="LampClient",
-        kind="DataFlowComponent",
-        category="TECS",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Calls nBoard::sLamp of a TECS board",
-        rate=10.0,
-        max_instances=0,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(service_port("consumer", "lamp", Lamp, "What nBoard::sLamp offers."),),
-    )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.lamp = self.add_consumer("lamp", "lamp", Lamp)
-        """What nBoard::sLamp offers."""
+    lamp = consumer(Lamp, "What nBoard::sLamp offers.")
 
 
 class LampProxy(LampTarget):

@@ -11,13 +11,13 @@ from typing import ClassVar, TypeAlias
 from rtgen.runtime import (
     RTC_OK,
     Component,
-    ComponentProfile,
     ReturnCode_t,
     Servant,
     Skeleton,
     Stub,
+    consumer,
     operation,
-    service_port,
+    provider,
 )
 from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 from rtgen.runtime.opaque_rpc import (
@@ -141,66 +141,35 @@ class MotorSkeleton(Skeleton, interface=Motor):
     """Calls a servant of `nBoard::Motor` by operation name."""
 
 
-class MotorMarshallerBase(Component):
+class MotorMarshallerBase(
+    Component,
+    type_name="MotorMarshaller",
+    category="TECS",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Carries calls of nBoard::sMotor to a TECS board",
+    rate=10.0,
+    max_instances=0,
+):
     """Carries calls of nBoard::sMotor to a TECS board."""
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="MotorMarshaller",
-        kind="DataFlowComponent",
-        category="TECS",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Carries calls of nBoard::sMotor to a TECS board",
-        rate=10.0,
-        max_instances=0,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            service_port("provider", "motor", Motor, "What nBoard::sMotor offers."),
-            service_port(
-                "consumer",
-                "communication",
-                OpaqueRpc,
-                "The board's channel.",
-            ),
-        ),
-    )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.motor = self.add_provider("motor", "motor", Motor)
-        """What nBoard::sMotor offers."""
-        self.communication = self.add_consumer(
-            "communication",
-            "communication",
-            OpaqueRpc,
-        )
-        """The board's channel."""
+    motor = provider(Motor, "What nBoard::sMotor offers.")
+    communication = consumer(OpaqueRpc, "The board's channel.")
 
 
-class MotorClientBase(Component):
+class MotorClientBase(
+    Component,
+    type_name="MotorClient",
+    category="TECS",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Calls nBoard::sMotor of a TECS board",
+    rate=10.0,
+    max_instances=0,
+):
     """Calls nBoard::sMotor of a TECS board."""
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="MotorClient",
-        kind="DataFlowComponent",
-        category="TECS",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Calls nBoard::sMotor of a TECS board",
-        rate=10.0,
-        max_instances=0,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            service_port("consumer", "motor", Motor, "What nBoard::sMotor offers."),
-        ),
-    )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.motor = self.add_consumer("motor", "motor", Motor)
-        """What nBoard::sMotor offers."""
+    motor = consumer(Motor, "What nBoard::sMotor offers.")
 
 
 class MotorProxy(MotorTarget):

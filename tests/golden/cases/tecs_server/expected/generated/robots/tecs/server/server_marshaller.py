@@ -10,12 +10,12 @@ from typing import ClassVar
 from rtgen.runtime import (
     RTC_OK,
     Component,
-    ComponentProfile,
     ReturnCode_t,
     Servant,
     Skeleton,
     Stub,
-    service_port,
+    consumer,
+    provider,
 )
 from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 from rtgen.runtime.opaque_rpc import (
@@ -59,64 +59,35 @@ class ServerSkeleton(Skeleton, interface=Server):
     """Calls a servant of `Server` by operation name."""
 
 
-class ServerMarshallerBase(Component):
+class ServerMarshallerBase(
+    Component,
+    type_name="ServerMarshaller",
+    category="TECS",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Carries calls of sServer to a TECS board",
+    rate=10.0,
+    max_instances=0,
+):
     """Carries calls of sServer to a TECS board."""
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="ServerMarshaller",
-        kind="DataFlowComponent",
-        category="TECS",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Carries calls of sServer to a TECS board",
-        rate=10.0,
-        max_instances=0,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            service_port("provider", "server", Server, "What sServer offers."),
-            service_port(
-                "consumer",
-                "communication",
-                OpaqueRpc,
-                "The board's channel.",
-            ),
-        ),
-    )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.server = self.add_provider("server", "server", Server)
-        """What sServer offers."""
-        self.communication = self.add_consumer(
-            "communication",
-            "communication",
-            OpaqueRpc,
-        )
-        """The board's channel."""
+    server = provider(Server, "What sServer offers.")
+    communication = consumer(OpaqueRpc, "The board's channel.")
 
 
-class ServerClientBase(Component):
+class ServerClientBase(
+    Component,
+    type_name="ServerClient",
+    category="TECS",
+    vendor="rtgen",
+    version="1.0.0",
+    description="Calls sServer of a TECS board",
+    rate=10.0,
+    max_instances=0,
+):
     """Calls sServer of a TECS board."""
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="ServerClient",
-        kind="DataFlowComponent",
-        category="TECS",
-        vendor="rtgen",
-        version="1.0.0",
-        description="Calls sServer of a TECS board",
-        rate=10.0,
-        max_instances=0,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(service_port("consumer", "server", Server, "What sServer offers."),),
-    )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.server = self.add_consumer("server", "server", Server)
-        """What sServer offers."""
+    server = consumer(Server, "What sServer offers.")
 
 
 class ServerProxy(ServerTarget):

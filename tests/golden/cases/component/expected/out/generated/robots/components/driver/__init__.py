@@ -4,63 +4,36 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
-from msgspec import Struct
-
 from rtgen.runtime import (
     Component,
-    ComponentProfile,
-    ParameterProfile,
-    data_port,
-    service_port,
+    Configuration,
+    configuration,
+    inport,
+    outport,
+    parameter,
+    provider,
 )
 
 from ... import drive
 
 
-class DriverConfiguration(Struct, gc=False):
-    """Configuration of Driver."""
+class DriverConfiguration(Configuration):
+    """Parameters of Driver."""
 
-    max_v: float = 0.5
-    """How fast at most [m/s]."""
+    max_v: float = parameter(0.5, "How fast at most.", minimum=0.0, unit="m/s")
 
 
-class DriverBase(Component):
+class DriverBase(
+    Component,
+    type_name="Driver",
+    category="Navigation",
+    version="1.0.0",
+    description="Drives",
+    rate=100.0,
+):
     """Drives to the commanded position."""
 
-    profile: ClassVar[ComponentProfile] = ComponentProfile(
-        type_name="Driver",
-        kind="DataFlowComponent",
-        category="Navigation",
-        vendor="",
-        version="1.0.0",
-        description="Drives",
-        rate=100.0,
-        max_instances=1,
-        activity="PERIODIC",
-        execution="PeriodicExecutionContext",
-        ports=(
-            data_port("inport", "target", drive.Velocity),
-            data_port("outport", "target_out", drive.Velocity),
-            service_port("provider", "safety", drive.Safety, instance="Safety"),
-        ),
-        configuration=(
-            ParameterProfile(
-                name="max_v",
-                python_name="max_v",
-                type="double",
-                default="0.5",
-                minimum=0.0,
-                unit="m/s",
-                description="How fast at most.",
-            ),
-        ),
-    )
-
-    def __init__(self, instance_name: str | None = None) -> None:
-        super().__init__(instance_name)
-        self.config = self.add_configuration(DriverConfiguration())
-        self.target = self.add_in_port("target", drive.Velocity)
-        self.target_out = self.add_out_port("target_out", drive.Velocity)
-        self.safety = self.add_provider("safety", "Safety", drive.Safety)
+    config = configuration(DriverConfiguration)
+    target = inport(drive.Velocity)
+    target_out = outport(drive.Velocity)
+    safety = provider(drive.Safety, instance="Safety")
