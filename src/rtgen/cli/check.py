@@ -19,10 +19,10 @@ from rtgen.cli.common import (
     with_target,
     write_out,
 )
-from rtgen.cli.compiling.cached import build
+from rtgen.cli.compiling.cached import build, timelines
 from rtgen.cli.compiling.stages import with_stages
-from rtgen.diagnostics import Diagnostic, has_errors
-from rtgen.project import Project, behaviours, cache, shown
+from rtgen.diagnostics import has_errors
+from rtgen.project import behaviours, cache, shown
 from rtgen.project import output as writer
 
 
@@ -51,12 +51,13 @@ def check(
     project = project_of(
         definitions, output, add=output is None, node_id=node_id, target=target
     )
-    run = build(project, None if no_cache else cache.default())
+    runs = None if no_cache else cache.default()
+    run = build(project, runs)
     console.findings(run.diagnostics, run.sources)
     if run.failed:
         return BAD_INPUT
     planned = writer.plan(project, run)
-    of_timelines = _of_timelines(project)
+    of_timelines = timelines(project, runs)
     found = [*behaviours.check(project, run.artifacts), *of_timelines]
     console.findings(found)
     if has_errors(of_timelines):
@@ -89,11 +90,3 @@ def check(
             " generate leaves; move your files elsewhere, delete the rest"
         )
     return NO
-
-
-def _of_timelines(project: Project) -> list[Diagnostic]:
-    if not project.systems:
-        return []
-    from rtgen.systems import timeline_checks
-
-    return [*timeline_checks.findings(project.systems, project.encoding)]

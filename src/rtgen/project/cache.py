@@ -161,7 +161,7 @@ class Cache:
         except (OSError, ValueError):
             return None
         dependencies = entry["dependencies"]
-        if any(_hash_of(Path(path)) != digest for path, digest in dependencies.items()):
+        if any(hash_of(Path(path)) != digest for path, digest in dependencies.items()):
             return None
         with contextlib.suppress(OSError):
             os.utime(file)  # for `_trim`
@@ -272,7 +272,8 @@ def _version(library: str) -> str:
     return metadata.version(library)
 
 
-def _hash_of(path: Path) -> str | None:
+def hash_of(path: Path) -> str | None:
+    """Return the SHA-256 of a dependency; None for a file that is missing or cannot be read."""
     try:
         return sha256(read_start(path, MAX_BYTES + 1)).hexdigest()
     except OSError:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from rtgen import plugins, stages
 from rtgen.project import Project
-from rtgen.project.cache import Cache
+from rtgen.project.cache import Cache, hash_of
 from rtgen.project.compilation import Compilation
 
 if TYPE_CHECKING:  # imported lazily: a run from the cache needs no model
@@ -30,6 +30,28 @@ def build(project: Project, cache: Cache | None) -> Compilation:
     with stages.stage("cache"):
         key = cache.key(project, plugins.announced(*plugins.Group))
     return cache.kept(key, made)
+
+
+def timelines(project: Project, cache: Cache | None) -> Sequence[Diagnostic]:
+    """Return the diagnostics of the timelines beside the systems of a project."""
+
+    def made() -> Compilation:
+        from rtgen.systems import timeline_checks
+
+        found = timeline_checks.findings(project.systems, project.encoding)
+        files = (f for s in project.systems for f in (s, s.parent / "timeline.toml"))
+        return Compilation(
+            artifacts=(),
+            inputs={},
+            diagnostics=tuple(found),
+            dependencies={str(file): hash_of(file) for file in files},
+        )
+
+    if not project.systems:
+        return ()
+    if cache is None:
+        return made().diagnostics
+    return cache.kept(cache.key(project, (), "timelines"), made).diagnostics
 
 
 def inspect(
