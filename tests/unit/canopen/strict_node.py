@@ -469,7 +469,8 @@ class StrictNode:
 class LiteralNode(StrictNode):
     """A node that begins with any COB-ID of its description, also 0 and restricted ones.
 
-    That of a DCF is the configured one; where none is stated it is 0. It refuses another identifier for one that stays in use.
+    That of a DCF is the configured one; where none is stated it is 0. It refuses another identifier
+    for one that stays in use.
     """
 
     def _initial(self, number: Number, variable: Variable) -> bytes:
