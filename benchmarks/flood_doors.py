@@ -1,9 +1,12 @@
-"""Doors of floods.py other than the page: Foxglove's server, remote control, CORBA."""
+"""Doors of floods.py other than the page: Foxglove's server, CAN, remote control, CORBA."""
 
 from __future__ import annotations
 
 import json
+import socket
 import struct
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -178,6 +181,86 @@ def operate_foxglove(
     steer(request, ready, end, longest, refused)
 
 
+# CAN.
+
+
+class Listener:
+    """A station that receives all frames."""
+
+    identifiers = deadline = None
+    received = 0
+
+    def receive(self, frame: Any, now: int) -> tuple[Any, ...]:
+        """Count a frame."""
+        self.received += 1
+        return ()
+
+    def poll(self, now: int) -> tuple[Any, ...]:
+        """Do nothing."""
+        return ()
+
+    def link_changed(self, up: bool, now: int) -> tuple[Any, ...]:
+        """Do nothing."""
+        return ()
+
+
+@contextmanager
+def can() -> Iterator[tuple[Address, Gaps]]:
+    """Run the system behind a live view, with a station on a bus of `rtgen can hub`."""
+    from rtgen.recording import live_view
+    from rtgen.runtime.canopen.bus.python_can import BusAddress
+    from rtgen.runtime.canopen.bus.real_link import RealLink
+
+    hub = [
+        sys.executable,
+        "-m",
+        "rtgen",
+        "can",
+        "hub",
+        "--port",
+        "0",
+        "--bitrate",
+        "1000000",
+    ]
+    with (
+        subprocess.Popen(hub, stdout=subprocess.PIPE, text=True) as program,
+        ExitStack() as stack,
+        running(None, stack) as (system, gaps),
+    ):
+        stack.callback(program.terminate)
+        assert program.stdout is not None
+        port = int(program.stdout.readline().rpartition(":")[2])
+        options = (("host", "127.0.0.1"), ("port", port))
+        address = BusAddress("socketcand", "flood", options=options)
+        link = RealLink(address, lambda: None, lambda: True)
+        stack.callback(link.close)
+        link.attach(Listener())
+        view = live_view.LiveView(system, "floods", port=0)
+        stack.callback(view.close)
+        yield lambda full: view.address if full else str(port), gaps
+
+
+def flood_can(address: str, kind: str, ready: Any, end: Any, answers: Any) -> None:
+    """Send frames as fast as the hub takes them."""
+    with socket.create_connection(("127.0.0.1", int(address))) as bus:
+        bus.recv(256)
+        for command in (b"< open flood >", b"< rawmode >"):
+            bus.sendall(command)
+            bus.recv(256)
+        ready.set()
+        reader = threading.Thread(target=_discard, args=(bus,), daemon=True)
+        reader.start()
+        while not end.is_set():
+            bus.sendall(b"< send 123 8 1 2 3 4 5 6 7 8 >" * 100)
+            answers.value += 100
+
+
+def _discard(bus: socket.socket) -> None:
+    with suppress(OSError):
+        while bus.recv(1 << 16):
+            pass
+
+
 # Remote control.
 
 
@@ -346,6 +429,7 @@ DOORS = {
     "foxglove parameters": Door(foxglove, flood_foxglove, operate_foxglove),
     "foxglove calls": Door(foxglove, flood_foxglove, operate_foxglove),
     **{kind: Door(foxglove, flood_unread, operate_foxglove) for kind in _UNREAD},
+    "can frames": Door(can, flood_can, operate_foxglove),
     "ctl state": Door(zenoh, flood_control, operate_control),
     "ctl describe": Door(zenoh, flood_control, operate_control),
     "zenoh calls": Door(zenoh, flood_calls, operate_control),

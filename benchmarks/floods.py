@@ -59,6 +59,7 @@ OTHERS = (
     "foxglove unread",
     "foxglove subscriptions",
     "foxglove garbage",
+    "can frames",
     "ctl state",
     "ctl describe",
     "zenoh calls",

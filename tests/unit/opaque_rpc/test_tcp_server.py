@@ -26,6 +26,7 @@ from peers import (
     set_request,
 )
 
+from rtgen.runtime import requests
 from rtgen.runtime.opaque_rpc import (
     E_BOVR,
     E_NOMEM,
@@ -68,6 +69,36 @@ def answer(server: TcpServer, request: bytes) -> bytes:
     with connect(server) as client:
         client.sendall(request)
         return rest(client)
+
+
+class Turns(requests.Pace):
+    """Counts the requests that ask for their turn."""
+
+    def __init__(self) -> None:
+        super().__init__(1.0)
+        self.waits = 0
+
+    def wait(self) -> None:
+        self.waits += 1
+
+
+def test_requests_wait_for_their_turn_while_ticks_are_left_out(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    turns = Turns()
+    monkeypatch.setattr(requests, "calls", turns)
+    monkeypatch.setattr(requests, "overruns", requests.Overruns(lambda: 0.0))
+    board = Board()
+    packets = PacketServer(board)
+    with serving(board) as server:
+        good_call(server)
+        packets(set_request(1))
+        assert turns.waits == 0
+        requests.overruns.report()
+        good_call(server)
+        assert turns.waits == 1
+        assert packets(set_request(1) * 2) == reply(1) * 2
+        assert turns.waits == 3
 
 
 def test_calls_one_after_the_other() -> None:
