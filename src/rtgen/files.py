@@ -11,7 +11,7 @@ import errno
 import os
 import stat
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
@@ -85,6 +85,13 @@ def is_file(path: Path) -> bool:
     the file system cannot have.
     """
     return _unsaved(path) is not None or path.is_file()
+
+
+def in_folder(folder: Path, suffixes: Collection[str]) -> list[Path]:
+    """Return the paths in a folder that have one of the suffixes, in either case, in order."""
+    return [
+        path for path in sorted(folder.glob("*")) if path.suffix.lower() in suffixes
+    ]
 
 
 def open_file(path: Path) -> BinaryIO:

@@ -8,13 +8,14 @@ from pathlib import PurePath
 from rtgen.diagnostics import InputError
 from rtgen.facts import encodings
 from rtgen.facts.decoded_text import Decoded, NotEncodableError
+from rtgen.facts.idl_files import IDL_SUFFIXES
 from rtgen.formatting import DEFAULT, Options, changed_text, toml
 from rtgen.formatting.rules import NO_TOKENS, OTHER_FILE
 from rtgen.formatting.tokens import Language, LexicalError
 from rtgen.frontends.kit.library import MAX_BYTES
 from rtgen.frontends.kit.lines import LineTable
 
-LANGUAGES = {".idl": Language.IDL, ".cdl": Language.CDL}
+LANGUAGES = {**dict.fromkeys(IDL_SUFFIXES, Language.IDL), ".cdl": Language.CDL}
 """Language by suffix, in lower case."""
 
 SUFFIXES = (*LANGUAGES, toml.SUFFIX)

@@ -12,6 +12,7 @@ from msgspec.structs import replace
 
 from rtgen import plugins, stages
 from rtgen.diagnostics import Diagnostic
+from rtgen.facts.idl_files import IDL_SUFFIXES
 from rtgen.facts.ros import GENERATED_IDL, INTERFACE_KINDS, INTERFACE_SUFFIXES
 from rtgen.files import read_start
 from rtgen.frontends import Dependency, FrontendResult, together
@@ -184,15 +185,13 @@ FRONTENDS: Final[tuple[tuple[str, tuple[str, ...], Read], ...]] = (
 Without that of IDL, which is last: other definitions refer to IDL files.
 """
 
-_IDL: Final = (".idl",)
-
 
 def read(paths: Sequence[Path], settings: Settings) -> Iterator[FrontendResult]:
     """Yield the result of each front end except IDL's. Raises ToolError for a plug-in."""
     for name, suffixes, load in FRONTENDS:
         chosen = ending_with(paths, suffixes)
         if suffixes is INTERFACE_SUFFIXES:
-            chosen += filter(_is_of_ros2, ending_with(paths, _IDL))
+            chosen += filter(_is_of_ros2, ending_with(paths, IDL_SUFFIXES))
         if chosen:
             with stages.stage(f"read {name}"):
                 result = load(chosen, settings)
@@ -241,7 +240,7 @@ def read_idl(
     files that exist only when they are included, by name; `interfaces` returns that of a file that
     ROS 2 has generated.
     """
-    own = (p for p in ending_with(paths, _IDL) if not _is_of_ros2(p))
+    own = (p for p in ending_with(paths, IDL_SUFFIXES) if not _is_of_ros2(p))
     chosen = (*own, *named)
     if not chosen and not needed and text is None:
         return together(())

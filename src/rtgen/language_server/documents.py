@@ -18,6 +18,7 @@ from pygls.uris import from_fs_path, to_fs_path
 from rtgen.facts.decoded_text import encoded
 from rtgen.facts.encodings import Encoded, decode
 from rtgen.facts.file_names import MAX_PATH, problem
+from rtgen.facts.idl_files import IDL_SUFFIXES
 from rtgen.files import UnreadableError, absolute_path, read_file
 from rtgen.language_server.text import UTF_16, Shift, Shifts, Text
 from rtgen.project import FILE_NAME
@@ -42,7 +43,7 @@ class Language(StrEnum):
 
 
 _SUFFIXES = {
-    ".idl": Language.IDL,
+    **dict.fromkeys(IDL_SUFFIXES, Language.IDL),
     ".cdl": Language.CDL,
     ".cde": Language.CDL,
     ".eds": Language.EDS,

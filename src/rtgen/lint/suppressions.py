@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
 from rtgen.diagnostics import Diagnostic, Severity, Span
+from rtgen.facts.idl_files import IDL_SUFFIXES
 from rtgen.lint import rules
 
 _COMMENT = re.compile(
@@ -19,7 +20,7 @@ _COMMENT = re.compile(
 )
 _CODE = re.compile(r"[^,\s]+")
 _MARKS = {
-    ".idl": ("/",),
+    **dict.fromkeys(IDL_SUFFIXES, ("/",)),
     ".cdl": ("/",),
     ".cde": ("/",),
     ".eds": (";",),

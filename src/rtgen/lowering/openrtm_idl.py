@@ -11,7 +11,7 @@ from rtgen.resources import IDL_FILES, OPENRTM_IDL, idl_source
 
 def needed_idl(profiles: Sequence[RtcProfile]) -> list[str]:
     """Return the names of the files in profiles, or with OpenRTM's types of data ports."""
-    types = [port.type for profile in profiles for port in profile.data_ports]
+    types = [port.data_type for profile in profiles for port in profile.data_ports]
     parts = [type_.split("::") for type_ in types]
     names = {p[-1] for p in parts if len(p) == 1 or p[-2] == "RTC"}
     needed = {file for profile in profiles for file in _files(profile)}

@@ -13,6 +13,8 @@ import msgspec
 from rtgen.diagnostics import Span
 from rtgen.facts.constraints import Constraint
 
+_ANY_TYPES = ("Any", "any", "CORBA::Any", "IDL:omg.org/CORBA/Any:1.0")
+"""Types with which tools and OpenRTM state that a port takes the data of any event."""
 EVENT_PORT, EVENT = "event_port", "event"
 """Annotations of a port for events, and of each of its events."""
 
@@ -56,6 +58,18 @@ class ProfileDataPort(msgspec.Struct, frozen=True, kw_only=True):
     facts: Mapping[str, Any] = msgspec.field(default_factory=dict)
     for_events: bool = False
     events: tuple[tuple[tuple[str, str], ...], ...] = ()
+
+    @property
+    def data_type(self) -> str:
+        """The type of its data: that of its events, where the port states that it takes any.
+
+        Empty if they have none, or several.
+        """
+        if not self.for_events or self.type.strip() not in _ANY_TYPES:
+            return self.type
+        types = {text for event in self.events for key, text in event if key == "type"}
+        types.discard("")
+        return types.pop() if len(types) == 1 else ""
 
 
 class ProfileInterface(msgspec.Struct, frozen=True, kw_only=True):

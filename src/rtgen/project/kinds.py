@@ -9,12 +9,13 @@ from pathlib import Path
 
 from rtgen import plugins
 from rtgen.facts.encodings import MARKS
+from rtgen.facts.idl_files import IDL_SUFFIXES
 from rtgen.facts.ros import INTERFACE_SUFFIXES, interface_beside
 from rtgen.files import is_file, read_start
 
 FILE_NAME = "rtgen.toml"
 
-SUFFIXES = (".idl", ".cdl", ".eds", ".dcf", *INTERFACE_SUFFIXES)
+SUFFIXES = (*IDL_SUFFIXES, ".cdl", ".eds", ".dcf", *INTERFACE_SUFFIXES)
 """Suffixes of definitions, in lower case."""
 
 XML_DEVICES = (".xdd", ".xdc", ".xpd")

@@ -16,6 +16,7 @@ from rtgen.diagnostics import Diagnostic, InputError, Span
 from rtgen.facts import python_modules
 from rtgen.facts.file_names import is_device
 from rtgen.facts.file_names import problem as path_problem
+from rtgen.facts.idl_files import IDL_SUFFIXES
 from rtgen.facts.numeric import Numeric
 from rtgen.facts.version import __version__
 from rtgen.files import is_file
@@ -124,7 +125,7 @@ class Project(msgspec.Struct, frozen=True, kw_only=True):
     @property
     def lowering(self) -> Settings:
         """The settings of lowerings."""
-        idl = (path for path in self.sources if path.suffix.lower() == ".idl")
+        idl = (path for path in self.sources if path.suffix.lower() in IDL_SUFFIXES)
         return Settings(
             adapters=self.adapters,
             definitions=frozenset(path.as_posix() for path in idl),

@@ -79,3 +79,58 @@ def test_there_and_back(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> No
     assert [
         dict(e.attrib) for e in etree.parse(from_yaml).getroot().iter(f"{RTC}Event")
     ] == [dict(e.attrib) for e in etree.parse(profile).getroot().iter(f"{RTC}Event")]
+
+
+@pytest.mark.parametrize("word", ["Any", "any", "CORBA::Any"])
+@pytest.mark.parametrize(
+    ("events", "type_"),
+    [
+        (["RTC::TimedLong", ""], "RTC::TimedLong"),
+        (["TimedLong", "TimedLong"], "RTC::TimedLong"),
+        (["mine::Event"], "mine::Event"),
+        (["RTC::TimedLong", "RTC::TimedDouble"], "_Any"),
+        (["", ""], "_Any"),
+        ([], "_Any"),
+    ],
+)
+def test_a_port_of_any_has_the_type_of_its_events(
+    word: str,
+    events: list[str],
+    type_: str,
+    tmp_path: Path,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    (tmp_path / "idl").mkdir()
+    (tmp_path / "idl/mine.idl").write_text("module mine { struct Event { long n; }; };")
+    file = tmp_path / "Lamp.idl"
+    file.write_text(IDL, encoding="utf-8")
+    profile = converted(file, "rtc-xml", capfd, "RTC.xml")
+    tree = etree.parse(profile)
+    [port, *_] = tree.getroot().findall(f"{RTC}DataPorts")
+    port.set(f"{RTC}type", word)
+    port.set(f"{RTC}idlFile", "")
+    for event in port.findall(f"{RTC}Event"):
+        port.remove(event)
+    for number, each in enumerate(events):
+        made = etree.SubElement(port, f"{RTC}Event")
+        made.set(f"{RTC}name", f"e{number}")
+        made.set(f"{RTC}type", each)
+    tree.write(profile)
+    assert run(["convert", str(profile), "--to", "idl"]) == 0
+    out, err = capfd.readouterr()
+    assert f"consumes {type_} buttons;" in out
+    assert not err
+
+
+def test_the_type_of_events_that_is_not_found_is_named(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "Lamp.idl"
+    file.write_text(IDL, encoding="utf-8")
+    profile = converted(file, "rtc-xml", capfd, "RTC.xml")
+    text = profile.read_text(encoding="utf-8").replace("RTC::TimedLong", "Any", 1)
+    first, rest = text.split("<rtc:Event ", 1)
+    rest = rest.replace("RTC::TimedLong", "gone::Event", 1)
+    profile.write_text(f"{first}<rtc:Event {rest}", encoding="utf-8")
+    assert run(["convert", str(profile), "--to", "idl"]) == 0
+    assert "gone::Event, which BasicDataType.idl declares, is not found" in capfd.readouterr().err

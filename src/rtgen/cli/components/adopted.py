@@ -13,6 +13,8 @@ from rtgen.backends.components.locations import summary
 from rtgen.backends.openrtm.plan import openrtm_port_name
 from rtgen.backends.openrtm.rules import OTHER_PROFILE
 from rtgen.diagnostics import Diagnostic, Span, has_errors, in_order
+from rtgen.facts.idl_files import IDL_SUFFIXES
+from rtgen.files import in_folder
 from rtgen.frontends import FrontendResult, openrtm_python
 from rtgen.frontends.rtc_profile.idl_search import Search
 from rtgen.model import Component, Model, NamedType, PortKind, SourceFile
@@ -21,7 +23,7 @@ from rtgen.project import Project, load, with_arguments
 from rtgen.typemap.components.parameters import Parameters
 
 _PROFILE = "RTC.xml"
-_WITH_TYPES = (".idl", ".eds", ".dcf", ".toml")
+_WITH_TYPES = (*IDL_SUFFIXES, ".eds", ".dcf", ".toml")
 _DATA_PORTS = (PortKind.INPORT, PortKind.OUTPORT)
 
 
@@ -87,7 +89,7 @@ def _with_neighbours(
 def _definitions(include: Sequence[Path], beside: Sequence[Path]) -> Project:
     """Return the project extended by further IDL files, without its adapters."""
     project = load()
-    files = [path for folder in include for path in sorted(folder.glob("*.idl"))]
+    files = [path for folder in include for path in in_folder(folder, IDL_SUFFIXES)]
     files += beside
     files += [p for p in project.sources if p.suffix.lower() in _WITH_TYPES]
     folders = dict.fromkeys(file.parent for file in beside)

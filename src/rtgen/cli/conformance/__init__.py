@@ -21,6 +21,7 @@ from rtgen.cli.common import (
 )
 from rtgen.cli.rpc.common import Peer, Wire, with_representation
 from rtgen.diagnostics import ToolError
+from rtgen.facts.idl_files import IDL_SUFFIXES
 from rtgen.files import create_file
 from rtgen.runtime.opaque_rpc.serial import BAUDRATE
 
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from rtgen.cli.conformance.report import Report
 
 _DESCRIPTIONS = (".eds", ".dcf")
-_COMPONENTS = (".idl", ".xml", ".yaml", ".yml")
+_COMPONENTS = (*IDL_SUFFIXES, ".xml", ".yaml", ".yml")
 
 
 @click.command("conformance")

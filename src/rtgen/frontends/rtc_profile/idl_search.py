@@ -12,7 +12,8 @@ from typing import Final
 
 from rtgen.facts.encodings import decode
 from rtgen.facts.idl_declarations import declared
-from rtgen.files import is_file, read_start
+from rtgen.facts.idl_files import IDL_SUFFIXES
+from rtgen.files import in_folder, is_file, read_start
 from rtgen.frontends import Dependency
 from rtgen.frontends.idl.text.installed import installed_folder
 from rtgen.frontends.kit.library import MAX_BYTES
@@ -33,10 +34,10 @@ def candidates(
     They are the `sources` of the project, those beside the profile and in a folder `idl` there, in
     the project's folder `idl`, in the include folders, and of OpenRTM.
     """
-    found = [each for each in sources if each.suffix.lower() == ".idl"]
+    found = [each for each in sources if each.suffix.lower() in IDL_SUFFIXES]
     for folder in _folders(path, root, include):
         try:
-            found += sorted(folder.glob("*.idl"))[:_MAX_FILES]
+            found += in_folder(folder, IDL_SUFFIXES)[:_MAX_FILES]
         except OSError:
             continue
     return list(dict.fromkeys(found))
@@ -78,7 +79,7 @@ class Search:
         return list(found)
 
     def _named(self, name: str) -> Path | None:
-        if not name.lower().endswith(".idl"):
+        if not name.lower().endswith(IDL_SUFFIXES):
             return None
         for folder in self._folders:
             candidate = folder / name
@@ -113,7 +114,7 @@ class Search:
 def _needs(profile: RtcProfile) -> Iterator[tuple[str, str]]:
     """Yield the IDL files that a profile names, each with the type it is named for."""
     for port in profile.data_ports:
-        yield port.idl_file, port.type
+        yield port.idl_file, port.data_type
     for service in profile.service_ports:
         for interface in service.interfaces:
             yield interface.idl_file, interface.type

@@ -13,6 +13,7 @@ from lsprotocol.types import (
     Position,
 )
 
+from rtgen.facts.idl_files import IDL_SUFFIXES
 from rtgen.frontends.cdl.syntax import keywords as cdl_keywords
 from rtgen.frontends.idl.names.annotation_definitions import DEFINITIONS
 from rtgen.language_server.documents import Language
@@ -148,7 +149,7 @@ def _scope(view: View, offset: int) -> list[str]:
 
 def _idl(view: View, line: str, offset: int) -> Iterator[CompletionItem]:
     if (match := _INCLUDE.match(line)) is not None:
-        for path in _files(view, (".idl", ".inc"), match[1]):
+        for path in _files(view, (*IDL_SUFFIXES, ".inc"), match[1]):
             yield CompletionItem(path.name, kind=CompletionItemKind.File)
         for name in IDL_FILES:
             yield CompletionItem(name, kind=CompletionItemKind.File)

@@ -233,6 +233,10 @@ class Lowering:
         """Return the type of a port in the model, or a placeholder."""
         facts = port.facts if port.facts.get("type_name") == port.type else {}
         written = _scoped(facts.get("type", port.type))
+        if isinstance(port, ProfileDataPort) and port.data_type != port.type:
+            if not port.data_type:
+                return self._stand_in(profile, port, ("Any",), service)
+            written = _scoped(port.data_type)
         name = self._found(written, service)
         if name is None:
             return self._placeholder(profile, port, written, service)
@@ -278,7 +282,8 @@ class Lowering:
                 self._report_at(rules.WRONG_TYPE, port.type_span, message)
             else:
                 declared = f", which {port.idl_file} declares," if port.idl_file else ""
-                shown = "::".join(written) if port.facts else port.type
+                plain = not port.facts and written == _scoped(port.type)
+                shown = port.type if plain else "::".join(written)
                 shown = shown or "the type"
                 message = f"{shown}{declared} is not found; it stays opaque"
                 hint = "name its IDL file as a source, or its folder with -I"

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from rtgen import files
 from rtgen.facts.encodings import decode
+from rtgen.facts.idl_files import IDL_SUFFIXES
 from rtgen.frontends.idl.text.source import Library
 from rtgen.frontends.idl.text.unit import Unit
 
@@ -42,7 +43,7 @@ class Neighbours:
             found: dict[str, str] = {}
             encoding = self._library.encoding
             left = _MAX_BYTES
-            for path in sorted(folder.glob("*.idl"))[:_MAX_FILES]:
+            for path in files.in_folder(folder, IDL_SUFFIXES)[:_MAX_FILES]:
                 try:
                     if not files.is_file(path):
                         continue

@@ -6,6 +6,8 @@ import os
 from pathlib import Path
 
 from rtgen.diagnostics import Span
+from rtgen.facts.idl_files import IDL_SUFFIXES
+from rtgen.files import in_folder
 from rtgen.frontends.idl.rules import lexical
 from rtgen.frontends.idl.text.installed import FILES, PLACES, installed_folder
 from rtgen.frontends.idl.text.source import Library, Source
@@ -132,7 +134,7 @@ class IncludePath:
         if (beside, folders) not in self._searched:
             real = [folder or beside or Path() for folder in folders]
             shown = dict.fromkeys(map(self._library.displayed, real))
-            files = [p.name for folder in real for p in sorted(folder.glob("*.idl"))]
+            files = [p.name for folder in real for p in in_folder(folder, IDL_SUFFIXES)]
             places = ", ".join(shown) or "no folder (use -I)"
             files += self._library.virtual_names
             self._searched[beside, folders] = places, files
