@@ -16,6 +16,7 @@ from rtgen.formatting.tokens import (
     Token,
 )
 from rtgen.formatting.wrapping import LAST_RESORT, Frame, Piece, moved, wrapped
+from rtgen.frontends.kit.doc_comments import is_documentation
 from rtgen.limits import MAX_NESTING
 
 MAX_CHARACTERS = 32 * 1024 * 1024
@@ -87,6 +88,7 @@ class Layout:
         self._last: Token | None = None
         self._flat_until = 0
         self._length = 0
+        self._comments_end = 0
         self._line_start = 0
         self._next: dict[str, tuple[int, int]] = {}
 
@@ -193,20 +195,15 @@ class Layout:
     def _comments(self, index: int) -> int:
         """Print comments between statements; return the number of the token after them."""
         token = self._tokens[index]
-        if not token.breaks and self.lines and self._may_follow():
+        end = self._end_of_comments(index)
+        follower = self._tokens[end]
+        behind = not token.breaks and self.lines and self._may_follow()
+        if behind and not self._documents(token, follower):
             self._add_trailing(
                 self.lines[-1], _stripped(token.text), self._column(token)
             )
             self._last = token
             return index + 1
-        end = index + 1
-        while (
-            self._tokens[end].kind in COMMENTS
-            and not self._tokens[end].breaks
-            and self._tokens[end - 1].kind is Kind.BLOCK_COMMENT
-        ):
-            end += 1
-        follower = self._tokens[end]
         alone = (
             follower.breaks
             or self._tokens[end - 1].kind is Kind.LINE_COMMENT
@@ -225,6 +222,25 @@ class Layout:
             self._spacing.space(self._tokens[end - 1])
         self._last = self._tokens[end - 1]
         return end
+
+    def _end_of_comments(self, index: int) -> int:
+        """Return the number of the token after the comments on a line."""
+        if not index < self._comments_end:
+            end = index + 1
+            while (
+                self._tokens[end].kind in COMMENTS
+                and not self._tokens[end].breaks
+                and self._tokens[end - 1].kind is Kind.BLOCK_COMMENT
+            ):
+                end += 1
+            self._comments_end = end
+        return self._comments_end
+
+    def _documents(self, comment: Token, follower: Token) -> bool:
+        """Return whether a comment between two declarations on a line belongs to the second."""
+        opened = self._last is not None and self._last.text in ("{", ":")
+        ends = follower.breaks or follower.text == "}" or follower.kind is Kind.END
+        return is_documentation(comment.text) and not (opened or ends)
 
     def _may_follow(self) -> bool:
         last = self._last

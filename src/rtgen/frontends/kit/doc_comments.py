@@ -80,14 +80,14 @@ class Docs:
             line = self._text.rfind("\n", 0, comment.start) + 1
             if self._text[line : comment.start].strip():
                 if not (found or _SUPPRESSION.match(text) or self._trails(comment)):
-                    found += [comment] if _documents(text) else []
+                    found += [comment] if is_documentation(text) else []
                 break
             if _SUPPRESSION.match(text):
                 position = line
                 index -= 1
                 continue
             adjacent = between.count("\n") == 1
-            if not _documents(text) and not (text.startswith("//") and adjacent):
+            if not is_documentation(text) and not (text.startswith("//") and adjacent):
                 break
             if found and (not adjacent or text[:2] != "//"):
                 break
@@ -139,8 +139,10 @@ class Docs:
         return self._text[end - 1 : end].strip()
 
 
-def _documents(text: str) -> bool:
-    return text.startswith(_DOCUMENTING) and text != "/**/"
+def is_documentation(text: str) -> bool:
+    """Return whether a comment documents the declaration that follows it."""
+    before = text.startswith(_TRAILING) or text == "/**/"
+    return text.startswith(_DOCUMENTING) and not before
 
 
 def _stripped(text: str) -> str:
