@@ -133,4 +133,7 @@ def test_the_type_of_events_that_is_not_found_is_named(
     rest = rest.replace("RTC::TimedLong", "gone::Event", 1)
     profile.write_text(f"{first}<rtc:Event {rest}", encoding="utf-8")
     assert run(["convert", str(profile), "--to", "idl"]) == 0
-    assert "gone::Event, which BasicDataType.idl declares, is not found" in capfd.readouterr().err
+    assert (
+        "gone::Event, which BasicDataType.idl declares, is not found"
+        in capfd.readouterr().err
+    )
