@@ -5,12 +5,24 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 
 from rtgen.diagnostics import Span
-from rtgen.diff.changes import Change, Kind, change
+from rtgen.diff.changes import Change, change
 from rtgen.diff.devices import compare_device, shown
+from rtgen.diff.items import Fact, Group, fact_changes, item_changes
 from rtgen.diff.kinds import devices as kinds
 from rtgen.diff.matching import matching
 from rtgen.diff.versions import Version
 from rtgen.model.can_bus import Bus, BusNode, DeviceKind, PdoLink
+
+_NODES = Group("node", kinds.NODE_ADDED, kinds.NODE_REMOVED, kinds.NODE_RENAMED)
+_FACTS = (
+    Fact(kinds.BUS_BIT_RATE, "bit rate", lambda b: f"{b.bit_rate} kbit/s"),
+    Fact(kinds.BUS_MANAGER, "manager", lambda b: b.manager),
+    Fact(kinds.BUS_SYNC, "SYNC period", lambda b: f"{b.sync:g} s"),
+    Fact(kinds.BUS_SYNC, "SYNC counter", lambda b: b.sync_counter),
+    Fact(kinds.BUS_HEARTBEAT, "heartbeat", lambda b: f"{b.heartbeat:g} s"),
+    Fact(kinds.BUS_SETTING, "time between events", lambda b: f"{b.event:g} s"),
+    Fact(kinds.BUS_SETTING, "writing of DCF files", lambda b: b.dcf),
+)
 
 
 def compare_buses(old: Version, new: Version) -> Iterator[Change]:
@@ -36,20 +48,8 @@ def _place(bus: Bus) -> Span:
 
 
 def _bus(old: Bus, new: Bus) -> Iterator[Change]:
-    rows: tuple[tuple[Kind, str, Callable[[Bus], object]], ...] = (
-        (kinds.BUS_BIT_RATE, "bit rate", lambda b: f"{b.bit_rate} kbit/s"),
-        (kinds.BUS_MANAGER, "manager", lambda b: b.manager),
-        (kinds.BUS_SYNC, "SYNC period", lambda b: f"{b.sync:g} s"),
-        (kinds.BUS_SYNC, "SYNC counter", lambda b: b.sync_counter),
-        (kinds.BUS_HEARTBEAT, "heartbeat", lambda b: f"{b.heartbeat:g} s"),
-        (kinds.BUS_SETTING, "time between events", lambda b: f"{b.event:g} s"),
-        (kinds.BUS_SETTING, "writing of DCF files", lambda b: b.dcf),
-    )
-    for kind, word, value in rows:
-        before, after = value(old), value(new)
-        if before != after:
-            text = f"bus {new.name} has the {word} {after}, had {before}"
-            yield change(kind, new.name, text, _place(old), _place(new))
+    spans = (_place(old), _place(new))
+    yield from fact_changes(_FACTS, old, new, new.name, spans, "bus")
     device_kinds = matching(
         {k.name: k for k in old.kinds}, {k.name: k for k in new.kinds}, lambda _: None
     )
@@ -59,18 +59,13 @@ def _bus(old: Bus, new: Bus) -> Iterator[Change]:
         {n.name: n for n in old.nodes}, {n.name: n for n in new.nodes}, lambda n: n.id
     )
     names = {a.name: b.name for a, b in nodes.renamed}
-    for before, after in nodes.renamed:
-        name = f"{new.name}.{after.name}"
-        text = f"node {name} was called {before.name}"
-        yield change(kinds.NODE_RENAMED, name, text, before.span, after.span)
-    for node in nodes.removed:
-        name = f"{new.name}.{node.name}"
-        text = f"node {name} is removed"
-        yield change(kinds.NODE_REMOVED, name, text, node.span, _place(new))
-    for node in nodes.added:
-        name = f"{new.name}.{node.name}"
-        text = f"node {name} is added"
-        yield change(kinds.NODE_ADDED, name, text, _place(old), node.span)
+    yield from item_changes(
+        _NODES,
+        nodes,
+        lambda node: f"{new.name}.{node.name}",
+        spans,
+        label=lambda node: node.name,
+    )
     for one, other in (*nodes.pairs, *nodes.renamed):
         yield from _node(one, other, f"{new.name}.{other.name}")
     before_links, after_links = {_renamed(each, names) for each in old.links}, set(
@@ -84,7 +79,7 @@ def _bus(old: Bus, new: Bus) -> Iterator[Change]:
             (source, sent), (target, received) = link.source, link.target
             name = f"{new.name}.{source}.{sent}-{target}.{received}"
             text = f"link {name} is {verb}"
-            yield change(kind, name, text, _place(old), _place(new))
+            yield change(kind, name, text, *spans)
 
 
 def _renamed(link: PdoLink, names: Mapping[str, str]) -> PdoLink:

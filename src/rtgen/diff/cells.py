@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from rtgen.diff.changes import Change, Wire, change
+from rtgen.diff.items import Group, item_changes
 from rtgen.diff.kinds import signatures as kinds
 from rtgen.diff.matching import matching
 from rtgen.diff.signatures import TecsSides, declared
@@ -18,10 +19,20 @@ from rtgen.model.tecs import (
     Composite,
     Join,
     Region,
+    TecsDeclaration,
     TecsPort,
     TecsVariable,
     Through,
 )
+
+_CELLTYPES = Group("celltype", kinds.CELLTYPE_ADDED, kinds.CELLTYPE_REMOVED)
+_CELLS = Group("cell", kinds.CELL_ADDED, kinds.CELL_REMOVED, kinds.CELL_RENAMED)
+_JOINS = Group("join", kinds.JOIN_ADDED, kinds.JOIN_REMOVED)
+_REGIONS = Group("region", kinds.REGION_ADDED, kinds.REGION)
+
+
+def _scoped(declaration: TecsDeclaration) -> str:
+    return declaration.scoped
 
 
 def compare_cells(old: Version, new: Version, sides: TecsSides) -> Iterator[Change]:
@@ -35,24 +46,11 @@ def compare_cells(old: Version, new: Version, sides: TecsSides) -> Iterator[Chan
         **declared(new, Composite),
     }
     types = matching(before, after, lambda _: None)
-    for gone in types.removed:
-        text = f"celltype {gone.scoped} is removed"
-        yield change(kinds.CELLTYPE_REMOVED, gone.scoped, text, gone.span, None)
-    for come in types.added:
-        text = f"celltype {come.scoped} is added"
-        yield change(kinds.CELLTYPE_ADDED, come.scoped, text, None, come.span)
+    yield from item_changes(_CELLTYPES, types, _scoped)
     for one, other in types.pairs:
         yield from _celltype(one, other, sides)
     cells = matching(declared(old, Cell), declared(new, Cell), _cell_shape)
-    for cell in cells.removed:
-        text = f"cell {cell.scoped} is removed"
-        yield change(kinds.CELL_REMOVED, cell.scoped, text, cell.span, None)
-    for cell in cells.added:
-        text = f"cell {cell.scoped} is added"
-        yield change(kinds.CELL_ADDED, cell.scoped, text, None, cell.span)
-    for first, second in cells.renamed:
-        text = f"cell {second.scoped} was called {first.scoped}"
-        yield change(kinds.CELL_RENAMED, second.scoped, text, first.span, second.span)
+    yield from item_changes(_CELLS, cells, _scoped)
     names = {a.name: b.name for a, b in (*cells.pairs, *cells.renamed)}
     for first, second in (*cells.pairs, *cells.renamed):
         yield from _cell(first, second, names)
@@ -159,12 +157,7 @@ def _cell(old: Cell, new: Cell, names: Names) -> Iterator[Change]:
         {(j.port, j.index): j for j in new.joins},
         lambda _: None,
     )
-    for gone in joins.removed:
-        text = f"join {_end(name, gone)} is removed"
-        yield change(kinds.JOIN_REMOVED, _end(name, gone), text, gone.span, new.span)
-    for come in joins.added:
-        text = f"join {_end(name, come)} is added"
-        yield change(kinds.JOIN_ADDED, _end(name, come), text, old.span, come.span)
+    yield from item_changes(_JOINS, joins, lambda join: _end(name, join), spans)
     for one, other in joins.pairs:
         yield from _join(one, other, _end(name, other), names)
 
@@ -223,9 +216,4 @@ def _regions(old: Version, new: Version) -> Iterator[Change]:
         if (one.linkunit, one.node) != (other.linkunit, other.node):
             text = f"region {other.scoped} has other specifiers"
             yield change(kinds.REGION, other.scoped, text, one.span, other.span)
-    for gone in regions.removed:
-        text = f"region {gone.scoped} is removed"
-        yield change(kinds.REGION, gone.scoped, text, gone.span, None)
-    for come in regions.added:
-        text = f"region {come.scoped} is added"
-        yield change(kinds.REGION_ADDED, come.scoped, text, None, come.span)
+    yield from item_changes(_REGIONS, regions, _scoped)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
-from rtgen.diff.changes import Change, Kind, Wire, change
+from rtgen.diff.changes import Change, Wire, change
+from rtgen.diff.items import Fact, Group, fact_changes, item_changes
 from rtgen.diff.kinds import components as kinds
 from rtgen.diff.kinds import types as type_kinds
 from rtgen.diff.matching import matching
@@ -23,6 +24,40 @@ from rtgen.model import (
 _DATA = (PortKind.INPORT, PortKind.OUTPORT)
 
 
+_COMPONENTS = Group(
+    "component", kinds.COMPONENT_ADDED, kinds.COMPONENT_REMOVED, kinds.COMPONENT_RENAMED
+)
+_PARAMETERS = Group(
+    "parameter", kinds.PARAMETER_ADDED, kinds.PARAMETER_REMOVED, kinds.PARAMETER_RENAMED
+)
+_ADAPTERS = Group("adapter", kinds.ADAPTER_ADDED, kinds.ADAPTER_REMOVED)
+
+
+_FACTS = (
+    Fact(kinds.COMPONENT_PROFILE, "vendor", lambda c: c.vendor),
+    Fact(kinds.COMPONENT_PROFILE, "category", lambda c: c.category),
+    Fact(kinds.COMPONENT_PROFILE, "version", lambda c: c.version),
+    Fact(kinds.COMPONENT_RATE, "rate", lambda c: f"{c.rate:g} Hz"),
+    Fact(kinds.COMPONENT_KIND, "kind", lambda c: c.kind),
+    Fact(kinds.COMPONENT_KIND, "activity", lambda c: c.activity),
+    Fact(kinds.COMPONENT_KIND, "component type", lambda c: c.component_type),
+    Fact(kinds.COMPONENT_KIND, "activity_type", lambda c: c.registered_activity),
+    Fact(kinds.COMPONENT_KIND, "execution", lambda c: c.execution),
+    Fact(kinds.COMPONENT_TEXTS, "description", lambda c: c.description),
+    Fact(kinds.COMPONENT_BASE, "base", lambda c: "::".join(c.base or ()) or "none"),
+    Fact(
+        kinds.COMPONENT_BASE,
+        "supported interfaces",
+        lambda c: ", ".join("::".join(s) for s in c.supports) or "none",
+    ),
+)
+_PARAMETER_FACTS = (
+    Fact(kinds.PARAMETER_CONSTRAINT, "constraint", lambda p: p.constraint or "none"),
+    Fact(kinds.PARAMETER_UNIT, "unit", lambda p: p.unit or "none"),
+    Fact(kinds.PARAMETER_WIDGET, "widget", lambda p: p.widget or "none"),
+)
+
+
 def compare_components(
     old: Version, new: Version, names: dict[ScopedName, ScopedName]
 ) -> Iterator[Change]:
@@ -37,15 +72,7 @@ def compare_components(
         for v in (old, new)
     )
     found = matching(before, after, _shape)
-    for gone, come in found.renamed:
-        text = f"component {come.scoped} was called {gone.scoped}"
-        yield change(kinds.COMPONENT_RENAMED, come.scoped, text, gone.span, come.span)
-    for each in found.removed:
-        text = f"component {each.scoped} is removed"
-        yield change(kinds.COMPONENT_REMOVED, each.scoped, text, each.span, None)
-    for each in found.added:
-        text = f"component {each.scoped} is added"
-        yield change(kinds.COMPONENT_ADDED, each.scoped, text, None, each.span)
+    yield from item_changes(_COMPONENTS, found, lambda c: c.scoped)
     types = TypeExpressions(old.model, new.model, names)
     for one, other in (*found.pairs, *found.renamed):
         yield from _Components(one, other, types, names).compare()
@@ -80,28 +107,8 @@ class _Components:
 
     def _profile(self) -> Iterator[Change]:
         old, new = self._old, self._new
-        rows: tuple[tuple[Kind, str, Callable[[Component], object]], ...] = (
-            (kinds.COMPONENT_PROFILE, "vendor", lambda c: c.vendor),
-            (kinds.COMPONENT_PROFILE, "category", lambda c: c.category),
-            (kinds.COMPONENT_PROFILE, "version", lambda c: c.version),
-            (kinds.COMPONENT_RATE, "rate", lambda c: f"{c.rate:g} Hz"),
-            (kinds.COMPONENT_KIND, "kind", lambda c: c.kind),
-            (kinds.COMPONENT_KIND, "activity", lambda c: c.activity),
-            (kinds.COMPONENT_KIND, "component type", lambda c: c.component_type),
-            (kinds.COMPONENT_KIND, "activity_type", lambda c: c.registered_activity),
-            (kinds.COMPONENT_KIND, "execution", lambda c: c.execution),
-            (kinds.COMPONENT_TEXTS, "description", lambda c: c.description),
-            (kinds.COMPONENT_BASE, "base", lambda c: "::".join(c.base or ()) or "none"),
-            (
-                *(kinds.COMPONENT_BASE, "supported interfaces"),
-                lambda c: ", ".join("::".join(s) for s in c.supports) or "none",
-            ),
-        )
-        for kind, word, value in rows:
-            before, after = value(old), value(new)
-            if before != after:
-                text = f"{new.scoped} has the {word} {after}, had {before}"
-                yield change(kind, new.scoped, text, old.span, new.span)
+        spans = (old.span, new.span)
+        yield from fact_changes(_FACTS, old, new, new.scoped, spans)
         if old.max_instances != new.max_instances:
             more = new.max_instances > old.max_instances
             kind = kinds.COMPONENT_INSTANCES_MORE if more else kinds.COMPONENT_INSTANCES
@@ -170,19 +177,14 @@ class _Components:
             new,
             lambda c: (str(c.type), value_text(c.default), c.unit, c.constraint),
         )
-        for item in found.removed:
-            name = f"{self._old.scoped}.{item.name}"
-            text = f"parameter {name} is removed"
-            yield change(kinds.PARAMETER_REMOVED, name, text, item.span, self._new.span)
-        for item in found.added:
-            name = self._sub(item)
-            text = f"parameter {name} is added"
-            yield change(kinds.PARAMETER_ADDED, name, text, self._old.span, item.span)
-        for one, other in found.renamed:
-            text = f"parameter {self._sub(other)} was called {one.name}"
-            yield change(
-                kinds.PARAMETER_RENAMED, self._sub(other), text, one.span, other.span
-            )
+        yield from item_changes(
+            _PARAMETERS,
+            found,
+            self._sub,
+            (self._old.span, self._new.span),
+            old_name=lambda item: f"{self._old.scoped}.{item.name}",
+            label=lambda item: item.name,
+        )
         for one, other in found.pairs:
             yield from self._parameter(one, other)
 
@@ -208,16 +210,7 @@ class _Components:
                 f"parameter {name} ranges over {shown(after)}, did over {shown(before)}"
             )
             yield change(kind, name, text, *spans)
-        for kind, word, a, b in (
-            (kinds.PARAMETER_CONSTRAINT, "constraint", old.constraint, new.constraint),
-            (kinds.PARAMETER_UNIT, "unit", old.unit, new.unit),
-            (kinds.PARAMETER_WIDGET, "widget", old.widget, new.widget),
-        ):
-            if a != b:
-                text = (
-                    f"parameter {name} has the {word} {b or 'none'}, had {a or 'none'}"
-                )
-                yield change(kind, name, text, *spans)
+        yield from fact_changes(_PARAMETER_FACTS, old, new, name, spans, "parameter")
 
     def _sub(self, item: Port | ConfigurationParameter) -> str:
         return f"{self._new.scoped}.{item.name}"
@@ -237,23 +230,8 @@ def _adapters(
 ) -> Iterator[Change]:
     before = {a.name: a for a in old.model.adapters}
     after = {a.name: a for a in new.model.adapters}
-    found = matching(before, after, _no_shape)
-    for each in found.removed:
-        yield change(
-            kinds.ADAPTER_REMOVED,
-            each.name,
-            f"adapter {each.name} is removed",
-            each.span,
-            None,
-        )
-    for each in found.added:
-        yield change(
-            kinds.ADAPTER_ADDED,
-            each.name,
-            f"adapter {each.name} is added",
-            None,
-            each.span,
-        )
+    found = matching(before, after, lambda _: None)
+    yield from item_changes(_ADAPTERS, found, lambda adapter: adapter.name)
     for one, other in found.pairs:
         ends = tuple(names.get(n, n) for n in (one.source, one.target))
         if ends != (other.source, other.target):
@@ -268,7 +246,3 @@ def _adapters(
 def _filling(adapter: Adapter) -> tuple[object, ...]:
     """Return what fills the members of the target."""
     return adapter.copies, adapter.constants, adapter.scales
-
-
-def _no_shape(_: Adapter) -> None:
-    """Return no shape: adapters are matched by name only."""

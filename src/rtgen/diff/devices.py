@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from rtgen.diagnostics import Span
-from rtgen.diff.changes import Change, Kind, change
+from rtgen.diff.changes import Change, change
+from rtgen.diff.items import Fact, Group, fact_changes, item_changes
 from rtgen.diff.kinds import devices as kinds
 from rtgen.diff.matching import matching
 from rtgen.diff.versions import Version
@@ -24,6 +25,45 @@ from rtgen.model.canopen import (
 NumberOrRelative = int | float | NodeRelative | None
 
 
+_DEVICES = Group("device", kinds.DEVICE_ADDED, kinds.DEVICE_REMOVED)
+_FACTS = (
+    Fact(kinds.DEVICE_IDENTITY, "vendor number", lambda d: _hex(d.vendor_id)),
+    Fact(kinds.DEVICE_IDENTITY, "product number", lambda d: _hex(d.product_code)),
+    Fact(
+        kinds.DEVICE_IDENTITY,
+        "revision number",
+        lambda d: _hex(d.info.revision_number),
+    ),
+    Fact(kinds.DEVICE_INFO, "vendor name", lambda d: d.info.vendor_name),
+    Fact(kinds.DEVICE_INFO, "product name", lambda d: d.info.product_name),
+    Fact(kinds.DEVICE_INFO, "order code", lambda d: d.info.order_code),
+    Fact(kinds.DEVICE_INFO, "description", lambda d: d.file_info.description),
+    Fact(kinds.DEVICE_CAPABILITY, "LSS support", lambda d: d.info.lss),
+    Fact(kinds.DEVICE_CAPABILITY, "granularity", lambda d: d.info.granularity),
+    Fact(
+        kinds.DEVICE_CAPABILITY,
+        "boot-up as a slave",
+        lambda d: d.info.boot_up_slave,
+    ),
+    Fact(
+        kinds.DEVICE_CAPABILITY,
+        "boot-up as a master",
+        lambda d: d.info.boot_up_master,
+    ),
+    Fact(
+        kinds.DEVICE_NODE_ID,
+        "node-id",
+        lambda d: d.commissioning and d.commissioning.node_id,
+    ),
+)
+_PDO_FACTS = (
+    Fact(kinds.PDO_TRANSMISSION, "transmission type", lambda p: p.transmission_type),
+    Fact(kinds.PDO_INHIBIT, "inhibit time", lambda p: p.inhibit_time),
+    Fact(kinds.PDO_EVENT_TIMER, "event timer", lambda p: p.event_timer),
+    Fact(kinds.PDO_SYNC_START, "SYNC start value", lambda p: p.sync_start),
+)
+
+
 def compare_devices(old: Version, new: Version) -> Iterator[Change]:
     """Yield the changes of devices; another file name is another device."""
     found = matching(
@@ -31,12 +71,7 @@ def compare_devices(old: Version, new: Version) -> Iterator[Change]:
         {d.name: d for d in new.model.devices},
         lambda _: None,
     )
-    for each in found.removed:
-        text = f"device {each.name} is removed"
-        yield change(kinds.DEVICE_REMOVED, each.name, text, each.span, None)
-    for each in found.added:
-        text = f"device {each.name} is added"
-        yield change(kinds.DEVICE_ADDED, each.name, text, None, each.span)
+    yield from item_changes(_DEVICES, found, lambda device: device.name)
     for one, other in found.pairs:
         yield from compare_device(one, other)
 
@@ -49,43 +84,14 @@ def compare_device(old: Device, new: Device) -> Iterator[Change]:
 
 
 def _information(old: Device, new: Device) -> Iterator[Change]:
-    rows: tuple[tuple[Kind, str, Callable[[Device], object]], ...] = (
-        (kinds.DEVICE_IDENTITY, "vendor number", lambda d: _hex(d.vendor_id)),
-        (kinds.DEVICE_IDENTITY, "product number", lambda d: _hex(d.product_code)),
-        (
-            *(kinds.DEVICE_IDENTITY, "revision number"),
-            lambda d: _hex(d.info.revision_number),
-        ),
-        (kinds.DEVICE_INFO, "vendor name", lambda d: d.info.vendor_name),
-        (kinds.DEVICE_INFO, "product name", lambda d: d.info.product_name),
-        (kinds.DEVICE_INFO, "order code", lambda d: d.info.order_code),
-        (kinds.DEVICE_INFO, "description", lambda d: d.file_info.description),
-        (kinds.DEVICE_CAPABILITY, "LSS support", lambda d: d.info.lss),
-        (kinds.DEVICE_CAPABILITY, "granularity", lambda d: d.info.granularity),
-        (
-            *(kinds.DEVICE_CAPABILITY, "boot-up as a slave"),
-            lambda d: d.info.boot_up_slave,
-        ),
-        (
-            *(kinds.DEVICE_CAPABILITY, "boot-up as a master"),
-            lambda d: d.info.boot_up_master,
-        ),
-        (
-            *(kinds.DEVICE_NODE_ID, "node-id"),
-            lambda d: d.commissioning and d.commissioning.node_id,
-        ),
-    )
-    for kind, word, value in rows:
-        before, after = value(old), value(new)
-        if before != after:
-            text = f"device {new.name} has the {word} {after}, had {before}"
-            yield change(kind, new.name, text, old.span, new.span)
+    spans = (old.span, new.span)
+    yield from fact_changes(_FACTS, old, new, new.name, spans, "device")
     for rate in sorted({*old.info.bit_rates} - {*new.info.bit_rates}):
         text = f"device {new.name} no longer supports {rate} kbit/s"
-        yield change(kinds.DEVICE_BIT_RATE_REMOVED, new.name, text, old.span, new.span)
+        yield change(kinds.DEVICE_BIT_RATE_REMOVED, new.name, text, *spans)
     for rate in sorted({*new.info.bit_rates} - {*old.info.bit_rates}):
         text = f"device {new.name} supports {rate} kbit/s"
-        yield change(kinds.DEVICE_BIT_RATE_ADDED, new.name, text, old.span, new.span)
+        yield change(kinds.DEVICE_BIT_RATE_ADDED, new.name, text, *spans)
 
 
 def _hex(number: int | None) -> str:
@@ -280,18 +286,7 @@ def _communication(old: Pdo, new: Pdo, name: str) -> Iterator[Change]:
         now, was = (_cob_id(p.cob_id) for p in (new, old))
         text = f"{name} has the COB-ID {now}, had {was}"
         yield change(kinds.PDO_COB_ID, name, text, *spans)
-    for kind, word, before, after in (
-        (
-            *(kinds.PDO_TRANSMISSION, "transmission type"),
-            *(old.transmission_type, new.transmission_type),
-        ),
-        (kinds.PDO_INHIBIT, "inhibit time", old.inhibit_time, new.inhibit_time),
-        (kinds.PDO_EVENT_TIMER, "event timer", old.event_timer, new.event_timer),
-        (kinds.PDO_SYNC_START, "SYNC start value", old.sync_start, new.sync_start),
-    ):
-        if before != after:
-            text = f"{name} has the {word} {after}, had {before}"
-            yield change(kind, name, text, *spans)
+    yield from fact_changes(_PDO_FACTS, old, new, name, spans)
 
 
 def _identifier(cob_id: int | NodeRelative) -> tuple[bool, int]:

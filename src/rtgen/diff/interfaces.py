@@ -8,9 +8,10 @@ from typing import TypeVar
 from rtgen.diagnostics import Span
 from rtgen.diff.changes import Change, Kind, change
 from rtgen.diff.declarations import TypeChanges
+from rtgen.diff.items import Group, item_changes
 from rtgen.diff.kinds import interfaces as kinds
 from rtgen.diff.kinds import types as type_kinds
-from rtgen.diff.matching import matching
+from rtgen.diff.matching import Matching, matching
 from rtgen.diff.member_facts import member_facts
 from rtgen.diff.type_expressions import TypeExpressions
 from rtgen.diff.versions import Version
@@ -30,6 +31,15 @@ Names = dict[ScopedName, ScopedName]
 _Item = TypeVar("_Item", Operation, Attribute, Parameter)
 
 
+_INTERFACES = Group(
+    "interface", kinds.INTERFACE_ADDED, kinds.INTERFACE_REMOVED, kinds.INTERFACE_RENAMED
+)
+_OPERATIONS = Group(
+    "operation", kinds.OPERATION_ADDED, kinds.OPERATION_REMOVED, kinds.OPERATION_RENAMED
+)
+_ATTRIBUTES = Group("attribute", kinds.ATTRIBUTE_ADDED, kinds.ATTRIBUTE_REMOVED)
+
+
 def compare_interfaces(
     old: Version, new: Version, changes: TypeChanges
 ) -> Iterator[Change]:
@@ -40,14 +50,7 @@ def compare_interfaces(
     found = matching(before, after, _shape)
     for gone, come in found.renamed:
         names[gone.name] = come.name
-        text = f"interface {come.scoped} was called {gone.scoped}"
-        yield change(kinds.INTERFACE_RENAMED, come.scoped, text, gone.span, come.span)
-    for each in found.removed:
-        text = f"interface {each.scoped} is removed"
-        yield change(kinds.INTERFACE_REMOVED, each.scoped, text, each.span, None)
-    for each in found.added:
-        text = f"interface {each.scoped} is added"
-        yield change(kinds.INTERFACE_ADDED, each.scoped, text, None, each.span)
+    yield from item_changes(_INTERFACES, found, lambda i: i.scoped)
     types = TypeExpressions(old.model, new.model, names)
     for one, other in (*found.pairs, *found.renamed):
         yield from _Interfaces(one, other, types, changes).compare()
@@ -113,18 +116,7 @@ class _Interfaces:
         found = matching(
             _by_name(self._old.operations), _by_name(self._new.operations), _signature
         )
-        yield from self._came_and_went(
-            found.added,
-            found.removed,
-            kinds.OPERATION_ADDED,
-            kinds.OPERATION_REMOVED,
-            "operation",
-        )
-        for gone, come in found.renamed:
-            text = f"operation {self._sub(come)} was called {gone.name}"
-            yield change(
-                kinds.OPERATION_RENAMED, self._sub(come), text, gone.span, come.span
-            )
+        yield from self._items(_OPERATIONS, found)
         for one, other in (*found.pairs, *found.renamed):
             yield from self._operation(one, other)
         if _reordered(
@@ -214,13 +206,7 @@ class _Interfaces:
         """Yield the changes of attributes."""
         before, after = _by_name(self._old.attributes), _by_name(self._new.attributes)
         found = matching(before, after, lambda _: None)
-        yield from self._came_and_went(
-            found.added,
-            found.removed,
-            kinds.ATTRIBUTE_ADDED,
-            kinds.ATTRIBUTE_REMOVED,
-            "attribute",
-        )
+        yield from self._items(_ATTRIBUTES, found)
         for old, new in found.pairs:
             name, spans = self._sub(new), (old.span, new.span)
             yield from self._typed(
@@ -265,22 +251,15 @@ class _Interfaces:
         text = f"{words} {new}, was {old}"
         yield change(kind, name, text, *spans, wires=None if broken else ())
 
-    def _came_and_went(
-        self,
-        added: Sequence[_Item],
-        removed: Sequence[_Item],
-        come: Kind,
-        gone: Kind,
-        word: str,
-    ) -> Iterator[Change]:
-        for each in removed:
-            name = f"{self._old.scoped}.{each.name}"
-            text = f"{word} {name} is removed"
-            yield change(gone, name, text, each.span, self._new.span)
-        for each in added:
-            name = self._sub(each)
-            text = f"{word} {name} is added"
-            yield change(come, name, text, self._old.span, each.span)
+    def _items(self, group: Group, found: Matching[str, _Item]) -> Iterator[Change]:
+        yield from item_changes(
+            group,
+            found,
+            self._sub,
+            (self._old.span, self._new.span),
+            old_name=lambda item: f"{self._old.scoped}.{item.name}",
+            label=lambda item: item.name,
+        )
 
     def _sub(self, item: Operation | Attribute | Parameter) -> str:
         return f"{self._new.scoped}.{item.name}"

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from rtgen.diagnostics import Span
 from rtgen.diff.changes import Change, change
+from rtgen.diff.items import Fact, Group, fact_changes, item_changes
 from rtgen.diff.kinds import systems as kinds
 from rtgen.diff.matching import matching
 from rtgen.diff.versions import Version
@@ -16,6 +17,20 @@ _PROPERTY_KINDS = {
     "dataport.interface_type": kinds.CONNECTION_INTERFACE,
     "dataport.data_type": kinds.CONNECTION_DATA_TYPE,
 }
+
+
+_INSTANCES = Group(
+    "instance", kinds.INSTANCE_ADDED, kinds.INSTANCE_REMOVED, kinds.INSTANCE_RENAMED
+)
+_CONNECTIONS = Group("connection", kinds.CONNECTION_ADDED, kinds.CONNECTION_REMOVED)
+_FACTS = (
+    Fact(kinds.INSTANCE_TYPE, "component", lambda c: c.type),
+    Fact(kinds.INSTANCE_RATE, "rate", lambda c: c.rate),
+    Fact(kinds.INSTANCE_REQUIRED, "mark required:", lambda c: c.required),
+    Fact(kinds.INSTANCE_SET, "active set", lambda c: c.active_set),
+    Fact(kinds.INSTANCE_PLACE, "path", lambda c: c.path_uri),
+    Fact(kinds.INSTANCE_PLACE, "location", lambda c: c.location),
+)
 
 
 def compare_systems(old: Version, new: Version) -> Iterator[Change]:
@@ -66,21 +81,13 @@ class _Systems:
             {c.instance: c for c in new.components},
             lambda c: (c.type, c.configuration, c.rate),
         )
-        for c in instances.removed:
-            text = f"instance {self._sub(c)} is removed"
-            yield change(
-                kinds.INSTANCE_REMOVED, self._sub(c), text, c.span, self._spans[1]
-            )
-        for c in instances.added:
-            text = f"instance {self._sub(c)} is added"
-            yield change(
-                kinds.INSTANCE_ADDED, self._sub(c), text, self._spans[0], c.span
-            )
-        for one, other in instances.renamed:
-            text = f"instance {self._sub(other)} was called {one.instance}"
-            yield change(
-                kinds.INSTANCE_RENAMED, self._sub(other), text, one.span, other.span
-            )
+        yield from item_changes(
+            _INSTANCES,
+            instances,
+            self._sub,
+            self._spans,
+            label=lambda c: c.instance,
+        )
         for one, other in instances.pairs:
             yield from self._instance(one, other)
         names = {a.instance: b.instance for a, b in instances.renamed}
@@ -89,17 +96,7 @@ class _Systems:
 
     def _instance(self, old: SystemComponent, new: SystemComponent) -> Iterator[Change]:
         name, spans = self._sub(new), (old.span, new.span)
-        for kind, word, before, after in (
-            (kinds.INSTANCE_TYPE, "component", old.type, new.type),
-            (kinds.INSTANCE_RATE, "rate", old.rate, new.rate),
-            (kinds.INSTANCE_REQUIRED, "mark required:", old.required, new.required),
-            (kinds.INSTANCE_SET, "active set", old.active_set, new.active_set),
-            (kinds.INSTANCE_PLACE, "path", old.path_uri, new.path_uri),
-            (kinds.INSTANCE_PLACE, "location", old.location, new.location),
-        ):
-            if before != after:
-                text = f"instance {name} has the {word} {after}, had {before}"
-                yield change(kind, name, text, *spans)
+        yield from fact_changes(_FACTS, old, new, name, spans, "instance")
         if old.id != new.id and old.type == new.type:
             text = f"instance {name} has the id {new.id}, had {old.id}"
             yield change(kinds.INSTANCE_ID, name, text, *spans)
@@ -141,26 +138,14 @@ class _Systems:
                     yield change(kinds.VALUE_CHANGED, item, text, *spans)
 
     def _connections(self, names: Mapping[str, str]) -> Iterator[Change]:
-        before = {_ends(c, names): c for c in self._old.connections}
-        after = {_ends(c, {}): c for c in self._new.connections}
-        for ends, connection in before.items():
-            if ends not in after:
-                name = self._connection(connection)
-                text = f"connection {name} is removed"
-                yield change(
-                    *(kinds.CONNECTION_REMOVED, name, text),
-                    *(connection.span, self._spans[1]),
-                )
-        for ends, connection in after.items():
-            name = self._connection(connection)
-            if ends not in before:
-                text = f"connection {name} is added"
-                yield change(
-                    *(kinds.CONNECTION_ADDED, name, text),
-                    *(self._spans[0], connection.span),
-                )
-                continue
-            yield from self._properties(before[ends], connection, name)
+        found = matching(
+            {_ends(c, names): c for c in self._old.connections},
+            {_ends(c, {}): c for c in self._new.connections},
+            lambda _: None,
+        )
+        yield from item_changes(_CONNECTIONS, found, self._connection, self._spans)
+        for one, other in found.pairs:
+            yield from self._properties(one, other, self._connection(other))
 
     def _properties(
         self, old: Connection, new: Connection, name: str
