@@ -157,6 +157,17 @@ def flood_unread(address: str, kind: str, ready: Any, end: Any, answers: Any) ->
                 viewer.socket.send(_UNREAD[kind])
 
 
+def flood_joins(address: str, kind: str, ready: Any, end: Any, answers: Any) -> None:
+    """Open and close connections."""
+    from websockets.exceptions import ConnectionClosed, InvalidMessage
+
+    while not end.is_set():
+        with suppress(ConnectionClosed, InvalidMessage, OSError, EOFError):
+            Viewer(address).socket.close()
+            answers.value += 1
+            ready.set()
+
+
 def _count(viewer: Viewer, answers: Any) -> None:
     from websockets.exceptions import ConnectionClosed
 
@@ -428,6 +439,7 @@ def operate_corba(
 DOORS = {
     "foxglove parameters": Door(foxglove, flood_foxglove, operate_foxglove),
     "foxglove calls": Door(foxglove, flood_foxglove, operate_foxglove),
+    "foxglove joins": Door(foxglove, flood_joins, operate_foxglove),
     **{kind: Door(foxglove, flood_unread, operate_foxglove) for kind in _UNREAD},
     "can frames": Door(can, flood_can, operate_foxglove),
     "ctl state": Door(zenoh, flood_control, operate_control),

@@ -59,6 +59,7 @@ OTHERS = (
     "foxglove unread",
     "foxglove subscriptions",
     "foxglove garbage",
+    "foxglove joins",
     "can frames",
     "ctl state",
     "ctl describe",

@@ -24,6 +24,8 @@ _BURST: Final = 100.0
 """Messages of a client that are read at once after it sent none."""
 _WEIGHT: Final = 1 / 10_000
 """The part of a message that an octet counts: 1 MB/s of a client."""
+_ARRIVAL: Final = 0.02
+"""Time between two new clients, which have their bursts [s]."""
 _REQUESTS: Final = 2048
 """Octets of a client that are read at once; a message can have seven."""
 _SAMPLES: Final = 1 << 20
@@ -141,10 +143,11 @@ class Relay:
                 continue
             if len(self._clients) >= MAX_CLIENTS:
                 client.close()
-                continue
-            task = asyncio.create_task(self._connect(client))
-            self._clients.add(task)
-            task.add_done_callback(self._clients.discard)
+            else:
+                task = asyncio.create_task(self._connect(client))
+                self._clients.add(task)
+                task.add_done_callback(self._clients.discard)
+            await asyncio.sleep(_ARRIVAL)
 
     async def _connect(self, client: socket.socket) -> None:
         """Pass octets both ways until one side ends."""

@@ -77,7 +77,7 @@ class Requests:
 
     `share` is the part of the time for clients that do not come first, in [0, 1]; what they do not
     use is saved up to `burst` [s]. Requests are executed by the threads that call `carry_out` or
-    `carry_out_one`.
+    `carry_out_one`; `conversion` is the time that each takes elsewhere [s].
     """
 
     def __init__(
@@ -85,7 +85,9 @@ class Requests:
         share: float,
         burst: float = BURST,
         clock: Callable[[], float] = time.perf_counter,
+        conversion: float = 0.0,
     ) -> None:
+        self._conversion = conversion
         self._share = share
         self._burst = self._credit = burst
         self._clock = clock
@@ -160,7 +162,7 @@ class Requests:
         try:
             request()
         finally:
-            self._charge(client, self._clock() - begun)
+            self._charge(client, self._clock() - begun + self._conversion)
             client.running -= 1
         return True
 

@@ -92,6 +92,19 @@ def test_requests_take_no_more_than_their_part_of_the_time() -> None:
     assert 0.09 < count * 0.003 / bench.time.now < 0.11
 
 
+def test_the_time_that_requests_take_elsewhere_counts() -> None:
+    time = Time()
+    requests = Requests(0.1, 0.05, time, conversion=0.01)
+    client = requests.join(100)
+    for _ in range(100):
+        assert client.put(lambda: None)
+    requests.carry_out(1.0)
+    assert client.spent == pytest.approx(0.05)  # five of them; then the time is used up
+    time.now += 1.0
+    requests.carry_out(1.0)
+    assert client.spent == pytest.approx(0.10)
+
+
 def test_one_long_request_is_paid_for_later() -> None:
     bench = Bench(share=0.1)
     client = bench.requests.join(10)

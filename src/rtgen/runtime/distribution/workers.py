@@ -72,7 +72,7 @@ class Desk:
     """
 
     def __init__(self, share: float, burst: float) -> None:
-        self._requests = Requests(share, burst)
+        self._requests = Requests(share, burst, conversion=_CONVERSION)
         self._queues = Queues(self._requests, _MAX_OF_CLIENT, 1)
         self._closed = threading.Event()
         self._thread: threading.Thread | None = None
