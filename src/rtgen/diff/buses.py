@@ -19,6 +19,7 @@ _FACTS = (
     Fact(kinds.BUS_MANAGER, "manager", lambda b: b.manager),
     Fact(kinds.BUS_SYNC, "SYNC period", lambda b: f"{b.sync:g} s"),
     Fact(kinds.BUS_SYNC, "SYNC counter", lambda b: b.sync_counter),
+    Fact(kinds.BUS_SYNC, "COB-ID of SYNC", lambda b: f"{b.sync_cob_id:X}h"),
     Fact(kinds.BUS_HEARTBEAT, "heartbeat", lambda b: f"{b.heartbeat:g} s"),
     Fact(kinds.BUS_SETTING, "time between events", lambda b: f"{b.event:g} s"),
     Fact(kinds.BUS_SETTING, "writing of DCF files", lambda b: b.dcf),
