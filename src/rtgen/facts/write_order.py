@@ -12,7 +12,7 @@ writes that switch it off and on. The manager, proxies, DCF and concise DCF have
 | 1016h: two entries for one node | never: entries that change places are 0 in between |
 | 1200h ff., 1280h ff.: sub-index 3 | the SDO is not valid |
 | PDO: types, times, mapping | the PDO is not valid; entries: sub-index 0 is 0 |
-| COB-IDs that the description does not state | they are off: the node may have any |
+| COB-IDs that the description does not state, or configures | off: the node may have another |
 | 1017h, 1016h | the heartbeat of the node precedes those that it consumes |
 | 1020h | all others are written: they set it to 0 |
 | 1010h, 1011h | all others are written |
@@ -91,6 +91,9 @@ class Target(Protocol):
 
     def states(self, number: Number) -> bool:
         """Return whether the COB-ID from before is stated; else the node may have another one."""
+
+    def configured(self, number: Number) -> int | None:
+        """Return the value that the description configures: the node may begin with it, too."""
 
     def moves(self, number: Number) -> bool:
         """Return whether the identifier of a COB-ID changes."""
@@ -235,9 +238,11 @@ class _Order:
         node = self._node
         wanted = {consumed_node(node.after(number) or 0): number for number in changed}
         for number in changed:
-            watched = consumed_node(node.before(number) or 0)
-            if watched is not None and wanted.get(watched, number) != number:
-                yield Step(number, How.ZERO, f"node {watched} in no entry")
+            for value in (node.before(number), node.configured(number)):
+                watched = consumed_node(value or 0)
+                if watched is not None and wanted.get(watched, number) != number:
+                    yield Step(number, How.ZERO, f"node {watched} in no entry")
+                    break
         yield from self._values(changed)
 
     def _sdo(self, index: int) -> Iterator[Step]:

@@ -6,7 +6,7 @@ Communication comes first, then the PDOs, the other objects by index, and those 
 from __future__ import annotations
 
 import struct
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
 import msgspec
 from msgspec.structs import replace
@@ -60,10 +60,12 @@ def start_up(node: BusNode) -> tuple[StartWrite, ...]:
 
 def _of_node(node: BusNode, asked: set[tuple[int, int]]) -> _StartUp:
     own = node.kind.described or node.device
-    configured = (v for v in own.variables if v.value not in (None, v.default))
-    return _StartUp(
-        node.device, node.id, asked, {(v.index, v.subindex) for v in configured}
-    )
+    configured = {
+        (v.index, v.subindex): v.value
+        for v in own.variables
+        if v.value is not None and v.value != v.default
+    }
+    return _StartUp(node.device, node.id, asked, configured)
 
 
 def configuration(kind: DeviceKind) -> tuple[StartWrite, ...]:
@@ -134,10 +136,10 @@ class _StartUp:
         device: Device,
         node_id: int,
         asked: set[tuple[int, int]],
-        configured: Collection[tuple[int, int]] = (),
+        configured: Mapping[tuple[int, int], Value] | None = None,
     ) -> None:
         self._id = node_id
-        self._configured = configured
+        self._configured = configured or {}
         self._device = device
         self.changed = {
             (v.index, v.subindex)
@@ -183,6 +185,10 @@ class _StartUp:
         return is_certain and is_stated(
             number, default if isinstance(default, int) else None
         )
+
+    def configured(self, number: tuple[int, int]) -> int | None:
+        """See `Target`."""
+        return self._number(self._configured.get(number))
 
     def moves(self, number: tuple[int, int]) -> bool:
         """See `Target`."""

@@ -469,12 +469,16 @@ class StrictNode:
 class LiteralNode(StrictNode):
     """A node that begins with any COB-ID of its description, also 0 and restricted ones.
 
-    That of a DCF is the configured one; where none is stated it is 0. It refuses another identifier
-    for one that stays in use.
+    With a DCF it begins with the configured ones, and so do consumers of heartbeats; where none is
+    stated it is 0. It refuses another identifier for one that stays in use.
     """
 
     def _initial(self, number: Number, variable: Variable) -> bytes:
         if not is_cob_id(number):
+            if number[0] == 0x1016 and isinstance(variable.value, int):
+                return variable.value.to_bytes(
+                    SIZES[DataType(variable.data_type)], "little"
+                )
             return super()._initial(number, variable)
         value = variable.default if variable.value is None else variable.value
         if isinstance(value, NodeRelative):

@@ -44,6 +44,73 @@ def test_random_networks_start(tmp_path: Path) -> None:
     assert accepted > len(seeds) * 3 // 4
 
 
+CONFIGURED = """
+[FileInfo]
+FileName=d.dcf
+EDSVersion=4.0
+[DeviceInfo]
+VendorNumber=1
+BaudRate_500=1
+[DummyUsage]
+[1000]
+ParameterName=Type
+ObjectType=7
+DataType=7
+AccessType=ro
+DefaultValue=0
+[1001]
+ParameterName=Error
+ObjectType=7
+DataType=5
+AccessType=ro
+[1014]
+ParameterName=EMCY
+ObjectType=7
+DataType=7
+AccessType=rw
+DefaultValue=$NODEID+0x80
+ParameterValue=0x555
+[1016]
+ParameterName=Consumers
+ObjectType=8
+SubNumber=3
+[1016sub0]
+ParameterName=Entries
+ObjectType=7
+DataType=5
+AccessType=const
+DefaultValue=2
+[1016sub1]
+ParameterName=First
+ObjectType=7
+DataType=7
+AccessType=rw
+DefaultValue=0
+ParameterValue=0x050200
+[1016sub2]
+ParameterName=Second
+ObjectType=7
+DataType=7
+AccessType=rw
+DefaultValue=0
+ParameterValue=0x070200
+"""
+
+
+def test_a_node_begins_with_its_defaults_or_with_what_its_file_configures(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "d.dcf").write_text(CONFIGURED)
+    (tmp_path / "bus.toml").write_text(
+        '[bus]\nbit_rate = 500\n[device.d]\neds = "d.dcf"\n[node.n]\ndevice = "d"\n'
+        'id = 9\n[node.n.values]\n"1014" = "$NODEID+0x80"\n'
+        '"1016:1" = 0x070300\n"1016:2" = 0x050300\n'
+    )
+    bus, findings = read(tmp_path / "bus.toml")
+    assert bus is not None
+    assert not [*problems(bus, findings), *refusals(bus, findings)]
+
+
 def changed(path: Path) -> list[str]:
     """Return values of a description's communication objects that differ from its defaults."""
     [device] = load([path], root=path.parent, node_id=5).model.devices

@@ -67,6 +67,10 @@ class ParameterWriter:
         described = self._description.by_number.get(number)
         return described is None or described.states(self._node_id)
 
+    def configured(self, number: ObjectNumber) -> int | None:
+        """See `Target`: the configuration has been written."""
+        return None
+
     def moves(self, number: ObjectNumber) -> bool:
         """See `Target`."""
         flags = INVALID | NO_RTR
