@@ -26,6 +26,9 @@ from rtgen.project import FILE_NAME
 MAX_CHARACTERS = 8 * 1024 * 1024
 """Maximum length of a document; of a larger one, the text on the disk is used."""
 
+MAX_OPEN = 8 * MAX_CHARACTERS
+"""Maximum length of all open documents together; further ones are read from the disk."""
+
 
 _MAX_URI = len("file://") + 3 * MAX_PATH
 """Each octet of a path takes three characters at most."""
@@ -150,7 +153,7 @@ class Documents:
         """Add a document; None for an unknown language, or a text that is too large."""
         path = path_of(uri)
         language = None if path is None else language_of(path)
-        if path is None or language is None or len(source) > MAX_CHARACTERS:
+        if path is None or language is None or not self._has_room(path, source):
             return None
         text = Text(source)
         encoding = _encoding(path, text)
@@ -178,7 +181,7 @@ class Documents:
                 text = Text(change.text)
                 shift = Shift.between(before.source, text.source)
             edits.append((before, shift))
-        if len(text.source) > MAX_CHARACTERS:
+        if not self._has_room(document.path, text.source):
             self.close(uri)
             return None
         changed = replace(
@@ -186,6 +189,10 @@ class Documents:
         )
         self._open[document.path] = changed
         return changed
+
+    def _has_room(self, path: str, source: str) -> bool:
+        others = sum(len(d.text.source) for p, d in self._open.items() if p != path)
+        return len(source) <= min(MAX_CHARACTERS, MAX_OPEN - others)
 
     def close(self, uri: str) -> Document | None:
         """Remove a document, and return it."""

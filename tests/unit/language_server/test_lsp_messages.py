@@ -12,9 +12,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from lsprotocol.types import TextDocumentContentChangeWholeDocument
 from patience import PATIENCE
 
-from rtgen.language_server.documents import path_of
+from rtgen.language_server import documents
+from rtgen.language_server.documents import Documents, path_of
 from rtgen.language_server.messages import (
     MAX_BODY,
     MAX_HEADER,
@@ -317,3 +319,18 @@ def test_the_command_ends_in_one_line(tmp_path: Path, sent: bytes) -> None:
     first, hint, count = done.stderr.decode().splitlines()
     assert first.startswith("error[ENV0001]: the input is not of the Language Server")
     assert (hint[:7], count) == ("  hint:", "1 error")
+
+
+def test_open_documents_together_have_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(documents, "MAX_OPEN", 250)
+    opened = Documents()
+    uris = [f"file:///no/such/{n}.idl" for n in range(3)]
+    assert [opened.open(uri, 1, "/" * 100) is not None for uri in uris] == [
+        *(True, True),
+        False,
+    ]
+    assert opened.open(uris[0], 2, "/" * 150) is not None
+    whole = TextDocumentContentChangeWholeDocument("/" * 101)
+    assert opened.change(uris[1], 2, [whole]) is None
+    assert opened.of(uris[1]) is None
+    assert opened.open(uris[2], 1, "/" * 100) is not None

@@ -64,12 +64,12 @@ class Runs:
         with self._program:
             pass
 
-    def run(self, words: Sequence[str]) -> Run:
-        """Return what a command line does."""
+    def run(self, words: Sequence[str], folder: str = ".") -> Run:
+        """Return what a command line does in a folder."""
         assert self._program is not None
         assert self._program.stdin is not None
         assert self._program.stdout is not None
-        self._program.stdin.write(json.dumps(words) + "\n")
+        self._program.stdin.write(json.dumps([folder, *words]) + "\n")
         self._program.stdin.flush()
         return Run(**json.loads(self._program.stdout.readline()))
 
@@ -121,7 +121,9 @@ def _main() -> None:
         streams = [os.memfd_create("output") for _ in range(2)]
         child = os.fork()
         if child == 0:
-            _child(run, json.loads(line), *streams)
+            folder, *words = json.loads(line)
+            os.chdir(folder)
+            _child(run, words, *streams)
         code = _waited(child, patience)
         texts = [os.pread(each, MEGABYTE, 0) for each in streams]
         for each in streams:

@@ -6,6 +6,7 @@ of the files for each row; `RTGEN_BUDGET` multiplies them.
 
 from __future__ import annotations
 
+import json
 import os
 import random
 import re
@@ -465,3 +466,90 @@ def test_a_command_ends_in_a_line_whatever_the_file_is(
     for row, kind in drawn(name):
         (try_file if kind in FILES else try_name)(project, runs, row, kind)
     assert state(project) == before
+
+
+@dataclass(frozen=True)
+class Naming:
+    """A file that names another one, `@`, and a command that reads both."""
+
+    words: str
+    file: str
+    text: str
+    suffix: str
+    good: str
+
+
+BUS_TEXT = """[bus]
+bit_rate = 500
+[device.m]
+eds = "@"
+[node.m]
+device = "m"
+id = 1
+"""
+PROJECT_TEXT = '[sources]\npaths = ["@"]\n'
+
+NAMING: Mapping[str, Naming] = {
+    "include of IDL": Naming("inspect via.idl", "via.idl", '#include "@"\n', *IDL),
+    "import of CDL": Naming("inspect via.cdl", "via.cdl", 'import("@");\n', *CDL),
+    "header of CDL": Naming(
+        "lint via.cdl", "via.cdl", 'import_C("@");\n', ".h", "definitions/arm_types.h"
+    ),
+    "header of a board": Naming(
+        "rpc list --cdl via.cdl",
+        "via.cdl",
+        'import_C("@");\n',
+        ".h",
+        "definitions/arm_types.h",
+    ),
+    "device of a bus": Naming("can timing via.toml", "via.toml", BUS_TEXT, *EDS),
+    "device of a bus file": Naming("inspect via.toml", "via.toml", BUS_TEXT, *EDS),
+    **{
+        f"sources of {words.split()[0]}": Naming(
+            words, "via/rtgen.toml", PROJECT_TEXT, *kind
+        )
+        for words, kind in (
+            ("generate", IDL),
+            ("check", CDL),
+            ("lint", EDS),
+            ("docs", CDL),
+            ("inspect", BUS),
+            ("fmt ..", IDL),
+            ("diff --against HEAD", IDL),
+            ("graph ../systems/demo.xml", IDL),
+            ("run ../systems/demo.xml --until 0.1", CDL),
+        )
+    },
+}
+
+
+@pytest.mark.parametrize("name", NAMING)
+def test_files_that_files_name(project: Path, runs: Runs, name: str) -> None:
+    naming = NAMING[name]
+    draw = random.Random(f"{seeds.seed()} {name}")
+    known = [*FILES, *NAMES]
+    for kind in draw.sample(known, min(len(known), seeds.budget(1))):
+        place = project / naming.file
+        place.parent.mkdir(exist_ok=True)
+        other = NAMES.get(kind, "bad") + naming.suffix
+        if kind in FILES:
+            FILES[kind](place.parent / other)
+        elif kind not in (*IMPOSSIBLE, "no file"):
+            shutil.copy(project / naming.good, place.parent / other)
+        written = other
+        if naming.file.endswith(".toml"):
+            written = json.dumps(os.fsencode(other).decode("latin-1"))[1:-1]
+        text = naming.text.replace("@", written)
+        place.write_text(text, encoding="utf-8", errors="surrogateescape")
+        folder = str(place.parent)
+        words = naming.words.split()
+        result = runs.run(words, folder)
+        check_end(result, words)
+        if kind in (*IMPOSSIBLE, "no file") or (kind in FILES and kind not in CONTENTS):
+            is_searched = kind == "a_folder" and "sources" in name
+            is_other = words[0] in ("fmt", "diff")
+            assert result.code in (2, 3) or is_searched or is_other, (kind, result)
+        remove(place)
+        if kind not in IMPOSSIBLE:
+            remove(place.parent / other)
+            remove(place.parent / f"{other}.pipe")

@@ -106,6 +106,8 @@ def _read(path: Path, report: Report, *, only_certain: bool) -> Iterator[Message
         kind = READ[path.suffix.lower()]
         raise Refusal(f"{path}: this is not a {kind} file: {damage.first}")
     damage.end()
+    if not whole:
+        report(f"{path}: there is no frame in it")
 
 
 class EndlessError(Exception):
