@@ -15,6 +15,7 @@ from seeds import cases
 
 pytestmark = [
     pytest.mark.once,
+    pytest.mark.waits,
     pytest.mark.skipif(sys.platform == "win32", reason="POSIX signals"),
 ]
 
