@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Any, TypeAlias
 
+from rtgen.backends.kit.quoting.idl import readable_string
 from rtgen.model.canopen import (
     Access,
     DataType,
@@ -118,7 +119,7 @@ def lines(d: Device) -> Iterator[str]:
         yield f"  {thing.index:04X}h {thing.name}: {thing.type.name}"
         for v in thing.variables:
             value = value_of(v.current, d.node_id)
-            shown = "" if value is None else f" = {value}"
+            shown = "" if value is None else f" = {_shown(v, value)}"
             scale = "" if v.factor is None else f" times {v.factor!r}"
             unit = f" [{v.unit}]" if v.unit else ""
             line = f"{_type(v)} {v.written_access} {v.name}{shown}{scale}{unit}"
@@ -130,6 +131,12 @@ def lines(d: Device) -> Iterator[str]:
         yield f"  {p.direction} {p.number}: COB-ID {number}, {kind}"
         for entry in p.entries:
             yield f"    {entry.index:04X}h:{entry.subindex} {entry.bits} bits"
+
+
+def _shown(v: Variable, value: Any) -> str:
+    """Return the JSON of a value for readers: texts as literals, a formula as it is written."""
+    is_text = v.data_type in (DataType.VISIBLE_STRING, DataType.UNICODE_STRING)
+    return readable_string(value) if is_text and isinstance(value, str) else str(value)
 
 
 def _type(v: Variable) -> str:

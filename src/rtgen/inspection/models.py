@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from rtgen.backends.kit.idl_text.literals import default_text
+from rtgen.backends.kit.idl_text.literals import default_text, readable
 from rtgen.diagnostics import Diagnostic
 from rtgen.diagnostics.report import as_json
 from rtgen.facts.ros import INTERFACE_SUFFIXES
@@ -412,10 +412,14 @@ def _declaration_lines(d: Declaration, model: Model) -> Iterator[str]:
     head = f"{body['kind']} {d.scoped}"
     match d:
         case Const():
-            yield f"{head}: {d.type} = {_value(d.value)}"
+            yield f"{head}: {d.type} = {readable(model, d.type, d.value)}"
         case Typedef():
             default = default_of(model, d.type, d.initial)
-            shown = "" if default is None else f" (default {default_text(default)})"
+            shown = (
+                ""
+                if default is None
+                else f" (default {readable(model, d.type, default)})"
+            )
             yield f"{head} = {d.type}{shown}"
         case ValueBox():
             yield f"{head} = {d.type}"
@@ -459,16 +463,17 @@ def _member_lines(d: Declaration, body: Json, model: Model) -> Iterator[str]:
             yield f"{'oneway ' * o['oneway']}{o['name']}({', '.join(parameters)}): {o['returns']}"
         for p in body.get("ports", ()):
             yield f"{p['kind']} {p['name']}: {p['type']}"
-        for c in body.get("configuration", ()):
-            default = "" if c["default"] is None else f" = {c['default']}"
-            unit = f" [{c['unit']}]" if c["unit"] else ""
-            yield f"parameter {c['name']}: {c['type']}{default}{unit}"
+        for c in getattr(d, "configuration", ()):
+            given = c.default is not None
+            default = f" = {readable(model, c.type, c.default)}" if given else ""
+            unit = f" [{c.unit}]" if c.unit else ""
+            yield f"parameter {c.name}: {c.type}{default}{unit}"
 
 
 def _default(model: Model, type_: Type, own: InitialValue | None) -> str:
     """Return ` = value`, with the value in IDL; nothing without a default."""
     found = default_of(model, type_, own)
-    return "" if found is None else f" = {default_text(found)}"
+    return "" if found is None else f" = {readable(model, type_, found)}"
 
 
 def _indented(lines: Iterable[str]) -> Iterator[str]:

@@ -218,12 +218,24 @@ def _value(value: object) -> object:
     )
 
 
+def _shown(value: bool | float | str | None) -> str:
+    """Return ` = value` with a literal of CDL; nothing for one that only C can evaluate."""
+    match value:
+        case None:
+            return ""
+        case bool():
+            return f" = {str(value).lower()}"
+        case str():
+            return f' = "{value}"'  # with its escapes
+    return f" = {value}"
+
+
 def lines(d: TecsDeclaration) -> Iterator[str]:
     """Yield a declaration as text: a line for it, and one for each of its parts."""
     head = f"{_KINDS[type(d)]} {d.scoped}"
     match d:
         case TecsConst():
-            yield f"{head}: {d.type} = {_value(d.value)}"
+            yield f"{head}: {d.type}{_shown(d.value)}"
         case TecsTypedef():
             yield f"{head} = {d.type}"
         case Cell():

@@ -7,12 +7,14 @@ from decimal import Decimal
 
 from rtgen.backends.kit.quoting.idl import characters, readable_string
 from rtgen.model import (
+    ArrayType,
     ConstantValue,
     EnumeratorName,
     InitialValue,
     Model,
     Primitive,
     PrimitiveType,
+    SequenceType,
     StringType,
     Type,
 )
@@ -59,6 +61,26 @@ def default_text(value: InitialValue) -> str:
         case str():
             return readable_string(value)
     return str(value)
+
+
+def readable(model: Model, type_: Type, value: InitialValue) -> str:
+    """Return a value of a type for readers, on one line: a literal, or those of a list."""
+    type_ = model.unalias(type_)
+    match value:
+        case tuple():
+            while isinstance(type_, SequenceType | ArrayType):
+                type_ = model.unalias(type_.element)
+            return f"({', '.join(readable(model, type_, each) for each in value)})"
+        case EnumeratorName(name):
+            return "::".join(name)
+        case str():
+            if isinstance(type_, StringType):
+                return readable_string(value, wide=type_.wide)
+            wide = type_ == PrimitiveType(Primitive.WCHAR)
+            return readable_string(value, "'", wide)
+        case Decimal():
+            return f"{value:f}"
+    return default_text(value)
 
 
 def _is_floating(type_: Type) -> bool:

@@ -14,12 +14,13 @@ def characters(text: str, wide: bool) -> str:
     return "".join(_character(c, wide) for c in text)
 
 
-def readable_string(text: str) -> str:
-    """Return a string literal in an annotation: printable characters are kept."""
+def readable_string(text: str, quote: str = '"', wide: bool = False) -> str:
+    """Return a literal in an annotation, or for readers: printable characters are kept."""
     body = (
-        c if c.isprintable() and c not in '\\"' else _character(c, False) for c in text
+        c if c.isprintable() and c not in ("\\", quote) else _character(c, wide)
+        for c in text
     )
-    return f'"{"".join(body)}"'
+    return f"{'L' if wide else ''}{quote}{''.join(body)}{quote}"
 
 
 def repository_id(name: str, text: str) -> str:
