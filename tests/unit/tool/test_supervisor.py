@@ -14,7 +14,6 @@ from logged_process import LoggedProcess
 from seeds import cases
 
 pytestmark = [
-    pytest.mark.once,
     pytest.mark.waits,
     pytest.mark.skipif(sys.platform == "win32", reason="POSIX signals"),
 ]
