@@ -44,7 +44,7 @@ class Runs:
         self._program: subprocess.Popen[str] | None = None
 
     def __enter__(self) -> Self:
-        environment = {**os.environ, "NO_COLOR": "1", "PYTHONWARNINGS": "error"}
+        environment = {**os.environ, "NO_COLOR": "1"}
         self._program = subprocess.Popen(
             [sys.executable, __file__, str(self._folder), str(self._patience)],
             stdin=subprocess.PIPE,
