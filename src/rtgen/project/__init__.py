@@ -7,15 +7,13 @@ from rtgen.project.loading import (
     SYSTEMS_TARGET,
     TARGETS,
     Project,
-    files,
-    find,
     load,
     load_around,
     path_finding,
     require_sources,
-    shown,
     with_arguments,
 )
+from rtgen.project.paths import files, find, shown
 
 __all__ = [
     "FILE_NAME",

@@ -53,6 +53,15 @@ def plugin_suffixes() -> tuple[str, ...]:
     )
 
 
+def searched() -> str:
+    """Return a hint: the files that a folder is searched for."""
+    suffixes = ", ".join(f"*{s}" for s in (*SUFFIXES, *plugin_suffixes()))
+    return (
+        f"searched for {suffixes}, bus files (*.toml with [bus]), and profiles of "
+        "components and systems (*.xml, *.yaml)"
+    )
+
+
 def is_generated(path: Path) -> bool:
     """Return whether it is IDL beside the interface file that ROS 2 has generated it from."""
     source = interface_beside(path)

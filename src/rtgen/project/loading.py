@@ -19,16 +19,23 @@ from rtgen.facts.file_names import problem as path_problem
 from rtgen.facts.idl_files import IDL_SUFFIXES
 from rtgen.facts.numeric import Numeric
 from rtgen.facts.version import __version__
-from rtgen.files import is_file
 from rtgen.lowering.settings import AdapterEntry, Settings
 from rtgen.project.kinds import (
     FILE_NAME,
     SUFFIXES,
     XML_DEVICES,
     is_definition,
-    is_generated,
     is_system,
-    plugin_suffixes,
+    searched,
+)
+from rtgen.project.paths import (
+    below,
+    files,
+    find,
+    normal,
+    shown,
+    shown_path,
+    tecs_path,
 )
 from rtgen.project.ros2 import Ros2Settings, ros2_settings
 from rtgen.project.rules import (
@@ -203,7 +210,7 @@ def load(start: Path | None = None) -> Project:
             base=folder,
             output=folder / OUTPUT,
             skeletons=folder / "src",
-            tecs_path=_tecs_path(),
+            tecs_path=tecs_path(),
         )
     from rtgen.project import file as project_file
 
@@ -212,8 +219,8 @@ def load(start: Path | None = None) -> Project:
     project = Project(
         root=root,
         base=root,
-        output=_normal(root / settings.text("output", "dir", OUTPUT)),
-        skeletons=_normal(root / settings.text("output", "skeletons", "src")),
+        output=normal(root / settings.text("output", "dir", OUTPUT)),
+        skeletons=normal(root / settings.text("output", "skeletons", "src")),
         file=file,
         include=tuple(
             shown_path(root / p) for p in settings.texts("sources", "include")
@@ -225,7 +232,7 @@ def load(start: Path | None = None) -> Project:
             "sources", "encoding", settings.text("sources", "kcode", "auto")
         ),
         problems=settings.problems,
-        tecs_path=_tecs_path(),
+        tecs_path=tecs_path(),
         tecs_corba=settings.flag("tecs", "corba"),
         package=settings.text("output", "package", "robots"),
         target=settings.text("output", "target", "embedded"),
@@ -307,7 +314,7 @@ def with_arguments(
     changes = project
     _require_possible([*paths, *include, output or ""])
     if output is not None:
-        base = _normal(Path(output).absolute())
+        base = normal(Path(output).absolute())
         skeletons = base / "src"
         if project.skeleton_package:
             skeletons /= project.skeleton_package
@@ -376,25 +383,16 @@ def require_sources(project: Project) -> None:
         hint = f"name definition files, or write a {FILE_NAME} with [sources] paths"
     else:
         message = f"{shown(project.file)}: [sources] paths names no definition files"
-        hint = f'paths = ["FOLDER"]; {_searched()}'
+        hint = f'paths = ["FOLDER"]; {searched()}'
     raise InputError([SOURCE_NONE.at(None, message, hint=hint)])
-
-
-def _searched() -> str:
-    """Return a hint: the files that a folder is searched for."""
-    suffixes = ", ".join(f"*{s}" for s in (*SUFFIXES, *plugin_suffixes()))
-    return (
-        f"searched for {suffixes}, bus files (*.toml with [bus]), and profiles of "
-        "components and systems (*.xml, *.yaml)"
-    )
 
 
 def _without_definitions(paths: Iterable[Path], output: Path) -> Iterator[Diagnostic]:
     """Yield diagnostics for folders in which there is nothing to read."""
     for path in paths:
-        if path.is_dir() and not _below(path, output):
+        if path.is_dir() and not below(path, output):
             message = f"no definition file is in the folder {path.as_posix()}"
-            yield SOURCE_NONE.at(None, message, hint=_searched())
+            yield SOURCE_NONE.at(None, message, hint=searched())
 
 
 def load_around(path: Path) -> Project:
@@ -407,72 +405,6 @@ def load_around(path: Path) -> Project:
         return project
     other = load(path if path.is_dir() else path.parent)
     return project if other.file is None else other
-
-
-def find(folder: Path) -> Path | None:
-    """Return the nearest rtgen.toml in the absolute folder or above it."""
-    for parent in (folder, *folder.parents):
-        file = parent / FILE_NAME
-        if is_file(file):
-            return file
-    return None
-
-
-def shown_path(path: Path) -> Path:
-    """Return the path relative to the working folder (absolute on another drive)."""
-    try:
-        return Path(os.path.relpath(path))
-    except ValueError:
-        return path
-
-
-def shown(path: Path) -> str:
-    """Return the path as displayed in messages."""
-    return shown_path(path).as_posix()
-
-
-def _tecs_path() -> tuple[Path, ...]:
-    """Return the folder that TECSPATH names, and its subfolders."""
-    name = os.environ.get("TECSPATH")
-    if not name or not Path(name).is_dir():
-        return ()
-    folder = Path(name).absolute()
-    return (folder, *sorted(p for p in folder.iterdir() if p.is_dir()))
-
-
-def _normal(path: Path) -> Path:
-    return Path(os.path.normpath(path))
-
-
-def files(paths: Iterable[Path], skip: Path) -> Iterator[Path]:
-    """Yield the definition files given, and those below the given folders, sorted and unique."""
-    seen: set[Path] = set()
-    for path in paths:
-        found = _below(path, skip) if path.is_dir() else [path]
-        for file in found:
-            key = _normal(file.absolute())
-            if key not in seen:
-                seen.add(key)
-                yield file
-
-
-def _below(folder: Path, skip: Path) -> list[Path]:
-    found = []
-    for parent, folders, files in os.walk(folder):
-        here = Path(parent)
-        folders[:] = [
-            f
-            for f in folders
-            if not f.startswith(".") and _normal((here / f).absolute()) != skip
-        ]
-        found += [
-            here / f
-            for f in files
-            if not f.startswith(".")
-            and is_definition(here / f)
-            and not is_generated(here / f)
-        ]
-    return sorted(found, key=lambda p: p.parts)
 
 
 def _check_kind(path: Path, target: str) -> Diagnostic | None:
@@ -549,7 +481,7 @@ def _check_folders(
                 settings.span("output", key),
                 f"the folder {key!r} must lie below the folder of {FILE_NAME}",
             )
-    sources = [_normal(project.root / p) for p in settings.texts("sources", "paths")]
+    sources = [normal(project.root / p) for p in settings.texts("sources", "paths")]
     for other, what in (
         (project.skeletons, "skeletons"),
         *((s, "sources") for s in sources),

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from rtgen.diagnostics import ToolError
 from rtgen.files import replace_file
-from rtgen.project.loading import shown
 from rtgen.project.output import Change
+from rtgen.project.paths import shown
 
 
 def rewrite(change: Change) -> None:

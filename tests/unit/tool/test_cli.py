@@ -364,7 +364,7 @@ def test_a_folder_without_definitions(
     assert run([command, "empty"]) == 2
     printed = capfd.readouterr().err
     assert "PRJ0007]: no definition file is in the folder empty" in printed
-    assert "hint: searched for *.idl, *.cdl, *.eds" in printed
+    assert "hint: searched for *.idl, *.pidl, *.cdl, *.eds" in printed
     assert run([command, "idl", "empty"]) == 2
     assert "the folder empty" in capfd.readouterr().err
     monkeypatch.chdir("empty")
