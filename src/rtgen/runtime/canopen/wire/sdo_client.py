@@ -155,17 +155,16 @@ class SdoClient:
         if self._draining:
             self._draining, self.deadline = False, None
             return []
-        messages = self.cancel(now, sdo.TIMED_OUT)
-        assert isinstance(self._outcome, SdoAbort)
-        self._outcome.within = self._timeout
-        self._outcome.foreign = self._foreign
-        return messages
+        return self.cancel(now, sdo.TIMED_OUT)
 
     def cancel(self, now: int, code: int = sdo.GENERAL_ERROR) -> list[Frame]:
         """Abort the current transfer with a code, and drain."""
         if self._step is None:
             return []
-        self._end(SdoAbort(code, awaited=self._awaited))
+        abort = SdoAbort(code, awaited=self._awaited)
+        if code == sdo.TIMED_OUT:
+            abort.within, abort.foreign = self._timeout, self._foreign
+        self._end(abort)
         self._start_draining(now)
         return self._frames([self._target.abort(code)])
 
