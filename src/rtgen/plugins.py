@@ -95,6 +95,18 @@ def running(group: Group, name: str, *passed: type[Exception]) -> Iterator[None]
         ) from error
 
 
+def is_passed_by(entry: metadata.EntryPoint, error: Exception) -> bool:
+    """Return whether an exception has come through code of the package of a plug-in."""
+    package = entry.value.partition(":")[0].partition(".")[0]
+    trace = error.__traceback__
+    while trace is not None:
+        module = str(trace.tb_frame.f_globals.get("__name__"))
+        if module.partition(".")[0] == package:
+            return True
+        trace = trace.tb_next
+    return False
+
+
 def suffixes(name: str, frontend: Any) -> tuple[str, ...]:
     """Return the suffixes of the files that a plug-in's front end reads. Raises ToolError."""
     with running(Group.FRONTENDS, name):

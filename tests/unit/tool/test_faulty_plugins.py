@@ -247,3 +247,43 @@ def test_malformed_entry_points(
     errors = capfd.readouterr().err
     assert "internal error" not in errors
     assert "Traceback" not in errors
+
+
+TRANSPORT = """
+class Transport:
+    def serve(self, component):
+        {serve}
+
+    def withdraw(self, component):
+        {withdraw}
+
+    def reach(self, consumer_interface, provider):
+        return provider
+
+    def await_others(self, seconds):
+        {await_others}
+
+    def is_ready(self, instance, before):
+        {is_ready}
+
+
+@contextmanager
+def Y(*_, **__):
+    yield Transport()
+    {end}
+"""
+
+
+@pytest.mark.parametrize("method", ["serve", "await_others", "end"])
+def test_a_transport_that_fails_during_a_run_is_named(
+    install: Install, capfd: pytest.CaptureFixture[str], method: str
+) -> None:
+    lines = dict.fromkeys(("serve", "withdraw", "await_others", "end"), "pass")
+    lines["is_ready"] = "return True"
+    module = HEAD + TRANSPORT.format_map({**lines, method: "raises()"})
+    install(module, "[rtgen.transports]\nacme = acme_rtgen:Y\n")
+    assert run([*GROUPS["transports"]]) == 3
+    errors = capfd.readouterr().err
+    named = "the plug-in 'acme' of rtgen.transports failed: RuntimeError: first line"
+    assert f"error[ENV0001]: {named} second line\n" in errors
+    assert "internal error" not in errors

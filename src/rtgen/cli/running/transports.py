@@ -181,7 +181,13 @@ def opened(
             with ExitStack() as stack:
                 with calling():
                     transport = stack.enter_context(brought(given, simulated=simulated))
-                yield transport
+                try:
+                    yield transport
+                except Exception as error:
+                    if plugins.is_passed_by(entry, error):
+                        with calling():
+                            raise
+                    raise
                 with calling():
                     stack.close()
             return
