@@ -62,13 +62,15 @@ def test_back_ends_are_not_asked_after_errors(pipeline: Pipeline) -> None:
 def test_plug_ins_follow_the_built_in_ones(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    (tmp_path / "rtgen_some_plugin.py").write_text("BACKEND = 'the back end'\n")
+    (tmp_path / "rtgen_some_plugin.py").write_text(
+        "class BACKEND:\n    name = 'the back end'\n"
+    )
     monkeypatch.syspath_prepend(tmp_path)
     entry = metadata.EntryPoint(
         "x", "rtgen_some_plugin:BACKEND", plugins.Group.BACKENDS
     )
     monkeypatch.setattr(plugins, "announced", lambda *_: (entry,))
-    names = [getattr(b, "name", b) for b in stage.backends()]
+    names = [backend.name for backend in stage.backends()]
     assert names[-1] == "the back end"
     assert len(names) == len(stage.BUILT_IN) + 1
 
