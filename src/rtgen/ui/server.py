@@ -25,7 +25,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from rtgen.runtime.cdr import CdrError
-from rtgen.runtime.requests import Client
+from rtgen.runtime.requests import Client, Rates
 from rtgen.ui.commands import Commands
 from rtgen.ui.errors import BAD_MESSAGE
 from rtgen.ui.outbox import Outbox
@@ -48,6 +48,10 @@ MAX_PAGES: Final = 64
 """Maximum number of pages with full rights, and of pages that may only look."""
 TOO_MANY: Final = 1013
 """The code that closes the socket of a further page (RFC 6455, 7.4.2)."""
+JOINS: Final = 20.0
+"""Sockets of pages without full rights that are opened at once, and in each second after."""
+_LONGEST_JOIN: Final = 5.0
+"""Longest time for which such a socket waits [s]."""
 _WAITING: Final = {True: 64, False: 8}
 """Maximum number of waiting requests of a page, by whether it has full rights."""
 _ENCODING: Final = {
@@ -97,9 +101,12 @@ def application(session: Served, tokens: Tokens, page: Path = PAGE) -> Starlette
     """Return the ASGI application. The session's runner must be started."""
     commands = session if isinstance(session, Recorded) else Commands(session)
     pages = Counter[bool]()
+    joining = Rates(JOINS, JOINS, JOINS)
 
     async def socket(websocket: WebSocket) -> None:
         right = tokens.right(websocket.query_params.get("token", ""))
+        if not right:
+            await asyncio.sleep(min(joining.delay(None, 1), _LONGEST_JOIN))
         offered = websocket.scope.get("subprotocols", ())
         # A page can only read the code of a socket that was open, which needs its protocol.
         await websocket.accept(

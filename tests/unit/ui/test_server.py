@@ -5,9 +5,10 @@ from __future__ import annotations
 import asyncio
 import threading
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from http.client import HTTPConnection
 from pathlib import Path
+from select import select
 from socket import SHUT_WR, create_connection
 from typing import Any
 
@@ -319,3 +320,24 @@ def test_a_missing_page_is_told(served: Server, tmp_path: Path) -> None:
     request = Request({"type": "http", "path_params": {}, "headers": []})
     answer = asyncio.run(_file(tmp_path, lambda _: "index.html")(request))
     assert answer.status_code == 503
+
+
+def test_pages_that_may_only_look_join_one_after_the_other(served: Server) -> None:
+    """The last test of this server: its pages without full rights wait for some time."""
+    place = served.host, served.port
+    opening = (
+        f"GET /socket?token={served.tokens.read_only} HTTP/1.1\r\n"
+        f"Host: {served.host}:{served.port}\r\nUpgrade: websocket\r\n"
+        "Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+        "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n"
+    ).encode()
+    with ExitStack() as stack:
+        flood = [stack.enter_context(create_connection(place)) for _ in range(300)]
+        for each in flood:
+            each.sendall(opening)
+        assert flood[0].recv(1)
+        with opened(served, served.tokens.full) as operator:
+            assert joined(operator).components
+        # The operator has not waited for those who came before.
+        answered, _, _ = select(flood, [], [], 0)
+        assert 0 < len(answered) < len(flood) / 2
