@@ -47,7 +47,7 @@ class CanopenManagerBase(
     failure of a mandatory node leads to ERROR.
     """
 
-    config = configuration(CanopenManagerConfiguration)
+    config: CanopenManagerConfiguration = configuration(CanopenManagerConfiguration)
     states = outport(canopen.NodeState, "The state of a node, sent on each change.")
     manager = provider(
         canopen.Manager,

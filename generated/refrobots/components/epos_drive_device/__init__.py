@@ -143,7 +143,7 @@ class EposDriveDeviceBase(
     InPorts get the received data, data written to OutPorts are transmitted.
     """
 
-    config = configuration(EposDriveDeviceConfiguration)
+    config: EposDriveDeviceConfiguration = configuration(EposDriveDeviceConfiguration)
     tpdo1 = outport(eposdrive.Tpdo1, "TPDO 1: Statusword, Modes_of_operation_display.")
     tpdo2 = outport(
         eposdrive.Tpdo2,

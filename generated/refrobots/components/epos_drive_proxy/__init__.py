@@ -58,7 +58,7 @@ class EposDriveProxyBase(
     The life cycle follows the NMT state of the device.
     """
 
-    config = configuration(EposDriveProxyConfiguration)
+    config: EposDriveProxyConfiguration = configuration(EposDriveProxyConfiguration)
     tpdo1 = outport(eposdrive.Tpdo1, "TPDO 1: Statusword, Modes_of_operation_display.")
     tpdo2 = outport(
         eposdrive.Tpdo2,

@@ -112,7 +112,7 @@ class FPaletteDeviceBase(
     InPorts get the received data, data written to OutPorts are transmitted.
     """
 
-    config = configuration(FPaletteDeviceConfiguration)
+    config: FPaletteDeviceConfiguration = configuration(FPaletteDeviceConfiguration)
     tpdo1 = outport(
         fpalette.Tpdo1,
         "TPDO 1: Digital_inputs_1_to_8, Digital_inputs_9_to_16.",

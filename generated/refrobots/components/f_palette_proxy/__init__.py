@@ -44,7 +44,7 @@ class FPaletteProxyBase(
     The life cycle follows the NMT state of the device.
     """
 
-    config = configuration(FPaletteProxyConfiguration)
+    config: FPaletteProxyConfiguration = configuration(FPaletteProxyConfiguration)
     tpdo1 = outport(
         fpalette.Tpdo1,
         "TPDO 1: Digital_inputs_1_to_8, Digital_inputs_9_to_16.",

@@ -126,7 +126,7 @@ class FtmdDeviceBase(
     InPorts get the received data, data written to OutPorts are transmitted.
     """
 
-    config = configuration(FtmdDeviceConfiguration)
+    config: FtmdDeviceConfiguration = configuration(FtmdDeviceConfiguration)
     tpdo1 = outport(ftmd.Tpdo1, "TPDO 1: Statusword, Modes_of_operation_display.")
     tpdo2 = outport(ftmd.Tpdo2, "TPDO 2: Position_actual_value, Velocity_actual_value.")
     tpdo3 = outport(ftmd.Tpdo3, "TPDO 3: Torque_actual_value, Current_actual_value.")

@@ -134,7 +134,9 @@ class MotorCoreUnitDeviceBase(
     InPorts get the received data, data written to OutPorts are transmitted.
     """
 
-    config = configuration(MotorCoreUnitDeviceConfiguration)
+    config: MotorCoreUnitDeviceConfiguration = configuration(
+        MotorCoreUnitDeviceConfiguration,
+    )
     tpdo1 = outport(
         motorcoreunit.Tpdo1,
         "TPDO 1: Statusword, Modes_of_operation_display.",

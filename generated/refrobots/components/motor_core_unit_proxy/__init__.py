@@ -48,7 +48,9 @@ class MotorCoreUnitProxyBase(
     The life cycle follows the NMT state of the device.
     """
 
-    config = configuration(MotorCoreUnitProxyConfiguration)
+    config: MotorCoreUnitProxyConfiguration = configuration(
+        MotorCoreUnitProxyConfiguration,
+    )
     tpdo1 = outport(
         motorcoreunit.Tpdo1,
         "TPDO 1: Statusword, Modes_of_operation_display.",

@@ -160,6 +160,7 @@ class _BaseModule:
             configuration=self._configuration if declared else "",
             configuration_base=parameters.name,
             declare=self._function("configuration") if declared else "",
+            stated=bool(component.runtime_base),
             fields=[*filter(None, starmap(self._field, attributes.configuration))],
             ports=[*starmap(self._port, attributes.ports)],
         )

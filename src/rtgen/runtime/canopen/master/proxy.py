@@ -7,12 +7,11 @@ transition are listed in `docs/canopen.md`.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final
+from typing import Any, Final
 
 from rtgen.runtime.canopen import values
 from rtgen.runtime.canopen.bus.links import open_link
 from rtgen.runtime.canopen.bus.sdo_channel import Outcome, SdoChannel
-from rtgen.runtime.canopen.configuration import ProxyConfiguration
 from rtgen.runtime.canopen.description import (
     ObjectNumber,
     ObjectValue,
@@ -63,7 +62,8 @@ class CanopenProxy(ProxyHooks, Component):
     in `on_execute`, in order of arrival; `lost` counts those dropped because the queue was full.
     """
 
-    config: ProxyConfiguration
+    config: Any
+    """The `ProxyConfiguration`."""
 
     def __init__(self, instance_name: str | None = None) -> None:
         super().__init__(instance_name)

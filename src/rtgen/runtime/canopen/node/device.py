@@ -54,7 +54,8 @@ class CanopenDevice(DeviceHooks, Component):
     must hold `bus_lock`.
     """
 
-    config: DeviceConfiguration
+    config: Any
+    """The `DeviceConfiguration`."""
     self_start = False
     """Whether the device enters OPERATIONAL without a master."""
     merged_stop = False
@@ -147,7 +148,7 @@ class CanopenDevice(DeviceHooks, Component):
         return super().lost + sum(port.lost for _, port, _ in self._outlets)
 
     def _join_bus(self) -> Link:
-        config = self.config
+        config: DeviceConfiguration = self.config
         node = self.node
         self.merged_stop = self.merged_stop or config.merged_stop
         node.self_start, node.merged_stop = self.self_start, self.merged_stop

@@ -115,7 +115,7 @@ class SamplerDeviceBase(
     InPorts get the received data, data written to OutPorts are transmitted.
     """
 
-    config = configuration(SamplerDeviceConfiguration)
+    config: SamplerDeviceConfiguration = configuration(SamplerDeviceConfiguration)
     tpdo1 = outport(
         sampler.Tpdo1,
         "TPDO 1: Switch_2001_00, Gear, Level, Raw_value, Scale_factor.",

@@ -159,7 +159,9 @@ class SamplerPiecesDeviceBase(
     InPorts get the received data, data written to OutPorts are transmitted.
     """
 
-    config = configuration(SamplerPiecesDeviceConfiguration)
+    config: SamplerPiecesDeviceConfiguration = configuration(
+        SamplerPiecesDeviceConfiguration,
+    )
     Switch_2001_00_out = outport(rtc.TimedBoolean, "Switch (2001h, BOOLEAN)")
     Gear_out = outport(rtc.TimedShort, "Gear (2002h, INTEGER8)")
     Level_out = outport(rtc.TimedUShort, "Level (2003h, UNSIGNED16)")

@@ -45,7 +45,9 @@ class SamplerPiecesProxyBase(
     The life cycle follows the NMT state of the device.
     """
 
-    config = configuration(SamplerPiecesProxyConfiguration)
+    config: SamplerPiecesProxyConfiguration = configuration(
+        SamplerPiecesProxyConfiguration,
+    )
     Switch_2001_00_out = outport(rtc.TimedBoolean, "Switch (2001h, BOOLEAN)")
     Gear_out = outport(rtc.TimedShort, "Gear (2002h, INTEGER8)")
     Level_out = outport(rtc.TimedUShort, "Level (2003h, UNSIGNED16)")

@@ -58,7 +58,7 @@ class SamplerProxyBase(
     The life cycle follows the NMT state of the device.
     """
 
-    config = configuration(SamplerProxyConfiguration)
+    config: SamplerProxyConfiguration = configuration(SamplerProxyConfiguration)
     tpdo1 = outport(
         sampler.Tpdo1,
         "TPDO 1: Switch_2001_00, Gear, Level, Raw_value, Scale_factor.",
