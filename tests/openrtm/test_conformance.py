@@ -134,7 +134,10 @@ class Module:
 
     def ports(self, kind: str, made: dict[Any, Any]) -> dict[Any, Any]:
         """Return ports of the behaviour that are in its definition: it may add others."""
-        defined = self.behaviour.profile.ports
+        bases = type(self.behaviour).__mro__
+        generated = (each for each in bases if each.__name__ == f"{self.name}Base")
+        base = next(generated, bases[0])
+        defined = base.profile.ports
         keys = {
             (p.port, p.instance) if p.port else p.name
             for p in defined

@@ -16,7 +16,7 @@ from rtgen.formatting.tokens import (
     Token,
 )
 from rtgen.formatting.wrapping import LAST_RESORT, Frame, Piece, moved, wrapped
-from rtgen.frontends.kit.doc_comments import is_documentation
+from rtgen.frontends.kit.doc_comments import is_trailing
 from rtgen.limits import MAX_NESTING
 
 MAX_CHARACTERS = 32 * 1024 * 1024
@@ -237,10 +237,13 @@ class Layout:
         return self._comments_end
 
     def _documents(self, comment: Token, follower: Token) -> bool:
-        """Return whether a comment between two declarations on a line belongs to the second."""
+        """Return whether a comment between two declarations on a line goes with the second.
+
+        At the end of the line of the first, it would document that.
+        """
         opened = self._last is not None and self._last.text in ("{", ":")
         ends = follower.breaks or follower.text == "}" or follower.kind is Kind.END
-        return is_documentation(comment.text) and not (opened or ends)
+        return not (is_trailing(comment.text) or opened or ends)
 
     def _may_follow(self) -> bool:
         last = self._last

@@ -283,6 +283,6 @@ PROBES = [
     alone(
         "list parameter",
         'component C { @default("1,2") attribute string a; };',
-        C="component C; parameter a: string = 1,2",
+        C='component C; parameter a: string = "1,2"',
     ),
 ]

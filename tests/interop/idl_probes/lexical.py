@@ -31,7 +31,7 @@ PROBES = [
         "shift-jis in a string",
         'const string A = "能力";'.encode("shift-jis"),
         "TXT0005",
-        A="const A: string = 能力",
+        A='const A: string = "能力"',
     ),
     # omniidl reads the comment up to the line feed
     alone(

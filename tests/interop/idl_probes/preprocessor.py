@@ -257,7 +257,7 @@ PROBES = [
         "__DATE__",
         "const string D = __DATE__;",
         "IDL0027",
-        D="const D: string = Jan  1 1970",
+        D='const D: string = "Jan  1 1970"',
     ),
     same("long line", " " * 300_000 + _S),
     refused("unknown directive", "#inclde <x>\n" + _S, "IDL0021"),

@@ -33,6 +33,12 @@ class Node:
     def after(self, number: Number) -> int | None:
         return self._after.get(number)
 
+    def states(self, number: Number) -> bool:
+        return number in self._before
+
+    def configured(self, number: Number) -> int | None:
+        return None
+
     def moves(self, number: Number) -> bool:
         before, after = self.before(number) or 0, self.after(number) or 0
         return before & ~FLAGS != after & ~FLAGS

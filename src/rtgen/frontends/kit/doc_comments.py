@@ -139,10 +139,14 @@ class Docs:
         return self._text[end - 1 : end].strip()
 
 
+def is_trailing(text: str) -> bool:
+    """Return whether a comment says that it documents the declaration before it."""
+    return text.startswith(_TRAILING)
+
+
 def is_documentation(text: str) -> bool:
     """Return whether a comment documents the declaration that follows it."""
-    before = text.startswith(_TRAILING) or text == "/**/"
-    return text.startswith(_DOCUMENTING) and not before
+    return text.startswith(_DOCUMENTING) and not (is_trailing(text) or text == "/**/")
 
 
 def _stripped(text: str) -> str:
