@@ -61,7 +61,7 @@ IDL = [
 COMMENTS = [
     ("long a;// x\n", "long a; // x\n"),
     ("struct S{ // x\nlong a;/* y */long b;\n// z\n};",
-     "struct S { // x\n    long a; /* y */\n    long b;\n    // z\n};\n"),
+     "struct S { // x\n    long a;\n    /* y */ long b;\n    // z\n};\n"),
     ("/** doc */ struct S;", "/** doc */ struct S;\n"),
     ("interface I {\nvoid f(in long a, // x\n  in long b /* y */);\n};",
      "interface I {\n    void f(in long a, // x\n           in long b /* y */);\n};\n"),

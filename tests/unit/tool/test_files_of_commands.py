@@ -377,11 +377,15 @@ def runs(project: Path) -> Iterator[Runs]:
 
 
 def state(folder: Path) -> dict[str, tuple[int, int, int]]:
-    """Return the files of the user, each with its number, size and time."""
+    """Return the files of the user, without bytecode, each with its number, size and time."""
     kept = [folder / name for name in ("definitions", "systems", "src", "generated")]
     files = [file for each in kept for file in each.rglob("*")] + [*folder.glob("*.*")]
     found = {
-        str(file): file.stat() for file in files if not file.name.startswith("bad")
+        str(file): file.stat()
+        for file in files
+        if file.is_file()
+        and not file.name.startswith("bad")
+        and file.parent.name != "__pycache__"
     }
     return {name: (s.st_ino, s.st_size, s.st_mtime_ns) for name, s in found.items()}
 

@@ -114,9 +114,11 @@ def test_lines_between_their_boxes_are_drawn(
     page.keyboard.press("Delete")
     until(page, lambda: not connected())
     edge.wait_for(state="detached")  # the page refuses what it knows as connected
-    page.get_by_label(f"out port {source}").drag_to(
-        page.get_by_label(f"in port {target}")
-    )
+    page.get_by_label(f"out port {source}").hover()
+    page.mouse.down()
+    page.get_by_label(f"in port {target}").hover(force=True)
+    page.locator(".port.refused").first.wait_for()  # it knows the ends that fit
+    page.mouse.up()
     until(page, connected)
     refused = page.get_by_label(f"in port {names}/Navigation0.min_path")
     page.get_by_label(f"out port {source}").hover()

@@ -98,7 +98,7 @@ def test_edits_are_discarded_only_when_the_user_says_so(
     assert session.file == file
     assert chooser.input_value() == file
     press(page.get_by_role("button", name="Save", exact=True))
-    page.get_by_role("status").filter(has_text="Saved").wait_for()
+    page.get_by_role("status").filter(has_text=f"Saved {file}").wait_for()
     edit(page, session)
     chooser.select_option(session.project.systems[1])
     press(question.get_by_role("button", name="Discard edits"))
