@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from enum import IntEnum
+
 import pytest
 
 from refrobots import rtc
@@ -11,6 +13,7 @@ from rtgen.runtime import (
     Component,
     ComponentProfile,
     Configuration,
+    ConfigurationError,
     DuplicatePortError,
     InPort,
     ParameterProfile,
@@ -22,6 +25,12 @@ from rtgen.runtime import (
     parameter,
     provider,
 )
+
+
+class Sort(IntEnum):
+    """An enumeration."""
+
+    LEFT = 0
 
 
 class Gains(Configuration):
@@ -173,3 +182,11 @@ def test_unknown_facts_are_refused() -> None:
 
         class Wrong(Component, colour="red"):
             pass
+
+
+@pytest.mark.parametrize("default", [[1.0], Sort.LEFT, 1j])
+def test_a_default_without_a_type_of_its_own_needs_one(default: object) -> None:
+    with pytest.raises(ConfigurationError, match="parameter 'p' does not state"):
+
+        class Wrong(Configuration):
+            p: object = parameter(default)

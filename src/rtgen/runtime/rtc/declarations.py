@@ -13,6 +13,7 @@ class Lamp(Component, type_name="Lamp", category="Demo", rate=100.0):
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 from copy import copy
 from enum import Enum
@@ -23,6 +24,7 @@ from msgspec import Struct, StructMeta, field
 from msgspec.structs import replace
 
 from rtgen.facts.parameter_texts import default_text
+from rtgen.runtime.errors import ConfigurationError
 from rtgen.runtime.marshalling.descriptors import DataType
 from rtgen.runtime.ports.data_ports import InPort, OutPort
 from rtgen.runtime.rtc.profiles import ComponentProfile, ParameterProfile, PortProfile
@@ -42,7 +44,7 @@ _TYPES: Mapping[type, str] = {
 """The IDL types of parameters whose declaration names none."""
 
 
-class Declaration:
+class Declaration(ABC):
     """A port or the configuration, declared in the class of a component.
 
     Each instance has its own in the attribute `name`.
@@ -53,9 +55,9 @@ class Declaration:
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
 
+    @abstractmethod
     def add_to(self, component: Any) -> None:
         """Add what is declared to a component, as an attribute."""
-        raise NotImplementedError
 
 
 class PortDeclaration(Declaration):
@@ -183,13 +185,22 @@ class _Parameter(Struct, frozen=True, gc=False):
     text: str | None
 
     def named(self, attribute: str) -> ParameterProfile:
-        """Return the profile with the names, the type and the text that are not declared."""
+        """Return the profile with the names, the type and the text that are not declared.
+
+        Raises ConfigurationError for a default without a type of its own.
+        """
         known = self.profile
+        type_ = known.type or _TYPES.get(type(self.default))
+        if type_ is None:
+            raise ConfigurationError(
+                f"parameter {attribute!r} does not state the IDL type of {self.default!r},"
+                ' such as type="sequence<double>"'
+            )
         text = default_text(self.default) if self.text is None else self.text
         return ParameterProfile(
             known.name or attribute,
             attribute,
-            known.type or _TYPES[type(self.default)],
+            type_,
             text,
             known.minimum,
             known.maximum,
