@@ -16,6 +16,7 @@ from fuzzing import ViolationError, log_uniform
 from msgspec.structs import replace
 
 from rtgen.diagnostics import Diagnostic
+from rtgen.facts.encodings import decode
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.cdl import load as load_cdl
 from rtgen.frontends.eds import load as load_eds
@@ -102,7 +103,14 @@ class TextsTarget:
         if found == expected:
             return f"guessed {name}"
         doubted = any(d.code in _DOUBTS for d in self._diagnostics)
-        characters = sum(not c.isascii() for text in files.values() for c in text)
+        wrong = [
+            text
+            for text in files.values()
+            if decode(encoded(text, ASKED[name])).text != text
+        ]
+        characters = max(
+            sum(not c.isascii() for c in text) for text in wrong or files.values()
+        )
         if not doubted and characters > _MANY:
             raise ViolationError(f"{name} with {characters} characters read otherwise")
         return f"{'doubted' if doubted else 'wrong'} {name}"

@@ -198,7 +198,7 @@ class Layout:
         end = self._end_of_comments(index)
         follower = self._tokens[end]
         behind = not token.breaks and self.lines and self._may_follow()
-        if behind and not self._documents(token, follower):
+        if behind and not self._precedes(token, follower):
             self._add_trailing(
                 self.lines[-1], _stripped(token.text), self._column(token)
             )
@@ -236,7 +236,7 @@ class Layout:
             self._comments_end = end
         return self._comments_end
 
-    def _documents(self, comment: Token, follower: Token) -> bool:
+    def _precedes(self, comment: Token, follower: Token) -> bool:
         """Return whether a comment between two declarations on a line goes with the second.
 
         At the end of the line of the first, it would document that.
