@@ -12,8 +12,10 @@ import struct
 import threading
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from pathlib import Path
+from queue import Queue
 from types import ModuleType
 from typing import Any
 from uuid import uuid4
@@ -46,7 +48,7 @@ from rtgen.runtime.ros2.services import (
     ServiceJoint,
     messages_of,
 )
-from rtgen.runtime.services.servants import CallTimeout, ObjectNotExist, ServiceError
+from rtgen.runtime.services.servants import CallEnded, CallTimeout, ObjectNotExist, ServiceError
 
 cyclonedds = pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
 zenoh = pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")
@@ -502,6 +504,23 @@ def test_a_call_that_waits_ends_with_the_run(
     system.close()
     assert component.ended == ["call", "deactivated"]
     assert not [r for r in caplog.records if r.levelno >= logging.ERROR]
+
+
+def test_each_call_that_the_run_ends_says_so(lamp: ModuleType, stack: ExitStack) -> None:
+    """Zenoh ends the replies of a call before its token says that it is cancelled."""
+    network, plain, _ = zenoh_pair(stack)
+    stack.callback(network.close)
+    asked: Queue[Any] = Queue()
+    queryable = plain.declare_queryable(zenoh_key(lamp), asked.put, complete=True)
+    stack.callback(queryable.undeclare)
+    call = network.client(service(lamp))
+    pool = stack.enter_context(ThreadPoolExecutor(1))
+    for _ in range(200):
+        waits = pool.submit(call, b"", PATIENCE)
+        asked.get(timeout=PATIENCE)
+        network.end_calls()
+        with pytest.raises(CallEnded):
+            waits.result(PATIENCE)
 
 
 SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>

@@ -226,12 +226,13 @@ class ZenohNetwork:
                         response: bytes = reply.ok.payload.to_bytes()
                         return response
             except zenoh.ZError as error:
-                if not token.is_cancelled:
+                if token in calls:
                     message = f"{service.name}: {error}"
                     raise CommunicationFailure(message) from error
             finally:
+                ended = token not in calls
                 calls.discard(token)
-            if token.is_cancelled:
+            if ended:
                 raise CallEnded(f"the run ended while a call of {service.name} waited")
             if time.monotonic() - started >= timeout:
                 raise CallTimeout(f"no response of {service.name}")
@@ -256,6 +257,8 @@ class ZenohNetwork:
     def end_calls(self) -> None:
         """See `RosNetwork`."""
         for token in tuple(self._calls):
+            # Before: a token says that it is cancelled only after the replies have ended.
+            self._calls.discard(token)
             token.cancel()
 
     def close(self) -> None:
