@@ -1,6 +1,7 @@
 """Each folder below `cases` is a run of rtgen: a new test needs a folder, no code.
 
-`case.toml` has the command line (`arguments`) and its `exit` code; `input/` is the working folder;
+`case.toml` has the command line (`arguments`) and its `exit` code, those of `rtgen lint` also the
+`rules` that they are about; `input/` is the working folder;
 `expected/` has the written files, some condensed by `digest` and `like` of `case.toml` (README.md);
 `stdout.txt` and `stderr.txt` are the output.
 """
@@ -9,12 +10,15 @@ from __future__ import annotations
 
 import shutil
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import pytest
 from condensed import condensed
 
 from rtgen.cli import run
+from rtgen.diagnostics import explain
 
 CASES = Path(__file__).parent / "cases"
 
@@ -26,6 +30,18 @@ def files_of(folder: Path) -> dict[str, bytes]:
         for file in sorted(folder.rglob("*"))
         if file.is_file() and file.suffix != ".pyc"
     }
+
+
+def arguments(settings: Mapping[str, Any]) -> list[str]:
+    """Return the command line of a case; `rtgen lint` ignores the rules that it is not about.
+
+    So a new rule changes no other case.
+    """
+    line: list[str] = settings["arguments"]
+    if line[0] != "lint":
+        return line
+    others = explain.rules().keys() - settings["rules"]
+    return [*line, *(f"--ignore={code}" for code in sorted(others))]
 
 
 def renew(case: Path, stored: dict[str, str], streams: dict[str, str]) -> None:
@@ -60,7 +76,7 @@ def test_case(
     before, places = files_of(work), set(work.rglob("*"))
     monkeypatch.chdir(work)
     monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
-    code = run(settings["arguments"])
+    code = run(arguments(settings))
     out, err = capfd.readouterr()
     after = files_of(work)
     written = {name: data for name, data in after.items() if before.get(name) != data}
