@@ -31,7 +31,7 @@ endif
 endif
 endif
 
-.PHONY: demo gallery test check format lint types mypy pyright imports drift pytest waits peers test-openrtm interpreters interpreter interpreted lowest lock licences wheels ui page pictures fuzz mutants soak bench clean
+.PHONY: demo gallery test nightly dear format lint types mypy pyright imports drift pytest waits peers test-openrtm interpreters interpreter interpreted lowest lock licences wheels release ui page pictures fuzz mutants soak bench clean
 
 demo: $(VENV)/demo.stamp
 	$(BIN)/rtgen generate
@@ -45,11 +45,17 @@ demo: $(VENV)/demo.stamp
 gallery: $(VENV)/test.stamp
 	$(BIN)/python tests/reference/gallery.py
 
-# Tests wait for clocks and processes now and then; what else is checked is done meanwhile. Fast tests
-# whose results do not depend on the interpreter are left to the further one.
-test: SELECTED = not once or slow or peer or random
+# Tests wait for clocks and processes now and then; what else is checked is done meanwhile.
+# `make test WING=compiler` runs the tests of tests/compiler alone.
 test: $(VENV)/uv.stamp
-	$(MAKE) --no-print-directory -j 4 pytest waits interpreters lint types imports drift SELECTED='$(SELECTED)'
+	$(MAKE) --no-print-directory -j 4 pytest waits $(if $(WING),,lint types imports drift)
+
+# What takes longer: tests marked `nightly`, the random tests with more inputs, drawn by another seed each
+# time, the fast tests on a further interpreter with the coverage of lines, and what a release consists of.
+nightly: export RTGEN_SEED ?= $(shell date +%s)
+nightly: export RTGEN_BUDGET ?= 5
+nightly: $(VENV)/uv.stamp
+	$(MAKE) --no-print-directory -j 4 dear interpreters release
 
 CHECKED = src tests benchmarks requirements editors hatch_build.py mkdocs_hooks.py ui/build.py
 
@@ -75,13 +81,17 @@ drift: $(VENV)/test.stamp
 # Each worker begins with a half of the files, so what tests of a file share is made once.
 # Assertions that show their values take time to be compiled: only what fails has them.
 pytest: $(VENV)/test.stamp page peers
-	$(call PYTEST,build/pytest,-m "not waits$(SELECTION)")
+	$(call PYTEST,build/pytest,-m "not waits and not nightly" $(FOLDER))
 
 # Tests that wait for clocks and processes most of their time, and need no processor meanwhile.
 waits: $(VENV)/test.stamp page peers
-	$(call PYTEST,build/pytest-waits,-m "waits$(SELECTION)" $(shell grep -rl --include='*.py' mark.waits tests))
+	$(if $(WAITING),$(call PYTEST,build/pytest-waits,-m "waits and not nightly" $(WAITING)))
 
-SELECTION = $(if $(SELECTED), and ($(SELECTED)))
+dear: $(VENV)/test.stamp page peers
+	$(call PYTEST,build/pytest-nightly,-m "nightly or random" $(FOLDER))
+
+FOLDER = tests$(if $(WING),/$(WING))
+WAITING = $(shell grep -rl --include='*.py' mark.waits $(FOLDER))
 
 define PYTEST
 $(BIN)/pytest -n 2 --dist worksteal --assert=plain -o cache_dir=$(1) $(2) || \
@@ -139,11 +149,25 @@ wheels: $(VENV)/release.stamp ui
 	    --output-file dist/rtgen.cdx.json build/bare/bin/python
 	$(BIN)/python requirements/page.py dist/rtgen.cdx.json
 
+# What a release publishes, built twice and compared, with its notes; nothing is published. `TAG=v1.2.3`:
+# the version is that of the tag, and its notes are in the changelog.
+release: $(VENV)/release.stamp
+	$(MAKE) --no-print-directory wheels LOCKED=1
+	rm -rf build/first && mv dist build/first
+	$(MAKE) --no-print-directory wheels LOCKED=1
+	diff --recursive build/first dist
+	$(if $(TAG),test "$(TAG)" = "v$(VERSION_OF_RTGEN)" && test -z "$(FRAGMENTS)",\
+	    $(BIN)/towncrier build --draft --version "$(VERSION_OF_RTGEN)")
+
+VERSION_OF_RTGEN = $(lastword $(shell $(BIN)/rtgen --version))
+FRAGMENTS = $(wildcard changelog.d/*.md)
+
 # `make fuzz DOOR=idl SECONDS=600` explores one place where octets enter (tests/fuzz/doors, `all` for
 # each), guided by coverage; `TOTAL=1000000` passes it that number of inputs, faster and without coverage;
 # `TYPES=2000` checks the packages generated from that number of accepted inputs. Without DOOR:
 # The random tests with thirty times their inputs, others each time: `make fuzz RTGEN_SEED=7` repeats them.
-# Those of `make test` are drawn by the commit; `make test RTGEN_SEED=7` by another seed.
+# Those of `make test` are drawn by the commit; `make test RTGEN_SEED=7` by another seed, `make nightly`
+# by another one each time.
 fuzz: SECONDS ?= 60
 fuzz: export RTGEN_SEED ?= $(shell date +%s)
 fuzz: export RTGEN_BUDGET ?= 30

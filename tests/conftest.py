@@ -7,7 +7,6 @@ import os
 import re
 import shutil
 import signal
-from functools import cache
 from itertools import count
 from pathlib import Path
 
@@ -32,39 +31,6 @@ gc.disable()
 
 TESTS = Path(__file__).parent
 _FOLDERS = count()
-ONCE = (
-    "distribution",
-    "golden",
-    "openrtm",
-    "reference",
-    "ros2",
-    "transports",
-    "unit/canopen",
-    "unit/cdl",
-    "unit/components",
-    "unit/corba",
-    "unit/diff",
-    "unit/eds",
-    "unit/facts",
-    "unit/formatting",
-    "unit/idl",
-    "unit/language_server",
-    "unit/lint",
-    "unit/openrtm",
-    "unit/quoting",
-    "unit/recording",
-    "unit/rosidl",
-    "unit/small",
-    "unit/tecs",
-    "unit/tool",
-    "unit/units",
-)
-"""Folders of tests whose results do not depend on the interpreter.
-
-The compiler and its commands, simulated robots, protocols, transports, and OpenRTM's modules. The
-codecs and the runtime, which compile Python code and use threads, are tested on each.
-"""
-
 DRAWN = {seeds.seed, seeds.budget, seeds.cases}
 """A file that uses one of them has tests with many drawn inputs."""
 
@@ -112,17 +78,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         is_random = any(getattr(item.module, f.__name__, None) is f for f in DRAWN)
         if is_random:
             item.add_marker("random")
-        if _is_the_same_everywhere(item.path.parent):
-            item.add_marker("once")
         if is_random or item.get_closest_marker("slow"):
             item.add_marker("no_cover")
-
-
-@cache
-def _is_the_same_everywhere(folder: Path) -> bool:
-    """Whether the tests of a folder are the same on each interpreter."""
-    inside = folder.relative_to(TESTS)
-    return any(inside.is_relative_to(name) for name in ONCE)
 
 
 def _turn(item: pytest.Item) -> tuple[bool, bool]:

@@ -28,7 +28,7 @@ PROCESSES = "2"
 """Number of parallel test processes."""
 
 SELECTED = "not slow and not peer and not random"
-"""The markers of the tests; `make test` runs the others, and all that are not `once`, before."""
+"""The markers of the tests that are tried on further interpreters."""
 
 ENVIRONMENTS = ROOT / "build" / "interpreters"
 

@@ -14,7 +14,6 @@ import soak
 
 Steps = Iterator[tuple[int, tuple[int, ...]]]
 COUNT = 5000
-pytestmark = pytest.mark.once
 
 
 @pytest.fixture(autouse=True)

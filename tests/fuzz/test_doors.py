@@ -28,7 +28,6 @@ def quiet() -> Iterator[None]:
         logging.disable(logging.NOTSET)
 
 
-@pytest.mark.once
 @pytest.mark.parametrize("name", MODULES)
 def test_kept_inputs(name: str, tmp_path: Path) -> None:
     opened = door(name, tmp_path)
@@ -40,7 +39,6 @@ def test_kept_inputs(name: str, tmp_path: Path) -> None:
     assert all(accepted) == (name in TAKES_ALL), "only what is accepted was kept"
 
 
-@pytest.mark.once
 @pytest.mark.parametrize("name", MODULES)
 def test_drawn_inputs(name: str, tmp_path: Path) -> None:
     opened = door(name, tmp_path)

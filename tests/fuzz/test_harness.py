@@ -15,8 +15,6 @@ import harness
 import pytest
 from doors import Door, door
 
-pytestmark = pytest.mark.once
-
 
 @pytest.fixture(autouse=True)
 def logging_goes_on() -> Iterator[None]:

@@ -37,7 +37,6 @@ FILES = sorted(
 PARTS = 6
 
 
-@pytest.mark.once
 @pytest.mark.parametrize("part", range(PARTS))
 def test_tokens_and_comments_stay(part: int) -> None:
     for name in FILES[part::PARTS]:
@@ -70,7 +69,6 @@ READABLE = [
 ]
 
 
-@pytest.mark.once
 @pytest.mark.parametrize("part", range(PARTS))
 def test_the_model_stays(
     part: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

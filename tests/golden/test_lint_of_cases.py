@@ -34,7 +34,6 @@ def refused() -> dict[str, set[str]]:
 REFUSED = refused()
 
 
-@pytest.mark.once
 @pytest.mark.parametrize("case", REFUSED)
 def test_lint_knows_the_errors(
     case: str,

@@ -20,7 +20,7 @@ from rtgen.runtime.corba.orb import Orb
 from rtgen.runtime.corba.rt_objects.objects import Exported
 from rtgen.runtime.corba.rt_objects.remote import RemoteRtc
 
-pytestmark = [*cpp_build.needed, pytest.mark.once, pytest.mark.waits]
+pytestmark = [*cpp_build.needed, pytest.mark.waits]
 
 LIMIT = ("-ORBgiopMaxMsgSize", "8192")
 """The least limit that omniORB has."""

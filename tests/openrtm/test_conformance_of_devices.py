@@ -9,7 +9,7 @@ import cpp_build
 import pytest
 from devices import Processes
 
-pytestmark = [*cpp_build.needed, pytest.mark.once, pytest.mark.waits]
+pytestmark = [*cpp_build.needed, pytest.mark.waits]
 
 DEFINITION = """\
 #include "BasicDataType.idl"

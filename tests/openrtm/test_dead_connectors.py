@@ -11,7 +11,7 @@ from devices import Processes
 from logged_process import LoggedProcess
 from watching_page import Page
 
-pytestmark = [*cpp_build.needed, pytest.mark.once, pytest.mark.waits]
+pytestmark = [*cpp_build.needed, pytest.mark.waits]
 
 DEFINITION = """\
 #include "BasicDataType.idl"

@@ -12,7 +12,7 @@ from devices import Processes, instants
 from logged_process import LoggedProcess
 from watching_page import Page
 
-pytestmark = [*cpp_build.needed, pytest.mark.once, pytest.mark.waits]
+pytestmark = [*cpp_build.needed, pytest.mark.waits]
 
 
 def both(processes: Processes, *options: str) -> tuple[LoggedProcess, LoggedProcess]:

@@ -54,7 +54,7 @@ def author(request: pytest.FixtureRequest) -> str:
 
 by_each_author = pytest.mark.parametrize(
     "author",
-    ["openrtm", pytest.param("c++", marks=[*cpp_build.needed, pytest.mark.once])],
+    ["openrtm", pytest.param("c++", marks=cpp_build.needed)],
     indirect=True,
 )
 
@@ -116,7 +116,6 @@ def near_goal(folder: Path, path: str = "", marked: bool = True) -> str:
 
 
 @by_each_author
-@pytest.mark.once
 def test_rh3_reaches_its_goal_with_a_foreign_operator_that_comes_late_and_is_killed(
     launch: Callable[..., LoggedProcess],
     naming_service: str,

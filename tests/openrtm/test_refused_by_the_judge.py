@@ -13,7 +13,7 @@ from watching_page import Page
 from rtgen.ui.errors import BAD_VALUE, NO_FIT
 from rtgen.ui.protocol import ui
 
-pytestmark = [*cpp_build.needed, pytest.mark.once, pytest.mark.waits]
+pytestmark = [*cpp_build.needed, pytest.mark.waits]
 
 LONG = "type=IDL:RTC/TimedLong:1.0"
 

@@ -19,7 +19,6 @@ from openrtm_lab import until
 from patience import PATIENCE
 
 pytestmark = [
-    pytest.mark.once,
     pytest.mark.skipif(
         importlib.util.find_spec("rtshell") is None,
         reason="rtshell-aist is not installed",

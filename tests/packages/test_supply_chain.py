@@ -6,7 +6,6 @@ import importlib
 import json
 import re
 import subprocess
-import sys
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -17,7 +16,9 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 ROOT = Path(__file__).parents[2]
-PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
+PROJECT = PYPROJECT["project"]
+FRAGMENTS = ROOT / "changelog.d"
 EXTRAS: dict[str, list[str]] = PROJECT["optional-dependencies"]
 TESTED = [
     *PROJECT["dependencies"],
@@ -156,7 +157,7 @@ def test_the_workflow_of_a_release_calls_what_there_is() -> None:
         for command in commands
     ]
     called = {found[1] for run in runs for found in re.finditer(r"\bmake (\S+)", run)}
-    assert called == {"test", "lowest", "wheels"}
+    assert called == {"test", "nightly", "lowest", "release"}
     for target in called:
         subprocess.run(
             ["make", "--dry-run", target], cwd=ROOT, check=True, capture_output=True
@@ -165,14 +166,23 @@ def test_the_workflow_of_a_release_calls_what_there_is() -> None:
     assert workflow["permissions"] == {"contents": "read"}
 
 
-def test_the_version_that_a_tag_is_compared_with(tmp_path: Path) -> None:
-    """The command of the workflow needs only the sources."""
-    code = "from rtgen.facts.version import __version__; print(__version__)"
-    done = subprocess.run(
-        [sys.executable, "-S", "-c", code],
-        env={"PYTHONPATH": str(ROOT / "src")},
-        check=True,
-        capture_output=True,
-        text=True,
-    )
-    assert re.fullmatch(r"\d+\.\d+\.\d+\n", done.stdout)
+def test_each_night_runs_what_a_commit_leaves_out() -> None:
+    text = (ROOT / ".github" / "workflows" / "ci.yml").read_text("utf-8")
+    workflow = yaml.safe_load(text)
+    assert workflow[True]["schedule"]
+    [command] = [s["run"] for s in workflow["jobs"]["test"]["steps"] if "run" in s]
+    assert "== 'schedule' && 'nightly' || 'test'" in command
+    lines = (ROOT / ".ci" / "run").read_text("utf-8").splitlines()
+    assert lines[-2:] == ["make test", "make nightly"]
+
+
+KINDS = {kind["directory"] for kind in PYPROJECT["tool"]["towncrier"]["type"]}
+
+
+def test_a_fragment_of_the_changelog_is_one_line() -> None:
+    for file in FRAGMENTS.glob("[!.]*"):
+        name = re.fullmatch(r"\+[a-z0-9-]+\.(\w+)\.md", file.name)
+        assert name is not None, file.name
+        assert name[1] in KINDS, file.name
+        text = file.read_text("utf-8")
+        assert re.fullmatch(r"[A-Z`].{10,160}\.\n", text), text

@@ -18,7 +18,7 @@ from rtgen.model import Struct
 from rtgen.recording.schema_types import message_classes
 from rtgen.resources import ros_file
 
-pytestmark = [pytest.mark.peer, pytest.mark.once]
+pytestmark = pytest.mark.peer
 
 HERE = Path(__file__).parent
 FILLER = "structure_needs_at_least_one_member"

@@ -48,7 +48,12 @@ from rtgen.runtime.ros2.services import (
     ServiceJoint,
     messages_of,
 )
-from rtgen.runtime.services.servants import CallEnded, CallTimeout, ObjectNotExist, ServiceError
+from rtgen.runtime.services.servants import (
+    CallEnded,
+    CallTimeout,
+    ObjectNotExist,
+    ServiceError,
+)
 
 cyclonedds = pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
 zenoh = pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")
@@ -506,7 +511,9 @@ def test_a_call_that_waits_ends_with_the_run(
     assert not [r for r in caplog.records if r.levelno >= logging.ERROR]
 
 
-def test_each_call_that_the_run_ends_says_so(lamp: ModuleType, stack: ExitStack) -> None:
+def test_each_call_that_the_run_ends_says_so(
+    lamp: ModuleType, stack: ExitStack
+) -> None:
     """Zenoh ends the replies of a call before its token says that it is cancelled."""
     network, plain, _ = zenoh_pair(stack)
     stack.callback(network.close)

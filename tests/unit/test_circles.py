@@ -12,8 +12,6 @@ import rtgen
 
 ROOT = Path(rtgen.__file__).parent
 
-pytestmark = pytest.mark.once
-
 
 def _modules() -> dict[str, Path]:
     found = {}

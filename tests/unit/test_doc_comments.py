@@ -107,7 +107,6 @@ PLACES = [
 ]
 
 
-@pytest.mark.once
 @pytest.mark.parametrize(
     ("suffix", "template", "place", "owner", "number"),
     PLACES,
@@ -127,7 +126,6 @@ def test_a_comment_belongs_to_one_declaration(
         assert found == ({owner: "text"} if owner else {}), comment
 
 
-@pytest.mark.once
 @pytest.mark.parametrize("suffix", ["idl", "cdl"])
 @pytest.mark.parametrize(
     "comment", ["/* text */", "// text", "///< text", "/**< text */"]
@@ -141,7 +139,6 @@ def test_comments_at_the_end_of_a_line(
         assert documented(text, suffix, tmp_path) == {owners[place]: "text"}
 
 
-@pytest.mark.once
 @pytest.mark.parametrize("kind", ["/** {} */", "/*! {} */"])
 def test_several_declarations_on_a_line(kind: str, tmp_path: Path) -> None:
     members = [f"{kind.format(name)} long {name};" for name in "abc"]
@@ -151,7 +148,6 @@ def test_several_declarations_on_a_line(kind: str, tmp_path: Path) -> None:
         assert found == {name: name for name in "abc"}
 
 
-@pytest.mark.once
 @pytest.mark.parametrize(
     "comment", ["/* text */", "// text\n", "/**/", "/** rtgen: ignore[LINT0003] */"]
 )

@@ -21,8 +21,6 @@ from rtgen.runtime.canopen.wire.frames import (
     Frame,
 )
 
-pytestmark = pytest.mark.once
-
 PALETTE = SPECS / "f_palette.eds"
 _RPDO_CODES = (4, 6, 8, 10)
 _ABORT = 0x80

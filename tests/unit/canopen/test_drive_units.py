@@ -10,8 +10,6 @@ import pytest
 import rtgen
 from rtgen.diagnostics import InputError
 
-pytestmark = pytest.mark.once
-
 EDS = (
     Path(__file__).parents[2]
     / "golden/cases/LINT0022_factor_of_a_drive/input/drive.eds"

@@ -8,8 +8,6 @@ import pytest
 
 from rtgen.cli import run
 
-pytestmark = pytest.mark.once
-
 ROOT = Path(__file__).parents[3]
 SPECS = ROOT / "specs/canopen"
 DEVICES = ("ftmd", "motor_core_unit", "f_palette", "epos_drive")

@@ -10,8 +10,6 @@ import pytest
 
 from rtgen.frontends import FrontendResult, cdl
 
-pytestmark = pytest.mark.once
-
 CONDITIONS = {
     "(1 << 4) == 16": True,
     "-1 > 0U": True,

@@ -22,8 +22,6 @@ from rtgen.inspection.models import inspect
 from rtgen.model import Component, Model
 from rtgen.project import Project
 
-pytestmark = pytest.mark.once
-
 ROOT = Path(__file__).parents[3]
 SPECS = ROOT / "specs"
 REFERENCE = sorted(

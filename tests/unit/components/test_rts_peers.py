@@ -18,8 +18,6 @@ RtsProfile = pytest.importorskip(
     "rtsprofile.rts_profile", reason="rtsprofile-aist is not installed"
 ).RtsProfile
 
-pytestmark = pytest.mark.once
-
 
 def meaning(system: System) -> tuple[object, ...]:
     """Return the content of a system without positions."""

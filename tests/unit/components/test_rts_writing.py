@@ -22,8 +22,6 @@ from rtgen.model import (
     SystemComponent,
 )
 
-pytestmark = pytest.mark.once
-
 ROOT = Path(__file__).resolve().parents[3]
 SYSTEMS = sorted(
     path

@@ -82,7 +82,6 @@ def supervised(folder: Path) -> Iterator[Callable[..., Supervised]]:
             each.end()
 
 
-@pytest.mark.once
 def test_each_process_that_dies_is_started_again_and_the_run_goes_on(
     supervised: Callable[..., Supervised], folder: Path
 ) -> None:
@@ -102,7 +101,6 @@ def test_each_process_that_dies_is_started_again_and_the_run_goes_on(
     assert re.search(r"Caller0 \| Caller0 +ACTIVE", run.text)
 
 
-@pytest.mark.once
 def test_a_process_that_is_not_started_again(
     supervised: Callable[..., Supervised], folder: Path
 ) -> None:
@@ -114,7 +112,6 @@ def test_a_process_that_is_not_started_again(
     assert run.end() == 1
 
 
-@pytest.mark.once
 def test_a_group_has_one_process_and_the_run_ends_with_its_time(
     supervised: Callable[..., Supervised], folder: Path
 ) -> None:
@@ -133,7 +130,6 @@ if "--only" in sys.argv:
 """
 
 
-@pytest.mark.once
 @pytest.mark.longest
 def test_rh3_reaches_its_goal_though_each_component_is_killed_once(
     tmp_path: Path,

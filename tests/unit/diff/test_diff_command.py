@@ -347,7 +347,6 @@ STRANGE: dict[str, Callable[[str], str]] = {
 }
 
 
-@pytest.mark.once
 @pytest.mark.usefixtures("project")
 @pytest.mark.parametrize("kind", STRANGE)
 def test_strange_trees_are_refused_in_a_line(
@@ -362,7 +361,6 @@ def test_strange_trees_are_refused_in_a_line(
     assert len(rest) <= 2
 
 
-@pytest.mark.once
 @pytest.mark.usefixtures("project")
 def test_damaged_content_is_reported(capfd: pytest.CaptureFixture[str]) -> None:
     blob = stored("blob", OLD.encode() * 1000)
@@ -374,7 +372,6 @@ def test_damaged_content_is_reported(capfd: pytest.CaptureFixture[str]) -> None:
     assert "error[DIF0002]" in capfd.readouterr().err
 
 
-@pytest.mark.once
 @pytest.mark.usefixtures("project")
 def test_names_that_are_not_text_are_read(capfd: pytest.CaptureFixture[str]) -> None:
     blob = stored("blob", OLD.encode())

@@ -51,7 +51,6 @@ def test_modules_of_requirements_are_known(distribution: str) -> None:
     assert not {m for m in unknown if not m.endswith(("_idl", "_be", "omniorb"))}
 
 
-@pytest.mark.once
 def test_modules_that_rtgen_imports_are_known() -> None:
     imported: set[str] = set()
     for file in SOURCES.rglob("*.py"):

@@ -18,8 +18,6 @@ from rtgen.formatting.tokens import MAX_TOKENS
 from rtgen.frontends import cdl, idl
 from rtgen.limits import MAX_NESTING
 
-pytestmark = pytest.mark.once
-
 IDL, CDL = Language.IDL, Language.CDL
 INNER = "const int32_t A = 1;\n"
 Text = Callable[[int], str]

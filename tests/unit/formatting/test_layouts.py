@@ -16,7 +16,6 @@ if budget(1) > 1:
 PARTS = 8 if len(NUMBERS) < MILLION else 64
 
 
-@pytest.mark.once
 @pytest.mark.random
 @pytest.mark.parametrize("part", range(PARTS))
 def test_nothing_is_lost_and_a_second_run_changes_nothing(part: int) -> None:
@@ -28,7 +27,6 @@ def test_nothing_is_lost_and_a_second_run_changes_nothing(part: int) -> None:
         assert not edits(form, language), number
 
 
-@pytest.mark.once
 @pytest.mark.random
 def test_a_range_loses_nothing() -> None:
     for number in cases(200):
@@ -43,7 +41,6 @@ def test_a_range_loses_nothing() -> None:
         assert content(changed, language) == content(text, language), number
 
 
-@pytest.mark.once
 @pytest.mark.random
 def test_documentation_stays_with_its_declaration() -> None:
     for number in cases(400):

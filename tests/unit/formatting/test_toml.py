@@ -83,7 +83,6 @@ def random_text(random: Random) -> str:
     return "".join(lines)
 
 
-@pytest.mark.once
 @pytest.mark.random
 def test_random_layouts() -> None:
     for number in cases(50):

@@ -17,8 +17,6 @@ from rtgen.language_server.features.formatting import formatting
 from rtgen.language_server.server import Server, make_server
 from rtgen.language_server.workspace import View
 
-pytestmark = pytest.mark.once
-
 LOOSE = "struct  S { long  a; };\n"
 
 

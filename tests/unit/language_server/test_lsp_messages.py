@@ -26,8 +26,6 @@ from rtgen.language_server.messages import (
 )
 from rtgen.language_server.server import make_server
 
-pytestmark = pytest.mark.once
-
 PARSE_ERROR, INVALID_REQUEST, UNKNOWN_METHOD = -32700, -32600, -32601
 INVALID_PARAMS, NOT_INITIALIZED = -32602, -32002
 

@@ -202,7 +202,6 @@ def odd_session(folder: Path) -> Script:
     return script
 
 
-@pytest.mark.once
 def test_odd_clients(tmp_path: Path) -> None:
     script = odd_session(tmp_path)
     received, log = script.run(tmp_path)

@@ -13,8 +13,6 @@ from rtgen.cli import run
 from rtgen.frontends.kit.places import place_of
 from rtgen.model import Component, Model
 
-pytestmark = pytest.mark.once
-
 
 class Quoter:
     """A back end that quotes the vendor of each component for a batch file."""

@@ -17,8 +17,6 @@ from rtgen.cli.can import replay_command
 from rtgen.runtime import RealClock
 from rtgen.runtime.timing.steady import steady_utc
 
-pytestmark = pytest.mark.once
-
 PACKAGE = Path(rtgen.__file__).parent
 
 STAMP = "a stamp for other machines"

@@ -32,8 +32,6 @@ from rtgen.runtime.opaque_rpc import (
     make_tdr,
 )
 
-pytestmark = pytest.mark.once
-
 CDL = """signature sBench {
     ER move( [in] int32_t speed, [in] double64_t gain );
     ER fill( [in,size_is(count,4)] const int16_t *data, [in] uint8_t count, [out] int32_t *sum );

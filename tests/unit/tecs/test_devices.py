@@ -9,8 +9,6 @@ import pytest
 from rtgen.cli import run
 from rtgen.runtime.rtc import conf_file
 
-pytestmark = pytest.mark.once
-
 CDL = """signature sLamp {{ int32_t dim( [in] int32_t percent ); }};
 celltype tLamp {{ entry sLamp eLamp; }};
 [active] celltype tSwitch {{ call sLamp cLamp; }};

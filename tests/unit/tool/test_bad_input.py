@@ -14,8 +14,6 @@ import pytest
 
 from rtgen.cli import run
 
-pytestmark = pytest.mark.once
-
 GOOD = b"module M { struct S { long x; }; };\n"
 JUNK = random.Random(7).randbytes(5000)
 

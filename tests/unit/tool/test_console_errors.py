@@ -13,8 +13,6 @@ from rtgen.backends.kit.quoting import UnquotableError
 from rtgen.cli import run as run_command
 from rtgen.cli.common import Console, with_console
 
-pytestmark = pytest.mark.once
-
 
 def of_file(number: int, name: str | bytes | None) -> OSError:
     return OSError(number, os.strerror(number), name)

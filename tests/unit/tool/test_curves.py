@@ -14,8 +14,6 @@ import pytest
 
 from rtgen.cli import run
 
-pytestmark = pytest.mark.once
-
 ROOT = Path(__file__).parents[3]
 SYSTEM = str(ROOT / "specs/navigation/rh3_goal.xml")
 SHORT = ["run", SYSTEM, "--until", "0.5"]

@@ -36,7 +36,6 @@ def plain(path: str, text: str) -> str:
     return ast.unparse(ast.parse(text)) if path.endswith(".py") else text
 
 
-@pytest.mark.once
 @pytest.mark.parametrize("target", TARGETS)
 def test_all_files_are_those_of_a_plain_package(
     target: str, reference: tuple[Model, Options]

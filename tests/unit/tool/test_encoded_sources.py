@@ -169,7 +169,6 @@ def expected(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, ob
     return found
 
 
-@pytest.mark.once
 @pytest.mark.parametrize(
     ("encoding", "end", "how", "target"),
     [
@@ -228,7 +227,6 @@ def test_kinds_of_files(
     assert is_definition(path)
 
 
-@pytest.mark.once
 @pytest.mark.parametrize("mark", [codecs.BOM_UTF8, codecs.BOM_UTF16_LE])
 def test_byte_order_marks(
     mark: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -12,8 +12,6 @@ from rtgen.cli import run
 from rtgen.diagnostics import explain
 from rtgen.project import kinds
 
-pytestmark = pytest.mark.once
-
 HEAD = """
 from itertools import repeat
 from pathlib import Path

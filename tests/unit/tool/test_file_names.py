@@ -14,8 +14,6 @@ import pytest
 
 from rtgen.cli import run
 
-pytestmark = pytest.mark.once
-
 IDL = """#include "BasicDataType.idl"
 #include "INCLUDED.idl"
 module Named {

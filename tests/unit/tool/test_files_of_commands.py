@@ -27,7 +27,6 @@ from rtgen.cli import application
 from rtgen.cli import run as run_command
 
 pytestmark = [
-    pytest.mark.once,
     pytest.mark.random,
     pytest.mark.skipif(sys.platform != "linux", reason="limits and pipes of Linux"),
 ]

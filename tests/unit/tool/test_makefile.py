@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import itertools
 import os
 import re
@@ -11,7 +10,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import interpreters
 import pytest
 
 ROOT = Path(__file__).parents[3]
@@ -85,28 +83,22 @@ def test_an_environment_of_another_python_is_refused(tmp_path: Path) -> None:
     assert _make(tmp_path, "-n", "clean", f"PYTHON={newer}").returncode == 0
 
 
-def test_each_test_is_run_on_one_interpreter_at_least() -> None:
-    """Tests that `make test` excludes run on the further interpreter."""
+def test_each_test_is_run() -> None:
+    """Those that `make test` leaves out are run by `make nightly`."""
     text = (ROOT / "Makefile").read_text(encoding="utf-8")
-    [own] = re.findall(r"^test: SELECTED = (.+)$", text, re.MULTILINE)
-    markers = ("once", "slow", "peer", "random")
-    left_out = 0
-    for values in itertools.product((False, True), repeat=len(markers)):
-        marked = dict(zip(markers, values, strict=True))
-        runs = eval(own, {}, marked)
-        left_out += not runs
-        assert runs or eval(interpreters.SELECTED, {}, marked)
-    assert left_out == 1
-    once = conftest_folders()
-    assert Path("reference") in once
-    for tried in (Path(name).relative_to("tests") for name in interpreters.TRIED_ONCE):
-        for folder in once:
-            assert not folder.is_relative_to(tried)
-            assert not tried.is_relative_to(folder)
+    selected = re.findall(r'PYTEST,build/pytest\S*,-m "(.+?)"', text)
+    assert len(selected) == 3
+    for values in itertools.product((False, True), repeat=3):
+        marked = dict(zip(("nightly", "random", "waits"), values, strict=True))
+        by_commit = [bool(eval(each, {}, marked)) for each in selected[:2]]
+        assert sum(by_commit) == (not marked["nightly"])
+        assert any(by_commit) or eval(selected[2], {}, marked)
 
 
-def conftest_folders() -> set[Path]:
-    """Return the folders whose tests are marked as `once`."""
-    text = (ROOT / "tests" / "conftest.py").read_text(encoding="utf-8")
-    [names] = re.findall(r"^ONCE = (\(.+?^\))$", text, re.MULTILINE | re.DOTALL)
-    return {Path(name) for name in ast.literal_eval(names)}
+@pytest.mark.parametrize("wing", ["", "golden"])
+def test_a_wing_is_run_alone(wing: str) -> None:
+    command = ["make", "--dry-run", "--no-print-directory", "test", f"WING={wing}"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    folders = set(re.findall(r" (tests(?:/\w+)*)(?= )", done.stdout))
+    assert f"tests/{wing}".rstrip("/") in folders
+    assert ("mypy" in done.stdout) == (not wing)

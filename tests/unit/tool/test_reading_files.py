@@ -26,8 +26,6 @@ from rtgen.files import (
     replace_file,
 )
 
-pytestmark = pytest.mark.once
-
 PACKAGE = Path(rtgen.__file__).parent
 
 EXAMPLES = PACKAGE / "examples"

@@ -15,8 +15,6 @@ import pytest
 
 from rtgen.cli import run
 
-pytestmark = pytest.mark.once
-
 ROOT = Path(__file__).resolve().parents[3]
 RTGEN = [sys.executable, "-m", "rtgen"]
 

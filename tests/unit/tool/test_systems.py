@@ -14,8 +14,6 @@ import pytest
 
 from rtgen.cli import run
 
-pytestmark = pytest.mark.once
-
 ROOT = Path(__file__).resolve().parents[3]
 SYSTEM = ROOT / "specs" / "navigation" / "rh3_goal.xml"
 

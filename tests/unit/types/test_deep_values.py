@@ -17,7 +17,7 @@ from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.distribution.data import Arrivals
 from rtgen.runtime.distribution.medium import Sample
 
-pytestmark = [pytest.mark.once, pytest.mark.random]
+pytestmark = pytest.mark.random
 
 IDL = """
 module Deep {

@@ -9,8 +9,6 @@ import pytest
 
 from rtgen.cli import run
 
-pytestmark = pytest.mark.once
-
 IDL = """#include "BasicDataType.idl"
 #include "ExtendedDataTypes.idl"
 module Units {{
