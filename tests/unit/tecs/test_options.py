@@ -19,7 +19,7 @@ from rtgen.runtime.opaque_rpc import (
     RpcError,
     TcpChannel,
     TcpServer,
-    connection,
+    ends,
     make_tdr,
 )
 from rtgen.runtime.opaque_rpc.serial import BAUDRATE
@@ -44,7 +44,7 @@ def test_the_defaults_are_those_of_the_runtime() -> None:
     assert usual.limit == REQUEST_LIMIT
     assert (usual.address, usual.timeout) == (link.ipaddr, link.timeout)
     assert str(FIRST_PORT) == link.port
-    assert MAX_TIMEOUT == connection.MAX_TIMEOUT
+    assert MAX_TIMEOUT == ends.MAX_TIMEOUT
     assert (usual.tdr, usual.encoding) == (codec.tdr.order, codec.encoding)
 
 

@@ -21,7 +21,7 @@ from rtgen.files import UnreadableError, read_file
 from rtgen.layouts.tdr import TransferError
 from rtgen.model.tecs import Signature, TecsUnit
 from rtgen.runtime.opaque_rpc import REPLY_LIMIT, Order, ReplyOrder, Tdr, make_tdr
-from rtgen.runtime.opaque_rpc.connection import checked_timeout
+from rtgen.runtime.opaque_rpc.ends import checked_timeout
 
 P = ParamSpec("P")
 R = TypeVar("R")

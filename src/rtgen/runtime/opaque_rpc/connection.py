@@ -5,7 +5,6 @@ from __future__ import annotations
 import socket
 from time import monotonic
 
-from rtgen.facts.opaque_rpc import MAX_TIMEOUT
 from rtgen.runtime.opaque_rpc.messages import log
 from rtgen.runtime.sockets import limit_times
 
@@ -17,16 +16,6 @@ Small blocks come from Python's own allocator, which is faster.
 """
 _QUICKACK: int | None = getattr(socket, "TCP_QUICKACK", None)
 _KEEP_ALIVE = {"TCP_KEEPIDLE": 5, "TCP_KEEPINTVL": 2, "TCP_KEEPCNT": 3}
-
-
-def checked_timeout(seconds: float) -> float:
-    """Return the time-out. Raises ValueError unless it is in (0, `MAX_TIMEOUT`]."""
-    if not 0 < seconds <= MAX_TIMEOUT:
-        raise ValueError(
-            f"a time-out is a positive number of seconds up to {MAX_TIMEOUT:.0f}, "
-            f"not {seconds}"
-        )
-    return seconds
 
 
 def _prepare(connection: socket.socket) -> None:

@@ -10,7 +10,7 @@ import msgspec
 
 from rtgen.facts.opaque_rpc import FIRST_PORT, TIMEOUT
 from rtgen.runtime.opaque_rpc.channel import Channel
-from rtgen.runtime.opaque_rpc.connection import checked_timeout
+from rtgen.runtime.opaque_rpc.ends import checked_timeout
 from rtgen.runtime.opaque_rpc.errors import E_NOEXS, E_TMOUT, ChannelError
 
 if TYPE_CHECKING:

@@ -14,11 +14,10 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from time import monotonic
-from types import TracebackType
 from typing import TYPE_CHECKING
 
 from rtgen.facts.opaque_rpc import TIMEOUT
-from rtgen.runtime.opaque_rpc.connection import checked_timeout
+from rtgen.runtime.opaque_rpc.ends import ConnectedChannel, ConnectedServer
 from rtgen.runtime.opaque_rpc.errors import E_OBJ, E_TMOUT, ChannelError
 from rtgen.runtime.opaque_rpc.messages import MessageReader, Service, log, serve, starts
 from rtgen.runtime.opaque_rpc.tdr import SOP_REPLY, SOP_REQUEST
@@ -129,22 +128,20 @@ class _Line:
             self._port.close()
 
 
-class SerialChannel:
+class SerialChannel(ConnectedChannel[_Line]):
     """A caller's end of a serial line, opened by the first call. See `Channel`.
 
-    `timeout` [s] applies to a whole call. Without pyserial, calls raise ChannelError (E_OBJ).
+    `timeout` [s] applies to a whole call. A call after a failed one, or after octets beyond a
+    reply, waits for silence. Without pyserial, calls raise ChannelError (E_OBJ).
     """
 
     def __init__(
         self, device: str, baudrate: int = BAUDRATE, timeout: float = TIMEOUT
     ) -> None:
+        super().__init__(timeout)
         self.device = device
         self.baudrate = baudrate
-        self.timeout = checked_timeout(timeout)
-        self._lock = threading.Lock()
-        self._line: _Line | None = None
         self._deadline = 0.0
-        self._rest = b""
         self._disturbed = False
 
     def __str__(self) -> str:
@@ -152,61 +149,22 @@ class SerialChannel:
 
     def open(self) -> None:
         """Open the line, unless it is open. Raises ChannelError."""
-        if self._line is None:
-            self._line = _Line(self.device, self.baudrate)
+        if self._connection is None:
+            self._connection = _Line(self.device, self.baudrate)
 
-    def begin(self, request: bytes, first: int) -> bytes:
-        """See `Channel`. After a failed call, waits for silence first."""
-        if not self._lock.acquire(timeout=self.timeout):
-            raise ChannelError(E_TMOUT, f"{self}: in use by another call")
-        try:
-            self._deadline = monotonic() + self.timeout
-            self.open()
-            line = self._open()
-            if not self._disturbed:
-                line.discard()
-            elif not line.drain(self._deadline):
-                raise self._time_over()
-            self._disturbed = False
-            line.write(request, self.timeout)
-            if not first:
-                return b""
-            self._hunt(_reply_start(request))
-            return self._take(first)
-        except BaseException as error:
-            self.reset()
-            if isinstance(error, OSError):
-                raise self._error(error) from error
-            raise
-
-    def more(self, n: int) -> bytes:
-        """See `Channel`."""
-        try:
-            return self._take(n)
-        except OSError as error:
-            raise self._error(error) from error
-
-    def write(self, data: bytes) -> None:
-        """Write data of the current call that follow its reply. Raises ChannelError."""
-        try:
-            self._open().write(data, self.timeout)
-        except OSError as error:
-            raise self._error(error) from error
-
-    def end(self) -> None:
-        """See `Channel`."""
-        if self._rest:
-            log.info("%s: %d bytes beyond the reply", self, len(self._rest))
-            self._rest = b""
-            self._disturbed = True
-        self._lock.release()
-
-    def reset(self) -> None:
-        """See `Channel`: the next call waits for silence."""
-        self._rest = b""
-        self._disturbed = True
-        if self._lock.locked():
-            self._lock.release()
+    def _begin(self, request: bytes, first: int) -> bytes:
+        self._deadline = monotonic() + self.timeout
+        self.open()
+        line = self._open()
+        if not self._disturbed:
+            line.discard()
+        elif not line.drain(self._deadline):
+            raise self._time_over()
+        self._disturbed = False
+        line.write(request, self.timeout)
+        if not first:
+            return b""
+        return self._take(self._hunt(_reply_start(request)), first)
 
     def close(self) -> None:
         """Close the line after the current call, whose duration `timeout` limits."""
@@ -214,16 +172,6 @@ class SerialChannel:
         self._drop()
         if held:
             self._lock.release()
-
-    def _open(self) -> _Line:
-        if self._line is None:
-            raise ChannelError(E_OBJ, f"{self}: no call is under way")
-        return self._line
-
-    def _drop(self) -> None:
-        line, self._line = self._line, None
-        if line is not None:
-            line.close()
 
     def _error(self, error: OSError) -> ChannelError:
         """Return the error to raise; the next call reopens a lost line."""
@@ -234,32 +182,26 @@ class SerialChannel:
         self._drop()
         return ChannelError(E_OBJ, f"{self}: {error}")
 
-    def _time_over(self) -> ChannelError:
-        return ChannelError(E_TMOUT, f"{self}: no answer within {self.timeout} s")
+    def _discard(self) -> None:
+        self._rest = b""
+        self._disturbed = True
 
-    def _receive(self, size: int) -> bytes:
+    def _send(self, data: bytes) -> None:
+        self._open().write(data, self.timeout)
+
+    def _receive(self, missing: int) -> bytes:
         left = self._deadline - monotonic()
-        data = self._open().read(size, left) if left > 0 else b""
+        data = self._open().read(_BLOCK, left) if left > 0 else b""
         if not data:
             raise self._time_over()
         return data
 
-    def _hunt(self, sop: bytes) -> None:
-        """Skip noise, so that the received data begin with the reply."""
+    def _hunt(self, sop: bytes) -> bytes:
+        """Skip noise; return what begins with the reply."""
         data = b""
         while (at := data.find(sop)) < 0:
-            data = data[-1:] + self._receive(_BLOCK)
-        self._rest = data[at:]
-
-    def _take(self, n: int) -> bytes:
-        pieces = [self._rest]
-        missing = n - len(self._rest)
-        while missing > 0:
-            pieces.append(self._receive(_BLOCK))
-            missing -= len(pieces[-1])
-        data = b"".join(pieces)
-        self._rest = data[n:]
-        return data[:n]
+            data = data[-1:] + self._receive(1)
+        return data[at:]
 
 
 class _SerialReader(MessageReader):
@@ -303,8 +245,8 @@ class _SerialReader(MessageReader):
         return data
 
 
-class SerialServer:
-    """Serves a serial line. Parameters are those of `TcpServer`.
+class SerialServer(ConnectedServer):
+    """Serves a serial line. See `ConnectedServer`.
 
     After an error it discards input until the line is silent; there is no reply. For a lost line,
     such as an unplugged adapter, `serve_forever` raises ChannelError.
@@ -318,14 +260,11 @@ class SerialServer:
         timeout: float = TIMEOUT,
         allocator_size: int | None = None,
     ) -> None:
+        super().__init__(service, timeout, allocator_size)
         self.device = device
-        self.timeout = checked_timeout(timeout)
-        self.allocator_size = allocator_size
         self.closed = False
         self.starts = starts(service)
-        self._service = service
         self._line = _Line(device, baudrate)
-        self._thread: threading.Thread | None = None
 
     def serve_forever(self) -> None:
         """Serve requests until another thread or a signal handler calls `close`."""
@@ -340,31 +279,11 @@ class SerialServer:
         finally:
             self._line.close()
 
-    def start(self) -> None:
-        """Serve requests in a new thread."""
-        self._thread = threading.Thread(
-            target=self.serve_forever, name="OpaqueRPC server", daemon=True
-        )
-        self._thread.start()
-
     def close(self) -> None:
         """Close the line and wait for the thread of `start`."""
         self.closed = True
         self._line.interrupt()
-        if self._thread not in (None, threading.current_thread()):
-            self._thread.join()
-
-    def __enter__(self) -> SerialServer:
-        self.start()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
+        self._join()
 
     def _drain(self) -> None:
         while not self.closed:

@@ -5,18 +5,12 @@ from __future__ import annotations
 import errno
 import os
 import socket
-import threading
 from time import monotonic, sleep
 
 from rtgen.facts.opaque_rpc import TIMEOUT
-from rtgen.runtime.opaque_rpc.connection import (
-    BLOCK,
-    SMALL_BLOCK,
-    Connection,
-    checked_timeout,
-)
-from rtgen.runtime.opaque_rpc.errors import E_BOVR, E_OBJ, E_TMOUT, ChannelError
-from rtgen.runtime.opaque_rpc.messages import log
+from rtgen.runtime.opaque_rpc.connection import BLOCK, SMALL_BLOCK, Connection
+from rtgen.runtime.opaque_rpc.ends import ConnectedChannel
+from rtgen.runtime.opaque_rpc.errors import E_BOVR, E_OBJ, ChannelError
 from rtgen.runtime.sockets import TIME_OVER
 
 _IDLE = 0.05
@@ -32,12 +26,12 @@ def is_permanent(error: OSError) -> bool:
     return isinstance(error, socket.gaierror) or error.errno in _PERMANENT_ERRORS
 
 
-class TcpChannel:
+class TcpChannel(ConnectedChannel[Connection]):
     """A caller's connection to a server, opened by the first call and again after an error.
 
     `timeout` [s] applies to a whole call: connecting, request and reply; and to the wait for
     another call in progress. `bind` is a local address or, on Linux, the name of a network
-    interface. See `Channel`.
+    interface. Octets beyond a reply close the connection. See `Channel`.
     """
 
     def __init__(
@@ -45,78 +39,35 @@ class TcpChannel:
     ) -> None:
         if not 0 < port < 65536:
             raise ValueError(f"a port is 1 to 65535, not {port}")
+        super().__init__(timeout)
         self.address = address
         self.port = port
-        self.timeout = checked_timeout(timeout)
         self.bind = bind
-        self._lock = threading.Lock()
-        self._connection: Connection | None = None
         self._begun = 0.0
-        self._rest = b""
         self._in_pieces = False
 
     def __str__(self) -> str:
         return f"{self.address}:{self.port}"
 
-    def begin(self, request: bytes, first: int) -> bytes:
+    def _begin(self, request: bytes, first: int) -> bytes:
         """See `Channel`. Only a failed connect is retried."""
-        lock = self._lock
-        if not lock.acquire(False) and not lock.acquire(timeout=self.timeout):
-            raise ChannelError(E_TMOUT, f"{self}: in use by another call")
-        try:
-            now = monotonic()
-            idle = now - self._begun
-            self._begun = now
-            connection = self._connection
-            if connection is None or idle > _IDLE or connection.seconds != self.timeout:
-                connection = self._ready(idle)
-            sent = connection.send(request)
-            if sent != len(request):
-                connection.send_all(request, self._deadline, sent)
-            if not first:
-                return b""
-            if self._in_pieces:
-                connection.acknowledge()
-            data = connection.receive(first + SMALL_BLOCK)
-            if len(data) == first:
-                return data
-            return self._take(connection, data or self._ended(), first)
-        except BaseException as error:
-            self.reset()
-            if isinstance(error, OSError):
-                raise self._error(error) from error
-            raise
-
-    def more(self, n: int) -> bytes:
-        """See `Channel`."""
-        rest = self._rest
-        if len(rest) >= n:
-            self._rest = rest[n:]
-            return rest[:n]
-        try:
-            return self._take(self._open(), rest, n)
-        except OSError as error:
-            raise self._error(error) from error
-
-    def write(self, data: bytes) -> None:
-        """Write data of the current call that follow its reply. Raises ChannelError."""
-        try:
-            self._open().send_all(data, self._deadline)
-        except OSError as error:
-            raise self._error(error) from error
-
-    def end(self) -> None:
-        """See `Channel`. Bytes after the reply close the connection, but the call succeeds."""
-        if self._rest:
-            log.info("%s: %d bytes beyond the reply", self, len(self._rest))
-            self._drop()
-        self._lock.release()
-
-    def reset(self) -> None:
-        """See `Channel`: closes the connection."""
-        self._drop()
-        if self._lock.locked():
-            self._lock.release()
+        now = monotonic()
+        idle = now - self._begun
+        self._begun = now
+        connection = self._connection
+        if connection is None or idle > _IDLE or connection.seconds != self.timeout:
+            connection = self._ready(idle)
+        sent = connection.send(request)
+        if sent != len(request):
+            connection.send_all(request, self._deadline, sent)
+        if not first:
+            return b""
+        if self._in_pieces:
+            connection.acknowledge()
+        data = connection.receive(first + SMALL_BLOCK)
+        if len(data) == first:
+            return data
+        return self._take(data or self._ended(), first)
 
     def close(self) -> None:
         """Close the connection after the current call, or by force after `timeout`.
@@ -132,47 +83,35 @@ class TcpChannel:
     def _deadline(self) -> float:
         return self._begun + self.timeout
 
-    def _drop(self) -> None:
-        connection, self._connection = self._connection, None
+    def _send(self, data: bytes) -> None:
+        self._open().send_all(data, self._deadline)
+
+    def _receive(self, missing: int) -> bytes:
+        connection = self._open()
+        self._in_pieces = True
+        connection.acknowledge()
+        connection.limit(self._deadline - monotonic())
+        piece = connection.receive(min(missing + SMALL_BLOCK, BLOCK))
+        return piece or self._ended()
+
+    def _discard(self) -> None:
+        self._drop()
         self._rest = b""
         self._in_pieces = False
-        if connection is not None:
-            connection.close()
-
-    def _open(self) -> Connection:
-        if self._connection is None:
-            raise ChannelError(E_OBJ, f"{self}: no call is under way")
-        return self._connection
 
     def _ended(self) -> bytes:
         raise ChannelError(E_BOVR, f"{self}: the server closed the connection")
 
     def _error(self, error: OSError) -> ChannelError:
         if isinstance(error, TIME_OVER):
-            return ChannelError(E_TMOUT, f"{self}: no answer within {self.timeout} s")
+            return self._time_over()
         return ChannelError(E_OBJ, f"{self}: {error.strerror or error}")
-
-    def _take(self, connection: Connection, data: bytes, n: int) -> bytes:
-        """Return n bytes, of which `data` were received; further ones are stored in `_rest`."""
-        if len(data) < n:
-            self._in_pieces = True
-            pieces = [data]
-            missing = n - len(data)
-            while missing > 0:
-                connection.acknowledge()
-                connection.limit(self._deadline - monotonic())
-                piece = connection.receive(min(missing + SMALL_BLOCK, BLOCK))
-                pieces.append(piece or self._ended())
-                missing -= len(piece)
-            data = b"".join(pieces)
-        self._rest = data[n:]
-        return data[:n]
 
     def _ready(self, idle: float) -> Connection:
         """Return the connection with its time limit set, checked if it was idle, or a new one."""
         connection = self._connection
         if connection is None or (idle > _IDLE and not connection.is_quiet()):
-            self._drop()
+            self._discard()
             connection = self._connection = self._connect()
             connection.limit(self._deadline - monotonic())
         else:

@@ -6,18 +6,12 @@ import os
 import select
 import selectors
 import socket
-import threading
 from time import monotonic
-from types import TracebackType
 
 from rtgen.facts.opaque_rpc import TIMEOUT
 from rtgen.runtime.opaque_rpc.channel import Handlers
-from rtgen.runtime.opaque_rpc.connection import (
-    BLOCK,
-    SMALL_BLOCK,
-    Connection,
-    checked_timeout,
-)
+from rtgen.runtime.opaque_rpc.connection import BLOCK, SMALL_BLOCK, Connection
+from rtgen.runtime.opaque_rpc.ends import ConnectedServer
 from rtgen.runtime.opaque_rpc.errors import E_OBJ, E_TMOUT, ChannelError
 from rtgen.runtime.opaque_rpc.messages import (
     HEAD,
@@ -183,14 +177,11 @@ def _has_left(peer: socket.socket) -> bool:
     return bool(poll.poll(0))
 
 
-class TcpServer:
+class TcpServer(ConnectedServer):
     """Serves one client at a time; others wait until it disconnects.
 
     A request whose caller has given up is not executed (Linux). `port` 0 selects a free one, see
-    `address`. `timeout` [s] applies to the rest of a request after its first byte, and to its
-    reply; between requests a client may be silent. `allocator_size` limits the bytes of a whole
-    request, in addition to the codec's limit of arrays and texts (`PPAllocatorSize`). An error
-    closes the connection without a reply.
+    `address`. An error closes the connection without a reply. See `ConnectedServer`.
     """
 
     def __init__(
@@ -201,12 +192,9 @@ class TcpServer:
         timeout: float = TIMEOUT,
         allocator_size: int | None = None,
     ) -> None:
-        self.timeout = checked_timeout(timeout)
-        self.allocator_size = allocator_size
-        self._service = service
+        super().__init__(service, timeout, allocator_size)
         self._door = _Listener(host, port, self.timeout)
         self.address = self._door.address
-        self._thread: threading.Thread | None = None
         self._connection: Connection | None = None
 
     def serve_forever(self) -> None:
@@ -219,34 +207,14 @@ class TcpServer:
             finally:
                 connection.close()
 
-    def start(self) -> None:
-        """Serve clients in a new thread."""
-        self._thread = threading.Thread(
-            target=self.serve_forever, name="OpaqueRPC server", daemon=True
-        )
-        self._thread.start()
-
     def close(self) -> None:
         """Close the connection and stop listening; waits for the thread of `start`."""
         self._door.close()
-        connection, thread = self._connection, self._thread
+        connection = self._connection
         if connection is not None:
             connection.shut()
-        if thread is not None and thread is not threading.current_thread():
-            thread.join()
+        self._join()
         self._door.release()
-
-    def __enter__(self) -> TcpServer:
-        self.start()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _serve(self, connection: Connection, peer: str) -> None:
         reader = _SocketReader(connection, self.timeout, self.allocator_size)
