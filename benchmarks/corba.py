@@ -62,7 +62,7 @@ def system(folder: Path, names: str, kind: str) -> Iterator[tuple[Any, Any, Any]
     """Yield a system with one component that provides or uses `Bench::Calls`, and its ORB."""
     sys.path[:0] = [str(folder), str(folder / "generated")]
     from rtgen.runtime import Component, ComponentProfile, RealClock, System
-    from rtgen.runtime.corba.transport import CorbaTransport
+    from rtgen.runtime.corba.transport import NamedCorba
 
     bench = importlib.import_module("ours.bench")
 
@@ -78,7 +78,7 @@ def system(folder: Path, names: str, kind: str) -> Iterator[tuple[Any, Any, Any]
                 self.calls = self.add_consumer("calls", "Calls", bench.Calls)
 
     with (
-        CorbaTransport(name_server=names, timeout=5.0) as transport,
+        NamedCorba(name_server=names, timeout=5.0) as transport,
         System(RealClock(), transport) as running,
     ):
         node = Node()

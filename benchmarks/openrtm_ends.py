@@ -103,7 +103,7 @@ def ours(kind: str, names: str) -> Iterator[tuple[Ports, Any, object, Any]]:
     """
     sys.path.insert(0, str(Path(__file__).parents[1] / "generated"))
     from rtgen.runtime import PORT_OK, Component, ComponentProfile, RealClock, System
-    from rtgen.runtime.corba.transport import CorbaTransport
+    from rtgen.runtime.corba.transport import NamedCorba
 
     classes = importlib.import_module("refrobots.rtc")
 
@@ -119,7 +119,7 @@ def ours(kind: str, names: str) -> Iterator[tuple[Ports, Any, object, Any]]:
             }
 
     with (
-        CorbaTransport(name_server=names, timeout=TIMEOUT) as transport,
+        NamedCorba(name_server=names, timeout=TIMEOUT) as transport,
         System(RealClock(), transport) as system,
     ):
         node = Node()

@@ -187,9 +187,9 @@ def transport_at(address: str, timeout: float) -> Any:
     [(kind, place)] = json.loads(address).items()
     if kind != "corba":
         return DistributedTransport(medium_at(address), timeout=timeout)
-    from rtgen.runtime.corba.transport import CorbaTransport
+    from rtgen.runtime.corba.transport import NamedCorba
 
-    return CorbaTransport(name_server=place, timeout=timeout)
+    return NamedCorba(name_server=place, timeout=timeout)
 
 
 @contextmanager

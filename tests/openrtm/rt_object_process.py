@@ -30,7 +30,7 @@ from rtgen.runtime import (
     ReturnCode_t,
     System,
 )
-from rtgen.runtime.corba.transport import CorbaTransport
+from rtgen.runtime.corba.transport import NamedCorba
 from rtgen.runtime.errors import RtcError
 
 
@@ -97,7 +97,7 @@ def main(naming_service: str, folder: str) -> None:
     facts = Path(__file__).with_name("facts.idl")
     package = emitted.emit(Path(folder), [facts, idl_file("BasicDataType.idl")])
     with (
-        CorbaTransport(name_server=naming_service) as transport,
+        NamedCorba(name_server=naming_service) as transport,
         System(RealClock(), transport) as system,
     ):
         ours = made(package, "Ours0")

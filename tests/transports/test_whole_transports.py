@@ -200,8 +200,8 @@ def _garble(pair: Pair, kind: str) -> None:
         return
     from rtgen.runtime.corba.rt_objects import wire
 
-    exported = pair.near.transport._rt_objects.exported
-    port = pair.near.transport._rt_objects.port(pair.end.out_ports["many"])
+    exported = pair.near.transport.rt_objects.exported
+    port = pair.near.transport.rt_objects.port(pair.end.out_ports["many"])
     [profile] = port.get_connector_profiles()
     ior = wire.texts(profile.properties)["dataport.corba_cdr.inport_ior"]
     status = exported.call(exported.reference(ior), wire.IN_PORT_CDR, "put", b"garbage")

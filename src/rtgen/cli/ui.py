@@ -29,7 +29,7 @@ from rtgen.cli.ui_project import CommandProject
 from rtgen.diagnostics import ToolError
 
 if TYPE_CHECKING:
-    from rtgen.runtime.corba.transport import CorbaTransport
+    from rtgen.runtime.corba.transport import NamedCorba
     from rtgen.ui.session import Session
 
 _LOOPBACK = "127.0.0.1"
@@ -39,7 +39,7 @@ def _session(
     project: CommandProject,
     clock: Callable[[], runtime.Clock],
     name_servers: tuple[str, ...],
-    transport: CorbaTransport | None,
+    transport: NamedCorba | None,
     recording: str,
 ) -> Session:
     """Return the session of the first system. Raises InputError, ToolError."""
@@ -53,15 +53,15 @@ def _session(
         raise ToolError(str(error)) from error
 
 
-def _opened(name_server: str, closing: ExitStack) -> CorbaTransport:
+def _opened(name_server: str, closing: ExitStack) -> NamedCorba:
     """Open the transport of a system whose components are found by a naming service.
 
     Raises ToolError.
     """
-    from rtgen.runtime.corba.transport import CorbaTransport
+    from rtgen.runtime.corba.transport import NamedCorba
 
     try:
-        return closing.enter_context(CorbaTransport(name_server=name_server))
+        return closing.enter_context(NamedCorba(name_server=name_server))
     except runtime.TransportError as error:
         raise ToolError(str(error), hint="start omniNames there") from error
 

@@ -43,7 +43,7 @@ from rtgen.ui.errors import FILE, QUESTION, CommandError
 
 if TYPE_CHECKING:
     from rtgen.cli.ui_bus import BusDescriber
-    from rtgen.runtime.corba.transport import CorbaTransport
+    from rtgen.runtime.corba.transport import NamedCorba
     from rtgen.runtime.opaque_rpc.codecs import Codec
     from rtgen.ui.project import Known, Opened, RunWatcher
 
@@ -58,7 +58,7 @@ class CommandProject:
         console: Console,
         files: Sequence[str],
         buses: Mapping[str, Path] | None = None,
-        transport: CorbaTransport | None = None,
+        transport: NamedCorba | None = None,
         recording: RecordingOptions | None = None,
         check_values: str = "first",
     ) -> None:

@@ -17,7 +17,7 @@ from rtgen import runtime
 from rtgen.runtime.corba.objects import Objects
 from rtgen.runtime.corba.orb import Orb
 from rtgen.runtime.corba.rt_objects.data import Losses, is_little_endian
-from rtgen.runtime.corba.rt_objects.ends import OutEnd, ServiceEnd
+from rtgen.runtime.corba.rt_objects.ends import DataEnd, ServiceEnd
 from rtgen.runtime.corba.rt_objects.objects import Exported
 from rtgen.runtime.corba.rt_objects.port_ends import End, Offer
 from rtgen.runtime.corba.rt_objects.ports import PortService
@@ -205,7 +205,7 @@ class RemoteConnections:
 
         def made() -> tuple[End, Any]:
             outlet: OutPort[Any] = OutPort(key.port, type(value), PAGE)
-            return OutEnd(outlet, self.exported, self._guard), outlet
+            return DataEnd(outlet, self.exported, self._guard), outlet
 
         self._line(key, port, made, properties, first=True).tool.write(value)
 

@@ -16,7 +16,7 @@ from typing import Any
 from patience import PATIENCE
 
 from rtgen import runtime
-from rtgen.runtime.corba.transport import CorbaTransport
+from rtgen.runtime.corba.transport import NamedCorba
 
 ROOT = Path(__file__).parents[3]
 BOARD = ROOT / "specs" / "tecs" / "rh3_board.xml"
@@ -105,7 +105,7 @@ class Here:
         from calc_nodes import Caller  # type: ignore[import-not-found]
 
         self.transport = stack.enter_context(
-            CorbaTransport(name_server=names, timeout=timeout)
+            NamedCorba(name_server=names, timeout=timeout)
         )
         self.system = stack.enter_context(
             runtime.System(runtime.RealClock(), self.transport)

@@ -21,7 +21,7 @@ from rtgen.runtime.corba.naming import Naming
 from rtgen.runtime.corba.orb import Orb
 from rtgen.runtime.corba.rt_objects.foreign import located
 from rtgen.runtime.corba.rt_objects.objects import Exported
-from rtgen.runtime.corba.transport import CorbaTransport
+from rtgen.runtime.corba.transport import NamedCorba
 
 PATIENCE = 5.0
 """Time for a working component to reach a state [s]."""
@@ -109,7 +109,7 @@ class Bench:
 def serving(names: str) -> Iterator[System]:
     """Yield a system whose components are found by a naming service."""
     with (
-        CorbaTransport(name_server=names) as transport,
+        NamedCorba(name_server=names) as transport,
         System(RealClock(), transport) as system,
     ):
         yield system

@@ -25,7 +25,7 @@ from rtgen.diagnostics import ToolError
 from rtgen.project import load
 from rtgen.runtime.corba.naming import Naming
 from rtgen.runtime.corba.orb import Orb
-from rtgen.runtime.corba.transport import CorbaTransport
+from rtgen.runtime.corba.transport import NamedCorba
 from rtgen.runtime.services.ports import ServicePort
 from rtgen.systems.reading import read_file
 
@@ -125,7 +125,7 @@ def test_samples_go_between_processes(here: Here, names: str, stack: ExitStack) 
     from calc_nodes import Counter
 
     # For this transport, objects of another one are those of another process.
-    transport = stack.enter_context(CorbaTransport(name_server=names))
+    transport = stack.enter_context(NamedCorba(name_server=names))
     system = stack.enter_context(runtime.System(runtime.RealClock(), transport))
     counter = Counter("Counter0")
     system.add(counter)
@@ -187,7 +187,7 @@ def test_a_port_that_only_provides_waits_for_nobody(
 ) -> None:
     from calc_nodes import Counter
 
-    transport = stack.enter_context(CorbaTransport(name_server=names))
+    transport = stack.enter_context(NamedCorba(name_server=names))
     system = stack.enter_context(runtime.System(runtime.RealClock(), transport))
     counter = Counter("Counter0")
     system.add(counter)
@@ -211,7 +211,7 @@ def test_a_component_is_found_when_its_process_has_its_connections(
 ) -> None:
     found = []
     factories = Factories(load())
-    with closing(Orb()) as orb, CorbaTransport(name_server=names) as transport:
+    with closing(Orb()) as orb, NamedCorba(name_server=names) as transport:
         naming = Naming(orb.orb, names)
 
         def look(_: runtime.System) -> None:
@@ -229,7 +229,7 @@ def test_a_component_that_another_process_has_is_refused(
     calling: model.System, names: str, here: Here
 ) -> None:
     with (
-        CorbaTransport(name_server=names) as transport,
+        NamedCorba(name_server=names) as transport,
         pytest.raises(ToolError, match=r"Caller0\.rtc is served by another process"),
     ):
         assemble(calling, Factories(load()), runtime.RealClock(), [], [], transport)

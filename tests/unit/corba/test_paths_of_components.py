@@ -91,5 +91,5 @@ def test_a_component_is_missing(
 def directory(orb: Orb, service: str, path: str) -> Directory:
     opened = partial(Naming, orb.orb)
     made = Directory(opened(service), Exported(orb), opened)
-    made.expect(ForeignComponent("X0", path))
+    made.add(ForeignComponent("X0", path))
     return made

@@ -21,7 +21,7 @@ from rtgen.runtime.corba.rt_objects.foreign import located
 from rtgen.runtime.corba.rt_objects.objects import Exported
 from rtgen.runtime.corba.rt_objects.remote import RemoteRtc
 from rtgen.runtime.corba.rt_objects.wire import ConnectorProfile, values
-from rtgen.runtime.corba.transport import CorbaTransport
+from rtgen.runtime.corba.transport import NamedCorba
 
 IDL = """module Ward { interface Phone { string name(); }; };
 component Room {
@@ -66,7 +66,7 @@ def rooms(
     made = []
     with ExitStack() as stack:
         for name in ("Room1", "Room2"):
-            transport = stack.enter_context(CorbaTransport(name_server=names))
+            transport = stack.enter_context(NamedCorba(name_server=names))
             system = stack.enter_context(System(RealClock(), transport))
             made.append(Room(name))
             system.add(made[-1], 100.0)

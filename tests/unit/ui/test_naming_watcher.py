@@ -15,7 +15,7 @@ import threading
 from refrobots._idl.basic_data_type import TimedDouble
 from rtgen import runtime
 from rtgen.runtime.corba.name_server import NameServer
-from rtgen.runtime.corba.transport import CorbaTransport
+from rtgen.runtime.corba.transport import NamedCorba
 from rtgen.ui.naming_watcher import NamingWatcher
 
 class Node(runtime.Component):
@@ -37,7 +37,7 @@ def publish(state):
 
 with (
     NameServer() as server,
-    CorbaTransport(name_server=server.address) as transport,
+    NamedCorba(name_server=server.address) as transport,
     runtime.System(runtime.RealClock(), transport) as system,
 ):
     for name in ("A0", "B0"):

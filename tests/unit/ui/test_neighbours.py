@@ -23,7 +23,7 @@ from rtgen.cli.ui import CommandProject
 from rtgen.facts.openrtm_ports import foreign_instances
 from rtgen.runtime import RealClock, xcdr
 from rtgen.runtime.corba.name_server import NameServer
-from rtgen.runtime.corba.transport import CorbaTransport
+from rtgen.runtime.corba.transport import NamedCorba
 from rtgen.systems.reading import read_file
 from rtgen.ui.commands import Commands
 from rtgen.ui.outbox import Outbox
@@ -53,7 +53,7 @@ class Watcher:
     """A page without a system of its own, which applies events."""
 
     def __init__(
-        self, names: str, transport: CorbaTransport | None = None, file: str = ""
+        self, names: str, transport: NamedCorba | None = None, file: str = ""
     ) -> None:
         files = [file] if file else []
         project = CommandProject(QUIET, files, transport=transport)
@@ -368,7 +368,7 @@ def test_components_of_the_page_are_wired_with_others(
     target = ui.PortAddress(f"{names}/RefHardRh30", "InTargetVelocity")
     source = ui.PortAddress("Own0", "velocity")
     assert page.state(target.instance) is ui.State.STATE_ACTIVE
-    with CorbaTransport(name_server=names) as transport:
+    with NamedCorba(name_server=names) as transport:
         page = Watcher(names, transport=transport)
         try:
             page.until(lambda: len(page.components) == 6)

@@ -205,7 +205,9 @@ def _fill(
             system.at(time, activate)
         elif profile.activation:
             before.append(instance)
-            if isinstance(transport, ForeignTransport) and transport.reaches(instance):
+            if isinstance(transport, ForeignTransport) and transport.is_foreign(
+                instance
+            ):
                 activate = partial(transport.activate_foreign, instance)
                 system.at(time, _reporting(activate))
                 deactivate = partial(transport.deactivate_foreign, instance)

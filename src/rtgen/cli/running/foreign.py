@@ -96,7 +96,7 @@ def expected(
     if isinstance(transport, ForeignTransport):
         try:
             for component in components:
-                transport.expect(component)
+                transport.add_foreign(component)
         except TransportError as error:
             raise ToolError(str(error)) from error
     yield

@@ -24,7 +24,7 @@ from rtgen.systems.rules import CONNECTION, PARAMETER
 
 if TYPE_CHECKING:
     from rtgen.model import System
-    from rtgen.runtime.corba.transport import CorbaTransport
+    from rtgen.runtime.corba.transport import CorbaCalls
     from rtgen.runtime.services.transports import ProcessTransport
 
 _REPORT_AFTER = 1.0
@@ -191,10 +191,8 @@ def opened(
                 with calling():
                     stack.close()
             return
-    with _corba(carrying, simulated=simulated) as transport:
-        if transport.name_server:
-            console.say(f"naming service: {transport.name_server}")
-        yield transport
+    with _corba(carrying, console, simulated=simulated) as corba:
+        yield corba
 
 
 def _lease(profile: System) -> float | None:
@@ -206,22 +204,27 @@ def _lease(profile: System) -> float | None:
     )
 
 
-def _corba(carrying: TransportOptions, *, simulated: bool) -> CorbaTransport:
+def _corba(
+    carrying: TransportOptions, console: Console, *, simulated: bool
+) -> CorbaCalls:
     """Return the transport over omniORB. Raises ToolError."""
     try:
         from rtgen.runtime.corba.orb import LOOPBACK
-        from rtgen.runtime.corba.transport import CorbaTransport
+        from rtgen.runtime.corba.transport import CorbaCalls, NamedCorba
     except ImportError as error:
         raise ToolError(
             "--transport corba needs omniORBpy, which is not installed",
             hint="pip install 'rtgen[corba]'",
         ) from error
+    host = carrying.endpoint or LOOPBACK
+    timeout = carrying.call_timeout or CALL_TIMEOUT
     try:
-        return CorbaTransport(
-            naming=not simulated,
+        if simulated:
+            return CorbaCalls(host=host, timeout=timeout)
+        named = NamedCorba(
             name_server=carrying.nameserver,
-            host=carrying.endpoint or LOOPBACK,
-            timeout=carrying.call_timeout or CALL_TIMEOUT,
+            host=host,
+            timeout=timeout,
             activated=None if carrying.activated is None else Path(carrying.activated),
         )
     except NoNamingServiceError as error:
@@ -229,6 +232,8 @@ def _corba(carrying: TransportOptions, *, simulated: bool) -> CorbaTransport:
         raise ToolError(str(error), hint=hint) from error
     except runtime.TransportError as error:
         raise ToolError(str(error)) from error
+    console.say(f"naming service: {named.name_server}")
+    return named
 
 
 def await_others(transport: ProcessTransport, seconds: float, console: Console) -> None:

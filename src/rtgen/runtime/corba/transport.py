@@ -1,15 +1,15 @@
-"""Transport of a system's service calls over omniORB."""
+"""Transports of a system's service calls over omniORB."""
 
 from __future__ import annotations
 
 import logging
 import time
 from collections.abc import Callable, Collection, Mapping
-from contextlib import AbstractContextManager, ExitStack, nullcontext
+from contextlib import AbstractContextManager, ExitStack
 from functools import partial
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 from omniORB import CORBA
 
@@ -42,50 +42,21 @@ log = logging.getLogger("rtgen.runtime")
 _POLL_INTERVAL = 0.05
 
 
-class CorbaTransport:
-    """Carries service calls over omniORB; objects are found by a naming service.
+class CorbaCalls:
+    """Carries the service calls of one process over omniORB, without a naming service.
 
-    `host`: address for other processes; `timeout` [s] of every call; `naming`: whether to use a
-    naming service, at `name_server`, defaulting to this machine's standard port, falling back to a
-    private one; `activated`: a file that lists the foreign components activated here. All methods
-    raise TransportError.
+    `host`: address for other processes; `timeout` [s] of every call. All methods raise
+    TransportError.
     """
 
-    def __init__(
-        self,
-        *,
-        naming: bool = True,
-        name_server: str | None = None,
-        host: str = LOOPBACK,
-        timeout: float = 2.0,
-        activated: Path | None = None,
-    ) -> None:
+    def __init__(self, *, host: str = LOOPBACK, timeout: float = 2.0) -> None:
         self._closing = ExitStack()
-        orb = Orb(host, timeout)
-        self._closing.callback(orb.close)
-        self._objects = Objects(orb)
+        self._orb = Orb(host, timeout)
+        self._closing.callback(self._orb.close)
+        self._objects = Objects(self._orb)
         self._references: dict[Provider[Any], Any] = {}
-        self._connectors: list[RemoteConnector] = []
-        self._peers: list[PeerConnection | ServicePeer] = []
-        self._naming: Naming | None = None
-        self._directory: Directory | None = None
-        self._keeper: Keeper | None = None
-        self._rt_objects: RtObjects | None = None
-        try:
-            if naming:
-                self._naming = self._found(orb, name_server)
-                self._rt_objects = RtObjects(orb, self._objects, self._naming)
-                self._directory = Directory(
-                    self._naming,
-                    self._rt_objects.exported,
-                    partial(Naming, orb.orb, limit=orb.limit),
-                    activated,
-                )
-        except TransportError:
-            self.close()
-            raise
 
-    def __enter__(self) -> CorbaTransport:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(
@@ -97,86 +68,28 @@ class CorbaTransport:
         self.close()
 
     def close(self) -> None:
-        """Remove the objects, and shut down the ORB and a private naming service.
-
-        Components that were activated here are deactivated.
-        """
-        with ExitStack() as last:
-            last.callback(self._close)
-            last.callback(self.release_foreign)
-            self._rest()
-
-    def _close(self) -> None:
+        """Remove the objects, and shut down the ORB."""
         for provider in list(self._references):
             self._withdraw(provider)
         self._closing.close()
 
-    def _found(self, orb: Orb, address: str | None) -> Naming:
-        try:
-            return Naming(orb.orb, address or LOOPBACK, orb.limit)
-        except TransportError:
-            if address is not None:
-                raise
-        server = self._closing.enter_context(NameServer())
-        return Naming(orb.orb, server.address, orb.limit)
-
-    @property
-    def name_server(self) -> str:
-        """The address of the naming service; empty without one."""
-        return "" if self._naming is None else self._naming.address
-
-    @property
-    def rt_objects(self) -> RtObjects | None:
-        """The components of this process, as visible to others; None without a naming service."""
-        return self._rt_objects
-
-    def steered(self, system: System) -> None:
-        """Let other processes observe and control the components of a system."""
-        if self._rt_objects is not None:
-            self._rt_objects.system = system
-
-    def publishing(self) -> AbstractContextManager[None]:
-        """See `PublishingTransport`."""
-        return (
-            nullcontext() if self._rt_objects is None else self._rt_objects.publishing()
-        )
-
-    # Interface to the system
-
     def serve(self, component: PortOwner) -> None:
-        """Publish the providers of a component, and the component itself as an RTObject."""
-        for (port, name), provider in component.providers.items():
-            reference = self._objects.serve(
+        """See `Transport`."""
+        for provider in component.providers.values():
+            self._references[provider] = self._objects.serve(
                 provider.interface, provider.carry_out, partial(_exists, provider)
             )
-            self._references[provider] = reference
-            if self._naming is not None:
-                self._naming.bind((component.instance_name, port), name, reference)
-        if self._rt_objects is not None and isinstance(component, Component):
-            self._rt_objects.publish(component, self._references)
 
     def withdraw(self, component: PortOwner) -> None:
-        """Withdraw a component. Failures of the naming service are logged."""
-        if self._rt_objects is not None:
-            try:
-                self._rt_objects.withdraw(component.instance_name)
-            except TransportError as error:
-                log.warning("%s", error)
+        """See `Transport`."""
         for provider in component.providers.values():
             if provider in self._references:
                 self._withdraw(provider)
 
     def _withdraw(self, provider: Provider[Any]) -> None:
-        reference = self._references.pop(provider)
-        if self._naming is not None:
-            place = provider.owner, provider.port
-            try:
-                self._naming.unbind(place, provider.instance, reference)
-            except TransportError as error:
-                log.warning("%s", error)
-        self._objects.withdraw(reference)
+        self._objects.withdraw(self._references.pop(provider))
 
-    def reach(self, interface: Any, provider: Provider[Any]) -> Carrier:
+    def carrier_of(self, interface: Any, provider: Provider[Any]) -> Carrier:
         """Return the carrier of calls to a provider of this process, which also use the ORB."""
         return self._objects.remote(interface, self._references[provider])
 
@@ -187,13 +100,121 @@ class CorbaTransport:
         there: RemotePort,
         properties: Mapping[str, str],
     ) -> RemoteConnector | ServicePeer:
+        """Raise TransportError: other processes are found by a naming service."""
+        raise TransportError(f"{there} is in no reachable process")
+
+    def await_others(self, seconds: float) -> None:
+        """See `ProcessTransport`: there are none."""
+
+    def is_ready(self, instance: str, before: Collection[str]) -> bool:
+        """See `ProcessTransport`: there are no other processes."""
+        return True
+
+
+class NamedCorba(CorbaCalls):
+    """Carries calls and samples between processes over omniORB; a naming service finds objects.
+
+    `name_server`: where it is, by default at this machine's standard port, or else a private one;
+    `activated`: a file that lists the foreign components activated here.
+    """
+
+    def __init__(
+        self,
+        *,
+        name_server: str | None = None,
+        host: str = LOOPBACK,
+        timeout: float = 2.0,
+        activated: Path | None = None,
+    ) -> None:
+        super().__init__(host=host, timeout=timeout)
+        orb = self._orb
+        try:
+            self._naming = self._open_naming(name_server)
+            self.rt_objects = RtObjects(orb, self._objects, self._naming)
+            """The components of this process, as visible to others."""
+            self._directory = Directory(
+                self._naming,
+                self.rt_objects.exported,
+                partial(Naming, orb.orb, limit=orb.limit),
+                activated,
+            )
+        except TransportError:
+            self._closing.close()
+            raise
+        self._connectors: list[RemoteConnector] = []
+        self._peers: list[PeerConnection | ServicePeer] = []
+        self._keeper: Keeper | None = None
+
+    def close(self) -> None:
+        """Remove the objects, and shut down the ORB and a private naming service.
+
+        Components that were activated here are deactivated.
+        """
+        with ExitStack() as last:
+            last.callback(super().close)
+            last.callback(self.release_foreign)
+            self._stop_monitoring()
+
+    def _open_naming(self, address: str | None) -> Naming:
+        orb = self._orb
+        try:
+            return Naming(orb.orb, address or LOOPBACK, orb.limit)
+        except TransportError:
+            if address is not None:
+                raise
+        server = self._closing.enter_context(NameServer())
+        return Naming(orb.orb, server.address, orb.limit)
+
+    @property
+    def name_server(self) -> str:
+        """The address of the naming service."""
+        return self._naming.address
+
+    def allow_control(self, system: System) -> None:
+        """See `ControlTransport`."""
+        self.rt_objects.system = system
+
+    def publishing(self) -> AbstractContextManager[None]:
+        """See `PublishingTransport`."""
+        return self.rt_objects.publishing()
+
+    # Interface to the system
+
+    def serve(self, component: PortOwner) -> None:
+        """Publish the providers of a component, and the component itself as an RTObject."""
+        super().serve(component)
+        for (port, name), provider in component.providers.items():
+            place = component.instance_name, port
+            self._naming.bind(place, name, self._references[provider])
+        if isinstance(component, Component):
+            self.rt_objects.publish(component, self._references)
+
+    def withdraw(self, component: PortOwner) -> None:
+        """Withdraw a component. Failures of the naming service are logged."""
+        try:
+            self.rt_objects.withdraw(component.instance_name)
+        except TransportError as error:
+            log.warning("%s", error)
+        super().withdraw(component)
+
+    def _withdraw(self, provider: Provider[Any]) -> None:
+        place = provider.owner, provider.port
+        try:
+            self._naming.unbind(place, provider.instance, self._references[provider])
+        except TransportError as error:
+            log.warning("%s", error)
+        super()._withdraw(provider)
+
+    def connector(
+        self,
+        name: str,
+        here: ServicePort,
+        there: RemotePort,
+        properties: Mapping[str, str],
+    ) -> RemoteConnector | ServicePeer:
         """Return a connection to a port of another process. Raises ConnectError."""
-        if self._naming is None:
-            raise TransportError(f"{there} is in no reachable process")
-        directory = self._directory
-        if directory is not None and there.instance in directory.foreign:
-            assert self._rt_objects is not None  # set together with the directory
-            peer = ServicePeer(name, here, there, properties, self._rt_objects)
+        if self.is_foreign(there.instance):
+            peer = ServicePeer(name, here, there, properties, self.rt_objects)
             self._peers.append(peer)
             return peer
         made = RemoteConnector(
@@ -230,9 +251,7 @@ class CorbaTransport:
         there: RemotePort,
         properties: Mapping[str, str],
     ) -> PeerConnection:
-        if self._rt_objects is None:
-            raise TransportError(f"{there} is in no reachable process")
-        made = PeerConnection(name, here, there, properties, self._rt_objects)
+        made = PeerConnection(name, here, there, properties, self.rt_objects)
         self._peers.append(made)
         return made
 
@@ -246,61 +265,55 @@ class CorbaTransport:
         """
         deadline = time.monotonic() + seconds
         directory = self._directory
-        if directory is not None:
-            for foreign in directory.foreign.values():
-                self._await(directory, foreign, deadline)
+        for foreign in directory.foreign.values():
+            self._await(foreign, deadline)
         for connector in self._connectors:
             if connector.connected:
                 connector.await_providers(deadline)
         for peer in self._peers:
-            if peer.connected and directory is not None:
+            if peer.connected:
                 peer.establish(directory, deadline)
-        if directory is not None and (self._peers or directory.foreign):
-            self._rest()
+        if self._peers or directory.foreign:
+            self._stop_monitoring()
             self._keeper = Keeper(directory, lambda: tuple(self._peers))
 
-    def _await(self, directory: Directory, foreign: Foreign, deadline: float) -> None:
-        while directory.find(foreign.instance) is None:
+    def _await(self, foreign: Foreign, deadline: float) -> None:
+        while self._directory.find(foreign.instance) is None:
             if time.monotonic() > deadline:
                 raise TransportError(
                     f"no process runs {foreign.instance}, which rtgen does not run: "
-                    f"{directory.where(foreign.instance)}"
+                    f"{self._directory.where(foreign.instance)}"
                 )
             time.sleep(_POLL_INTERVAL)
         foreign.configure()
         foreign.look()
 
-    def _rest(self) -> None:
+    def _stop_monitoring(self) -> None:
         """Stop monitoring other processes."""
         keeper, self._keeper = self._keeper, None
         if keeper is not None:
             keeper.close()
 
-    def expect(self, component: ForeignComponent) -> None:
+    def add_foreign(self, component: ForeignComponent) -> None:
         """See `ForeignTransport`."""
-        if self._directory is None:
-            raise TransportError(f"{component.instance} is found by a naming service")
-        self._directory.expect(component)
+        self._directory.add(component)
 
-    def reaches(self, instance: str) -> bool:
+    def is_foreign(self, instance: str) -> bool:
         """See `ForeignTransport`."""
-        return self._directory is not None and instance in self._directory.foreign
+        return instance in self._directory.foreign
 
     def activate_foreign(self, instance: str) -> None:
         """See `ForeignTransport`."""
-        if self._directory is not None:
-            foreign = self._directory.foreign[instance]
-            foreign.activate(self._directory.activations)
+        self._directory.foreign[instance].activate(self._directory.activations)
 
     def deactivate_foreign(self, instance: str) -> None:
         """See `ForeignTransport`."""
-        if self._directory is not None:
-            self._directory.foreign[instance].wanted = False
-            self._directory.activations.release(instance)
+        self._directory.foreign[instance].wanted = False
+        self._directory.activations.release(instance)
 
     def foreign_states(self) -> dict[str, LifeCycleState | None]:
         """See `ForeignTransport`."""
-        foreign = {} if self._directory is None else self._directory.foreign
+        foreign = self._directory.foreign
         return {name: each.last_state for name, each in foreign.items()}
 
     def link_reports(self) -> list[LinkReport]:
@@ -309,30 +322,26 @@ class CorbaTransport:
 
     def release_foreign(self) -> None:
         """See `ForeignTransport`."""
-        if self._directory is not None:
-            self._directory.activations.release_all()
+        self._directory.activations.release_all()
 
     @property
     def missing(self) -> list[str]:
         """See `AwaitingTransport`: those that do not respond at the moment."""
-        directory = self._directory
-        if directory is None:
-            return []
         data = {peer.there.instance for peer in self._peers if peer.connected}
-        calls = {p.port.instance for p in self._wanted() if not p.is_served}
+        calls = {p.port.instance for p in self._remote_providers() if not p.is_served}
         silent = {
             each
-            for each in {*data, *directory.foreign}
-            if not _answers(directory, each)
+            for each in {*data, *self._directory.foreign}
+            if not _answers(self._directory, each)
         }
         return sorted(silent | calls)
 
-    def _wanted(self) -> list[RemoteProvider]:
+    def _remote_providers(self) -> list[RemoteProvider]:
         return [p for c in self._connectors if c.connected for p in c.providers]
 
     def is_ready(self, instance: str, before: Collection[str]) -> bool:
         """Return whether an instance's providers that other processes activate first are ACTIVE."""
-        foreign = {} if self._directory is None else self._directory.foreign
+        foreign = self._directory.foreign
         called = {
             peer.there.instance
             for peer in self._peers
@@ -342,7 +351,7 @@ class CorbaTransport:
             return False
         return all(
             provider.exists
-            for provider in self._wanted()
+            for provider in self._remote_providers()
             if provider.consumer.owner == instance and provider.port.instance in before
         )
 

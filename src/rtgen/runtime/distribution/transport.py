@@ -117,7 +117,7 @@ class DistributedTransport:
             self._desk.close()
             self._medium.close()
 
-    def steered(self, system: System) -> None:
+    def allow_control(self, system: System) -> None:
         """Let other processes watch and control the components of a system."""
         self._system = system
 
@@ -155,7 +155,7 @@ class DistributedTransport:
         if published is not None:
             published.close()
 
-    def reach(self, interface: Any, provider: Provider[Any]) -> Carrier:
+    def carrier_of(self, interface: Any, provider: Provider[Any]) -> Carrier:
         """Return the provider itself: calls within a process do not leave it."""
         return provider
 

@@ -61,7 +61,7 @@ class ServiceConnector:
     def _carrier(self, consumer: Consumer[Any], provider: Provider[Any]) -> Carrier:
         if self._transport is None:
             return provider
-        return self._transport.reach(consumer.interface, provider)
+        return self._transport.carrier_of(consumer.interface, provider)
 
 
 def _pairs(

@@ -95,7 +95,7 @@ class Transport(Protocol):
     def withdraw(self, component: PortOwner) -> None:
         """Withdraw the providers of a component."""
 
-    def reach(self, consumer_interface: Any, provider: Provider[Any]) -> Carrier:
+    def carrier_of(self, consumer_interface: Any, provider: Provider[Any]) -> Carrier:
         """Return the carrier of calls from a consumer's interface to a provider of this process."""
 
     def connector(
@@ -125,10 +125,10 @@ class RemoteDataConnector(Protocol):
 
 
 @runtime_checkable
-class SteeringTransport(Protocol):
+class ControlTransport(Protocol):
     """A transport through which other processes observe and control a system."""
 
-    def steered(self, system: Any) -> None:
+    def allow_control(self, system: Any) -> None:
         """Let other processes observe and control a system, of class `System`."""
 
 
@@ -145,7 +145,7 @@ class PublishingTransport(Protocol):
 
 
 @runtime_checkable
-class DataTransport(SteeringTransport, Protocol):
+class DataTransport(ControlTransport, Protocol):
     """A transport that also transports samples between processes."""
 
     def sending(
@@ -191,11 +191,11 @@ class ProcessTransport(Transport, Protocol):
 class ForeignTransport(Protocol):
     """A transport to components that rtgen does not run. Methods raise TransportError."""
 
-    def expect(self, component: ForeignComponent) -> None:
+    def add_foreign(self, component: ForeignComponent) -> None:
         """Look for a component, configure it, and connect it again after a loss."""
 
-    def reaches(self, instance: str) -> bool:
-        """Return whether a component is expected."""
+    def is_foreign(self, instance: str) -> bool:
+        """Return whether rtgen does not run a component, and looks for it."""
 
     def activate_foreign(self, instance: str) -> None:
         """Request ACTIVE of a component."""
@@ -207,7 +207,7 @@ class ForeignTransport(Protocol):
         """
 
     def foreign_states(self) -> Mapping[str, LifeCycleState | None]:
-        """Return the last known states of the expected components; None: it does not answer."""
+        """Return the last known states of the foreign components; None: it does not answer."""
 
     def link_reports(self) -> Sequence[LinkReport]:
         """Return the failures of connections with other processes."""

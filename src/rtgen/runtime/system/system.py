@@ -35,7 +35,7 @@ from rtgen.runtime.rtc.component import Component
 from rtgen.runtime.rtc.configuration import DEFAULT_SET
 from rtgen.runtime.rtc.execution_context import ExecutionContext
 from rtgen.runtime.rtc.participant import Participant
-from rtgen.runtime.services.transports import SteeringTransport, Transport
+from rtgen.runtime.services.transports import ControlTransport, Transport
 from rtgen.runtime.system.closing import Closing
 from rtgen.runtime.system.dependencies import Dependencies
 from rtgen.runtime.system.joining import (
@@ -107,8 +107,8 @@ class System:
             self._scheduler.between_instants(PERIOD, self._check_next_values)
         self.on_failure: Callable[[Failure], None] = log_failure
         """Called with each failure of a component's code; in real time from its thread."""
-        if isinstance(transport, SteeringTransport):
-            transport.steered(self)
+        if isinstance(transport, ControlTransport):
+            transport.allow_control(self)
 
     def __enter__(self) -> System:
         return self

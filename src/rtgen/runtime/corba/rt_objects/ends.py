@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
+from rtgen.facts.port_fitting import IN_PORT, OUT_PORT, SERVICE_PORT
 from rtgen.runtime.corba.objects import Objects
 from rtgen.runtime.corba.rt_objects.data import (
     INTERFACE_TYPE,
@@ -36,92 +37,81 @@ from rtgen.runtime.timing.guards import Guard
 _IN_IOR = "dataport.corba_cdr.inport_ior"
 _OUT_IOR = "dataport.corba_cdr.outport_ior"
 
+PORT_TYPE = "port.port_type"
+
 Guards = Callable[[], Guard]
 
 
-def _data_properties(kind: str, port: InPort[Any] | OutPort[Any]) -> dict[str, str]:
-    descriptor: Any = port.type._descriptor_
-    return {
-        "port.port_type": kind,
-        "dataport.data_type": descriptor.repository_id,
-        "dataport.dataflow_type": "push, pull",
-        "dataport.interface_type": INTERFACE_TYPE,
-        "dataport.subscription_type": "flush, new, periodic",
-    }
+def port_type(port: InPort[Any] | OutPort[Any] | ServicePort) -> str:
+    """Return OpenRTM's word for the kind of a port."""
+    match port:
+        case InPort():
+            return IN_PORT
+        case OutPort():
+            return OUT_PORT
+    return SERVICE_PORT
 
 
-class InEnd:
-    """An InPort."""
+class DataEnd:
+    """A data port: an InPort takes pushed samples, an OutPort provides pulled ones."""
 
-    def __init__(self, port: InPort[Any], exported: Exported, guard: Guards) -> None:
+    def __init__(
+        self, port: InPort[Any] | OutPort[Any], exported: Exported, guard: Guards
+    ) -> None:
+        descriptor: Any = port.type._descriptor_
         self.port = port.name
-        self.properties = _data_properties("DataInPort", port)
+        self.properties = {
+            PORT_TYPE: port_type(port),
+            "dataport.data_type": descriptor.repository_id,
+            "dataport.dataflow_type": "push, pull",
+            "dataport.interface_type": INTERFACE_TYPE,
+            "dataport.subscription_type": "flush, new, periodic",
+        }
         self.interfaces: list[PortInterfaceProfile] = []
         self._port = port
+        self._receives = isinstance(port, InPort)
         self._exported = exported
         self._guard = guard
 
     def offer(self, name: str, properties: Mapping[str, str]) -> Offer:
-        """Offer an `InPortCdr` for pushed samples. Raises ConnectError."""
-        if is_pull(properties):
+        """Offer an `InPortCdr` for pushed samples, an `OutPortCdr` for pulled ones.
+
+        Raises ConnectError.
+        """
+        if is_pull(properties) is self._receives:
             return Offer({})
-        connector = received(name, self._port, properties, self._guard)
-        receiver = Receiver(connector, little=is_little_endian(properties))
-        reference = self._exported.serve(IN_PORT_CDR, receiver)
-        withdraw = partial(self._exported.withdraw, reference)
-        return Offer({_IN_IOR: self._exported.text(reference)}, connector, withdraw)
-
-    def accept(
-        self, name: str, properties: Mapping[str, str], losses: Losses
-    ) -> Connector | None:
-        """Return a connection to the other end for pulled samples. Raises ConnectError."""
-        if not is_pull(properties):
-            return None
-        reference = _reference(self._exported, properties, _OUT_IOR)
-        return Pulled(
-            name, self._port, properties, self._guard, self._exported, reference, losses
-        )
-
-    def has(self, connector: Connector) -> bool:
-        """See `End`."""
-        return isinstance(connector, DataConnector) and connector.target is self._port
-
-
-class OutEnd:
-    """An OutPort."""
-
-    def __init__(self, port: OutPort[Any], exported: Exported, guard: Guards) -> None:
-        self.port = port.name
-        self.properties = _data_properties("DataOutPort", port)
-        self.interfaces: list[PortInterfaceProfile] = []
-        self._port = port
-        self._exported = exported
-        self._guard = guard
-
-    def offer(self, name: str, properties: Mapping[str, str]) -> Offer:
-        """Offer an `OutPortCdr` for pulled samples. Raises ConnectError."""
-        if not is_pull(properties):
-            return Offer({})
+        if isinstance(self._port, InPort):
+            connector = received(name, self._port, properties, self._guard)
+            receiver = Receiver(connector, little=is_little_endian(properties))
+            return self._offer(_IN_IOR, IN_PORT_CDR, receiver, connector)
         source = Source(name, self._port, properties, self._guard)
-        reference = self._exported.serve(OUT_PORT_CDR, source)
+        return self._offer(_OUT_IOR, OUT_PORT_CDR, source, source.connector)
+
+    def _offer(self, key: str, type_: Any, target: Any, connector: Connector) -> Offer:
+        reference = self._exported.serve(type_, target)
         withdraw = partial(self._exported.withdraw, reference)
-        ior = self._exported.text(reference)
-        return Offer({_OUT_IOR: ior}, source.connector, withdraw)
+        return Offer({key: self._exported.text(reference)}, connector, withdraw)
 
     def accept(
         self, name: str, properties: Mapping[str, str], losses: Losses
     ) -> Connector | None:
-        """Return a connection to the other end for pushed samples. Raises ConnectError."""
-        if is_pull(properties):
+        """Return a connection that pulls or pushes at the other end. Raises ConnectError."""
+        if is_pull(properties) is not self._receives:
             return None
-        reference = _reference(self._exported, properties, _IN_IOR)
-        return SentConnector(
-            name, self._port, properties, self._guard, self._exported, reference, losses
+        reference = _reference(
+            self._exported, properties, _OUT_IOR if self._receives else _IN_IOR
         )
+        more = properties, self._guard, self._exported, reference, losses
+        if isinstance(self._port, InPort):
+            return Pulled(name, self._port, *more)
+        return SentConnector(name, self._port, *more)
 
     def has(self, connector: Connector) -> bool:
         """See `End`."""
-        return isinstance(connector, DataConnector) and connector.source is self._port
+        return isinstance(connector, DataConnector) and self._port in (
+            connector.source,
+            connector.target,
+        )
 
 
 class ServiceEnd:
@@ -136,7 +126,7 @@ class ServiceEnd:
         references: Mapping[Provider[Any], Any],
     ) -> None:
         self.port = port.port
-        self.properties = {"port.port_type": "CorbaPort"}
+        self.properties = {PORT_TYPE: port_type(port)}
         self.interfaces = [
             PortInterfaceProfile(end.instance, type_names(end)[0], side)
             for side, ends in (

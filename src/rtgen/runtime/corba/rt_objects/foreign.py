@@ -164,7 +164,7 @@ class Directory:
         self.activations = Activations(exported, activated)
         self._services: dict[str, Naming] = {}
 
-    def expect(self, plan: ForeignComponent) -> None:
+    def add(self, plan: ForeignComponent) -> None:
         """Look for a component by the path in its plan from now on."""
         self.foreign[plan.instance] = Foreign(plan, self._exported)
 

@@ -14,11 +14,17 @@ from rtgen.facts.openrtm_ports import (
     known_name,
     registered_names,
 )
+from rtgen.facts.port_fitting import IN_PORT
 from rtgen.runtime.corba.naming import Naming
 from rtgen.runtime.corba.objects import Objects
 from rtgen.runtime.corba.orb import Orb
 from rtgen.runtime.corba.rt_objects.component import RtObject
-from rtgen.runtime.corba.rt_objects.ends import InEnd, OutEnd, ServiceEnd
+from rtgen.runtime.corba.rt_objects.ends import (
+    PORT_TYPE,
+    DataEnd,
+    ServiceEnd,
+    port_type,
+)
 from rtgen.runtime.corba.rt_objects.objects import Exported
 from rtgen.runtime.corba.rt_objects.port_ends import End
 from rtgen.runtime.corba.rt_objects.ports import PortService
@@ -88,17 +94,14 @@ class RtObjects:
 
     def port(self, end: InPort[Any] | OutPort[Any] | ServicePort) -> PortService | None:
         """Return the port service of a port; None after it was withdrawn."""
-        kind: type[End]
-        if isinstance(end, ServicePort):
-            kind, owner, name = ServiceEnd, end.instance, end.port
-        else:
-            kind = InEnd if isinstance(end, InPort) else OutEnd
-            owner, name = end.owner, end.name
-        made = self._published.get(owner)
-        ports = () if made is None else made.ports
-        return next(
-            (p for p in ports if isinstance(p.end, kind) and p.end.port == name), None
+        place = (
+            (end.instance, end.port)
+            if isinstance(end, ServicePort)
+            else (end.owner, end.name)
         )
+        type_ = port_type(end)
+        ports = self.ports_at(*place)
+        return next((p for p in ports if p.end.properties[PORT_TYPE] == type_), None)
 
     def own(self, reference: Any) -> RtObject | PortService | None:
         """Return the component or port of this process for a reference; None if there is none."""
@@ -118,7 +121,7 @@ class RtObjects:
             for port in made.ports
             if port.end.has(connector)
         ]
-        return sorted(found, key=lambda port: isinstance(port.end, InEnd))
+        return sorted(found, key=lambda p: p.end.properties[PORT_TYPE] == IN_PORT)
 
     def give_up(self, place: str, reason: str) -> None:
         """See `Ports`."""
@@ -144,12 +147,11 @@ class RtObjects:
         for (way, name), registered in registered_names(keys).items():
             known = known_name(registered)
             end: End
-            if way == IN:
-                end = InEnd(component.in_ports[name], self.exported, self._guard)
-            elif way == OUT:
-                end = OutEnd(component.out_ports[name], self.exported, self._guard)
-            else:
+            if way == SERVICE:
                 port = ServicePort(component, name)
                 end = ServiceEnd(port, known, self._objects, self.exported, references)
+            else:
+                data = component.in_ports if way == IN else component.out_ports
+                end = DataEnd(data[name], self.exported, self._guard)
             found.append((known, end))
         return found
