@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
+from hashlib import sha256
+from pathlib import Path
 
 from msgspec.structs import replace
 
@@ -19,6 +21,7 @@ from rtgen.lowering import stage as lowering
 from rtgen.model import Model
 from rtgen.project import Project
 from rtgen.project.compilation import Compilation, compilation_of
+from rtgen.project.paths import shown_path
 
 
 def read(
@@ -75,8 +78,36 @@ def emitted(project: Project, result: FrontendResult) -> Compilation:
             output=project.output,
             encoding=project.encoding,
         )
-    emission = Emission()
-    if not has_errors(result.diagnostics):
-        places = partial(place_of, result.sources)
-        emission = backends.emitted(result.model, project.options, locate=places)
-    return compilation_of(result, emission)
+    if has_errors(result.diagnostics):
+        return compilation_of(result, Emission())
+    if project.templates:
+        return _emitted_by_templates(project, result)
+    return compilation_of(result, _emission(project, result))
+
+
+def _emission(project: Project, result: FrontendResult) -> Emission:
+    places = partial(place_of, result.sources)
+    return backends.emitted(result.model, project.options, locate=places)
+
+
+def _emitted_by_templates(project: Project, result: FrontendResult) -> Compilation:
+    """Return the artifacts of a project with templates of its own, which are inputs, too."""
+    from rtgen.backends.kit import project_templates
+
+    templates = project_templates.read(project.templates)
+    emission = Emission(diagnostics=templates.findings)
+    if not templates.failed:
+        with project_templates.laid_over(templates):
+            emission = _emission(project, result)
+    run = compilation_of(result, emission)
+    digests = {
+        shown_path(Path(path), project.root)
+        .as_posix(): sha256(text.encode())
+        .hexdigest()
+        for path, text in templates.sources.items()
+    }
+    return replace(
+        run,
+        inputs={**run.inputs, **digests},
+        sources={**run.sources, **templates.sources},
+    )

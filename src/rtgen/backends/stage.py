@@ -19,7 +19,7 @@ from rtgen.backends import (
 )
 from rtgen.backends.kit.quoting.code import UnquotableError
 from rtgen.backends.kit.rules import UNQUOTABLE
-from rtgen.diagnostics import Diagnostic, Span
+from rtgen.diagnostics import Diagnostic, InputError, Span
 from rtgen.facts.ros import INTERFACE_SUFFIXES
 
 if TYPE_CHECKING:
@@ -132,6 +132,8 @@ def _emission(
     with stages.stage(f"back end {backend.name}"):
         try:
             emission = backend.emit(model, options)
+        except InputError as error:
+            return Emission(diagnostics=error.diagnostics)
         except UnquotableError as error:
             # The back end has no rule of its own for this text.
             message = f"back end {backend.name}: {error}"
@@ -162,6 +164,7 @@ def together(emissions: Iterable[Emission]) -> Emission:
             files.append([artifact])
             own.setdefault(artifact.path, files[-1])
         known = {**own, **known}
+    found = list(dict.fromkeys(found))  # several meet the same fault of a template
     return Emission(list(map(_composed, files)), found, components)
 
 

@@ -8,6 +8,7 @@ EXAMPLES = {
     "new device": "rtgen new device Drive",
     "new board": "rtgen new board Lamp",
     "new system": "rtgen new system bench Arm Arm",
+    "new template": "rtgen new template header.txt.j2",
     "new backend": "rtgen new backend struct-list",
     "generate": "rtgen generate --watch",
     "check": "rtgen check --diagnostics github",

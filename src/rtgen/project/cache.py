@@ -129,6 +129,7 @@ class Cache:
                 project.skeleton_path,
             ],
             json.dumps(project.plugins, default=str, sort_keys=True),
+            [(n, str(p), hash_of(p)) for n, p in sorted(project.templates.items())],
         ]
         return sha256(json.dumps(content).encode()).hexdigest()
 

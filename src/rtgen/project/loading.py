@@ -78,7 +78,7 @@ class Project(msgspec.Struct, frozen=True, kw_only=True):
     `ignored_in_files` has pattern, code and place of each entry of `[lint] per-file-ignores`; its
     patterns are relative to `root`. `encoding`, of `decoded_text.NAMES`, is that of sources that do
     not tell theirs. `problems` are doubts about rtgen.toml itself. `form` is `[fmt]`; `plugins` has
-    the options of plug-ins, `[plugin.NAME]`.
+    the options of plug-ins, `[plugin.NAME]`; `templates` the displayed paths of those by name.
     """
 
     root: Path
@@ -108,6 +108,7 @@ class Project(msgspec.Struct, frozen=True, kw_only=True):
     lint: tuple[tuple[str, str, Span], ...] = ()
     ignored_in_files: tuple[tuple[str, str, Span], ...] = ()
     plugins: Mapping[str, Mapping[str, Any]] = msgspec.field(default_factory=dict)
+    templates: Mapping[str, Path] = msgspec.field(default_factory=dict)
     node_id: int | None = None
     problems: tuple[Diagnostic, ...] = ()
 
@@ -284,6 +285,11 @@ def load(start: Path | None = None) -> Project:
         *_check_names(project, settings),
         *_check_folders(project, settings),
     ]
+    if "templates" in settings.content:
+        from rtgen.project.templates import templates_of
+
+        templates, faults = templates_of(settings, root, project.output)
+        project, findings = replace(project, templates=templates), findings + faults
     if findings:
         raise InputError(findings)
     paths = [shown_path(root / p) for p in settings.texts("sources", "paths")]

@@ -19,10 +19,12 @@ def find(folder: Path) -> Path | None:
     return None
 
 
-def shown_path(path: Path) -> Path:
-    """Return the path relative to the working folder (absolute on another drive)."""
+def shown_path(path: Path, folder: Path | None = None) -> Path:
+    """Return the path relative to the folder, by default the working folder (absolute on another
+    drive).
+    """
     try:
-        return Path(os.path.relpath(path))
+        return Path(os.path.relpath(path, folder))
     except ValueError:
         return path
 

@@ -8,5 +8,6 @@ UNUSABLE_NAME = Rule("NEW0001", "name that cannot be used", Severity.ERROR)
 EXISTS = Rule("NEW0002", "file that exists already", Severity.ERROR)
 NO_PROJECT = Rule("NEW0003", "no project to add to", Severity.ERROR)
 NO_COMPONENT = Rule("NEW0004", "system without such a component", Severity.ERROR)
+NO_TEMPLATES = Rule("NEW0005", "no folder for templates", Severity.ERROR)
 
 RULES = rules_of(globals())

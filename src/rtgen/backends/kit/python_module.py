@@ -6,6 +6,7 @@ part imports a name from its own module, the part that defines the name precedes
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
@@ -19,6 +20,7 @@ _STANDARD: Final = frozenset(
     {"abc", "builtins", "collections", "dataclasses", "decimal", "struct", "typing"}
 )
 """The packages of the standard library that generated code uses."""
+_IMPORT: Final = re.compile(r"from (\S+) import (.+)")
 _THIRD_PARTY: Final = ("msgspec", "numpy")
 
 
@@ -72,8 +74,10 @@ def python_module(
 ) -> PythonModule:
     """Return a module, or a part of one. `origin` are the keys of the inputs in its header.
 
-    Long statements of the body are split, like those of the whole module.
+    Long statements of the body are split, like those of the whole module. The imports with which
+    the body begins are those of the module.
     """
+    stated, body = _imports_at_head(body)
     return _printed(
         PythonModule(
             path=path,
@@ -82,13 +86,29 @@ def python_module(
             package=package,
             version=version,
             title=title,
-            imports=tuple(imports),
+            imports=(*imports, *stated),
             body=fit_text(body.strip("\n")),
             defines=frozenset(defines),
             pragmas=tuple(pragmas),
             plain=plain,
         )
     )
+
+
+def _imports_at_head(body: str) -> tuple[list[Import], str]:
+    """Return the imports with which a text begins, one a line, and the rest of it."""
+    imports = []
+    lines = body.split("\n")
+    for number, line in enumerate(lines):
+        found = _IMPORT.fullmatch(line)
+        if found is not None:
+            items = (item.partition(" as ") for item in found[2].split(", "))
+            imports += [
+                Import(found[1], name, local or name) for name, _, local in items
+            ]
+        elif line:
+            return imports, "\n".join(lines[number:])
+    return imports, ""
 
 
 def composed(parts: Sequence[PythonModule]) -> PythonModule:

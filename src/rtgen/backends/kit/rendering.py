@@ -8,6 +8,7 @@ or a name is allowed. So a text of a definition cannot become code because of a 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from contextvars import ContextVar
 from functools import cache
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
@@ -18,9 +19,16 @@ from markupsafe import Markup
 from rtgen.backends.kit.quoting import names, properties, python, scripts, xml
 
 if TYPE_CHECKING:
-    from jinja2 import Environment, Template
+    from jinja2 import BaseLoader, Environment, Template
 
-_FOLDER = Path(__file__).resolve().parents[2] / "templates"
+FOLDER = Path(__file__).resolve().parents[2] / "templates"
+"""The folder of rtgen's templates."""
+
+_NOT_GENERATED = ("new/", "wiring/")
+"""Templates of files that `rtgen generate` does not write."""
+
+RENDERER: ContextVar[Callable[..., str] | None] = ContextVar("renderer", default=None)
+"""Renders instead of `render`, for a project with templates of its own."""
 
 
 class Language(msgspec.Struct, frozen=True):
@@ -73,26 +81,59 @@ LANGUAGES: Mapping[str, Language] = {
 
 def render(template: str, **values: object) -> str:
     """Render a template below `rtgen/templates`; return code of the template's language."""
-    found, language = _template(template)
-    return language.code(found.render(values))
+    return (RENDERER.get() or render_original)(template, values)
+
+
+def render_original(template: str, values: Mapping[str, object]) -> str:
+    """Render one of rtgen's templates, whatever a project lays over it."""
+    return language_of(template).code(_template(template).render(values))
 
 
 @cache
-def _template(name: str) -> tuple[Template, Language]:
-    suffix = PurePosixPath(name).suffixes[-2]
-    return _environment(suffix).get_template(name), LANGUAGES[suffix]
+def template_names() -> tuple[str, ...]:
+    """Return the names of the templates of generated files, over which a project may lay others."""
+    names = (path.relative_to(FOLDER).as_posix() for path in FOLDER.rglob("*.j2"))
+    return tuple(sorted(n for n in names if not n.startswith(_NOT_GENERATED)))
+
+
+def template_source(name: str) -> str:
+    """Return the text of one of rtgen's templates."""
+    return (FOLDER / name).read_text("utf-8")
+
+
+def language_of(template: str) -> Language:
+    """Return the output language of a template."""
+    return LANGUAGES[_suffix(template)]
+
+
+def _suffix(template: str) -> str:
+    return PurePosixPath(template).suffixes[-2]
+
+
+@cache
+def _template(name: str) -> Template:
+    return _environment(_suffix(name)).get_template(name)
 
 
 @cache
 def _environment(suffix: str) -> Environment:
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+    from jinja2 import Environment, FileSystemLoader
+
+    return configured(Environment, suffix, FileSystemLoader(FOLDER))
+
+
+def configured(kind: type[Environment], suffix: str, loader: BaseLoader) -> Environment:
+    """Return an environment for the templates of the language with the suffix."""
+    from jinja2 import StrictUndefined
 
     from rtgen.backends.kit.compiled_templates import CompiledTemplates
 
     language = LANGUAGES[suffix]
-    environment = Environment(
-        loader=FileSystemLoader(_FOLDER),
-        bytecode_cache=CompiledTemplates(_FOLDER / "__pycache__", suffix),
+    environment = kind(
+        loader=loader,
+        bytecode_cache=CompiledTemplates(
+            FOLDER / "__pycache__", f"{kind.__name__} {suffix}"
+        ),
         auto_reload=False,
         undefined=StrictUndefined,
         # Macros then return markup, which is not quoted again.

@@ -81,7 +81,9 @@ def _state(request: Request, known: Iterable[Path]) -> tuple[State, set[Path]]:
     """Return the state of all inputs, and the sources among them."""
     settings = find(Path.cwd()) or Path.cwd() / FILE_NAME
     try:
-        sources = {path.absolute() for path in request.project().sources}
+        project = request.project()
+        paths = (*project.sources, *project.templates.values())
+        sources = {path.absolute() for path in paths}
     except (InputError, ToolError):
         sources = {Path(path).absolute() for path in request.definitions.paths}
     files = {settings, *sources, *(path.absolute() for path in known)}

@@ -12,6 +12,7 @@ COMMANDS = {
     "device": "Add a CANopen device with a bus, its behaviour and test.",
     "board": "Add a TECS board with a join and a test.",
     "system": "Add a system of components, connected by their types, and a test.",
+    "template": "Copy a template of generated files into the project, or list them.",
     "backend": "Create a package that extends rtgen by a back end.",
 }
 """Commands with their help lines; the module `commands` has a function for each."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtgen.cli.common import BAD_INPUT, OK, Console, with_console
+from rtgen.cli.common import BAD_INPUT, OK, Console, with_console, write_out
 from rtgen.project import Project, load, shown
 
 if TYPE_CHECKING:  # loaded by the commands that need it
@@ -107,6 +107,26 @@ def system(console: Console, name: str, components: tuple[str, ...]) -> int:
     for text in ambiguous:
         console.say(text)
     return code
+
+
+@click.command()
+@click.argument("name", metavar="NAME", required=False)
+@with_console
+def template(console: Console, name: str | None) -> int:
+    """Copy the template NAME into the folder `[templates] path`; without NAME, list them all.
+
+    The copy takes the place of the original for this project.
+    """
+    from rtgen.scaffold import templates, writing
+
+    if name is None:
+        write_out(templates.listing())
+        return OK
+    file = templates.copy_of(name)
+    with writing.added([file]):
+        _generate(console, load())
+    console.say(f"created: {shown(file.path)}")
+    return OK
 
 
 @click.command()
