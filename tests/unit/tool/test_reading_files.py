@@ -33,6 +33,7 @@ EXAMPLES = PACKAGE / "examples"
 
 OWN_FILES = {
     "backends/canopen/shared_files.py _shared_idl",
+    "backends/kit/rendering.py template_source",
     "backends/small/backend.py _Tree.artifacts",
     "backends/typescript/backend.py _Tree.artifacts",
     "diagnostics/__init__.py _page",
