@@ -15,7 +15,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from type_checkers import check_by_mypy
 
-from rtgen.backends.canopen.pdo_codec import IMPORTS, PdoCodec, codecs_text
+from rtgen.backends.canopen.pdo_codec import Codecs, PdoCodec
+from rtgen.backends.kit.python_module import python_module
+from rtgen.backends.kit.rendering import render
 from rtgen.layouts.pdo import (
     Kind,
     Mapped,
@@ -35,10 +37,8 @@ INTEGERS = {**SIGNED, **UNSIGNED}
 
 def module_text(codecs: Sequence[PdoCodec]) -> str:
     """Return a module with both functions of each codec."""
-    imports = [f"from {m} import {name} as {local}\n" for m, name, local in IMPORTS]
-    standard, runtime = "".join(imports[:2]), imports[2]
-    head = f"from __future__ import annotations\n\n{standard}\n{runtime}\n"
-    return f"{head}{codecs_text(codecs, codecs)}\n"
+    body = render("canopen/pdo_codecs.py.j2", codecs=Codecs(codecs, codecs))
+    return python_module("codec.py", "codec", "1", (), "Codecs.", body=body).text
 
 
 def compiled(mapped: Sequence[Mapped], name: str = "tpdo1") -> ModuleType:

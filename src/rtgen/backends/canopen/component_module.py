@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
+from typing import Any, TypeAlias
 
 from rtgen.backends import Options
 from rtgen.backends.canopen.conversions import from_codec, from_object, stamp
-from rtgen.backends.canopen.literals import call
+from rtgen.backends.canopen.literals import call, number
 from rtgen.backends.components.base_module import component_imports
 from rtgen.backends.components.locations import module_path
 from rtgen.backends.components.members import attributes_of
 from rtgen.backends.kit.python_module import (
     Import,
     PythonModule,
-    imports_from,
     python_module,
 )
+from rtgen.backends.kit.quoting.python import Python
 from rtgen.lowering.canopen.kinds import package_of
 from rtgen.model import Component, Model, NamedType, ScopedName, Struct
 from rtgen.model.canopen import PdoDirection
@@ -23,6 +24,9 @@ from rtgen.typemap.canopen.ports import DevicePorts, ObjectPort, PdoSample, Quan
 from rtgen.typemap.python.idl_names import PythonNames
 
 TIME = ("RTC", "Time")
+
+Values: TypeAlias = dict[str, Any]
+"""The values of a part of a template."""
 
 
 class ComponentModule:
@@ -51,14 +55,8 @@ class ComponentModule:
             for parameter, name in attributes_of(component).configuration
         }
         self.model = model
-        self._imported: set[Import] = set()
 
     # Names.
-
-    def use(self, module: str, name: str, local: str = "") -> str:
-        """Return a name imported from a module, as `local` if that is given."""
-        self._imported.add(Import(module, name, local or name))
-        return local or name
 
     @property
     def time(self) -> str:
@@ -93,22 +91,22 @@ class ComponentModule:
 
     # Samples.
 
-    def sample(self, sample: PdoSample, values: Iterable[str]) -> str:
+    def sample(self, sample: PdoSample, values: Iterable[str]) -> Python:
         """The sample of a PDO; `values` are those of its fields as members."""
         type_ = self.types.type_name(self.struct(sample))
         return call(type_, stamp(self.time), *values)
 
-    def object_sample(self, port: ObjectPort, value: str) -> str:
+    def object_sample(self, port: ObjectPort, value: str) -> Python:
         """The sample of a port of one object."""
         type_ = self.types.type_name(port.quantity.timed(self.ports.module))
         return call(type_, stamp(self.time), value)
 
-    def decoded(self, quantity: Quantity, value: str, bits: int) -> str:
+    def decoded(self, quantity: Quantity, value: str, bits: int) -> Python:
         """A codec's field of `bits` bits, converted to a member."""
         time = self.time if self.is_time(quantity) else ""
         return from_codec(quantity, value, bits, time)
 
-    def of_object(self, quantity: Quantity, value: str) -> str:
+    def of_object(self, quantity: Quantity, value: str) -> Python:
         """A value of the object dictionary, converted to a member."""
         time = self.time if self.is_time(quantity) else ""
         return from_object(quantity, value, time)
@@ -119,24 +117,26 @@ class ComponentModule:
 
     # Text.
 
-    def module(
-        self, title: str, body: str, *, tables: Iterable[str], defines: Iterable[str]
-    ) -> PythonModule:
-        """Return the part of the module; `tables` are names of the device's package."""
-        device = f"{self.names.package}.{package_of(self.ports.kind)}"
-        if "_pdo." in body:
-            self.use("rtgen.runtime.canopen", "pdo", "_pdo")
+    @property
+    def device_package(self) -> str:
+        """The package of the device's types and tables."""
+        return f"{self.names.package}.{package_of(self.ports.kind)}"
+
+    def module(self, title: str, body: str, *, defines: Iterable[str]) -> PythonModule:
+        """Return the part of the module."""
+        used = [Import("rtgen.runtime.canopen", "pdo", "_pdo")] * ("_pdo." in body)
         return python_module(
             module_path(self.names.package, self.component),
             self._options.package,
             self._options.version,
             [self.ports.device.key],
             title,
-            imports=[
-                *self._imported,
-                *self.types.imports(),
-                *imports_from(device, tables),
-            ],
+            imports=[*used, *self.types.imports()],
             body=body,
             defines=defines,
         )
+
+
+def place(quantity: Quantity) -> Python:
+    """Return index and sub-index of the object of a value."""
+    return number(quantity.variable.index, quantity.variable.subindex)

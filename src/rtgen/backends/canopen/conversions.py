@@ -9,7 +9,7 @@ PdoError.
 
 from __future__ import annotations
 
-from rtgen.backends.kit.quoting.python import number_literal, string_literal
+from rtgen.backends.kit.quoting.python import Python, number_literal, string_literal
 from rtgen.model.canopen import SIGNED, UNSIGNED, DataType
 from rtgen.typemap.canopen.ports import Quantity
 
@@ -32,7 +32,7 @@ def is_plain(quantity: Quantity) -> bool:
     return quantity.factor is None and not other
 
 
-def from_codec(quantity: Quantity, value: str, bits: int, time: str) -> str:
+def from_codec(quantity: Quantity, value: str, bits: int, time: str) -> Python:
     """Return a member of a sample, from a codec's field of `bits` bits."""
     variable = quantity.variable
     code, name = variable.data_type, string_literal(quantity.name)
@@ -40,12 +40,12 @@ def from_codec(quantity: Quantity, value: str, bits: int, time: str) -> str:
         limits = _limits(code, variable.bits)
         value = f"_pdo.within({name}, {value}, {limits})" if limits else value
     if quantity.factor is not None:
-        return f"{value} * {number_literal(quantity.factor)}"
+        return Python(f"{value} * {number_literal(quantity.factor)}")
     if code in _SECONDS:
-        return f"{time}(*{_SECONDS[code]}({name}, {value}))"
+        return Python(f"{time}(*{_SECONDS[code]}({name}, {value}))")
     if code == DataType.UNICODE_STRING:
-        return f"_pdo.wide_text({name}, {value})"
-    return value
+        return Python(f"_pdo.wide_text({name}, {value})")
+    return Python(value)
 
 
 def _limits(code: int, bits: int) -> str:
@@ -54,47 +54,49 @@ def _limits(code: int, bits: int) -> str:
     return f"0, {(1 << bits) - 1}" if code in UNSIGNED or code in _SECONDS else ""
 
 
-def to_codec(quantity: Quantity, value: str) -> str:
+def to_codec(quantity: Quantity, value: str) -> Python:
     """Return a codec's field, from a member of a sample."""
     code = quantity.variable.data_type
     name = string_literal(quantity.name)
     if quantity.factor is not None:
         return _unscaled(quantity, value)
     if code in _SECONDS:
-        return f"{_BITS[code]}({name}, {value}.sec, {value}.nsec)"
+        return Python(f"{_BITS[code]}({name}, {value}.sec, {value}.nsec)")
     if code == DataType.UNICODE_STRING:
-        return f"_pdo.wide_octets({name}, {value})"
-    return value
+        return Python(f"_pdo.wide_octets({name}, {value})")
+    return Python(value)
 
 
-def from_object(quantity: Quantity, value: str, time: str) -> str:
+def from_object(quantity: Quantity, value: str, time: str) -> Python:
     """Return a member of a sample, from a value of the object dictionary."""
     if quantity.factor is not None:
-        return f"{value} * {number_literal(quantity.factor)}"
+        return Python(f"{value} * {number_literal(quantity.factor)}")
     code = quantity.variable.data_type
     if code in _SECONDS:
-        return f"{time}(*_pdo.seconds_of({string_literal(quantity.name)}, {value}))"
+        return Python(
+            f"{time}(*_pdo.seconds_of({string_literal(quantity.name)}, {value}))"
+        )
     if code in (DataType.VISIBLE_STRING, DataType.UNICODE_STRING):
-        return f"_pdo.terminated({value})"
-    return value
+        return Python(f"_pdo.terminated({value})")
+    return Python(value)
 
 
-def to_object(quantity: Quantity, value: str) -> str:
+def to_object(quantity: Quantity, value: str) -> Python:
     """Return a value of the object dictionary, from a member of a sample."""
     if quantity.factor is not None:
         return _unscaled(quantity, value)
     if quantity.variable.data_type in _SECONDS:
-        return f"_pdo.nanoseconds({value})"
-    return value
+        return Python(f"_pdo.nanoseconds({value})")
+    return Python(value)
 
 
-def stamp(time: str) -> str:
+def stamp(time: str) -> Python:
     """Return the time stamp of a sample, from `now` in ns."""
-    return f"{time}(*divmod(now, {_SECOND}))"
+    return Python(f"{time}(*divmod(now, {_SECOND}))")
 
 
-def _unscaled(quantity: Quantity, value: str) -> str:
+def _unscaled(quantity: Quantity, value: str) -> Python:
     factor = number_literal(quantity.factor or 1.0)
     if quantity.variable.data_type in _REALS:
-        return f"_pdo.quotient({value}, {factor})"
-    return f"_pdo.unscaled({string_literal(quantity.name)}, {value}, {factor})"
+        return Python(f"_pdo.quotient({value}, {factor})")
+    return Python(f"_pdo.unscaled({string_literal(quantity.name)}, {value}, {factor})")

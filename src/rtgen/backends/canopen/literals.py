@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
-from rtgen.backends.kit.quoting.python import number_literal, string_literal
+from rtgen.backends.kit.quoting.python import Python, number_literal, string_literal
 
 
-def literal(value: bool | int | float | str | bytes | None) -> str:
+def literal(value: bool | int | float | str | bytes | None) -> Python:
     """Return a value of an object."""
     match value:
         case str():
@@ -15,20 +16,20 @@ def literal(value: bool | int | float | str | bytes | None) -> str:
         case bytes():
             return octets_literal(value)
         case float() if not math.isfinite(value):
-            return f'float("{value!r}")'
+            return Python(f'float("{value!r}")')
         case float():
             return number_literal(value)
-    return repr(value)
+    return Python(repr(value))
 
 
-def octets_literal(value: bytes) -> str:
+def octets_literal(value: bytes) -> Python:
     """Return octets in hexadecimal digits."""
-    return 'b"' + "".join(f"\\x{octet:02x}" for octet in value) + '"'
+    return Python('b"' + "".join(f"\\x{octet:02x}" for octet in value) + '"')
 
 
-def number(index: int, subindex: int) -> str:
+def number(index: int, subindex: int) -> Python:
     """Return index and sub-index as two arguments."""
-    return f"0x{index:04X}, {subindex}"
+    return Python(f"0x{index:04X}, {subindex}")
 
 
 def named(index: int, subindex: int) -> str:
@@ -36,12 +37,12 @@ def named(index: int, subindex: int) -> str:
     return f"{index:04X}:{subindex:X}" if subindex else f"{index:04X}"
 
 
-def call(callee: str, *arguments: str, **named_ones: str) -> str:
+def call(callee: str, *arguments: str, **named_ones: str) -> Python:
     """Return a call on one line; empty keyword arguments are omitted."""
     keywords = (f"{key}={value}" for key, value in named_ones.items() if value)
-    return f"{callee}({', '.join((*arguments, *keywords))})"
+    return Python(f"{callee}({', '.join((*arguments, *keywords))})")
 
 
-def items(texts: list[str]) -> str:
+def items(texts: Sequence[str]) -> Python:
     """Return a tuple on one line."""
-    return f"({', '.join(texts)}{',' if len(texts) == 1 else ''})"
+    return Python(f"({', '.join(texts)}{',' if len(texts) == 1 else ''})")
