@@ -6,7 +6,7 @@ Conversions: for each type of OpenRTM and of the reference build, the time to fi
 object of an OutPort relative to its cdrMarshal, and to make a value of a wire object relative to
 its cdrUnmarshal. Rounds of all tasks alternate, on one processor, whose time is measured; the
 medians are compared. Sequences have 0, 4 and 64 items. The output has the types with the highest
-ratios, with `--all` each type; beside them a new wire object (`to_...`, for service calls and
+ratios, with `--all` each type; beside them a new wire object (`to`, for service calls and
 `direct` connectors). Limits: 1.0 outgoing, 1.2 incoming.
 
 Connections: samples by `corba_cdr` between two processes, from and to the runtime (as `rtgen run
@@ -98,18 +98,20 @@ def generate(folder: Path) -> list[str]:
     return sorted(idl)
 
 
-def conversions(folder: Path) -> Iterator[tuple[type[Any], Any]]:
-    """Yield rtgen's classes of structs, each with the module of its conversions."""
-    for file in sorted((folder / "generated").rglob("_corba/[a-z]*.py")):
-        if not (file.parents[1] / "_idl" / file.name).is_file():
-            continue  # OpaqueRpc, whose types are the runtime's; it has no struct.
+def structs(folder: Path) -> Iterator[type[Any]]:
+    """Yield rtgen's classes of structs that omniORB knows."""
+    import omniORB
+
+    for file in sorted((folder / "generated").rglob("_idl/[a-z]*.py")):
+        if file.stem.endswith("_calls"):
+            continue
         package = ".".join(file.parent.parent.relative_to(folder / "generated").parts)
         types = importlib.import_module(f"{package}._idl.{file.stem}")
-        module = importlib.import_module(f"{package}._corba.{file.stem}")
-        for name, value in vars(types).items():
+        for value in vars(types).values():
             own = isinstance(value, type) and value.__module__ == types.__name__
-            if own and hasattr(module, f"fill_{name}"):
-                yield value, module
+            is_value = own and hasattr(value, "_snapshot_")
+            if is_value and omniORB.findType(value._descriptor_.repository_id):
+                yield value
 
 
 def example(descriptor: Any, types: dict[str, type[Any]], length: int) -> Any:
@@ -176,14 +178,14 @@ def cases(folder: Path) -> Iterator[Case]:
     """Yield every struct, with sequences of all lengths."""
     import omniORB
 
-    known = list(conversions(folder))
+    known = list(structs(folder))
     types = {
         value._descriptor_.repository_id: value
-        for kind, _ in known
+        for kind in known
         for value in vars(sys.modules[kind.__module__]).values()
         if isinstance(value, type) and hasattr(value, "_descriptor_")
     }
-    for kind, module in known:
+    for kind in known:
         code = omniORB.findTypeCode(kind._descriptor_.repository_id)
         seen = set()
         for length in LENGTHS:
@@ -193,23 +195,23 @@ def cases(folder: Path) -> Iterator[Case]:
                 continue
             seen.add(octets)
             name = kind._descriptor_.name + (f", {length}" if len(seen) > 1 else "")
-            yield Case(name, tasks(kind, module, code, value))
+            yield Case(name, tasks(kind, code, value))
 
 
 def nothing() -> None:
     """Do nothing, for a task that cannot be measured."""
 
 
-def tasks(kind: type[Any], module: Any, code: Any, value: Any) -> Any:
+def tasks(kind: type[Any], code: Any, value: Any) -> Any:
     """Return the five tasks of a value."""
     import omniORB
 
-    fill, to, of, new = (
-        getattr(module, f"{word}_{kind.__name__}")
-        for word in ("fill", "to", "from", "new")
-    )
+    from rtgen.runtime.openrtm.conversions import conversions_of
+
+    conversions = conversions_of(kind._descriptor_)
+    fill, to, of = conversions.fill, conversions.to, conversions.of
     marshal, unmarshal = omniORB.cdrMarshal, omniORB.cdrUnmarshal
-    kept = new()
+    kept = to(kind())
     fill(kept, value)
     octets = marshal(code, kept, 1)
     has_wchar = "wchar" in repr(kind._descriptor_)

@@ -9,17 +9,15 @@ from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
-import black
 import numpy
 import pytest
-from type_checkers import check_by_mypy
 from wires import (
     Wires,
     agree,
-    emit,
     marshalled,
     masked,
     padding,
+    stub_of,
     values_agree,
     wired,
     wired_text,
@@ -204,14 +202,14 @@ def test_what_refers_to_types_and_objects(further: Wires, orb: Any) -> None:
         further.declared("wired_further"),
         further.kind("WiredFurther::Dynamic"),
     )
-    module = further.module("wired_further")
 
     class Thing(types.Thing):  # type: ignore[misc]
         def touch(self) -> None:
             pass
 
-    octets = importlib.import_module("rtgen.runtime.openrtm.wire").OBJECT
-    reference = octets.of(module.ThingObjects.to(Thing()))
+    wire = importlib.import_module("rtgen.runtime.openrtm.wire")
+    conversions = importlib.import_module("rtgen.runtime.openrtm.conversions")
+    reference = conversions.BASIC["Object"].of(wire.objects_of(types.Thing).to(Thing()))
     base = types.Base(4)
     value = types.Dynamic(
         AnyValue(types.Base, base), reference, reference, Decimal("-12.345")
@@ -316,7 +314,7 @@ def test_names_that_clash(orb: Any, tmp_path_factory: pytest.TempPathFactory) ->
     wires = wired_text(folder, CLASHES, "wire_typing")
     for kind in wires.kinds:
         values_agree(kind, wires.types)
-    types, module = wires.declared("wire_typing"), wires.module("wire_typing")
+    types = wires.declared("wire_typing")
 
     class Called(types.called):  # type: ignore[misc]
         def refill(
@@ -334,8 +332,7 @@ def test_names_that_clash(orb: Any, tmp_path_factory: pytest.TempPathFactory) ->
         def from_(self, typing_: Any, Reference: int) -> int:
             return int(typing_.class_ + Reference)
 
-    reference = module.calledObjects.to(Called())
-    stub = module.calledStub(lambda: reference)
+    stub = stub_of(types.called, Called())
     plain = wires.kind("Clashing::Any").type
     one, two = plain(1), plain(class_=2)
     assert stub.refill(one, two, 0, two, one) == (one, two)
@@ -362,7 +359,7 @@ module WiredHiding {
 def test_interfaces_with_several_bases(orb: Any, tmp_path: Path) -> None:
     """Members of a derived interface hide those of its bases with the same name."""
     wires = wired_text(tmp_path, HIDING, "wired_hiding")
-    types, module = wires.declared("wired_hiding"), wires.module("wired_hiding")
+    types = wires.declared("wired_hiding")
 
     class Both(types.Both):  # type: ignore[misc]
         level = 3
@@ -379,35 +376,8 @@ def test_interfaces_with_several_bases(orb: Any, tmp_path: Path) -> None:
         def third(self, given: Any) -> Any:
             return types.Both.Part(given.name)
 
-    reference = module.BothObjects.to(Both())
-    stub = module.BothStub(lambda: reference)
+    stub = stub_of(types.Both, Both())
     assert stub.turn(types.Root.Mode.idle) is types.Root.Mode.busy
     assert (stub.first().x, stub.second().y, stub.level) == (4, 0.5, 3)
     assert stub.third(types.Both.Mode.slow) == types.Both.Part("slow")
-    assert module.BothStub.Part is types.Both.Part
-    assert isinstance(module.TwoObjects.of(reference).second(), types.Two.Part)
-
-
-@pytest.mark.peer
-def test_the_text_is_blacks_and_type_checks(tmp_path: Path) -> None:
-    further, clashes = tmp_path / "wired_further.idl", tmp_path / "wire_typing.idl"
-    further.write_text(FURTHER)
-    clashes.write_text(CLASHES)
-    hiding = tmp_path / "wired_hiding.idl"
-    hiding.write_text(HIDING)
-    given = [
-        further,
-        clashes,
-        hiding,
-        INTEROP / "calls.idl",
-        INTEROP / "valuetypes.idl",
-    ]
-    for number, path in enumerate(given):
-        emit(tmp_path / str(number), [path])
-    modules = sorted(tmp_path.rglob("_corba/*.py"))
-    assert len(modules) > len(given)
-    for module in modules:
-        text = module.read_text()
-        assert black.format_str(text, mode=black.Mode()) == text
-    folders = [tmp_path / str(number) for number in range(len(given))]
-    check_by_mypy([next(each.glob("wired_*")) for each in folders], folders)
+    assert isinstance(stub_of(types.Two, Both()).second(), types.Two.Part)

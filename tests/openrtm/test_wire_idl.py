@@ -13,6 +13,7 @@ from typing import Any
 import middleware
 import pytest
 from wires import (
+    Kind,
     Wires,
     emit,
     equal_type_codes,
@@ -27,10 +28,10 @@ from rtgen.resources import idl_file
 from rtgen.runtime.opaque_rpc import OpaqueRpc
 from rtgen.runtime.openrtm import stubs
 from rtgen.runtime.openrtm.stubs import StubsMissingError
-from rtgen.runtime.openrtm.wire import class_of
+from rtgen.runtime.openrtm.wire_objects import class_of
 
 SPECS = Path(__file__).parents[2] / "specs"
-OF_DEVICES = {"canopen", "epos_drive", "f_palette", "ftmd", "motor_core_unit"}
+OF_DEVICES = {"canopen", "eposdrive", "fpalette", "ftmd", "motorcoreunit"}
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +62,7 @@ def test_types_of_devices_and_boards(packages: dict[str, Wires]) -> None:
     of_devices = [
         kind
         for kind in reference.kinds
-        if kind.module.__name__.rpartition(".")[2] in OF_DEVICES
+        if kind.type.__module__.rpartition(".")[2] in OF_DEVICES
     ]
     assert len(of_devices) > 20
     for kind in of_devices:
@@ -73,12 +74,11 @@ def test_types_of_devices_and_boards(packages: dict[str, Wires]) -> None:
 
 @pytest.mark.usefixtures("packages")
 def test_the_channel_of_boards_has_its_types_in_the_runtime() -> None:
-    conversions = importlib.import_module("wired_refrobots.tecs._corba.opaque_rpc")
+    kind = Kind(OpaqueRpc.Failed)
     failed = OpaqueRpc.Failed(-50, "no answer")
-    wire = conversions.to_OpaqueRpc_Failed(failed)
+    wire = kind.to(failed)
     assert (wire.code, wire.reason) == (-50, "no answer")
-    assert conversions.from_OpaqueRpc_Failed(wire) == failed
-    assert issubclass(conversions.OpaqueRpcStub, OpaqueRpc)
+    assert kind.of(wire) == failed
 
 
 def test_repository_ids_and_type_codes(packages: dict[str, Wires]) -> None:
@@ -165,9 +165,9 @@ def test_what_classic_idl_has_not_is_left_out(orb: Any, tmp_path: Path) -> None:
     assert {kind.descriptor.name for kind in wires.kinds} == {
         *("WiredNewer::Plain", "WiredNewer::Derived", "WiredNewer::Changing")
     }
-    module = wires.module("wired_newer")
-    assert hasattr(module, "SimpleStub")
-    assert not hasattr(module, "AsksStub")
+    skeletons = importlib.import_module("omniORB").skeletonMapping
+    assert "IDL:WiredNewer/Simple:1.0" in skeletons
+    assert "IDL:WiredNewer/Asks:1.0" not in skeletons
 
 
 # The script.
@@ -382,8 +382,9 @@ from rtgen.runtime.openrtm import stubs
 stubs.load({str(made)!r}, ["ship"])
 import Ship, Ship__POA, calendar, calendar__POA
 assert Ship.Steer and Ship__POA.Steer and calendar.Day and calendar__POA.Notes
-from {unit.options.package}._corba.ship import SteerStub, new_Day
-assert new_Day().number == 0
+from rtgen.runtime.openrtm import wire
+from {unit.options.package}._idl.ship import Day, Steer
+assert wire.new(Day).number == 0 and wire.stub(Steer, lambda: None)
 """)
     environment = {**rtm_environment, "PYTHONDONTWRITEBYTECODE": "1"}
     run = subprocess.run(
@@ -431,12 +432,13 @@ CORBA.ORB_init(["test", *{options!r}])
 from rtgen.runtime.opaque_rpc import OpaqueRpc
 from rtgen.runtime.openrtm import stubs
 stubs.load({stubs!r}, ["BasicDataType"])
-from refrobots._corba.basic_data_type import to_TimedString, from_TimedString
+from rtgen.runtime.openrtm.conversions import conversions_of
 from refrobots.rtc import TimedString
 value = TimedString(data="ロボット")
-octets = cdrMarshal(findTypeCode("IDL:RTC/TimedString:1.0"), to_TimedString(value), 1)
-assert octets == value.to_cdr()
-assert from_TimedString(to_TimedString(value)) == value
+conversions = conversions_of(TimedString._descriptor_)
+sent = conversions.to(value)
+assert cdrMarshal(findTypeCode("IDL:RTC/TimedString:1.0"), sent, 1) == value.to_cdr()
+assert conversions.of(sent) == value
 """
     places = {"out": str(reference), "stubs": str(reopening)}
     with_utf_8 = ["-ORBnativeCharCodeSet", "UTF-8"]

@@ -7,7 +7,6 @@ import random
 from pathlib import Path
 from typing import Any
 
-import black
 import pytest
 from wires import Kind, equal_type_codes, holds, random_types, type_codes, wired_text
 
@@ -41,9 +40,6 @@ def test_random_types(seed: int, orb: Any, tmp_path: Path) -> None:
         kept = None if kind.is_exception else kind.new()
         for _ in range(VALUES):
             compare(kind, values.value(kind.descriptor), kept)
-    for module in tmp_path.rglob("_corba/*.py"):
-        written = module.read_text()
-        assert black.format_str(written, mode=black.Mode()) == written
 
 
 def compare(kind: Kind, value: Any, kept: Any) -> None:

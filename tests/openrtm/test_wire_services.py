@@ -11,7 +11,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from wires import Wires, wired_text
+from wires import Wires, stub_of, wired_text
 
 from rtgen.runtime.services.servants import (
     BadOperation,
@@ -58,6 +58,10 @@ module WiredServices {
 @pytest.fixture(scope="module")
 def wires(orb: Any, tmp_path_factory: pytest.TempPathFactory) -> Wires:
     return wired_text(tmp_path_factory.mktemp("services"), IDL, STEM)
+
+
+def wire() -> Any:
+    return importlib.import_module("rtgen.runtime.openrtm.wire")
 
 
 def probe(types: Any, notes: list[str]) -> Any:
@@ -120,11 +124,8 @@ def probe(types: Any, notes: list[str]) -> Any:
 @pytest.fixture(scope="module")
 def near(wires: Wires) -> Any:
     """Return a stub whose servant is in this process."""
-    types, module = wires.declared(STEM), wires.module(STEM)
-    notes: list[str] = []
-    reference = module.ProbeObjects.to(probe(types, notes))
-    stub = module.ProbeStub(lambda: reference)
-    return SimpleNamespace(types=types, module=module, stub=stub, notes=notes)
+    types = wires.declared(STEM)
+    return SimpleNamespace(types=types, stub=stub_of(types.Probe, probe(types, [])))
 
 
 SERVER = """
@@ -137,10 +138,10 @@ orb.resolve_initial_references("RootPOA")._get_the_POAManager().activate()
 from rtgen.runtime.openrtm import stubs
 stubs.load({stubs!r}, [{stem!r}])
 import test_wire_services
-from {package}._corba import {stem} as module
+from rtgen.runtime.openrtm import wire
 from {package}._idl import {stem} as types
 servant = test_wire_services.probe(types, [])
-print(orb.object_to_string(module.ProbeObjects.to(servant)), flush=True)
+print(orb.object_to_string(wire.objects_of(types.Probe).to(servant)), flush=True)
 sys.stdin.read()
 """
 
@@ -148,7 +149,7 @@ sys.stdin.read()
 @pytest.fixture(scope="module")
 def far(orb: Any, wires: Wires, rtm_environment: dict[str, str]) -> Iterator[Any]:
     """Yield a stub whose servant is in another process."""
-    types, module = wires.declared(STEM), wires.module(STEM)
+    types = wires.declared(STEM)
     folder = wires.folder.parent
     text = SERVER.format(
         path=[str(folder), *map(str, Path(__file__).parents[:2])],
@@ -167,8 +168,8 @@ def far(orb: Any, wires: Wires, rtm_environment: dict[str, str]) -> Iterator[Any
     with process:
         assert process.stdout is not None
         reference = orb.string_to_object(process.stdout.readline().strip())
-        stub = module.ProbeStub(lambda: reference)
-        yield SimpleNamespace(types=types, module=module, stub=stub, process=process)
+        stub = wire().stub(types.Probe, lambda: reference)
+        yield SimpleNamespace(types=types, stub=stub, process=process)
         process.kill()
 
 
@@ -238,14 +239,14 @@ def test_values_of_any_type(side: Any) -> None:
 
 
 def test_objects(side: Any) -> None:
-    types, module, stub = side.types, side.module, side.stub
+    types, stub = side.types, side.stub
 
     class Child(types.Child):  # type: ignore[misc]
         number = 12
 
     child = Child()
     given, again = stub.same(child)
-    assert isinstance(given, module.ChildStub)
+    assert isinstance(given, types.Child)
     assert (given.number, again) == (12, None)
     returned, _ = stub.same(given)
     assert returned.number == 12
@@ -254,15 +255,18 @@ def test_objects(side: Any) -> None:
 
 
 def test_an_object_reference_goes_there_and_back(side: Any, orb: Any) -> None:
-    octets = importlib.import_module("rtgen.runtime.openrtm.wire").OBJECT
-    reference = octets.of(side.stub._reference())
+    octets = importlib.import_module("rtgen.runtime.openrtm.conversions").BASIC[
+        "Object"
+    ]
+    theirs = wire().objects_of(side.types.Probe).to(side.stub)
+    reference = octets.of(theirs)
     assert reference is not None
     returned = side.stub.plain(reference)
-    assert octets.to(returned)._is_equivalent(side.stub._reference())
+    assert octets.to(returned)._is_equivalent(theirs)
 
 
 def test_without_a_provider(wires: Wires) -> None:
-    stub = wires.module(STEM).ProbeStub(lambda: None)
+    stub = wire().stub(wires.declared(STEM).Probe, lambda: None)
     with pytest.raises(ObjectNotExist, match="no provider is connected"):
         stub.level()
     with pytest.raises(ObjectNotExist):
@@ -270,17 +274,17 @@ def test_without_a_provider(wires: Wires) -> None:
 
 
 def test_a_deactivated_servant(wires: Wires, orb: Any) -> None:
-    types, module = wires.declared(STEM), wires.module(STEM)
-    reference = module.ProbeObjects.to(probe(types, []))
+    types = wires.declared(STEM)
+    reference = wire().objects_of(types.Probe).to(probe(types, []))
     poa = orb.resolve_initial_references("RootPOA")
     poa.deactivate_object(poa.reference_to_id(reference))
     with pytest.raises(ObjectNotExist, match="level: OBJECT_NOT_EXIST"):
-        module.ProbeStub(lambda: reference).level()
+        wire().stub(types.Probe, lambda: reference).level()
 
 
 def test_a_system_exception_of_a_servant_reaches_the_client(near: Any) -> None:
     corba = importlib.import_module("omniORB.CORBA")
-    types, module = near.types, near.module
+    types = near.types
 
     class Asleep(type(probe(types, []))):  # type: ignore[misc]
         def level(self) -> int:
@@ -289,8 +293,8 @@ def test_a_system_exception_of_a_servant_reaches_the_client(near: Any) -> None:
         def missing(self) -> None:
             raise corba.BAD_OPERATION(0, corba.COMPLETED_NO)
 
-    reference = module.ProbeObjects.to(Asleep())
-    stub = module.ProbeStub(lambda: reference)
+    reference = wire().objects_of(types.Probe).to(Asleep())
+    stub = wire().stub(types.Probe, lambda: reference)
     with pytest.raises(ObjectNotExist):
         stub.level()
     with pytest.raises(BadOperation):
@@ -299,10 +303,10 @@ def test_a_system_exception_of_a_servant_reaches_the_client(near: Any) -> None:
 
 def test_one_servant_has_one_reference(near: Any) -> None:
     servant = probe(near.types, [])
-    first, second = (near.module.ProbeObjects.to(servant) for _ in range(2))
+    objects = wire().objects_of(near.types.Probe)
+    first, second = (objects.to(servant) for _ in range(2))
     assert first is second
-    base = near.module.BaseObjects
-    assert base.of(first).level() == 3
+    assert wire().objects_of(near.types.Base).of(first).level() == 3
 
 
 def test_a_server_that_ended(far: Any) -> None:
@@ -322,4 +326,5 @@ def test_a_servant_without_conversion_is_omniorbs_own(wires: Wires, orb: Any) ->
             return 31
 
     reference = Child()._this()._narrow(theirs.Child)
-    assert wires.module(STEM).ChildStub(lambda: reference).number == 31
+    child = wires.declared(STEM).Child
+    assert wire().stub(child, lambda: reference).number == 31

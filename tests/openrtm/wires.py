@@ -7,9 +7,9 @@ import itertools
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from types import ModuleType
-from typing import Any, get_type_hints
+from typing import Any
 
 import middleware
 
@@ -24,7 +24,6 @@ from padding import masked as masked
 from padding import padding as padding
 
 from rtgen.backends import Options
-from rtgen.backends.openrtm.conversions import conversions
 from rtgen.backends.openrtm.plan import Unit
 from rtgen.backends.openrtm.wire_idl import WireIdl
 from rtgen.backends.types import BACKEND
@@ -52,10 +51,9 @@ _EXAMPLES = 12
 
 @dataclass(frozen=True)
 class Kind:
-    """A type with conversions: rtgen's class, and the module and suffix of the functions."""
+    """A type with conversions: rtgen's class."""
 
     type: type[Any]
-    module: ModuleType
 
     @property
     def descriptor(self) -> Any:
@@ -65,10 +63,18 @@ class Kind:
     def is_exception(self) -> bool:
         return isinstance(self.descriptor, ExceptionDescriptor)
 
+    @cached_property
+    def conversions(self) -> Any:
+        conversions = importlib.import_module("rtgen.runtime.openrtm.conversions")
+        return conversions.conversions_of(self.descriptor)
+
+    def new(self) -> Any:
+        """Return a wire object with initial values."""
+        return importlib.import_module("rtgen.runtime.openrtm.wire").new(self.type)
+
     def __getattr__(self, name: str) -> Any:
-        """Return `new`, `fill`, `to` or `of`."""
-        word = {"of": "from"}.get(name, name)
-        return getattr(self.module, f"{word}_{self.type.__name__}")
+        """Return `fill`, `to` or `of`."""
+        return getattr(self.conversions, name)
 
     @property
     def code(self) -> Any:
@@ -78,53 +84,49 @@ class Kind:
 
 
 class Wires:
-    """A generated package with its conversions, imported."""
+    """A generated package, imported; `kinds` are the types that classic IDL has."""
 
     def __init__(self, package: str) -> None:
         self.package = package
         self.folder = Path(str(importlib.import_module(package).__file__)).parent
         self.types: dict[str, type[Any]] = {}
-        self.kinds: list[Kind] = []
-        for file in sorted((self.folder / "_corba").glob("[a-z]*.py")):
-            module = importlib.import_module(f"{package}._corba.{file.stem}")
-            for types in _modules(module):
-                for type_ in _declared(types):
-                    self.types[type_._descriptor_.repository_id] = type_
-            self.kinds += (Kind(type_, module) for type_ in _converted(module))
+        for file in sorted(
+            {*self.folder.glob("_idl/[a-z]*.py"), *self.folder.glob("[!_]*.py")}
+            | {*self.folder.glob("[a-z]*/__init__.py"), *self.folder.glob("_views.py")}
+        ):
+            if file.stem.endswith("_calls"):
+                continue
+            path = file.relative_to(self.folder).with_suffix("").parts
+            name = ".".join((package, *path)).removesuffix(".__init__")
+            for type_ in _declared(importlib.import_module(name), name):
+                self.types[type_._descriptor_.repository_id] = type_
+        self.kinds = [Kind(type_) for type_ in self.types.values() if _is_known(type_)]
 
     def kind(self, scoped: str) -> Kind:
         """Return the type of that name."""
         return next(k for k in self.kinds if k.descriptor.name == scoped)
-
-    def module(self, name: str) -> Any:
-        """Return a module of conversions."""
-        return importlib.import_module(f"{self.package}._corba.{name}")
 
     def declared(self, name: str) -> Any:
         """Return a module of types and interfaces."""
         return importlib.import_module(f"{self.package}._idl.{name}")
 
 
-def _modules(module: ModuleType) -> Iterator[ModuleType]:
-    """Yield the modules of types that a module of conversions imports."""
-    for value in vars(module).values():
-        if isinstance(value, ModuleType):
+def _is_known(type_: type[Any]) -> bool:
+    """Return whether omniORB has a type of a struct, union or exception."""
+    omniorb = importlib.import_module("omniORB")
+    described = type_._descriptor_
+    kinds = (StructDescriptor, UnionDescriptor, ExceptionDescriptor)
+    known = omniorb.findType(described.repository_id)
+    return isinstance(described, kinds) and known is not None
+
+
+def _declared(scope: Any, module: str) -> Iterator[type[Any]]:
+    """Yield the types in a module or an interface."""
+    for value in vars(scope).values():
+        own = isinstance(value, type) and value.__module__ == module
+        if own and "_descriptor_" in vars(value):
             yield value
-
-
-def _converted(module: ModuleType) -> Iterator[type[Any]]:
-    """Yield the types that a module converts to wire objects."""
-    for name, value in vars(module).items():
-        own = getattr(value, "__module__", "") == module.__name__
-        if own and name.startswith("to_"):
-            yield get_type_hints(value)["value"]
-
-
-def _declared(module: ModuleType) -> Iterator[type[Any]]:
-    for value in vars(module).values():
-        own = isinstance(value, type) and value.__module__ == module.__name__
-        if own and hasattr(value, "_descriptor_"):
-            yield value
+            yield from _declared(value, module)
 
 
 def emit(folder: Path, paths: Sequence[Path], numeric: Numeric = "array") -> Unit:
@@ -136,7 +138,7 @@ def emit(folder: Path, paths: Sequence[Path], numeric: Numeric = "array") -> Uni
     unit = Unit(model, options)
     emission = BACKEND.emit(model, options)
     assert not emission.diagnostics
-    for artifact in (*emission.artifacts, *conversions(unit)):
+    for artifact in emission.artifacts:
         path = folder / artifact.path
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(artifact.text, encoding="utf-8")
@@ -174,6 +176,13 @@ def imported(folder: Path, package: str) -> Wires:
         return Wires(package)
     finally:
         sys.path.remove(str(folder))
+
+
+def stub_of(interface: Any, servant: Any) -> Any:
+    """Return a stub that calls a servant in this process through omniORB."""
+    wire = importlib.import_module("rtgen.runtime.openrtm.wire")
+    reference = wire.objects_of(type(servant).__base__).to(servant)
+    return wire.stub(interface, lambda: reference)
 
 
 def marshalled(kind: Kind, wire: Any, little_endian: bool = True) -> bytes:

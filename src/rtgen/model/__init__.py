@@ -217,15 +217,13 @@ class Model(msgspec.Struct, frozen=True, dict=True):
 class Package(msgspec.Struct, frozen=True, kw_only=True):
     """Declarations that are generated in a package `name` below the project's.
 
-    `conversions` maps the displayed path of a file to the package below the project's with its
-    conversions to a middleware. `sources` are the files that the package depends on. `any_values`:
-    values of the types are sent in an `any`. `profiles` maps names of components to the paths of
-    their profiles in the package's folder; other profiles are beside their components.
+    `sources` are the files that the package depends on. `any_values`: values of the types are sent
+    in an `any`. `profiles` maps names of components to the paths of their profiles in the package's
+    folder; other profiles are beside their components.
     """
 
     name: str
     model: Model
     sources: tuple[SourceFile, ...]
-    conversions: Mapping[str, str] = msgspec.field(default_factory=dict)
     any_values: bool = False
     profiles: Mapping[str, str] = msgspec.field(default_factory=dict)

@@ -8,7 +8,6 @@ from rtgen.backends import Artifact, Emission, Options
 from rtgen.backends.components.checks import check
 from rtgen.backends.openrtm import rules
 from rtgen.backends.openrtm.component_files import component_files
-from rtgen.backends.openrtm.conversions import conversions
 from rtgen.backends.openrtm.plan import ROOT, Unit, own_modules, plans
 from rtgen.backends.openrtm.systems import system_artifacts
 from rtgen.backends.openrtm.wire_idl import WireIdl
@@ -39,8 +38,6 @@ class OpenRtmBackend:
             return Emission((), findings)
         origin = tuple(dict.fromkeys(plan.source.key for plan in planned))
         artifacts = [Artifact(f"{ROOT}/.gitignore", _IGNORED, origin)] * bool(planned)
-        for unit in units:
-            artifacts += conversions(unit) if unit.components else ()
         for plan in planned:
             artifacts += component_files(plan)
             artifacts += idl[plan.unit.options.package].artifacts(plan)
@@ -64,9 +61,4 @@ def _units(model: Model, options: Options) -> Iterator[Unit]:
     """Yield the project's own package, and those below it."""
     yield Unit(model, options, options.factories)
     for package in model.packages:
-        conversions = {
-            file: f"{options.package}.{name}"
-            for file, name in package.conversions.items()
-        }
-        inside = options.inside(package)
-        yield Unit(package.model, inside, options.factories, conversions)
+        yield Unit(package.model, options.inside(package), options.factories)

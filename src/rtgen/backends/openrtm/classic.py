@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import cached_property
 from keyword import iskeyword
 
 from rtgen.model import (
@@ -39,7 +38,6 @@ from rtgen.model import (
     Valuetype,
 )
 from rtgen.model.declarations import OPAQUE
-from rtgen.model.graphs import leading_to
 
 _UNKNOWN = {
     Primitive.INT8: "`int8`, which IDL has since version 4",
@@ -48,9 +46,6 @@ _UNKNOWN = {
 }
 
 _KEYWORD = "a keyword of Python, which breaks omniORBpy's module"
-
-_VALUE_BASE: ScopedName = ()
-"""Represents `ValueBase` among the names of types."""
 
 _NO_SWITCH = (Primitive.OCTET, Primitive.WCHAR)
 """Discriminator types that only IDL 4 has."""
@@ -84,10 +79,6 @@ class Classic:
                 self._reasons.update(dict.fromkeys(self._visited, ""))
             self._visited.clear()
         return found
-
-    def holds_values(self, type_: Type) -> bool:
-        """Return whether the data contain valuetypes, whose sharing makes a value a graph."""
-        return not self._names_in(type_).isdisjoint(self._with_values)
 
     def members(self, struct: Struct) -> list[tuple[Struct, int]]:
         """Return the members including inherited ones, each with its struct and index in it."""
@@ -209,47 +200,3 @@ class Classic:
                 yield from self._in_type(holder, element)
             case NamedType(name):
                 yield from filter(None, (self.reason(name),))
-
-    @cached_property
-    def _with_values(self) -> frozenset[ScopedName]:
-        """The declared types whose data contain valuetypes."""
-        found = {
-            d.name
-            for d in self._model.declarations
-            if isinstance(d, Valuetype | ValueBox)
-        }
-        found.add(_VALUE_BASE)
-        holders = {
-            d.name: self._held(d)
-            for d in self._model.declarations
-            if isinstance(d, Struct | Union | ExceptionDecl | Typedef)
-        }
-        return frozenset(leading_to(holders, found))
-
-    def _held(
-        self, declaration: Struct | Union | ExceptionDecl | Typedef
-    ) -> set[ScopedName]:
-        types: list[Type]
-        match declaration:
-            case Typedef(type=type_):
-                types = [type_]
-            case Union(cases=cases):
-                types = [case.type for case in cases]
-            case _:
-                types = [member.type for member in declaration.members]
-        held = {name for type_ in types for name in self._names_in(type_)}
-        if isinstance(declaration, Struct) and declaration.base is not None:
-            held.add(declaration.base)
-        return held
-
-    def _names_in(self, type_: Type) -> set[ScopedName]:
-        match type_:
-            case SequenceType(element) | ArrayType(element):
-                return self._names_in(element)
-            case MapType(key, value):
-                return self._names_in(key) | self._names_in(value)
-            case NamedType(name):
-                return {name}
-            case PrimitiveType(Primitive.VALUE_BASE):
-                return {_VALUE_BASE}
-        return set()

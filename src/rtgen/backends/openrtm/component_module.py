@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
@@ -17,11 +17,12 @@ from rtgen.backends.openrtm.plan import (
     ServiceInterface,
     ServicePort,
 )
-from rtgen.backends.openrtm.wire_names import WireNames
+from rtgen.backends.openrtm.stub_names import StubNames
 from rtgen.facts.constraints import text_of
-from rtgen.model import Interface, SequenceType, StringType
+from rtgen.model import Declaration, Interface, SequenceType, StringType
 from rtgen.typemap.components.actions import ACTIONS
 from rtgen.typemap.components.parameters import Parameters
+from rtgen.typemap.python.idl_names import PythonNames
 from rtgen.typemap.python.names import identifier
 
 _RESERVED = frozenset(
@@ -29,18 +30,18 @@ _RESERVED = frozenset(
         *("Any", "FOLDER", "Host", "MyModuleInit", "OpenRTM_aist", "Path", "RTC"),
         "behaviour_module",
         *("annotations", "instance_arguments", "main", "path", "place", "stubs", "sys"),
-        *("int", "str", "host", "manager", "profile", "self", "ec_id"),
+        *("int", "str", "host", "manager", "profile", "self", "ec_id", "wire"),
     }
 )
 
 
 @dataclass(frozen=True, slots=True)
 class _Servant:
-    """Class that serves an interface: conversions, and omniORB's skeleton."""
+    """Class that serves an interface: omniORB's skeleton, and rtgen's class."""
 
     name: str
-    calls: str
     skeleton: str
+    type: str
     interface: str
 
 
@@ -52,7 +53,8 @@ def component_module(plan: ComponentPlan) -> str:
 class _ComponentModule:
     def __init__(self, plan: ComponentPlan) -> None:
         self._plan = plan
-        self._wire = WireNames(plan.unit)
+        self._theirs = StubNames(plan.unit.model)
+        self._ours = PythonNames(plan.unit.model, plan.unit.options.package)
         self._parameters = Parameters(plan.unit.model)
         self._class = identifier(plan.name, _RESERVED)
         self._taken = {*_RESERVED, self._class}
@@ -101,6 +103,8 @@ class _ComponentModule:
                 f"{behaviour} = behaviour_module(FOLDER / {file}).{identifier(head)}"
             )
         stems = [file.stem for file in plan.own_idl_files]
+        names += ["stubs"] * bool(stems)
+        names += ["wire"] * bool(plan.in_ports or plan.out_ports or self._servants)
         places = [f"{outside}/{options.skeleton_path}", outside]
         text = render(
             "openrtm/component.py.j2",
@@ -108,7 +112,7 @@ class _ComponentModule:
             docstring=docstring(heading(component), 0),
             class_docstring=docstring(component.doc, 4, heading(component)),
             places=_tuple(map(string_literal, places)),
-            runtime=", ".join([*names, *["stubs"] * bool(stems)]),
+            runtime=", ".join(names),
             stubs=_tuple(map(string_literal, stems)) if stems else "",
             imports=sorted(imports),
             loaded=loaded,
@@ -209,8 +213,8 @@ class _ComponentModule:
         for ports, kind in ((plan.in_ports, "In"), (plan.out_ports, "Out")):
             for port in ports:
                 datum, member = self._datum(port), self._member(port, kind)
-                type_ = self._stub(self._wire.stub_path(port.type.name))
-                yield f"self.{datum}: {type_} = {self._of_type(port, 'new')}()"
+                type_ = self._stub(self._theirs.stub_path(port.type.name))
+                yield f"self.{datum}: {type_} = wire.new({self._type(port.type)})"
                 made = f"OpenRTM_aist.{kind}Port({_quoted(port.name)}, self.{datum})"
                 yield f"self.{member} = {made}"
         for service in plan.service_ports:
@@ -218,7 +222,7 @@ class _ComponentModule:
             yield f"self.{self._service_member(service)} = {made}"
             for interface in service.interfaces:
                 if not interface.provided:
-                    stub = self._stub(self._wire.stub_path(interface.type.name))
+                    stub = self._stub(self._theirs.stub_path(interface.type.name))
                     made = f"OpenRTM_aist.CorbaConsumer(interfaceType={stub})"
                     yield f"self.{self._interface_member(interface)} = {made}"
         for planned in plan.parameters:
@@ -226,12 +230,19 @@ class _ComponentModule:
             annotation = ": list[Any]" * (initial == "[]")
             yield f"self.{self._variable(planned)}{annotation} = [{initial}]"
 
-    def _of_type(self, port: DataPort, which: str) -> str:
-        found = self._wire.conversions(port.type)
-        return f"{self._module(found.path)}.{getattr(found, which)}"
+    def _type(self, declaration: Declaration) -> str:
+        """Return rtgen's class of a type or interface, with the import of its module."""
+        names = self._ours
+        if names.is_own(declaration.name):
+            home, local = names.implementation(declaration.name)
+            return f"{self._module(home)}.{local}"
+        path, attribute = names.public(declaration.name)
+        package = names.public_package(declaration.name)
+        outer, dot, inner = ".".join((*path, attribute)).partition(".")
+        return self._module(f"{package}.{outer}") + dot + inner
 
     def _module(self, path: str) -> str:
-        """Return a module of conversions under its local name."""
+        """Return a module of types, or a class in a package, under its local name."""
         known = self._modules.get(path)
         if known is None:
             known = self._modules[path] = self._own(path.rpartition(".")[2])
@@ -278,23 +289,16 @@ class _ComponentModule:
                 f"self.bindParameter({name}, self.{self._variable(planned)}, "
                 f"{_quoted(default)}, host.parameter({name}))"
             )
-        for port in plan.in_ports:
-            yield from self._added(port, "In", ("of",))
-        for port in plan.out_ports:
-            yield from self._added(port, "Out", ("fill", "to"))
+        for ports, kind in ((plan.in_ports, "In"), (plan.out_ports, "Out")):
+            for port in ports:
+                member = f"self.{self._member(port, kind)}"
+                yield f"self.add{kind}Port({_quoted(port.name)}, {member})"
+                yield (
+                    f"host.{kind.lower()}_port({_quoted(port.port.name)}, {member}, "
+                    f"self.{self._datum(port)})"
+                )
         for service in plan.service_ports:
             yield from self._served(service)
-
-    def _added(
-        self, port: DataPort, kind: str, conversions: Sequence[str]
-    ) -> Iterator[str]:
-        member = f"self.{self._member(port, kind)}"
-        yield f"self.add{kind}Port({_quoted(port.name)}, {member})"
-        functions = ", ".join(self._of_type(port, which) for which in conversions)
-        yield (
-            f"host.{kind.lower()}_port({_quoted(port.port.name)}, {member}, "
-            f"self.{self._datum(port)}, {functions})"
-        )
 
     def _served(self, service: ServicePort) -> Iterator[str]:
         port = f"self.{self._service_member(service)}"
@@ -308,10 +312,8 @@ class _ComponentModule:
                 yield f"{member} = {servant}(host.servant({place}))"
                 yield f"{port}.registerProvider({instance}, {type_}, {member})"
             else:
-                found = self._wire.conversions(interface.type)
-                stub = f"{self._module(found.path)}.{found.stub}"
                 yield f"{port}.registerConsumer({instance}, {type_}, {member})"
-                yield f"host.consumer({place}, {member}, {stub})"
+                yield f"host.consumer({place}, {member})"
         if not all(interface.provided for interface in service.interfaces):
             yield f"host.service_port({_quoted(service.port)}, {port})"
         yield f"self.addPort({port})"
@@ -320,11 +322,10 @@ class _ComponentModule:
         type_ = interface.type
         assert isinstance(type_, Interface), "checked before anything is emitted"
         if type_.scoped not in self._servants:
-            found = self._wire.conversions(type_)
             self._servants[type_.scoped] = _Servant(
                 name=self._own(f"{type_.name[-1]}_i"),
-                calls=f"{self._module(found.path)}.{found.servant}",
-                skeleton=self._stub(self._wire.skeleton_path(type_)),
+                skeleton=self._stub(self._theirs.skeleton_path(type_)),
+                type=self._type(type_),
                 interface=type_.scoped,
             )
         return self._servants[type_.scoped].name

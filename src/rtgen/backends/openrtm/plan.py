@@ -58,8 +58,8 @@ _NO_TYPES = (Component, Home)
 class IdlFile:
     """An IDL file for omniidl: `<stem>.idl` gives the module `<stem>_idl`.
 
-    `module` is the implementation module of its types (`_idl/<module>.py`, `_corba/<module>.py`),
-    `files` are the displayed paths of the definition files that share it. A stock file is one of
+    `module` is the implementation module of its types (`_idl/<module>.py`), `files` are the
+    displayed paths of the definition files that share it. A stock file is one of
     OpenRTM's.
     """
 
@@ -73,25 +73,18 @@ class IdlFile:
 class Unit:
     """A generated Python package: the project's own, or one of its TECS packages.
 
-    `options.package` is the package. `external` maps the displayed path of a file to the absolute
-    name of the package with its conversions, if that is another one. `factories` has `module:name`
-    for component types whose behaviour is not in a skeleton.
+    `options.package` is the package. `factories` has `module:name` for component types whose
+    behaviour is not in a skeleton.
     """
 
     model: Model
     options: Options
     factories: Mapping[str, str] = field(default_factory=dict)
-    external: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def components(self) -> list[Component]:
         """The components of the package."""
-        inner = (c for c in components_of(self.model) if c.file not in self.external)
-        return list(inner)
-
-    def package_of(self, file: str) -> str:
-        """Return the absolute name of the package with the types of a definition file."""
-        return self.external.get(file, self.options.package)
+        return components_of(self.model)
 
     @cached_property
     def idl_files(self) -> tuple[IdlFile, ...]:

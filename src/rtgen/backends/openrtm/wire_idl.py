@@ -13,11 +13,10 @@ from rtgen.backends.kit.python_text import header, header_comment
 from rtgen.backends.kit.rendering import render
 from rtgen.backends.openrtm import rules
 from rtgen.backends.openrtm.classic import Classic
-from rtgen.backends.openrtm.conversion_code import STAND_IN
 from rtgen.backends.openrtm.plan import ComponentPlan, IdlFile, Unit
-from rtgen.backends.openrtm.wire_names import wire_id
 from rtgen.diagnostics import Diagnostic
 from rtgen.facts import python_modules
+from rtgen.facts.omniidl import STAND_IN, opaque_id
 from rtgen.model import (
     Component,
     Declaration,
@@ -153,9 +152,8 @@ class WireIdl:
             elif declaration.annotation(OPAQUE) is not None:
                 octet = PrimitiveType(Primitive.OCTET)
                 member = Member(name=STAND_IN, type=octet, span=declaration.span)
-                yield replace(
-                    declaration, repository_id=wire_id(declaration), members=(member,)
-                )
+                id_ = opaque_id(declaration.scoped)
+                yield replace(declaration, repository_id=id_, members=(member,))
             else:
                 members = self._classic.members(declaration)
                 yield replace(

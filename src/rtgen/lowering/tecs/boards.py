@@ -14,7 +14,7 @@ from rtgen.layouts.tdr import SignatureLayout, TransferError
 from rtgen.layouts.tdr_messages import layout_of, problems
 from rtgen.lowering.settings import Settings
 from rtgen.lowering.stage import Lowered
-from rtgen.lowering.tecs.communication import FILE, communication_model
+from rtgen.lowering.tecs.communication import communication_model
 from rtgen.lowering.tecs.idl_model import IdlSide, idl_side
 from rtgen.lowering.tecs.plan import FOLDER, TecsPackage, packages
 from rtgen.lowering.tecs.rtc_components import CLIENT, MARSHALLER
@@ -47,7 +47,6 @@ def lower(model: Model, settings: Settings) -> Lowered:
                 name=plan.name,
                 model=side.model,
                 sources=plan.sources,
-                conversions={FILE: FOLDER},
                 any_values=any(s.options.array == "any" for s in plan.services),
                 profiles=_profiles(plan),
                 plan=plan,

@@ -24,9 +24,6 @@ PLUGIN = "RTCPlugin"
 FOLDER = "tecs"
 """The package of code generated for CDL files, below the project's own."""
 
-_RESERVED = frozenset({"_corba"})
-"""Names of modules beside the packages of the CDL files."""
-
 
 class Service(msgspec.Struct, frozen=True):
     """A signature with RTCs: `name` as in `ServerMarshaller`, `module` as in `server_codec`.
@@ -145,7 +142,7 @@ class _Planner:
         stem = PurePosixPath(self._unit.file).stem
         return TecsPackage(
             unit=self._unit,
-            stem=identifier(stem, _RESERVED),
+            stem=identifier(stem),
             sources=self._sources(joins),
             services=tuple(services.values()),
             joins=tuple(joins),

@@ -14,7 +14,6 @@ from rtgen.runtime.failures import log
 from rtgen.runtime.openrtm.contexts import HostContext, MachineClock
 from rtgen.runtime.openrtm.following import Follower
 from rtgen.runtime.openrtm.ports import Inflow, Outflow
-from rtgen.runtime.openrtm.services import RemoteProvider, servant_of
 from rtgen.runtime.openrtm.starting import log_to_manager
 from rtgen.runtime.return_codes import (
     ACTIVE_STATE,
@@ -51,6 +50,7 @@ class Host:
         self._rtc = rtc
         self._factory = factory
         self._codes = import_module("RTC")
+        self._wire = import_module("rtgen.runtime.openrtm.wire")
         self._behaviour: Component | None = None
         self._participants: dict[int, Participant] = {}
         self._unapplied = False
@@ -98,47 +98,33 @@ class Host:
 
         return convert
 
-    def in_port(
-        self, name: str, port: Any, datum: Any, convert: Callable[[Any], Any]
-    ) -> None:
-        """Connect an InPort of the behaviour.
+    def in_port(self, name: str, port: Any, datum: Any) -> None:
+        """Connect an InPort of the behaviour; `datum` is a wire object of its type."""
+        target = self.behaviour.in_ports[name]
+        Inflow(target, port, datum, self._wire.conversions_of(target.type._descriptor_))
 
-        `convert` makes a sample from a wire object such as `datum`.
-        """
-        Inflow(self.behaviour.in_ports[name], port, datum, convert)
-
-    def out_port(
-        self,
-        name: str,
-        port: Any,
-        datum: Any,
-        fill: Callable[[Any, Any], None],
-        make: Callable[[Any], Any],
-    ) -> None:
+    def out_port(self, name: str, port: Any, datum: Any) -> None:
         """Connect an OutPort of the behaviour.
 
-        Its samples are sent as `datum` filled by `fill`, or as the result of `make`.
+        Its samples are sent as `datum`, filled with them, or as new wire objects.
         """
-        Outflow(self.behaviour.out_ports[name], port, datum, fill, make)
+        source = self.behaviour.out_ports[name]
+        Outflow(
+            source, port, datum, self._wire.conversions_of(source.type._descriptor_)
+        )
 
     def servant(self, port: str, instance: str) -> Any:
-        """Return a servant that calls the behaviour's provider, while it is ACTIVE."""
-        return servant_of(self.behaviour.providers[port, instance])
+        """Return an invoker that calls the behaviour's provider, while it is ACTIVE."""
+        return self._wire.invoker_of_provider(self.behaviour.providers[port, instance])
 
-    def consumer(
-        self,
-        port: str,
-        instance: str,
-        consumer: Any,
-        stub: Callable[[Callable[[], Any]], Any],
-    ) -> None:
+    def consumer(self, port: str, instance: str, consumer: Any) -> None:
         """Connect a consumer of the behaviour to OpenRTM's; see `RemoteProvider`."""
         inner = self.behaviour.consumers[port, instance]
 
         def reference() -> Any:
             return consumer._ptr(True)
 
-        inner._provider = RemoteProvider(inner, reference, stub)
+        inner._provider = self._wire.RemoteProvider(inner, reference)
         self._consumers[port, instance] = reference
 
     def service_port(self, name: str, port: Any) -> None:

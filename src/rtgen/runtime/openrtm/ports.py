@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rtgen.facts.connector_properties import EmptyPolicy
 from rtgen.runtime.failures import log
 from rtgen.runtime.ports.buffers import BufferSettings, RingBuffer
 from rtgen.runtime.ports.data_ports import InPort, OutPort
 from rtgen.runtime.return_codes import PORT_OK, PortStatus
+
+if TYPE_CHECKING:
+    from rtgen.runtime.openrtm.conversions import Conversions
 
 _OK = 0
 """`PORT_OK` of OpenRTM's connectors."""
@@ -30,7 +33,7 @@ class Inflow:
     """Number of lost samples, which OpenRTM does not count."""
 
     def __init__(
-        self, target: InPort[Any], port: Any, datum: Any, convert: Callable[[Any], Any]
+        self, target: InPort[Any], port: Any, datum: Any, conversions: Conversions
     ) -> None:
         self.buffer: RingBuffer[Any] = RingBuffer(
             BufferSettings(length=1), target._guard
@@ -39,7 +42,7 @@ class Inflow:
         self._target = target
         self._port = port
         self._datum = datum
-        self._convert = convert
+        self._convert = conversions.of
         self._known: list[Any] = []
         self._pulled: dict[int, Any] = {}
         self._pulling: tuple[bool, ...] = ()
@@ -170,16 +173,15 @@ class Outflow:
         source: OutPort[Any],
         port: Any,
         kept: Any,
-        fill: Callable[[Any, Any], None],
-        make: Callable[[Any], Any],
+        conversions: Conversions,
     ) -> None:
         self.target = None
         """Raises ValueError: no InPort of this process."""
         self._source = source
         self._port = port
         self._kept = kept
-        self._fill = fill
-        self._make = make
+        self._fill = conversions.fill
+        self._make = conversions.to
         self._known: list[Any] = []
         self._shares = False
         self._lock = threading.RLock()

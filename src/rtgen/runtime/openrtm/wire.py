@@ -1,245 +1,265 @@
-"""Support of generated conversions: omniORB's classes of types, and types that are not plain data.
+"""Values, servants and stubs of OpenRTM's side: objects of the classes that omniidl generates.
 
-Classes are looked up by repository id among those that the stubs have registered with omniORB, in
-any package.
+Generated modules for OpenRTM, and their hosts, use it.
 """
 
 from __future__ import annotations
 
-import copyreg
-from collections.abc import Callable, Mapping, MutableSequence, Sequence
-from decimal import Decimal
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, cast
+from collections.abc import Callable, Sequence
+from functools import cache, cached_property
+from itertools import zip_longest
+from types import new_class
+from typing import Any, TypeAlias, TypeVar
 
 import omniORB
-from omniORB import CORBA, tcInternal
+from omniORB import CORBA
 
-from rtgen.facts.numeric import MAX_LIST_LENGTH
-from rtgen.runtime.corba.faults import caught
-from rtgen.runtime.corba.wire_conversions import octets as octets
-from rtgen.runtime.marshalling.descriptors import (
-    ANY,
-    Descriptor,
-    PrimitiveDescriptor,
-    StringDescriptor,
+from rtgen.facts.omniidl import mangled
+from rtgen.runtime.cdr import UserException
+from rtgen.runtime.corba.faults import caught, raised
+from rtgen.runtime.corba.wire_conversions import Convert
+from rtgen.runtime.marshalling.descriptors import DataType, Descriptor
+from rtgen.runtime.openrtm.conversions import (
+    conversions_of as conversions_of,
 )
-from rtgen.runtime.marshalling.dynamic.reader import Reader
-from rtgen.runtime.marshalling.dynamic.writer import Output, Writer
-from rtgen.runtime.marshalling.numeric import NumericArray
-from rtgen.runtime.marshalling.numeric import listed as listed
+from rtgen.runtime.openrtm.conversions import (
+    conversions_of_arguments,
+    conversions_of_result,
+)
 from rtgen.runtime.openrtm.stubs import StubsMissingError
-from rtgen.runtime.services.servants import ObjectNotExist
-from rtgen.runtime.values import decoded, encoded
+from rtgen.runtime.openrtm.wire_objects import class_of
+from rtgen.runtime.services.calls import Call, calls_of
+from rtgen.runtime.services.ports import Consumer, Provider
+from rtgen.runtime.services.servants import (
+    Invoker,
+    MarshalError,
+    ObjectNotExist,
+    Servant,
+    ServiceError,
+    Skeleton,
+    Stub,
+    operations_of,
+)
 
-_T = TypeVar("_T")
+_S = TypeVar("_S", bound=Servant)
 
 Reference: TypeAlias = Callable[[], Any]
 """Function that returns the omniORB object that a stub calls, or None if there is none (yet)."""
 
-
-if TYPE_CHECKING:
-
-    def new(class_: type[_T]) -> _T:
-        """Return an empty object of an omniORB class, to be filled."""
-
-else:
-    new = object.__new__
+_CONTEXT = "_context"
+_NO_CONTEXT = (CORBA.Context("", None),)
+"""The argument for a context clause, which is not used."""
 
 
-def class_of(repository_id: str) -> Any:
-    """Return omniORB's class of a struct, union or exception. Raises StubsMissingError."""
-    return _described(repository_id)[1]
+def new(type_: type[DataType]) -> Any:
+    """Return a wire object with initial values that omniORB can marshal: those of the class.
+
+    Raises StubsMissingError.
+    """
+    return conversions_of(type_._descriptor_).to(type_())
 
 
-def items_of(repository_id: str) -> tuple[Any, ...]:
-    """Return omniORB's enumerators of an enum, by number. Raises StubsMissingError."""
-    items: tuple[Any, ...] = _described(repository_id)[3]
-    return items
+class _Operation:
+    """An operation, or an accessor of an attribute: its method at omniORB, its conversions."""
+
+    def __init__(self, name: str, call: Call) -> None:
+        request = _parts(call.request, call.request_objects)
+        given = [type_ for member, type_ in request if member != _CONTEXT]
+        self.name = name
+        self.method = mangled(name)
+        self.refused = call.refused
+        self.count = len(given)
+        self.context = _NO_CONTEXT * (len(request) - len(given))
+        self.arguments = conversions_of_arguments(given)
+        results = _parts(call.reply, call.reply_objects)
+        self.result = conversions_of_result([type_ for _, type_ in results])
+        self.raised: dict[type[Any], Convert] = {}
+        self.caught: dict[type[Any], Convert] = {}
+        for _, class_ in call.raises:
+            conversions = conversions_of(class_._descriptor_)
+            self.raised[class_] = conversions.to
+            self.caught[class_of(class_._descriptor_.repository_id)] = conversions.of
 
 
-def _described(repository_id: str) -> Any:
-    found = omniORB.findType(repository_id)
-    while found is not None and found[0] == tcInternal.tv__indirect:
-        found = found[1][0]
-    if not isinstance(found, tuple):
-        raise StubsMissingError(repository_id)
-    return found
+@cache
+def _operations(interface: type[Servant]) -> dict[str, _Operation]:
+    return {name: _Operation(name, call) for name, call in calls_of(interface).items()}
 
 
-def refill(
-    wires: list[Any],
-    values: Sequence[Any],
-    fill: Callable[[Any, Any], None],
-    to: Callable[[Any], Any],
-) -> None:
-    """Update the list of wire objects from the values, reusing existing objects."""
-    count = len(wires)
-    if count != len(values):
-        del wires[len(values) :]
-        wires += [to(value) for value in values[count:]]
-    for wire, value in zip(wires, values):  # noqa: B905  (its cost is what counts here)
-        fill(wire, value)
+def _parts(
+    body: type[DataType] | None, interfaces: Sequence[type[Servant] | None]
+) -> list[tuple[str, Descriptor | Objects]]:
+    """Return the names of a body's members, with their types; those of objects are `Objects`."""
+    members = () if body is None else body._descriptor_.members
+    return [
+        (member.name, member.type if interface is None else objects_of(interface))
+        for member, interface in zip_longest(members, interfaces)
+    ]
 
 
-def as_list(numbers: Any, depth: int = 1) -> list[Any]:
-    """Return numbers in any form as a list; a list unchanged."""
-    return numbers if numbers.__class__ is list else listed(numbers, depth)
+class Tie:
+    """Base class of servants for omniORB: converts wire values, and calls an invoker.
 
-
-def to_array(numbers: list[Any], code: str) -> MutableSequence[Any]:
-    """Return an array of many numbers, by their type code; a list of few."""
-    return NumericArray(code, numbers) if len(numbers) > MAX_LIST_LENGTH else [*numbers]
-
-
-def to_numpy(numbers: list[Any], code: str) -> Any:
-    """Return a numpy array of a list of numbers, or of lists."""
-    import numpy
-
-    return numpy.array(numbers, code)
-
-
-def structs_of(records: Any, class_: type[_T]) -> list[_T]:
-    """Convert a structured numpy array to structs; a list of structs is unchanged."""
-    if isinstance(records, list):
-        return records
-    from rtgen.runtime.marshalling.structured import values_of
-
-    return values_of(records, cast("Any", class_)._descriptor_)
-
-
-def to_records(structs: list[Any], class_: Any) -> Any:
-    """Convert structs to a structured array."""
-    from rtgen.runtime.marshalling.structured import records_of
-
-    return records_of(structs, class_._descriptor_)
-
-
-def to_fixed(value: Decimal, digits: int, scale: int) -> Any:
-    """Return a fixed-point number. Raises CORBA.DATA_CONVERSION for one out of range."""
-    return omniORB.fixed(digits, scale, f"{value:f}")
-
-
-def _made_again(value: Any) -> tuple[Callable[[str], Any], tuple[str]]:
-    return omniORB.fixed, (str(value),)
-
-
-# OpenRTM makes deep copies of the values with which data ports are constructed.
-copyreg.pickle(type(omniORB.fixed("0")), _made_again)
-
-
-def from_fixed(wire: Any) -> Decimal:
-    """Return the number of omniORB's fixed-point value."""
-    return Decimal(str(wire))
-
-
-class Octets:
-    """Conversion via CDR, of values that contain types or objects: `any`, values, references.
-
-    `code` is a type code of omniORB, or the repository id of a type in the stubs.
+    The skeleton of omniidl is another base, as in `class Lever_i(Tie, Relays__POA.Lever,
+    interface=Lever)`.
     """
 
-    def __init__(self, descriptor: Descriptor, code: Any) -> None:
-        self._descriptor: Any = descriptor
-        self._code = omniORB.findTypeCode(code) if isinstance(code, str) else code
-        if self._code is None:
-            raise StubsMissingError(code)
+    def __init_subclass__(
+        cls, interface: type[Servant] | None = None, **options: Any
+    ) -> None:
+        """Define the operations of `interface`."""
+        super().__init_subclass__(**options)
+        if interface is not None:
+            for operation in _operations(interface).values():
+                if not operation.refused:
+                    setattr(cls, operation.method, _tied(operation))
 
-    def to(self, value: Any) -> Any:
-        """Return the wire object of a value. Raises CdrError or a CORBA system exception."""
-        octets = encoded(self._descriptor, value, True)
-        return omniORB.cdrUnmarshal(self._code, octets, 1)
-
-    def of(self, wire: Any) -> Any:
-        """Return the value of a wire object. Raises CdrError or a CORBA system exception."""
-        octets = omniORB.cdrMarshal(self._code, wire, 1)
-        return decoded(self._descriptor, octets, True)
+    def __init__(self, invoker: Invoker) -> None:
+        self._invoker = invoker
 
 
-class ExceptionOctets(Octets):
-    """Encoding of an exception, preceded by its repository id as in a reply."""
+def _tied(operation: _Operation) -> Callable[..., Any]:
+    """Return the method of a tie."""
+    name, count = operation.name, operation.count
+    take, give = operation.arguments.of, operation.result.to
 
-    _ID = StringDescriptor()
+    def method(self: Tie, *arguments: Any) -> Any:
+        try:
+            result = self._invoker(name, take(arguments[:count]))
+        except UserException as error:
+            for kind in type(error).__mro__:
+                if kind in operation.raised:
+                    raise operation.raised[kind](error) from error
+            raise
+        return give(result)
 
-    def to(self, value: Any) -> Any:
-        """See `Octets`."""
-        out = Output()
-        writer = Writer(out, True)
-        writer.value(self._ID, self._descriptor.repository_id)
-        writer.value(self._descriptor, value)
-        return omniORB.cdrUnmarshal(self._code, bytes(out), 1)
-
-    def of(self, wire: Any) -> Any:
-        """See `Octets`."""
-        reader = Reader(omniORB.cdrMarshal(self._code, wire, 1), True)
-        reader.value(self._ID)
-        return reader.value(self._descriptor)
+    return method
 
 
-ANYTHING = Octets(ANY, CORBA.TC_any)
-TYPE_CODE = Octets(PrimitiveDescriptor("CORBA::TypeCode"), CORBA.TC_TypeCode)
-OBJECT = Octets(PrimitiveDescriptor("Object"), CORBA.TC_Object)
-VALUE = Octets(PrimitiveDescriptor("ValueBase"), "IDL:omg.org/CORBA/ValueBase:1.0")
-"""Conversions of the basic types that are not plain data."""
+class Remote:
+    """Calls the omniORB object of a reference, which may change.
+
+    Without one, calls raise ObjectNotExist; for errors of omniORB, other kinds of ServiceError.
+    """
+
+    def __init__(self, interface: type[Servant], reference: Reference) -> None:
+        self.reference = reference
+        self._operations = _operations(interface)
+
+    def call(self, operation: str, arguments: tuple[object, ...]) -> object:
+        """Make a call. Raises what the operation declares, CdrError and ServiceError."""
+        known = self._operations[operation]
+        if known.refused:
+            raise MarshalError(f"{operation} is not marshalled: {known.refused}")
+        reference = self.reference()
+        if reference is None:
+            raise ObjectNotExist("no provider is connected")
+        try:
+            given = known.arguments.to(arguments)
+            result = getattr(reference, known.method)(*given, *known.context)
+        except CORBA.SystemException as error:
+            raise caught(operation, error) from error
+        except CORBA.UserException as error:
+            raise known.caught[type(error)](error) from error
+        return known.result.of(result)
 
 
-NO_CONTEXT = CORBA.Context("", None)
-"""The context of calls, which is not used."""
+def stub(interface: type[_S], reference: Reference) -> _S:
+    """Return a stub that calls the object of a reference. Raises StubsMissingError."""
+    made: _S = interface._stub_(Remote(interface, reference).call)
+    return made
 
 
 class Objects:
     """Conversion of the objects of an interface in arguments and results of operations.
 
-    `servant` is the generated class that serves an object of rtgen to omniORB, `stub` the one that
-    calls an object of omniORB. An object that was passed once is served until the process ends.
+    An object that was passed once is served until the process ends.
     """
 
-    def __init__(self, repository_id: str, servant: type[Any], stub: type[Any]) -> None:
-        skeleton = omniORB.skeletonMapping.get(repository_id)
-        if skeleton is None:
-            raise StubsMissingError(repository_id)
-        self._class = type(servant.__name__, (servant, skeleton), {})
-        self._stub = stub
-        self._served: dict[int, tuple[Any, Any]] = {}
+    def __init__(self, interface: type[Servant]) -> None:
+        self._interface = interface
+        self._served: dict[int, tuple[Servant, Any]] = {}
 
     def to(self, value: Any) -> Any:
-        """Return the omniORB reference to an object; nil for None."""
+        """Return the omniORB reference to an object; nil for None. Raises StubsMissingError."""
         if value is None:
             return None
-        if isinstance(value, self._stub):
-            return value._reference()
+        if isinstance(value, Stub):
+            remote = getattr(value._invoker, "__self__", None)
+            if isinstance(remote, Remote):
+                return remote.reference()
         if id(value) not in self._served:
-            self._served[id(value)] = value, self._class(value)._this()
+            made = self._class(_invoker_of(self._interface, value))
+            self._served[id(value)] = value, made._this()
         return self._served[id(value)][1]
 
     def of(self, wire: Any) -> Any:
         """Return a stub for an omniORB reference; None for nil."""
-        return None if wire is None else self._stub(lambda: wire)
+        return None if wire is None else stub(self._interface, lambda: wire)
+
+    @cached_property
+    def _class(self) -> type[Any]:
+        identity = self._interface._descriptor_.repository_id
+        skeleton = omniORB.skeletonMapping.get(identity)
+        if skeleton is None:
+            raise StubsMissingError(identity)
+        return new_class(
+            self._interface.__name__, (Tie, skeleton), {"interface": self._interface}
+        )
 
 
-def called(reference: Reference) -> Any:
-    """Return the object to call. Raises ObjectNotExist if there is none."""
-    found = reference()
-    if found is None:
-        raise ObjectNotExist("no provider is connected")
-    return found
+@cache
+def objects_of(interface: type[Servant]) -> Objects:
+    """Return the conversion of the objects of an interface."""
+    return Objects(interface)
 
 
-_NONE: Mapping[type[Any], Callable[[Any], Exception]] = {}
+def _invoker_of(interface: type[Servant], servant: Servant) -> Invoker:
+    """Return the invoker of a servant; its exceptions are passed on."""
+    operations = operations_of(interface)
+
+    def invoke(name: str, arguments: tuple[object, ...]) -> object:
+        operation = operations[name]
+        if operation.kind == "set":
+            setattr(servant, operation.python_name, *arguments)
+            return None
+        member = getattr(servant, operation.python_name)
+        return member if operation.kind == "get" else member(*arguments)
+
+    return invoke
 
 
-def raised(
-    operation: str,
-    error: Exception,
-    declared: Mapping[type[Any], Callable[[Any], Exception]] = _NONE,
-) -> Exception:
-    """Return the exception that a call through a stub raises for one of omniORB.
+def invoker_of_provider(provider: Provider[Any]) -> Invoker:
+    """Return the invoker of a tie that calls a provider while its component is ACTIVE.
 
-    `declared` are the exceptions of the operation. An exception that is not CORBA's is returned
-    unchanged.
+    Undeclared exceptions are raised as system exceptions of CORBA.
     """
-    convert = declared.get(type(error))
-    if convert is not None:
-        return convert(error)
-    if isinstance(error, CORBA.SystemException):
-        return caught(operation, error)
-    raise error
+
+    def invoke(operation: str, arguments: tuple[object, ...]) -> object:
+        try:
+            return provider.call(operation, arguments)
+        except ServiceError as error:
+            raise raised(error) from error
+
+    return invoke
+
+
+class RemoteProvider:
+    """Makes a consumer's calls to the object that OpenRTM has connected.
+
+    `reference` returns it, or None.
+    """
+
+    def __init__(self, consumer: Consumer[Any], reference: Reference) -> None:
+        self._reference = reference
+        interface = consumer.interface
+        self._skeleton: Skeleton = interface._skeleton_(stub(interface, reference))
+
+    @property
+    def reachable(self) -> bool:
+        """See `Carrier`."""
+        return self._reference() is not None
+
+    def call(self, operation: str, arguments: tuple[object, ...]) -> object:
+        """See `Carrier`."""
+        return self._skeleton.dispatch(operation, arguments)

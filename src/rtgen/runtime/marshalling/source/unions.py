@@ -50,7 +50,7 @@ def encode(
     encoder.bind(_PATH, "discriminator")
     encoder.steps(steps_of(members.get(DISCRIMINATOR, switch), ANYWHERE), _PATH)
     body.add("inner = value.value")
-    for head, branch in _choices(descriptor, "discriminator"):
+    for head, branch in choices(descriptor, "discriminator"):
         body.block(head)
         body.choose_here()
         node = members.get(branch.attribute) or tree_of(branch.type, refer.format)
@@ -90,7 +90,7 @@ def decode(
         decoder.enclose("end")
     decoder.steps(steps_of(switch, ANYWHERE), _PATH)
     body.add(f"selected = {decoder.value(switch, _PATH)}")
-    for head, branch in _choices(descriptor, "selected"):
+    for head, branch in choices(descriptor, "selected"):
         body.block(head)
         body.choose_here()
         if evolving:
@@ -126,7 +126,7 @@ def _decode_list(
     decoder.listed(union_members(descriptor, refer.format), (), end)
     found = decoder.found(())
     body.add(f"selected = {found}[{DISCRIMINATOR!r}]")
-    for head, branch in _choices(descriptor, "selected"):
+    for head, branch in choices(descriptor, "selected"):
         body.block(head)
         body.block(f"if {branch.attribute!r} in {found}:")
         body.add(f"value = {found}[{branch.attribute!r}]")
@@ -164,7 +164,7 @@ def copy(
     body.add("inner = self.value")
     body.add("selected = self.discriminator")
     copied = []
-    for head, branch in _choices(descriptor, "selected"):
+    for head, branch in choices(descriptor, "selected"):
         body.block(head)
         copied.append(copier.copy(tree_of(branch.type, format_), "inner", ("inner",)))
         body.add("pass" if copied[-1] == "inner" else f"inner = {copied[-1]}")
@@ -185,7 +185,7 @@ def _complete(descriptor: UnionDescriptor) -> bool:
     return any(branch.default for branch in descriptor.branches)
 
 
-def _choices(
+def choices(
     descriptor: UnionDescriptor, variable: str
 ) -> Iterator[tuple[str, BranchDescriptor]]:
     """Yield the condition of each branch; the default one is last."""

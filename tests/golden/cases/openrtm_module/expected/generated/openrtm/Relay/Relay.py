@@ -19,12 +19,12 @@ for place in ("../../../src", "../.."):
 import OpenRTM_aist
 import RTC
 
-from rtgen.runtime.openrtm import Host, instance_arguments, main, stubs
+from rtgen.runtime.openrtm import Host, instance_arguments, main, stubs, wire
 
 stubs.load(FOLDER / "stubs", ("relay",))
 
 from behaviours.relay import Relay as RelayBehaviour
-from robots._corba import relay
+from robots._idl import relay
 import Relays
 import Relays__POA
 import Samples
@@ -55,7 +55,7 @@ relay_spec = [
 # fmt: on
 
 
-class Lever_i(relay.LeverServant, Relays__POA.Lever):
+class Lever_i(wire.Tie, Relays__POA.Lever, interface=relay.Lever):
     """Serves `Relays::Lever` to other components."""
 
 
@@ -65,9 +65,9 @@ class Relay(OpenRTM_aist.DataFlowComponentBase):
     def __init__(self, manager: Any) -> None:
         OpenRTM_aist.DataFlowComponentBase.__init__(self, manager)
         self._host = Host(self, RelayBehaviour)
-        self._d_data: Samples.Sample = relay.new_Sample()
+        self._d_data: Samples.Sample = wire.new(relay.Sample)
         self._dataIn = OpenRTM_aist.InPort("data", self._d_data)
-        self._d_relayed: Samples.Sample = relay.new_Sample()
+        self._d_relayed: Samples.Sample = wire.new(relay.Sample)
         self._relayedOut = OpenRTM_aist.OutPort("data_out", self._d_relayed)
         self._leversPort = OpenRTM_aist.CorbaPort("levers")
         self._othersPort = OpenRTM_aist.CorbaPort("others")
@@ -80,20 +80,14 @@ class Relay(OpenRTM_aist.DataFlowComponentBase):
         self.bindParameter("pause", self._c_pause, "0.5", host.parameter("pause"))
         self.bindParameter("note", self._c_note, " ", host.parameter("note"))
         self.addInPort("data", self._dataIn)
-        host.in_port("data", self._dataIn, self._d_data, relay.from_Sample)
+        host.in_port("data", self._dataIn, self._d_data)
         self.addOutPort("data_out", self._relayedOut)
-        host.out_port(
-            "data",
-            self._relayedOut,
-            self._d_relayed,
-            relay.fill_Sample,
-            relay.to_Sample,
-        )
+        host.out_port("data", self._relayedOut, self._d_relayed)
         self._s_own = Lever_i(host.servant("levers", "Lever"))
         self._leversPort.registerProvider("Lever", "Relays::Lever", self._s_own)
         self.addPort(self._leversPort)
         self._othersPort.registerConsumer("Lever", "Relays::Lever", self._s_next)
-        host.consumer("others", "Lever", self._s_next, relay.LeverStub)
+        host.consumer("others", "Lever", self._s_next)
         host.service_port("others", self._othersPort)
         self.addPort(self._othersPort)
         return host.on_initialize()

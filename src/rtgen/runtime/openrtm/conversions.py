@@ -1,0 +1,486 @@
+"""Compiles conversions between values and omniORB's objects from descriptors, at first use.
+
+Structs are filled field by field: a reused object, or a new one made without its constructor,
+because calls of constructors dominate the time. Nested structs are converted in place up to
+`_INLINE` fields; beyond that, and for the items of sequences, by calls.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from threading import RLock
+from typing import Any, Final, Protocol, TypeAlias
+
+import msgspec
+
+from rtgen.facts.numeric import MAX_LIST_LENGTH
+from rtgen.facts.omniidl import STAND_IN, mangled, opaque_id
+from rtgen.facts.primitives import NUMBERS, Primitive
+from rtgen.runtime.corba.wire_conversions import octets
+from rtgen.runtime.marshalling.descriptors import (
+    ArrayDescriptor,
+    BoxDescriptor,
+    Descriptor,
+    EnumDescriptor,
+    ExceptionDescriptor,
+    FixedDescriptor,
+    PrimitiveDescriptor,
+    SequenceDescriptor,
+    StringDescriptor,
+    StructDescriptor,
+    UnionDescriptor,
+    ValueDescriptor,
+    plain,
+)
+from rtgen.runtime.marshalling.dynamic import forms
+from rtgen.runtime.marshalling.layouts.nodes import Text
+from rtgen.runtime.marshalling.layouts.trees import TEXTS, parts
+from rtgen.runtime.marshalling.numeric import NumericArray, listed
+from rtgen.runtime.marshalling.source.text import Namespace, entered
+from rtgen.runtime.marshalling.source.unions import choices
+from rtgen.runtime.openrtm.wire_objects import (
+    BASIC,
+    ExceptionOctets,
+    Octets,
+    as_list,
+    class_of,
+    from_fixed,
+    items_of,
+    refill,
+    to_fixed,
+)
+
+_INLINE = 48
+"""Maximum number of fields, including those of nested structs, converted in one function."""
+
+_KEY: Final = "openrtm"
+"""Key of the conversions among the compiled functions of a type."""
+
+_LOCK = RLock()
+_NEW = object.__new__
+
+_List: TypeAlias = SequenceDescriptor | ArrayDescriptor
+
+
+class Conversion(Protocol):
+    """Functions between values and wire objects, which share no data."""
+
+    @property
+    def to(self) -> Callable[[Any], Any]:
+        """The function that makes a wire object of a value."""
+
+    @property
+    def of(self) -> Callable[[Any], Any]:
+        """The function that makes a value of a wire object."""
+
+
+class Conversions(msgspec.Struct, frozen=True):
+    """The conversions of a struct, union or exception.
+
+    `fill` copies a value to a wire object in place: inner objects and items of lists are kept,
+    lists of plain values are shared. Exceptions have none.
+    """
+
+    to: Callable[[Any], Any]
+    of: Callable[[Any], Any]
+    fill: Any = None
+
+
+def conversions_of(descriptor: Any) -> Conversions:
+    """Return the conversions of a type. Raises StubsMissingError."""
+    known: Conversions | None = descriptor.codecs.get(_KEY)
+    if known is None:
+        with _LOCK:
+            text = _Source()
+            text.names_of(descriptor)
+            text.compiled(f"<conversions of {descriptor.name}>")
+        known = descriptor.codecs[_KEY]
+    return known
+
+
+def conversions_of_arguments(types: Sequence[Descriptor | Conversion]) -> Conversions:
+    """Return the conversions of tuples of values of these types. Raises StubsMissingError."""
+    with _LOCK:
+        return _Source().of_values(types, True)
+
+
+def conversions_of_result(types: Sequence[Descriptor | Conversion]) -> Conversions:
+    """Return the conversions of a result: None, a value, or a tuple of several values.
+
+    Raises StubsMissingError.
+    """
+    with _LOCK:
+        return _Source().of_values(types, len(types) > 1)
+
+
+class _Source:
+    """The text of conversions, which call each other."""
+
+    def __init__(self) -> None:
+        self._names = Namespace()
+        for local in ("made", "part", "state", "values", "wire"):
+            self._names.free(local)
+        self._lines: list[str] = []
+        self._begun: dict[int, tuple[Any, tuple[str, ...]]] = {}
+        self._waiting: list[Any] = []
+        self._sizes: dict[int, int] = {}
+
+    def names_of(self, descriptor: Any) -> tuple[str, ...]:
+        """Return the names of the functions `to`, `of` and `fill` of a type."""
+        short = descriptor.name.rpartition("::")[2]
+        known: Conversions | None = descriptor.codecs.get(_KEY)
+        if known is not None:
+            return tuple(
+                self._names.bind(f"{kind}_{short}", getattr(known, kind))
+                for kind in Conversions.__struct_fields__
+            )
+        if id(descriptor) not in self._begun:
+            names = (f"{kind}_{short}" for kind in Conversions.__struct_fields__)
+            self._begun[id(descriptor)] = descriptor, tuple(
+                map(self._names.free, names)
+            )
+            self._waiting.append(descriptor)
+        return self._begun[id(descriptor)][1]
+
+    def compiled(self, file: str) -> dict[str, Any]:
+        """Compile the functions of all types; return the namespace."""
+        while self._waiting:
+            self._declared(self._waiting.pop())
+        text = "".join(f"{line}\n" for line in self._lines)
+        made = self._names.values
+        made["__name__"] = __name__
+        exec(compile(text, entered(text, file), "exec"), made)
+        for descriptor, names in self._begun.values():
+            functions: Any = (made.get(name) for name in names)
+            descriptor.codecs.setdefault(_KEY, Conversions(*functions))
+        return made
+
+    def of_values(
+        self, types: Sequence[Descriptor | Conversion], as_tuple: bool
+    ) -> Conversions:
+        """Return the compiled conversions of at most one value, or of a tuple."""
+        to, of = self._names.free("to"), self._names.free("of")
+        places = [self._names.free("value_1") for _ in types] if as_tuple else ["value"]
+        for name, outgoing in ((to, True), (of, False)):
+            pairs = zip(types, places, strict=False)
+            made = [self._converted(outgoing, type_, place) for type_, place in pairs]
+            if as_tuple:
+                unpacked = f"({''.join(f'{place}, ' for place in places)}) = value"
+                made = [f"({''.join(f'{each}, ' for each in made)})"]
+                self._function(
+                    name, "value", [unpacked, *map("return {}".format, made)]
+                )
+            else:
+                self._function(name, "value", [f"return {''.join(made) or None}"])
+        functions = self.compiled("<conversions of arguments>")
+        return Conversions(functions[to], functions[of])
+
+    def _function(self, name: str, parameters: str, lines: Iterable[str]) -> None:
+        self._lines.append(f"def {name}({parameters}):")
+        self._lines += [f"    {line}" for line in lines]
+
+    # Structs, exceptions, unions.
+
+    def _declared(self, descriptor: Any) -> None:
+        """Write the functions of a type."""
+        to, of, fill = self._begun[id(descriptor)][1]
+        identity = _identity(descriptor)
+        ours = self._bound(descriptor.class_)
+        is_raised = isinstance(descriptor, ExceptionDescriptor)
+        if _holds_values(descriptor):
+            way = ExceptionOctets if is_raised else Octets
+            through = self._names.bind("octets", way(descriptor, identity))
+            self._function(to, "value", [f"return {through}.to(value)"])
+            self._function(of, "wire", [f"return {through}.of(wire)"])
+            fresh = f"wire.__dict__.update({through}.to(value).__dict__)"
+            self._function(fill, "wire, value", [fresh])
+            return
+        theirs = self._bound(class_of(identity))
+        if is_raised:
+            for name, parameter, made in ((to, "value", theirs), (of, "wire", ours)):
+                arguments = self._members(descriptor, parameter, name == to)
+                self._function(name, parameter, [f"return {made}({arguments})"])
+            return
+        new = f"wire = {self._bound(_NEW)}({theirs})"
+        if isinstance(descriptor, UnionDescriptor):
+            self._function(to, "value", [new, f"{fill}(wire, value)", "return wire"])
+            self._function(of, "wire", self._of_union(descriptor, ours))
+            self._function(fill, "wire, value", self._fill_union(descriptor))
+            return
+        fields = self._fill_struct(descriptor, "wire", "value", True)
+        self._function(to, "value", [new, *fields, "return wire"])
+        lines, made = self._made(descriptor, "wire")
+        self._function(of, "wire", [*lines, f"return {made}"])
+        fields = self._fill_struct(descriptor, "wire", "value", False)
+        self._function(fill, "wire, value", [*fields, "return"])
+
+    def _members(
+        self, descriptor: ExceptionDescriptor, parameter: str, outgoing: bool
+    ) -> str:
+        """Return the converted members of an exception as arguments."""
+        names = (
+            (m.attribute if outgoing else mangled(m.name), m.type)
+            for m in descriptor.members
+        )
+        return ", ".join(
+            self._converted(outgoing, type_, f"{parameter}.{name}")
+            for name, type_ in names
+        )
+
+    def _fill_struct(
+        self, struct: StructDescriptor, wire: str, value: str, fresh: bool
+    ) -> Iterator[str]:
+        if fresh and struct.opaque:
+            yield f"{wire}.{STAND_IN} = 0"
+        for member in struct.members:
+            there = f"{wire}.{mangled(member.name)}"
+            here = f"{value}.{member.attribute}"
+            inner = self._inner(member.type)
+            if inner is None:
+                yield from self._fill_field(member.type, there, here, fresh)
+                continue
+            inner_wire = self._names.free(f"wire_{member.name}")
+            inner_value = self._names.free(f"value_{member.name}")
+            class_ = self._bound(class_of(_identity(inner)))
+            made = f"{there} = {self._bound(_NEW)}({class_})" if fresh else there
+            yield f"{inner_wire} = {made}"
+            yield f"{inner_value} = {here}"
+            yield from self._fill_struct(inner, inner_wire, inner_value, fresh)
+
+    def _fill_field(
+        self, type_: Descriptor, there: str, here: str, fresh: bool
+    ) -> Iterator[str]:
+        type_ = plain(type_)
+        element = _kept_element(type_)
+        if not fresh and isinstance(type_, StructDescriptor):
+            yield f"{self.names_of(type_)[2]}({there}, {here})"
+        elif not fresh and element is not None:
+            to, _, fill = self.names_of(element)
+            yield f"if {here} or {there}:"
+            yield f"    {self._bound(refill)}({there}, {here}, {fill}, {to})"
+        elif not fresh and _is_same(type_):
+            yield f"{there} = {self._numbers(as_list, type_, here) or here}"
+        else:
+            yield f"{there} = {self._converted(True, type_, here)}"
+
+    def _made(self, struct: StructDescriptor, wire: str) -> tuple[list[str], str]:
+        """Return the statements that a value needs, and the expression that makes it."""
+        lines: list[str] = []
+        arguments: list[str] = []
+        for member in struct.members:
+            there = f"{wire}.{mangled(member.name)}"
+            inner = self._inner(member.type)
+            if inner is None:
+                arguments.append(self._converted(False, member.type, there))
+                continue
+            variable = self._names.free(f"wire_{member.name}")
+            more, made = self._made(inner, variable)
+            lines += [f"{variable} = {there}", *more]
+            arguments.append(made)
+        return lines, f"{self._bound(struct.class_)}({', '.join(arguments)})"
+
+    def _inner(self, type_: Descriptor) -> StructDescriptor | None:
+        """Return the struct of a member that is converted in place."""
+        type_ = plain(type_)
+        if isinstance(type_, StructDescriptor) and self._size(type_) <= _INLINE:
+            return type_
+        return None
+
+    def _size(self, struct: StructDescriptor) -> int:
+        """Return the number of fields and inner structs; one above `_INLINE` for calls."""
+        found = self._sizes.get(id(struct))
+        if found is None:
+            found = 1 + _INLINE * _holds_values(struct)
+            for member in struct.members:
+                if found > _INLINE:
+                    break
+                inner = plain(member.type)
+                found += self._size(inner) if isinstance(inner, StructDescriptor) else 1
+            self._sizes[id(struct)] = found
+        return found
+
+    def _fill_union(self, union: UnionDescriptor) -> Iterator[str]:
+        yield "state = wire.__dict__"
+        yield f'state["_d"] = {self._converted(True, union.switch, "value.discriminator")}'
+        yield "part = value.value"
+        yield "selected = value.discriminator"
+        yield from self._branches(union, True)
+        yield 'state["_v"] = part'
+
+    def _of_union(self, union: UnionDescriptor, ours: str) -> Iterator[str]:
+        yield f"selected = {self._converted(False, union.switch, 'wire._d')}"
+        yield "part = wire._v"
+        yield from self._branches(union, False)
+        yield f"return {ours}(selected, part)"
+
+    def _branches(self, union: UnionDescriptor, outgoing: bool) -> Iterator[str]:
+        """Yield the statements that convert `part`; without a branch it is no value."""
+        arms = [
+            (head, self._converted(outgoing, branch.type, "part"))
+            for head, branch in choices(union, "selected")
+        ]
+        if any(made != "part" for _, made in arms):
+            for head, made in arms:
+                yield head
+                yield f"    part = {made}"
+
+    # Expressions.
+
+    def _converted(
+        self, outgoing: bool, type_: Descriptor | Conversion, value: str
+    ) -> str:
+        """Return an expression for a wire form, or for a value; they share no data."""
+        if not isinstance(type_, msgspec.Struct):
+            way = "to" if outgoing else "of"
+            return f"{self._names.bind('objects', type_)}.{way}({value})"
+        described: Any = plain(type_)
+        if _is_immutable(described):
+            return value
+        match described:
+            case _ if _is_octets(described):
+                return f"{self._bound(octets)}({value})" if outgoing else value
+            case FixedDescriptor(digits, scale):
+                if outgoing:
+                    return f"{self._bound(to_fixed)}({value}, {digits}, {scale})"
+                return f"{self._bound(from_fixed)}({value})"
+            case SequenceDescriptor() | ArrayDescriptor():
+                return self._items(outgoing, described, value)
+            case EnumDescriptor(repository_id, class_=class_):
+                if outgoing:
+                    return (
+                        f"{self._names.bind('items', items_of(repository_id))}[{value}]"
+                    )
+                return f"{self._names.bind('members', tuple(class_))}[{value}._v]"
+            case StructDescriptor() | UnionDescriptor():
+                to, of, _ = self.names_of(described)
+                return f"{to if outgoing else of}({value})"
+            case PrimitiveDescriptor(name):
+                through = BASIC[name]
+            case _:
+                through = Octets(described, described.repository_id)
+        way = "to" if outgoing else "of"
+        return f"{self._names.bind('octets', through)}.{way}({value})"
+
+    def _items(self, outgoing: bool, type_: _List, value: str) -> str:
+        """Return an expression for the items of a sequence or array."""
+        if type_.numeric != "list":
+            return self._formed(outgoing, type_, value)
+        text = _text(type_)
+        if text is not None and not outgoing:
+            is_text = text is Text.CHARACTERS
+            return f'"".join({value})' if is_text else f"bytes({value})"
+        numbers = "" if text else self._numbers(listed, type_, value)
+        if numbers and outgoing:
+            return numbers
+        return self._list(outgoing, type_, value)
+
+    def _list(self, outgoing: bool, type_: _List, value: str) -> str:
+        item = self._names.free("item")
+        made = self._converted(outgoing, _element(type_), item)
+        return f"list({value})" if made == item else f"[{made} for {item} in {value}]"
+
+    def _numbers(
+        self, helper: Callable[..., Any], type_: Descriptor, value: str
+    ) -> str:
+        """Return a list of numbers made by a helper; empty for another type."""
+        if not isinstance(type_, _List) or forms.is_octet(type_.element):
+            return ""
+        if not forms.is_in_buffers(type_.element):
+            return ""
+        depth = len(type_.dimensions) if isinstance(type_, ArrayDescriptor) else 1
+        further = f", {depth}" if depth > 1 else ""
+        return f"{self._bound(helper)}({value}{further})"
+
+    def _formed(self, outgoing: bool, type_: _List, value: str) -> str:
+        """Return an expression for numbers or structs in another form than omniORB's lists."""
+        element: Any = plain(type_.element)
+        is_struct = isinstance(element, StructDescriptor)
+        described = self._names.bind("described", type_)
+        if outgoing and is_struct:
+            structs = f"{self._bound(forms.listed)}({described}, {value})"
+            return self._list(True, type_, structs)
+        if outgoing:
+            return f"{self._bound(listed)}({value})"
+        if is_struct:
+            structs = self._list(False, type_, value)
+            return f"{self._bound(forms.formed)}({described}, {structs})"
+        if type_.numeric == "numpy":
+            return f"{self._bound(forms.formed)}({described}, {value})"
+        code = NUMBERS[element.name].code
+        many = f"{self._bound(NumericArray)}({code!r}, {value})"
+        return f"{many} if len({value}) > {MAX_LIST_LENGTH} else [*{value}]"
+
+    def _bound(self, value: Any) -> str:
+        return self._names.bind(value.__name__, value)
+
+
+def _identity(descriptor: Any) -> str:
+    """Return the repository id of a type in omniORB; a placeholder has its own."""
+    opaque = isinstance(descriptor, StructDescriptor) and descriptor.opaque
+    identity: str = descriptor.repository_id
+    return opaque_id(descriptor.name) if opaque else identity
+
+
+def _holds_values(descriptor: Descriptor) -> bool:
+    """Return whether the data contain valuetypes, whose sharing makes a value a graph."""
+    return any(
+        isinstance(part, ValueDescriptor | BoxDescriptor)
+        or part == PrimitiveDescriptor(Primitive.VALUE_BASE)
+        for part in parts(descriptor)
+    )
+
+
+def _kept_element(type_: Descriptor) -> StructDescriptor | None:
+    """Return the struct of a list's items, if their wire objects are reused."""
+    match type_:
+        case SequenceDescriptor(element, numeric="list") | ArrayDescriptor(
+            element, (_,)
+        ):
+            element = plain(element)
+            return element if isinstance(element, StructDescriptor) else None
+    return None
+
+
+def _element(type_: _List) -> Descriptor:
+    """Return the type of a list's items; those of an array of arrays are arrays."""
+    if isinstance(type_, ArrayDescriptor) and len(type_.dimensions) > 1:
+        return ArrayDescriptor(type_.element, type_.dimensions[1:])
+    return type_.element
+
+
+def _text(type_: _List) -> Text | None:
+    """Return the form of a sequence or array that is `bytes` or `str` in Python."""
+    element = plain(_element(type_))
+    return TEXTS.get(element.name) if isinstance(element, PrimitiveDescriptor) else None
+
+
+def _is_direct(type_: Descriptor, text: Text) -> bool:
+    """Return whether items are octets, or characters, without an alias.
+
+    With an alias, omniORBpy has a list of them.
+    """
+    if not isinstance(type_, _List) or _text(type_) is not text:
+        return False
+    return isinstance(_element(type_), PrimitiveDescriptor)
+
+
+def _is_octets(type_: Descriptor) -> bool:
+    """Return whether a value is `bytes` in omniORBpy, and any buffer of octets in rtgen."""
+    return _is_direct(type_, Text.OCTETS)
+
+
+def _is_immutable(type_: Descriptor) -> bool:
+    """Return whether both sides have the same immutable values."""
+    if isinstance(type_, PrimitiveDescriptor):
+        return type_.name not in BASIC
+    return isinstance(type_, StringDescriptor) or _is_direct(type_, Text.CHARACTERS)
+
+
+def _is_same(type_: Descriptor) -> bool:
+    """Return whether omniORB marshals the value as is: immutable values and lists of them."""
+    if not isinstance(type_, _List):
+        return _is_immutable(type_)
+    if _is_immutable(type_):
+        return True
+    is_list = type_.numeric == "list" and _text(type_) is None
+    return is_list and _is_same(plain(_element(type_)))
