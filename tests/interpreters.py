@@ -27,7 +27,7 @@ MONITORED = ("3.12", "3.13")
 PROCESSES = "2"
 """Number of parallel test processes."""
 
-SELECTED = "not slow and not peer and not random"
+SELECTED = "not slow and not peer and not random and not nightly"
 """The markers of the tests that are tried on further interpreters."""
 
 ENVIRONMENTS = ROOT / "build" / "interpreters"

@@ -16,7 +16,10 @@ from rtgen import runtime
 from rtgen.cli import run as rtgen
 
 Ctl = Callable[..., tuple[int, str, str]]
-pytestmark = pytest.mark.parametrize("network", ["dds", "zenoh"], indirect=True)
+pytestmark = [
+    pytest.mark.parametrize("network", ["dds", "zenoh"], indirect=True),
+    pytest.mark.waits,
+]
 
 
 @pytest.fixture

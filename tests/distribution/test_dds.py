@@ -556,7 +556,7 @@ def start(tmp_path: Path, partition: str) -> Iterator[Callable[..., Run]]:
         run.kill()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_rh3_in_three_processes_survives_the_loss_of_one(
     start: Callable[..., Run], stack: ExitStack, partition: str
 ) -> None:

@@ -14,6 +14,8 @@ import pytest
 from patience import PATIENCE
 from runs import CONSOLE, ROBOT, WAY, Run
 
+pytestmark = pytest.mark.waits
+
 
 @contextmanager
 def options_of(kind: str) -> Iterator[list[str]]:

@@ -42,6 +42,8 @@ from rtgen.runtime.zenoh.medium import ZenohMedium
 from rtgen.runtime.zenoh.services import ZenohService
 from rtgen.runtime.zenoh.session import Endpoints, open_session
 
+pytestmark = pytest.mark.waits
+
 TIMED_DOUBLE = struct.Struct("<4xIId")
 """XCDR1 of BasicDataType.idl's TimedDouble, after the header: time in s and ns, the number."""
 HEADER = b"\0\1\0\0"
@@ -644,7 +646,7 @@ def start(tmp_path: Path, locator: str) -> Iterator[Callable[..., Run]]:
         run.kill()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_rh3_in_three_processes_behind_a_router_survives_the_loss_of_one(
     start: Callable[..., Run], stack: ExitStack, locator: str
 ) -> None:

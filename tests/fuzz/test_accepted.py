@@ -24,7 +24,7 @@ def _inputs(name: str, folder: Path) -> Iterator[tuple[str, bytes]]:
         yield str(number), opened.make(Random(number))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_packages_of_stored_and_drawn_inputs(tmp_path: Path) -> None:
     packages = Packages(tmp_path / "packages")
     with quiet():

@@ -2,6 +2,7 @@
 
 from functools import partial
 
+import pytest
 from fuzzing import run
 from growing import CASES, GrowthTarget
 
@@ -32,6 +33,7 @@ ONCE_ENDLESS = {
 """Former defects by kind, size and command: hours, gigabytes, or an internal error."""
 
 
+@pytest.mark.nightly
 def test_growing() -> None:
     chosen = [
         case

@@ -9,15 +9,15 @@ from seeds import budget, cases
 
 
 def test_hostile_definitions() -> None:
-    report = run(partial(HostileTarget, count=2), cases(28))
+    report = run(partial(HostileTarget, count=2), cases(28, least=28))
     assert not report.failures, report.failures[0].detail
-    assert report.labels["made"] >= budget(20)
+    assert report.labels["made"] >= budget(20, least=20)
 
 
 def test_hostile_names() -> None:
-    report = run(NamesTarget, cases(18))
+    report = run(NamesTarget, cases(18, least=9))
     assert not report.failures, report.failures[0].detail
-    assert report.labels["made"] > budget(10)
+    assert report.labels["made"] > budget(10, least=5)
 
 
 def test_hostile_systems_modules_and_profiles() -> None:

@@ -23,6 +23,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "types"))
 import emitted
 import samples
 from padding import masked, padding
+from seeds import budget
 
 from rtgen.runtime.marshalling.descriptors import (
     ArrayDescriptor,
@@ -36,7 +37,7 @@ from rtgen.runtime.marshalling.descriptors import (
 
 SPECS = Path(__file__).parents[2] / "specs" / "idl"
 FILES = sorted(SPECS.glob("*.idl"))
-EXAMPLES = 25
+EXAMPLES = budget(25)
 
 
 @dataclass(frozen=True)

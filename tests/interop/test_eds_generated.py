@@ -93,6 +93,7 @@ def test_every_component_is_made(made: tuple[Path, Compilation, int]) -> None:
     assert len(done.stdout.splitlines()) == 2 * count
 
 
+@pytest.mark.nightly
 def test_mypy_strict(made: tuple[Path, Compilation, int]) -> None:
     root, _, _ = made
     search = [root / "generated", root / "src"]

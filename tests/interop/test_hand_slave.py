@@ -37,6 +37,8 @@ from rtgen.runtime.library import canopen
 sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "canopen"))
 from hub_process import HubProcess
 
+pytestmark = pytest.mark.waits
+
 FOLDER = Path(__file__).with_name("slave_peer")
 CHANNELS = count()
 NODE = 5

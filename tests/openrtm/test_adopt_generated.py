@@ -56,7 +56,7 @@ def found_in(result: Adopted) -> dict[str, Any]:
     return declarations(result.model)[result.component.scoped]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_definition_comes_back(reference: Path) -> None:
     project = load(ROOT)
     defined = declarations(compiler.read(project, lowered=True).model)

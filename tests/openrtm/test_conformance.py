@@ -35,7 +35,7 @@ IN_EVERY_RUN = {
     "EposDriveProxy",
     "MotorBoardMarshaller",
 }
-"""A quick selection; the rest is slow by its number."""
+"""A quick selection; the rest is for each night."""
 
 
 Ports = dict[str, tuple[Any, Any]]
@@ -68,7 +68,7 @@ def output_of(request: pytest.FixtureRequest) -> Callable[[str], Path]:
 
 @pytest.fixture(
     params=[
-        pytest.param(name, marks=() if name in IN_EVERY_RUN else pytest.mark.slow)
+        pytest.param(name, marks=() if name in IN_EVERY_RUN else pytest.mark.nightly)
         for name in sorted([*BEHAVIOURS, *OTHERS])
     ]
 )

@@ -22,6 +22,8 @@ from rtgen.cli import run as rtgen
 from rtgen.runtime import xcdr
 from rtgen.ui.protocol import ui
 
+pytestmark = pytest.mark.waits
+
 ROOT = Path(__file__).resolve().parents[2]
 GOAL = ROOT / "specs" / "navigation" / "rh3_goal.xml"
 CALC = ROOT / "tests" / "unit" / "corba" / "corba_system"

@@ -26,6 +26,7 @@ def profiles(out: Path) -> list[Path]:
     return sorted(out.glob("openrtm/*/RTC.xml"))
 
 
+@pytest.mark.nightly
 @pytest.mark.peer
 def test_modules_are_in_blacks_form(reference: Path) -> None:
     for module in modules(reference):
@@ -33,7 +34,7 @@ def test_modules_are_in_blacks_form(reference: Path) -> None:
         assert black.format_str(text, mode=black.Mode()) == text, module.name
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_modules_are_typed(reference: Path, tmp_path: Path) -> None:
     """Without stubs, with empty ones, and with OpenRTM's real base classes."""
     stubs = tmp_path / "stubs"

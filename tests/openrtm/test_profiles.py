@@ -16,7 +16,7 @@ GOLDEN = Path(__file__).parents[3] / "shared" / "golden" / "rtc_profiles"
 PROFILES = sorted(GOLDEN.glob("rtc/*.xml"))
 
 pytestmark = [
-    pytest.mark.slow,
+    pytest.mark.nightly,
     pytest.mark.skipif(
         not PROFILES, reason="no profiles: ../shared/golden/rtc_profiles is missing"
     ),

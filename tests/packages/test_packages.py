@@ -109,6 +109,6 @@ def test_mypy_finds_nothing(sets: dict[str, Path]) -> None:
     check_by_mypy(sets.values(), [package.parent for package in sets.values()])
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_pyright_finds_nothing(sets: dict[str, Path], tmp_path: Path) -> None:
     check_by_pyright(sets.values(), tmp_path)

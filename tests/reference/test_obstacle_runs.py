@@ -94,7 +94,7 @@ def test_a_blocked_corridor_stops_the_base_before_contact() -> None:
         assert condition == "no nearer to (7, 0) for 20 s"
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("mirrored", [1.0, -1.0])
 def test_a_base_that_no_attempt_has_led_past_stands_and_says_so(
     mirrored: float, tmp_path: Path
@@ -157,7 +157,9 @@ def test_a_hand_takes_over_and_the_base_goes_on_by_itself() -> None:
         assert run.room_left(room("room")) > 0.1
 
 
-@pytest.mark.parametrize("ahead", [0.9, 1.0, 1.3])
+@pytest.mark.parametrize(
+    "ahead", [0.9, pytest.param(1.0, marks=pytest.mark.nightly), 1.3]
+)
 def test_a_post_close_ahead_is_turned_from_and_passed(
     ahead: float, tmp_path: Path
 ) -> None:
@@ -174,7 +176,9 @@ def test_a_post_close_ahead_is_turned_from_and_passed(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("mirrored", [1.0, -1.0])
+@pytest.mark.parametrize(
+    "mirrored", [1.0, pytest.param(-1.0, marks=pytest.mark.nightly)]
+)
 @pytest.mark.parametrize(
     ("posts", "start", "goal"),
     [

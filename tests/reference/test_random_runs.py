@@ -24,7 +24,7 @@ def test_a_run_follows_from_its_seed(tmp_path: Path) -> None:
     assert once == again
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("seed", "changed", "fault"),
     [

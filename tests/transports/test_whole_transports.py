@@ -19,6 +19,8 @@ from rtgen.runtime.distribution.medium import MediumError, Qos
 from rtgen.runtime.distribution.names import out_topic
 from rtgen.runtime.opaque_rpc.interface import OpaqueRpcFailed
 
+pytestmark = pytest.mark.waits
+
 
 @pytest.fixture(params=media.TRANSPORTS, scope="module")
 def kind(request: pytest.FixtureRequest) -> str:

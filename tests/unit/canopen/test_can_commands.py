@@ -36,6 +36,8 @@ from rtgen.runtime.canopen.wire.lss_master import Procedure
 from rtgen.runtime.canopen.wire.nmt import NmtCommand
 from rtgen.runtime.timing.clocks import RealClock
 
+pytestmark = pytest.mark.waits
+
 LINKED = str(SPECS / "pdo_linking.toml")
 FOURX = str(SPECS / "fourx.toml")
 FOUR = read_node_index(SPECS / "fourx.toml", [])

@@ -19,6 +19,8 @@ from patience import PATIENCE
 
 from rtgen.cli import run
 
+pytestmark = pytest.mark.waits
+
 LINKED = str(SPECS / "pdo_linking.toml")
 PAIR = {1: "motor_core_unit", 2: "f_palette"}
 MARK = b"< send 7E0 0 >"

@@ -9,7 +9,7 @@ from rtgen.runtime.canopen.master.managed_node import NodePhase
 from rtgen.runtime.canopen.wire.nmt import NmtState
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_minute_of_a_full_bus() -> None:
     """SYNC each 100 ms, heartbeats each second, 1 Mbit/s; two runs are equal, bit for bit."""
     network, again = FullNetwork(), FullNetwork()

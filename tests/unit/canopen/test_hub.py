@@ -41,6 +41,8 @@ from rtgen.runtime.canopen.bus.real_link import RealLink
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.wire.frames import Frame
 
+pytestmark = pytest.mark.waits
+
 SECOND = 1_000_000_000
 
 

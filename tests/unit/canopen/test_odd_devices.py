@@ -157,7 +157,7 @@ def test_what_is_left_out_is_reported(made: Compilation) -> None:
     }
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_everything_is_in_blacks_form(made: Compilation) -> None:
     mode = black.Mode()
     for artifact in made.artifacts:
@@ -190,7 +190,7 @@ def test_everything_is_imported_and_made(folder: Path, made: Compilation) -> Non
     assert len(done.stdout.splitlines()) == 2 * 9 + 1
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_mypy_strict(folder: Path, made: Compilation) -> None:
     search = [folder / "generated", folder / "src"]
     check_by_mypy([folder / "generated/odd", folder / "src"], search)

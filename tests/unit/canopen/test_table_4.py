@@ -26,6 +26,8 @@ from rtgen.runtime import (
 )
 from rtgen.runtime.canopen.wire.nmt import NmtCommand
 
+pytestmark = pytest.mark.waits
+
 
 @pytest.fixture(scope="module")
 def generated(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:

@@ -12,6 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from lxml import etree
 from profile_rules import check_schema
 from random_components import FILES, Definition, definitions
+from seeds import budget
 
 from rtgen import compiler
 from rtgen.cli.components.component_text import component_idl, component_profile
@@ -109,7 +110,14 @@ def test_reference_components(path: Path, tmp_path: Path) -> None:
     check_round_trip(Folder(tmp_path, INCLUDE), path)
 
 
-@pytest.mark.parametrize("path", PROFILES, ids=lambda path: path.parent.name)
+@pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(path, marks=pytest.mark.nightly if number % 5 else ())
+        for number, path in enumerate(PROFILES)
+    ],
+    ids=lambda path: path.parent.name,
+)
 def test_components_of_the_reference_build(path: Path, tmp_path: Path) -> None:
     check_schema(etree.parse(path).getroot())
     folder = Folder(tmp_path, INCLUDE)
@@ -128,13 +136,13 @@ def folder() -> Iterator[Folder]:
 
 
 @given(definitions())
-@settings(max_examples=25, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=budget(25), suppress_health_check=[HealthCheck.too_slow])
 def test_random_components(folder: Folder, definition: Definition) -> None:
     check_round_trip(folder, folder.write("Random.idl", definition.text))
 
 
 @given(definitions(alone=True))
-@settings(max_examples=10, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=budget(10), suppress_health_check=[HealthCheck.too_slow])
 def test_random_components_beside_their_types(
     folder: Folder, definition: Definition
 ) -> None:

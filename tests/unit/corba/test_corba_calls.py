@@ -29,6 +29,8 @@ from rtgen.runtime.corba.transport import NamedCorba
 from rtgen.runtime.services.ports import ServicePort
 from rtgen.systems.reading import read_file
 
+pytestmark = pytest.mark.waits
+
 
 def test_results_exceptions_and_attributes(
     here: Here, serving: Callable[[], Run]

@@ -26,6 +26,8 @@ from rtgen.cli import run as rtgen
 from rtgen.runtime.corba.name_server import NameServer
 from rtgen.runtime.corba.naming import Naming
 
+pytestmark = pytest.mark.waits
+
 
 @pytest.mark.slow
 def test_a_provider_that_is_not_active(

@@ -19,6 +19,8 @@ from corba_runs import BOARD, NAVIGATION, ROOT, Here, Run
 
 from rtgen.cli import run as rtgen
 
+pytestmark = pytest.mark.waits
+
 
 def test_simulated_time_is_the_same_by_every_transport(
     capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch

@@ -19,6 +19,8 @@ from rtgen.runtime.corba.orb import Orb
 from rtgen.runtime.corba.rt_objects.objects import Exported
 from rtgen.runtime.corba.rt_objects.wire import EXECUTION_CONTEXT, PORT_SERVICE
 
+pytestmark = pytest.mark.waits
+
 
 class Silent:
     """A process that reads requests only."""

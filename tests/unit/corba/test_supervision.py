@@ -130,6 +130,7 @@ if "--only" in sys.argv:
 """
 
 
+@pytest.mark.nightly
 @pytest.mark.longest
 def test_rh3_reaches_its_goal_though_each_component_is_killed_once(
     tmp_path: Path,

@@ -131,6 +131,7 @@ def test_the_work_is_linear(kind: str) -> None:
     assert lines_of_code(language, text(500)) < 2.2 * once
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("kind", REPEATED)
 def test_long_texts_are_formatted(kind: str) -> None:
     """Work that no line of Python shows, such as searches in the rest of a text."""
@@ -140,6 +141,7 @@ def test_long_texts_are_formatted(kind: str) -> None:
         edits(text(20_000), language)
 
 
+@pytest.mark.nightly
 def test_results_are_bounded() -> None:
     with pytest.raises(LexicalError, match="the file has more than 1,000,000 tokens"):
         format_text(";" * (MAX_TOKENS + 1), IDL)

@@ -37,6 +37,8 @@ from rtgen.runtime.opaque_rpc.errors import RpcError
 from rtgen.runtime.opaque_rpc.messages import log
 from rtgen.runtime.opaque_rpc.serial import silence
 
+pytestmark = pytest.mark.waits
+
 tty = pytest.importorskip("tty", reason="pseudo terminals are POSIX")
 termios = pytest.importorskip("termios", reason="pseudo terminals are POSIX")
 

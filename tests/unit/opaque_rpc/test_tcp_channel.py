@@ -30,6 +30,8 @@ from rtgen.runtime.opaque_rpc import (
     TcpChannel,
 )
 
+pytestmark = pytest.mark.waits
+
 SHORT = 0.15
 """A time-out that a test waits for."""
 MEDIUM = 1.5

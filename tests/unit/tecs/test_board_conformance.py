@@ -32,6 +32,8 @@ from rtgen.runtime.opaque_rpc import (
     make_tdr,
 )
 
+pytestmark = pytest.mark.waits
+
 CDL = """signature sBench {
     ER move( [in] int32_t speed, [in] double64_t gain );
     ER fill( [in,size_is(count,4)] const int16_t *data, [in] uint8_t count, [out] int32_t *sum );

@@ -73,7 +73,9 @@ def test_a_file_without_structs_and_constants_has_an_empty_module() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("checker", ["mypy", "pyright"])
+@pytest.mark.parametrize(
+    "checker", ["mypy", pytest.param("pyright", marks=pytest.mark.nightly)]
+)
 def test_type_checkers_find_nothing(tmp_path: Path, checker: str) -> None:
     made = tmp_path / "made"
     for name, files in packages():

@@ -81,7 +81,7 @@ def check_links(folder: Path, *, leads_out: bool = False) -> int:
     return len(addresses)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_site_of_the_reference_build_is_whole(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -110,7 +110,7 @@ def test_the_site_of_a_golden_project_is_whole(
     assert check_links(tmp_path / "build" / "docs" / "site") > 100
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_documentation_of_rtgen_is_a_site(tmp_path: Path) -> None:
     pytest.importorskip("material")
     command = [sys.executable, "-m", "mkdocs", "build", "--strict", "-q", "-d"]

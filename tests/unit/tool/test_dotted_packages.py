@@ -36,7 +36,13 @@ def plain(path: str, text: str) -> str:
     return ast.unparse(ast.parse(text)) if path.endswith(".py") else text
 
 
-@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize(
+    "target",
+    [
+        pytest.param(name, marks=() if name == "embedded" else pytest.mark.nightly)
+        for name in TARGETS
+    ],
+)
 def test_all_files_are_those_of_a_plain_package(
     target: str, reference: tuple[Model, Options]
 ) -> None:

@@ -61,7 +61,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_same_bytes_whatever_locale_hash_seed_and_folder(tmp_path: Path) -> None:
     settings = [
         {
@@ -150,7 +150,7 @@ def test_a_kill_in_the_middle_leaves_whole_files(built: Path, tmp_path: Path) ->
     assert made == {n: d for n, d in new.items() if n.startswith("generated/")}
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_one_character_anywhere_in_the_tree_is_drift(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -16,6 +16,8 @@ from patience import PATIENCE
 
 from rtgen.cli import run as rtgen
 
+pytestmark = pytest.mark.waits
+
 MODULE = '''
 import math
 import sys

@@ -16,6 +16,8 @@ import pytest
 
 from rtgen.cli import run
 
+pytestmark = pytest.mark.waits
+
 PATIENCE = 120.0
 """Time-out of a test [s], not a measured time."""
 

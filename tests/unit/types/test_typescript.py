@@ -70,7 +70,7 @@ def drawn(type_: type[Any], types: dict[str, type[Any]], count: int) -> list[Any
 
     @with_seed(seed())
     @settings(
-        max_examples=budget(count),
+        max_examples=budget(count, least=count),
         deadline=None,
         database=None,
         phases=[Phase.generate],

@@ -87,7 +87,11 @@ def _cause(message: str) -> str:
     return re.sub(r"[^ -~]", "?", lines[-1])
 
 
-@pytest.fixture(scope="module", params=[WIDE, NARROW], ids=["wide", "narrow"])
+@pytest.fixture(
+    scope="module",
+    params=[WIDE, pytest.param(NARROW, marks=pytest.mark.nightly)],
+    ids=["wide", "narrow"],
+)
 def look(request: pytest.FixtureRequest) -> tuple[int, str]:
     """Return the width and the colours of a page; each has a server of its own."""
     found: tuple[int, str] = request.param

@@ -62,6 +62,7 @@ with (
 """
 
 
+@pytest.mark.nightly
 def test_its_rounds_go_on_while_objects_are_looked_up() -> None:
     """A deadlock of omniORB's lock and that of the interpreter would stop the process."""
     command = [sys.executable, "-c", PROGRAM]
