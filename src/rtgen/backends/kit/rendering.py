@@ -17,6 +17,7 @@ import msgspec
 from markupsafe import Markup
 
 from rtgen.backends.kit.quoting import names, properties, python, scripts, xml
+from rtgen.backends.kit.statements import statements
 
 if TYPE_CHECKING:
     from jinja2 import BaseLoader, Environment, Template
@@ -54,6 +55,7 @@ LANGUAGES: Mapping[str, Language] = {
             "in_docstring": python.in_docstring,
             "comment": python.comment_text,
             "code": python.Python,
+            "statements": statements,
         },
     ),
     ".conf": Language(
