@@ -186,3 +186,12 @@ def test_a_fragment_of_the_changelog_is_one_line() -> None:
         assert name[1] in KINDS, file.name
         text = file.read_text("utf-8")
         assert re.fullmatch(r"[A-Z`].{10,160}\.\n", text), text
+
+
+def test_the_changelog_is_short_and_its_links_lead_somewhere() -> None:
+    text = (ROOT / "CHANGELOG.md").read_text("utf-8")
+    versions = re.findall(r"^## (\S+)", text, re.MULTILINE)
+    assert "[Unreleased]" not in text
+    assert len(text.splitlines()) <= 80 * len(versions)
+    for page in re.findall(r"\]\((docs/[^)#]+)", text):
+        assert (ROOT / page).is_file(), page
