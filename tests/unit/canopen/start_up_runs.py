@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from strict_node import OPERATIONAL, LiteralNode, StrictNode
 
 from rtgen.backends import Options
-from rtgen.backends.canopen.network_module import network_text
+from rtgen.backends.canopen.network_module import network_module
 from rtgen.backends.canopen.objects_module import objects_module
 from rtgen.diagnostics import Diagnostic, has_errors
 from rtgen.frontends.bus import load
@@ -44,7 +44,7 @@ def read(file: Path) -> tuple[Bus | None, tuple[Diagnostic, ...]]:
 def network_of(bus: Bus) -> Network:
     """Return the generated network."""
     made: dict[str, Any] = {"__name__": "network"}
-    exec(network_text(bus, ""), made)
+    exec(network_module("network.py", bus, (), Options("p", "", "1")).text, made)
     network = made["NETWORK"]
     assert isinstance(network, Network)
     return network

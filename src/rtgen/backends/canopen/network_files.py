@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from rtgen.backends import Artifact, Options
 from rtgen.backends.canopen.eds_text import eds_text
-from rtgen.backends.canopen.network_module import network_text
+from rtgen.backends.canopen.network_module import network_module
 from rtgen.backends.canopen.reports import start_up_text, timing_text
 from rtgen.backends.canopen.rules import NOT_WRITABLE
 from rtgen.backends.kit.python_text import header, header_comment
@@ -48,8 +48,7 @@ def _artifacts(buses: Sequence[Bus], options: Options) -> Iterator[Artifact]:
         devices = (node.device.key for node in bus.nodes)
         origin = tuple(dict.fromkeys((bus.key, *devices)))
         lines = header(options.version, origin)
-        text = network_text(bus, header_comment(options.version, origin))
-        yield Artifact(f"{folder}/{name}.py", text, origin)
+        yield network_module(f"{folder}/{name}.py", bus, origin, options)
         for node in bus.nodes if bus.dcf else ():
             dcf = eds_text(configured(bus, node), lines)
             yield Artifact(f"{folder}/{name}/{node.name}.dcf", dcf, origin)

@@ -1,4 +1,4 @@
-"""Statements of templates that are written over several lines, as they are in the generated file."""
+"""Statements of templates that are written over several lines, as the generated file has them."""
 
 from __future__ import annotations
 
@@ -21,25 +21,26 @@ def statements(text: str) -> Python:
     """Return lines of Python with each statement on one line, for `fit` to split where it is long.
 
     A bracket that ends a line is closed by the one that begins a line, after items that end with a
-    comma; the last comma stays in a tuple of one item. Other lines are left as they are.
+    comma; the last comma stays in a tuple of one item. Blank lines in brackets are dropped, lines
+    outside are left as they are.
     """
-    lines: list[str] = []
+    parts: list[str] = []
     open_: list[_Bracket] = []
     for line in text.split("\n"):
         bare = line.strip()
         if not open_:
-            lines.append(line)
+            parts += ("\n", line)
         elif bare.startswith(_CLOSING):
             bracket = open_.pop()
             if not (bracket.is_tuple and bracket.items == 1):
-                lines[-1] = lines[-1].removesuffix(",")
-            lines[-1] += bare
-        else:
-            lines[-1] += bare if lines[-1].endswith(_OPENING) else f" {bare}"
+                parts[-1] = parts[-1].removesuffix(",")
+            parts.append(bare)
+        elif bare:
+            parts += (bare,) if parts[-1].endswith(_OPENING) else (" ", bare)
         if bare.endswith(_OPENING):
             before = bare[-2:-1]
             is_call = before.isalnum() or before in ("_", *_CLOSING)
             open_.append(_Bracket(bare[-1] == "(" and not (before and is_call)))
         elif bare.endswith(",") and open_:
             open_[-1].items += 1
-    return Python("\n".join(lines))
+    return Python("".join(parts[1:]))
