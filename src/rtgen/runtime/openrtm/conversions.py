@@ -98,19 +98,35 @@ def conversions_of(descriptor: Any) -> Conversions:
     return known
 
 
-def conversions_of_arguments(types: Sequence[Descriptor | Conversion]) -> Conversions:
-    """Return the conversions of tuples of values of these types. Raises StubsMissingError."""
-    with _LOCK:
-        return _Source().of_values(types, True)
+class Signature(msgspec.Struct, frozen=True):
+    """What is converted in calls of an operation; an object's type is a `Conversion`.
+
+    `method` is its name in Python at omniORB, `extra` are arguments without a value at rtgen.
+    """
+
+    name: str
+    method: str
+    arguments: Sequence[Descriptor | Conversion]
+    results: Sequence[Descriptor | Conversion]
+    extra: Sequence[Any] = ()
 
 
-def conversions_of_result(types: Sequence[Descriptor | Conversion]) -> Conversions:
-    """Return the conversions of a result: None, a value, or a tuple of several values.
+def calling(signature: Signature) -> Callable[[Any, tuple[object, ...]], object]:
+    """Return the function that calls an omniORB object with arguments of rtgen.
 
     Raises StubsMissingError.
     """
     with _LOCK:
-        return _Source().of_values(types, len(types) > 1)
+        return _Source().operation(signature, True)
+
+
+def serving(signature: Signature) -> Callable[..., Any]:
+    """Return the function of omniORB's arguments after an invoker of rtgen, which it calls.
+
+    Raises StubsMissingError.
+    """
+    with _LOCK:
+        return _Source().operation(signature, False)
 
 
 class _Source:
@@ -123,6 +139,7 @@ class _Source:
         self._lines: list[str] = []
         self._begun: dict[int, tuple[Any, tuple[str, ...]]] = {}
         self._waiting: list[Any] = []
+        self._count = 0
         self._sizes: dict[int, int] = {}
 
     def names_of(self, descriptor: Any) -> tuple[str, ...]:
@@ -155,25 +172,38 @@ class _Source:
             descriptor.codecs.setdefault(_KEY, Conversions(*functions))
         return made
 
-    def of_values(
-        self, types: Sequence[Descriptor | Conversion], as_tuple: bool
-    ) -> Conversions:
-        """Return the compiled conversions of at most one value, or of a tuple."""
-        to, of = self._names.free("to"), self._names.free("of")
-        places = [self._names.free("value_1") for _ in types] if as_tuple else ["value"]
-        for name, outgoing in ((to, True), (of, False)):
-            pairs = zip(types, places, strict=False)
-            made = [self._converted(outgoing, type_, place) for type_, place in pairs]
-            if as_tuple:
-                unpacked = f"({''.join(f'{place}, ' for place in places)}) = value"
-                made = [f"({''.join(f'{each}, ' for each in made)})"]
-                self._function(
-                    name, "value", [unpacked, *map("return {}".format, made)]
-                )
-            else:
-                self._function(name, "value", [f"return {''.join(made) or None}"])
-        functions = self.compiled("<conversions of arguments>")
-        return Conversions(functions[to], functions[of])
+    def operation(self, signature: Signature, calls: bool) -> Callable[..., Any]:
+        """Return the compiled function that calls omniORB's object, or rtgen's invoker."""
+        name = self._names.free(signature.name)
+        given = [self._local("value") for _ in signature.arguments]
+        passed = [
+            self._converted(calls, type_, value)
+            for type_, value in zip(signature.arguments, given, strict=True)
+        ]
+        extra = [self._shared("extra", each) for each in signature.extra]
+        if calls:
+            parameters = "wire, values"
+            lines = [f"({_tuple(given)}) = values"]
+            call = f"wire.{signature.method}({', '.join((*passed, *extra))})"
+        else:
+            parameters = ", ".join(("made", *given, *extra))
+            lines = []
+            call = f"made({signature.name!r}, ({_tuple(passed)}))"
+        results = [self._local("value") for _ in signature.results]
+        converted = [
+            self._converted(not calls, type_, value)
+            for type_, value in zip(signature.results, results, strict=True)
+        ]
+        if len(results) > 1:
+            lines += [f"({_tuple(results)}) = {call}", f"return ({_tuple(converted)})"]
+        elif results:
+            lines += [f"{results[0]} = {call}", f"return {converted[0]}"]
+        else:
+            lines.append(call)
+        self._function(name, parameters, lines)
+        made = self.compiled(f"<call of {signature.name}>")
+        function: Callable[..., Any] = made[name]
+        return function
 
     def _function(self, name: str, parameters: str, lines: Iterable[str]) -> None:
         self._lines.append(f"def {name}({parameters}):")
@@ -189,7 +219,7 @@ class _Source:
         is_raised = isinstance(descriptor, ExceptionDescriptor)
         if _holds_values(descriptor):
             way = ExceptionOctets if is_raised else Octets
-            through = self._names.bind("octets", way(descriptor, identity))
+            through = self._shared("octets", way(descriptor, identity))
             self._function(to, "value", [f"return {through}.to(value)"])
             self._function(of, "wire", [f"return {through}.of(wire)"])
             fresh = f"wire.__dict__.update({through}.to(value).__dict__)"
@@ -239,8 +269,8 @@ class _Source:
             if inner is None:
                 yield from self._fill_field(member.type, there, here, fresh)
                 continue
-            inner_wire = self._names.free(f"wire_{member.name}")
-            inner_value = self._names.free(f"value_{member.name}")
+            inner_wire = self._local(f"wire_{member.name}")
+            inner_value = self._local(f"value_{member.name}")
             class_ = self._bound(class_of(_identity(inner)))
             made = f"{there} = {self._bound(_NEW)}({class_})" if fresh else there
             yield f"{inner_wire} = {made}"
@@ -273,7 +303,7 @@ class _Source:
             if inner is None:
                 arguments.append(self._converted(False, member.type, there))
                 continue
-            variable = self._names.free(f"wire_{member.name}")
+            variable = self._local(f"wire_{member.name}")
             more, made = self._made(inner, variable)
             lines += [f"{variable} = {there}", *more]
             arguments.append(made)
@@ -332,7 +362,7 @@ class _Source:
         """Return an expression for a wire form, or for a value; they share no data."""
         if not isinstance(type_, msgspec.Struct):
             way = "to" if outgoing else "of"
-            return f"{self._names.bind('objects', type_)}.{way}({value})"
+            return f"{self._shared('objects', type_)}.{way}({value})"
         described: Any = plain(type_)
         if _is_immutable(described):
             return value
@@ -347,10 +377,8 @@ class _Source:
                 return self._items(outgoing, described, value)
             case EnumDescriptor(repository_id, class_=class_):
                 if outgoing:
-                    return (
-                        f"{self._names.bind('items', items_of(repository_id))}[{value}]"
-                    )
-                return f"{self._names.bind('members', tuple(class_))}[{value}._v]"
+                    return f"{self._shared('items', items_of(repository_id))}[{value}]"
+                return f"{self._shared('members', tuple(class_))}[{value}._v]"
             case StructDescriptor() | UnionDescriptor():
                 to, of, _ = self.names_of(described)
                 return f"{to if outgoing else of}({value})"
@@ -359,7 +387,7 @@ class _Source:
             case _:
                 through = Octets(described, described.repository_id)
         way = "to" if outgoing else "of"
-        return f"{self._names.bind('octets', through)}.{way}({value})"
+        return f"{self._shared('octets', through)}.{way}({value})"
 
     def _items(self, outgoing: bool, type_: _List, value: str) -> str:
         """Return an expression for the items of a sequence or array."""
@@ -375,7 +403,7 @@ class _Source:
         return self._list(outgoing, type_, value)
 
     def _list(self, outgoing: bool, type_: _List, value: str) -> str:
-        item = self._names.free("item")
+        item = self._local("item")
         made = self._converted(outgoing, _element(type_), item)
         return f"list({value})" if made == item else f"[{made} for {item} in {value}]"
 
@@ -395,7 +423,7 @@ class _Source:
         """Return an expression for numbers or structs in another form than omniORB's lists."""
         element: Any = plain(type_.element)
         is_struct = isinstance(element, StructDescriptor)
-        described = self._names.bind("described", type_)
+        described = self._shared("described", type_)
         if outgoing and is_struct:
             structs = f"{self._bound(forms.listed)}({described}, {value})"
             return self._list(True, type_, structs)
@@ -410,8 +438,21 @@ class _Source:
         many = f"{self._bound(NumericArray)}({code!r}, {value})"
         return f"{many} if len({value}) > {MAX_LIST_LENGTH} else [*{value}]"
 
+    def _local(self, wanted: str) -> str:
+        """Return the name of a new variable; numbers keep names of many short."""
+        self._count += 1
+        return self._names.free(f"{wanted}_{self._count}")
+
+    def _shared(self, wanted: str, value: Any) -> str:
+        """Return the name of an object in the namespace."""
+        return self._names.bind(f"{wanted}_{len(self._names.values)}", value)
+
     def _bound(self, value: Any) -> str:
         return self._names.bind(value.__name__, value)
+
+
+def _tuple(items: Iterable[str]) -> str:
+    return "".join(f"{item}, " for item in items)
 
 
 def _identity(descriptor: Any) -> str:

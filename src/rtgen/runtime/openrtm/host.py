@@ -50,7 +50,7 @@ class Host:
         self._rtc = rtc
         self._factory = factory
         self._codes = import_module("RTC")
-        self._wire = import_module("rtgen.runtime.openrtm.wire")
+        self._wire: Any = import_module("rtgen.runtime.openrtm.wire")
         self._behaviour: Component | None = None
         self._participants: dict[int, Participant] = {}
         self._unapplied = False

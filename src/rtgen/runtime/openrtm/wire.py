@@ -20,11 +20,10 @@ from rtgen.runtime.corba.faults import caught, raised
 from rtgen.runtime.corba.wire_conversions import Convert
 from rtgen.runtime.marshalling.descriptors import DataType, Descriptor
 from rtgen.runtime.openrtm.conversions import (
-    conversions_of as conversions_of,
-)
-from rtgen.runtime.openrtm.conversions import (
-    conversions_of_arguments,
-    conversions_of_result,
+    Signature,
+    calling,
+    conversions_of,
+    serving,
 )
 from rtgen.runtime.openrtm.stubs import StubsMissingError
 from rtgen.runtime.openrtm.wire_objects import class_of
@@ -47,8 +46,8 @@ Reference: TypeAlias = Callable[[], Any]
 """Function that returns the omniORB object that a stub calls, or None if there is none (yet)."""
 
 _CONTEXT = "_context"
-_NO_CONTEXT = (CORBA.Context("", None),)
-"""The argument for a context clause, which is not used."""
+_NO_CONTEXT = CORBA.Context("", None)
+"""The context of calls, which is not used."""
 
 
 def new(type_: type[DataType]) -> Any:
@@ -65,20 +64,25 @@ class _Operation:
     def __init__(self, name: str, call: Call) -> None:
         request = _parts(call.request, call.request_objects)
         given = [type_ for member, type_ in request if member != _CONTEXT]
-        self.name = name
-        self.method = mangled(name)
         self.refused = call.refused
-        self.count = len(given)
-        self.context = _NO_CONTEXT * (len(request) - len(given))
-        self.arguments = conversions_of_arguments(given)
-        results = _parts(call.reply, call.reply_objects)
-        self.result = conversions_of_result([type_ for _, type_ in results])
+        self.signature = Signature(
+            name,
+            mangled(name),
+            given,
+            [type_ for _, type_ in _parts(call.reply, call.reply_objects)],
+            [_NO_CONTEXT] * (len(request) - len(given)),
+        )
         self.raised: dict[type[Any], Convert] = {}
         self.caught: dict[type[Any], Convert] = {}
         for _, class_ in call.raises:
             conversions = conversions_of(class_._descriptor_)
             self.raised[class_] = conversions.to
             self.caught[class_of(class_._descriptor_.repository_id)] = conversions.of
+
+    @cached_property
+    def call(self) -> Callable[[Any, tuple[object, ...]], object]:
+        """The function that calls an omniORB object."""
+        return calling(self.signature)
 
 
 @cache
@@ -112,7 +116,7 @@ class Tie:
         if interface is not None:
             for operation in _operations(interface).values():
                 if not operation.refused:
-                    setattr(cls, operation.method, _tied(operation))
+                    setattr(cls, operation.signature.method, _tied(operation))
 
     def __init__(self, invoker: Invoker) -> None:
         self._invoker = invoker
@@ -120,18 +124,16 @@ class Tie:
 
 def _tied(operation: _Operation) -> Callable[..., Any]:
     """Return the method of a tie."""
-    name, count = operation.name, operation.count
-    take, give = operation.arguments.of, operation.result.to
+    serve = serving(operation.signature)
 
     def method(self: Tie, *arguments: Any) -> Any:
         try:
-            result = self._invoker(name, take(arguments[:count]))
+            return serve(self._invoker, *arguments)
         except UserException as error:
             for kind in type(error).__mro__:
                 if kind in operation.raised:
                     raise operation.raised[kind](error) from error
             raise
-        return give(result)
 
     return method
 
@@ -155,13 +157,11 @@ class Remote:
         if reference is None:
             raise ObjectNotExist("no provider is connected")
         try:
-            given = known.arguments.to(arguments)
-            result = getattr(reference, known.method)(*given, *known.context)
+            return known.call(reference, arguments)
         except CORBA.SystemException as error:
             raise caught(operation, error) from error
         except CORBA.UserException as error:
             raise known.caught[type(error)](error) from error
-        return known.result.of(result)
 
 
 def stub(interface: type[_S], reference: Reference) -> _S:
