@@ -57,7 +57,7 @@ nightly: export RTGEN_BUDGET ?= 5
 nightly: $(VENV)/uv.stamp
 	$(MAKE) --no-print-directory -j 4 dear interpreters release
 
-CHECKED = src tests benchmarks requirements editors hatch_build.py mkdocs_hooks.py ui/build.py
+CHECKED = src runtime reference tests benchmarks requirements editors hatch_build.py mkdocs_hooks.py ui/build.py
 
 lint: $(VENV)/test.stamp
 	$(BIN)/python tests/python_form.py $(CHECKED)
@@ -67,7 +67,7 @@ lint: $(VENV)/test.stamp
 types: mypy pyright
 
 mypy: $(VENV)/test.stamp
-	$(BIN)/mypy --python-version $$($(BIN)/python tests/interpreters.py --version) src generated mkdocs_hooks.py editors/vscode/pack.py
+	$(BIN)/mypy --python-version $$($(BIN)/python tests/interpreters.py --version) src runtime/src reference generated mkdocs_hooks.py editors/vscode/pack.py
 
 pyright: $(VENV)/test.stamp
 	PYRIGHT_PYTHON_IGNORE_WARNINGS=1 $(BIN)/pyright --pythonpath $(BIN)/python
@@ -128,7 +128,7 @@ lowest: $(VENV)/release.stamp
 # The newest versions that pyproject.toml allows, for each platform and interpreter.
 lock: $(VENV)/release.stamp
 	$(BIN)/uv pip compile --quiet --universal --upgrade --no-header --no-annotate \
-	    --python-version 3.11 --extra plot --extra test --extra check --extra release pyproject.toml --output-file $(LOCK)
+	    --python-version 3.11 --extra plot --extra test --extra check --extra release --no-emit-package rtgen-runtime pyproject.toml --output-file $(LOCK)
 
 # What rtgen and its extras require, and what its page contains, with the licence that each package states.
 licences: $(VENV)/release.stamp ui
@@ -208,7 +208,7 @@ peers: $(VENV)/test.stamp
 
 # The pictures of docs/ui.md.
 pictures: page
-	RTGEN_PICTURES=yes $(BIN)/pytest -q tests/unit/ui/test_page_gallery.py
+	RTGEN_PICTURES=yes $(BIN)/pytest -q tests/ui/application/test_page_gallery.py
 
 bench: SCRIPTS ?= benchmarks/*.py
 bench: $(VENV)/bench.stamp
@@ -226,20 +226,20 @@ $(VENV)/bin/python:
 	  echo "rtgen needs Python 3.11 or later, and '$(PYTHON)' is none: make PYTHON=python3.11" >&2; exit 1; }
 	$(PYTHON) -m venv $(VENV)
 
-$(VENV)/demo.stamp: pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/bin/python
-	$(BIN)/python -m pip install $(PIP) --editable ".[plot]"
+$(VENV)/demo.stamp: pyproject.toml runtime/pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/bin/python
+	$(BIN)/python -m pip install $(PIP) --editable ./runtime --editable ".[plot]"
 	touch $@
 
-$(VENV)/test.stamp: pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/uv.stamp
-	$(INSTALL) --editable ".[plot,test,check]"
+$(VENV)/test.stamp: pyproject.toml runtime/pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/uv.stamp
+	$(INSTALL) --editable ./runtime --editable ".[plot,test,check]"
 	touch $@
 
 $(VENV)/release.stamp: $(VENV)/test.stamp
-	$(INSTALL) --editable ".[plot,test,check,release]"
+	$(INSTALL) --editable ./runtime --editable ".[plot,test,check,release]"
 	touch $@
 
-$(VENV)/bench.stamp: pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/uv.stamp
-	$(INSTALL) --editable ".[plot,test,check,bench]"
+$(VENV)/bench.stamp: pyproject.toml runtime/pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/uv.stamp
+	$(INSTALL) --editable ./runtime --editable ".[plot,test,check,bench]"
 	touch $@
 
 # uv installs the test environments within seconds; where it cannot be had, pip does.

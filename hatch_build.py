@@ -18,14 +18,15 @@ class WheelHook(BuildHookInterface):  # type: ignore[type-arg]
         """Write the tables beside the grammars; an installed wheel also has RH3_FILES."""
         if self.target_name == "wheel":
             root = Path(self.root)
-            sys.path.insert(0, str(root / "src"))
-            from rtgen.frontends.kit.lalr_tables import write
+            sys.path[:0] = [str(root / "src"), str(root / "runtime" / "src")]
+            from rtgen.compiler.frontends.kit.lalr_tables import write
 
             for grammar in sorted((root / "grammars").glob("*.lark")):
                 write(grammar)
             if version != "editable":
-                from rtgen.resources import RH3_FILES, RH3_FOLDER
+                from rtgen.compiler.kit.resources import RH3_FILES, RH3_FOLDER
 
                 build_data["force_include"] |= {
-                    str(root / name): f"rtgen/{RH3_FOLDER}/{name}" for name in RH3_FILES
+                    str(root / source): f"rtgen/{RH3_FOLDER}/{name}"
+                    for name, source in RH3_FILES.items()
                 }

@@ -10,11 +10,10 @@ from typing import Any
 import click
 from mkdocs.structure.files import File, Files
 
-import rtgen
-import rtgen.runtime
+from rtgen import api, runtime
 from rtgen.cli import application
-from rtgen.diagnostics.explain import rules, story
-from rtgen.documentation.site import ASSETS
+from rtgen.compiler.diagnostics.explain import rules, story
+from rtgen.tools.docs.site import ASSETS
 
 _OUTSIDE = re.compile(r"!?\[([^\]]*)\]\((?:\.\./)+(?!decisions/)[^)]*\)")
 
@@ -67,7 +66,7 @@ def _diagnostics() -> str:
 
 def _python() -> str:
     parts = ["# Python\n"]
-    for module in (rtgen, rtgen.runtime):
+    for module in (api, runtime):
         parts.append(f"## {module.__name__}\n")
         for name in sorted(module.__all__):
             documentation = inspect.getdoc(getattr(module, name)) or ""

@@ -12,7 +12,7 @@ import sys
 import time
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests/unit/canopen"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests/runtime/canopen"))
 
 from full_network import FullNetwork
 

@@ -48,11 +48,11 @@ class Case:
 
 def generated(folder: Path) -> Any:
     """Return the generated packages."""
-    from rtgen.backends import Options
-    from rtgen.backends.types import BACKEND
-    from rtgen.frontends.idl import load
-    from rtgen.lowering.numeric import lower
-    from rtgen.lowering.settings import Settings
+    from rtgen.compiler.backends import Options
+    from rtgen.compiler.backends.types import BACKEND
+    from rtgen.compiler.frontends.idl import load
+    from rtgen.compiler.lowering.numeric import lower
+    from rtgen.compiler.lowering.settings import Settings
 
     result = load([OWN], root=OWN.parent, include=[SPECS])
     model = lower(result.model, Settings(numeric="array")).model

@@ -13,11 +13,11 @@ import time
 from pathlib import Path
 
 from rtgen import runtime
-from rtgen.cli.running.assembly import assemble
-from rtgen.cli.running.factories import Factories
-from rtgen.project import load
-from rtgen.systems import timeline
-from rtgen.systems.reading import read_file
+from rtgen.compiler.project import load
+from rtgen.compiler.systems import timeline
+from rtgen.compiler.systems.reading import read_file
+from rtgen.tools.running.assembly import assemble
+from rtgen.tools.running.factories import Factories
 
 ROOT = Path(__file__).resolve().parent.parent
 EXPERIMENTS = Path("specs/experiments")

@@ -25,10 +25,10 @@ _CALLED = "RefHardRh30"
 def running(transport: Any, stack: ExitStack) -> Iterator[tuple[Any, Gaps]]:
     """Run the system in a thread; what is in `stack` is closed before the system."""
     from rtgen import runtime
-    from rtgen.cli.running.assembly import assemble
-    from rtgen.cli.running.factories import Factories
-    from rtgen.project import load_around
-    from rtgen.systems.reading import read_file
+    from rtgen.compiler.project import load_around
+    from rtgen.compiler.systems.reading import read_file
+    from rtgen.tools.running.assembly import assemble
+    from rtgen.tools.running.factories import Factories
 
     profile, _, _ = read_file(SYSTEM)
     assert profile is not None
@@ -73,7 +73,7 @@ def steer(
 @contextmanager
 def foxglove() -> Iterator[tuple[Address, Gaps]]:
     """Run the system behind a live view."""
-    from rtgen.recording import live_view
+    from rtgen.tools.recording import live_view
 
     with ExitStack() as stack, running(None, stack) as (system, gaps):
         view = live_view.LiveView(system, "floods", port=0)
@@ -218,9 +218,9 @@ class Listener:
 @contextmanager
 def can() -> Iterator[tuple[Address, Gaps]]:
     """Run the system behind a live view, with a station on a bus of `rtgen can hub`."""
-    from rtgen.recording import live_view
     from rtgen.runtime.canopen.bus.python_can import BusAddress
     from rtgen.runtime.canopen.bus.real_link import RealLink
+    from rtgen.tools.recording import live_view
 
     hub = [
         sys.executable,

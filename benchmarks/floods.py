@@ -187,8 +187,8 @@ class Gaps:
 @contextmanager
 def served() -> Iterator[tuple[Callable[[bool], str], Gaps]]:
     """Run the system behind a server; yield its addresses, by whether they give full rights."""
-    from rtgen.cli.common import Console
     from rtgen.cli.ui import CommandProject
+    from rtgen.tools.kit.console import Console
     from rtgen.ui.serving import Server
     from rtgen.ui.session import Session
 

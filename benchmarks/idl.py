@@ -170,14 +170,18 @@ def stages(file: Path) -> dict[str, float]:
         return wrapped
 
     modules = timed("imports", lambda names: [import_module(name) for name in names])(
-        ["rtgen.cli.inspect", "rtgen.inspection.models", "rtgen.frontends.idl.pipeline"]
+        [
+            "rtgen.cli.inspect",
+            "rtgen.compiler.inspection.models",
+            "rtgen.compiler.frontends.idl.pipeline",
+        ]
     )
-    from rtgen.frontends.idl import pipeline, translation
-    from rtgen.frontends.idl.lowering import lower
-    from rtgen.frontends.idl.meaning import checks
-    from rtgen.frontends.idl.names import resolver as names
-    from rtgen.frontends.idl.syntax import parser
-    from rtgen.frontends.idl.text import preprocessor
+    from rtgen.compiler.frontends.idl import pipeline, translation
+    from rtgen.compiler.frontends.idl.lowering import lower
+    from rtgen.compiler.frontends.idl.meaning import checks
+    from rtgen.compiler.frontends.idl.names import resolver as names
+    from rtgen.compiler.frontends.idl.syntax import parser
+    from rtgen.compiler.frontends.idl.text import preprocessor
 
     for name, owner, attribute in (
         ("grammar", parser, "_grammar"),

@@ -49,11 +49,11 @@ Row = tuple[str, Callable[[], object], Callable[[], object]]
 
 def generated(folder: Path) -> Any:
     """Return the generated package, and omniORBpy's stubs of the same types."""
-    from rtgen.backends import Options
-    from rtgen.backends.types import BACKEND
-    from rtgen.frontends.idl import load
-    from rtgen.lowering.numeric import lower
-    from rtgen.lowering.settings import Settings
+    from rtgen.compiler.backends import Options
+    from rtgen.compiler.backends.types import BACKEND
+    from rtgen.compiler.frontends.idl import load
+    from rtgen.compiler.lowering.numeric import lower
+    from rtgen.compiler.lowering.settings import Settings
 
     file = folder / "definitions" / "payload.idl"
     file.parent.mkdir()

@@ -30,10 +30,10 @@ from typing import Any
 import can
 import canopen
 
-from rtgen.backends.canopen.pdo_codec import IMPORTS, PdoCodec, codecs_text
 from rtgen.cli import run
-from rtgen.layouts.pdo import Mapped, layout
-from rtgen.model.canopen import DataType
+from rtgen.compiler.backends.canopen.pdo_codec import IMPORTS, PdoCodec, codecs_text
+from rtgen.compiler.layouts.pdo import Mapped, layout
+from rtgen.compiler.model.canopen import DataType
 from rtgen.runtime import (
     RTC_OK,
     Component,

@@ -17,14 +17,14 @@ from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
 
 from rtgen import runtime
-from rtgen.cli.running.assembly import assemble
-from rtgen.cli.running.factories import Factories
-from rtgen.model import System
-from rtgen.project import load
-from rtgen.recording.mcap_writer import McapWriter
-from rtgen.recording.recorder import Recorder
+from rtgen.compiler.model import System
+from rtgen.compiler.project import load
+from rtgen.compiler.systems.reading import read_file
 from rtgen.runtime import RTC_OK, Component, ReturnCode_t
-from rtgen.systems.reading import read_file
+from rtgen.tools.recording.mcap_writer import McapWriter
+from rtgen.tools.recording.recorder import Recorder
+from rtgen.tools.running.assembly import assemble
+from rtgen.tools.running.factories import Factories
 
 ROOT = Path(__file__).resolve().parent.parent
 SYSTEM = Path("specs/navigation/rh3_goal.xml")

@@ -31,7 +31,7 @@ from websockets.sync.client import ClientConnection, connect  # noqa: E402
 
 from refrobots import rtc  # noqa: E402
 from rtgen import runtime  # noqa: E402
-from rtgen.model import System, SystemComponent  # noqa: E402
+from rtgen.compiler.model import System, SystemComponent  # noqa: E402
 from rtgen.runtime.rtc.profiles import ComponentProfile  # noqa: E402
 from rtgen.ui.buses import Describer  # noqa: E402
 from rtgen.ui.project import Known, Opened, RunWatcher  # noqa: E402

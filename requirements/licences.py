@@ -10,12 +10,15 @@ import re
 import subprocess
 import sys
 import tomllib
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import page
 
 ROOT = Path(__file__).resolve().parent.parent
 NAME = re.compile(r"[\w.-]+")
+OWN = re.compile(r"rtgen-runtime(?:\[(\w+)\])?==")
 WORKSHOP = ("test", "check", "bench", "release")
 """The extras of those who change rtgen; users install none of them."""
 
@@ -41,13 +44,29 @@ of their licences in `rtgen/ui/page/licenses.md`.
 
 def required() -> dict[str, list[str]]:
     """The names of the required packages by extra, `""` for those of rtgen itself."""
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    project, runtime = (_project(folder) for folder in (ROOT, ROOT / "runtime"))
     groups = {"": project["dependencies"], **project["optional-dependencies"]}
+    extras = runtime["optional-dependencies"]
     return {
-        extra: [found[0] for need in needs if (found := NAME.match(need))]
+        extra: [*dict.fromkeys(_names(needs, extras))]
         for extra, needs in groups.items()
-        if extra not in WORKSHOP
+        if extra not in (*WORKSHOP, "all")
     }
+
+
+def _project(folder: Path) -> dict[str, Any]:
+    text = (folder / "pyproject.toml").read_text("utf-8")
+    project: dict[str, Any] = tomllib.loads(text)["project"]
+    return project
+
+
+def _names(needs: Sequence[str], extras: Mapping[str, Sequence[str]]) -> Iterator[str]:
+    """Yield the names of requirements; for an extra of the runtime, those of that extra."""
+    for need in needs:
+        if own := OWN.match(need):
+            yield from _names(extras[own[1]], extras) if own[1] else ()
+        elif name := NAME.match(need):
+            yield name[0]
 
 
 def main() -> int:

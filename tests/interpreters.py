@@ -32,7 +32,7 @@ SELECTED = "not slow and not peer and not random and not nightly"
 
 ENVIRONMENTS = ROOT / "build" / "interpreters"
 
-TRIED_ONCE = ("tests/interop", "tests/fuzz", "tests/packages")
+TRIED_ONCE = ("tests/interop", "tests/fuzz", "tests/tools/packages")
 """Comparisons with peers and random inputs are the same on each interpreter.
 
 In other folders they have the markers `peer` and `random`.
@@ -57,21 +57,22 @@ def find(version: str) -> str | None:
 
 
 def make(interpreter: str, folder: Path, *, lowest: bool = False) -> None:
-    """An environment of its own for an interpreter, with the wheel and the reference build.
+    """An environment of its own for an interpreter, with both wheels and the reference build.
 
     `lowest`: with the lowest versions of the requirements, which uv finds.
     """
     shutil.rmtree(folder, ignore_errors=True)
     python = environments.create(interpreter, folder)
-    wheel = environments.build_wheel(ROOT, folder)
-    requirement = f"{wheel}[plot,test]"
+    wheel = environments.build_wheel(ROOT, folder / "wheels")
+    runtime = environments.build_wheel(ROOT / "runtime", folder / "wheels" / "runtime")
+    requirements = (str(runtime), f"{wheel}[plot,test]")
     if lowest:
         # pip has no such resolution.
         uv = [str(environments.UV), "pip", "install", "--quiet", "--python", python]
-        uv += ["--resolution", "lowest-direct", requirement]
+        uv += ["--resolution", "lowest-direct", *requirements]
         subprocess.run(uv, check=True)
     else:
-        environments.install(python, requirement)
+        environments.install(python, *requirements)
     _install_application(python, folder)
 
 
@@ -101,7 +102,7 @@ def run_tests(folder: Path, *, measured: bool) -> tuple[int, str]:
 def _install_application(python: str, folder: Path) -> None:
     """Makes the reference build importable, as its editable install does, but not `src/rtgen`."""
     (folder / "application").mkdir()
-    (folder / "application" / "refnav").symlink_to(ROOT / "src" / "refnav")
+    (folder / "application" / "refnav").symlink_to(ROOT / "reference" / "refnav")
     code = "import sysconfig; print(sysconfig.get_path('purelib'))"
     place = subprocess.run(
         [python, "-c", code], check=True, capture_output=True, text=True

@@ -10,7 +10,7 @@ from typing import Any
 from jsonschema import Draft202012Validator
 from referencing import Registry, Resource
 
-SCHEMAS = Path(__file__).parents[1] / "src" / "rtgen" / "schemas"
+SCHEMAS = Path(__file__).parents[1] / "src" / "rtgen" / "cli" / "schemas"
 
 
 @cache

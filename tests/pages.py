@@ -56,7 +56,7 @@ SHOWN_ONLY = frozenset(
 )
 _COMMENT = re.compile(r"<!-- page: (.*?) -->", re.DOTALL)
 _VARYING = re.compile(r"^(wall \[s\]|ratio)( +)[\d.]+$", re.MULTILINE)
-_REPOSITORY = ("specs", "generated", "src/refnav", "rtgen.toml", "Makefile")
+_REPOSITORY = ("specs", "generated", "reference/refnav", "rtgen.toml", "Makefile")
 _RUNS: dict[str, tuple[int, str]] = {}
 """Simulated runs of systems of the repository, whose output is reproducible."""
 _COMMAND_TIMEOUT = 300.0

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from full_network import FullNetwork
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT / "tests/unit/canopen"), str(ROOT / "tests/unit/tecs")]
+sys.path[:0] = [str(ROOT / "tests/runtime/canopen"), str(ROOT / "tests/compiler/tecs")]
 
 SAMPLES = 50
 WARM = 0.2
@@ -90,10 +90,10 @@ def calls(count: int) -> Steps:
     """Make OpaqueRPC calls: each sends the previous result, the server returns it plus one."""
     from services import Generated
 
-    from rtgen.cli.rpc.codecs import Service
-    from rtgen.frontends import cdl
-    from rtgen.model.tecs import Signature
+    from rtgen.compiler.frontends import cdl
+    from rtgen.compiler.model.tecs import Signature
     from rtgen.runtime.opaque_rpc import NETWORK, TcpChannel, TcpServer
+    from rtgen.tools.rpc.codecs import Service
 
     folder = ROOT / "build/soak"
     folder.mkdir(parents=True, exist_ok=True)
@@ -161,10 +161,10 @@ def frames(count: int) -> Steps:
 def rh3(seconds: int) -> Steps:
     """Run the navigation pipeline, which also goes on after it has reached the goal."""
     from rtgen import runtime
-    from rtgen.cli.running.assembly import assemble
-    from rtgen.cli.running.factories import Factories
-    from rtgen.project import load
-    from rtgen.systems.reading import read_file
+    from rtgen.compiler.project import load
+    from rtgen.compiler.systems.reading import read_file
+    from rtgen.tools.running.assembly import assemble
+    from rtgen.tools.running.factories import Factories
 
     with chdir(ROOT):
         project = load()

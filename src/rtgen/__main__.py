@@ -3,7 +3,15 @@
 import gc
 import sys
 
-from rtgen import __version__
+try:
+    from rtgen.facts.version import __version__
+except ModuleNotFoundError as error:
+    if not str(error.name).startswith("rtgen"):
+        raise
+    sys.exit(
+        "error: rtgen needs rtgen-runtime of its own version, which is not installed\n"
+        "  hint: pip install rtgen-runtime, or ./runtime in a checkout"
+    )
 
 
 def main() -> None:

@@ -1,6 +1,6 @@
 """The Python API: compile definitions to a model, and a model to files, in scripts and tests.
 
-`rtgen.compile`, `rtgen.read` and `rtgen.emit` are these functions; docs/api.md shows their use.
+docs/api.md shows their use.
 """
 
 from __future__ import annotations
@@ -10,16 +10,18 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from msgspec.structs import replace
 
-from rtgen import compiler
-from rtgen.backends import Backend, Emission, Options, stage
-from rtgen.diagnostics import InputError, has_errors, in_order
+from rtgen.compiler import compilation
+from rtgen.compiler.backends import Backend, Emission, Options, stage
+from rtgen.compiler.diagnostics import InputError, has_errors, in_order
+from rtgen.compiler.frontends import FrontendResult
+from rtgen.compiler.frontends.kit.library import VirtualFile
+from rtgen.compiler.frontends.stage import read_idl
+from rtgen.compiler.model import Model
+from rtgen.compiler.printed_idl import interfaces, printed_idl
+from rtgen.compiler.project import load, with_arguments
 from rtgen.facts.version import __version__
-from rtgen.frontends import FrontendResult
-from rtgen.frontends.kit.library import VirtualFile
-from rtgen.frontends.stage import read_idl
-from rtgen.model import Model
-from rtgen.printed_idl import interfaces, printed_idl
-from rtgen.project import load, with_arguments
+
+__all__ = ["compile", "emit", "read"]
 
 Paths = str | os.PathLike[str]
 
@@ -66,7 +68,7 @@ def read(
         also.append(
             read_idl((), project.reading, text=text, printed=printed, interfaces=found)
         )
-    return compiler.read(project, lowered=lowered, also=also)
+    return compilation.read(project, lowered=lowered, also=also)
 
 
 def compile(  # noqa: A001 - the name that users look for, as in re.compile

@@ -23,12 +23,17 @@ from doors.mixing import ROOT
 from generated import forgotten_types
 from idl_target import HELPERS
 
-import rtgen
-from rtgen.backends import Options, Owner
-from rtgen.cli.components.adopted import adopted
-from rtgen.cli.components.component_text import component_idl
-from rtgen.diagnostics import InputError, has_errors
-from rtgen.model.tecs import Signature, TecsDeclaration, TecsStruct, TecsTypedef
+from rtgen import api
+from rtgen.compiler.backends import Options, Owner
+from rtgen.compiler.diagnostics import InputError, has_errors
+from rtgen.compiler.model.tecs import (
+    Signature,
+    TecsDeclaration,
+    TecsStruct,
+    TecsTypedef,
+)
+from rtgen.tools.components.adopted import adopted
+from rtgen.tools.components.component_text import component_idl
 
 sys.path.append(str(ROOT / "tests"))
 
@@ -88,10 +93,10 @@ class Packages:
             return False
         folder = sources[0].parent
         with chdir(folder):
-            read = rtgen.read(sources, include=[folder], lowered=True)
+            read = api.read(sources, include=[folder], lowered=True)
             if has_errors(read.diagnostics):
                 return False
-            emission = rtgen.emit(read.model, options=_options(name))
+            emission = api.emit(read.model, options=_options(name))
         if has_errors(emission.diagnostics):
             return False
         modules = [a for a in emission.artifacts if a.path.endswith(".py")]
@@ -191,7 +196,7 @@ def _c_header(folder: Path, data: bytes) -> list[Path]:
 def _declarations(folder: Path, sources: list[Path]) -> list[TecsDeclaration]:
     """Return the declarations of CDL, none if there are errors."""
     with chdir(folder):
-        read = rtgen.read(sources, include=[folder])
+        read = api.read(sources, include=[folder])
     if has_errors(read.diagnostics):
         return []
     return [
@@ -208,7 +213,7 @@ def _joined(folder: Path, signatures: list[tuple[str, str]]) -> list[Path]:
         parts += (_JOIN.format(name, text, n) for n, (name, text) in enumerate(chosen))
         sources = _in_file("joined.cdl")(folder, "".join(parts).encode())
         with chdir(folder):
-            read = rtgen.read(sources, include=[folder], lowered=True)
+            read = api.read(sources, include=[folder], lowered=True)
         if not has_errors(read.diagnostics):
             return sources
     return []

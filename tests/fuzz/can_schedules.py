@@ -19,7 +19,12 @@ from random import Random
 
 from fuzzing import ViolationError
 
-from rtgen.layouts.can_timing import Message, bit_time, frame_bits, response_times
+from rtgen.compiler.layouts.can_timing import (
+    Message,
+    bit_time,
+    frame_bits,
+    response_times,
+)
 from rtgen.runtime.canopen.bus.arbitration import frame_bits as real_bits
 from rtgen.runtime.canopen.wire.frames import Frame
 

@@ -11,12 +11,12 @@ from random import Random
 
 from fuzzing import ViolationError, log_uniform
 
-from rtgen.diagnostics import Diagnostic, Span, has_errors, in_order
-from rtgen.diagnostics.explain import rules
-from rtgen.diagnostics.report import report
-from rtgen.frontends.cdl import load
-from rtgen.frontends.cdl.syntax.keywords import WORDS
-from rtgen.inspection.models import inspect, tree
+from rtgen.compiler.diagnostics import Diagnostic, Span, has_errors, in_order
+from rtgen.compiler.diagnostics.explain import rules
+from rtgen.compiler.diagnostics.report import report
+from rtgen.compiler.frontends.cdl import load
+from rtgen.compiler.frontends.cdl.syntax.keywords import WORDS
+from rtgen.compiler.inspection.models import inspect, tree
 
 ROOT = Path(__file__).parents[2]
 
@@ -39,7 +39,7 @@ class CdlTarget:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        for file in (ROOT / "tests/unit/cdl").iterdir():
+        for file in (ROOT / "tests/compiler/cdl").iterdir():
             if file.suffix in (".cdl", ".h") and file.name != "constructs.cdl":
                 (folder / file.name).write_bytes(file.read_bytes())
 
@@ -116,7 +116,7 @@ def _exists(d: Diagnostic, span: Span, lines: dict[str, list[str]]) -> None:
 @cache
 def _right() -> list[str]:
     """Return a file without errors."""
-    file = ROOT / "tests/unit/cdl/constructs.cdl"
+    file = ROOT / "tests/compiler/cdl/constructs.cdl"
     return _TOKEN.findall(file.read_text(encoding="utf-8"))
 
 

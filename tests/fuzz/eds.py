@@ -14,15 +14,15 @@ from random import Random
 
 from fuzzing import ViolationError, log_uniform
 
-from rtgen.compiler import compile_project
-from rtgen.diagnostics import Diagnostic, has_errors
-from rtgen.diagnostics.report import report
-from rtgen.frontends.eds import load
-from rtgen.frontends.eds.findings import MAX_FINDINGS
-from rtgen.frontends.eds.rules import RULES
-from rtgen.inspection.models import inspect, tree
-from rtgen.project import load as load_project
-from rtgen.project import output
+from rtgen.compiler.compilation import compile_project
+from rtgen.compiler.diagnostics import Diagnostic, has_errors
+from rtgen.compiler.diagnostics.report import report
+from rtgen.compiler.frontends.eds import load
+from rtgen.compiler.frontends.eds.findings import MAX_FINDINGS
+from rtgen.compiler.frontends.eds.rules import RULES
+from rtgen.compiler.inspection.models import inspect, tree
+from rtgen.compiler.project import load as load_project
+from rtgen.compiler.project import output
 
 ROOT = Path(__file__).parents[2]
 

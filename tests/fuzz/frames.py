@@ -16,14 +16,14 @@ from refrobots.eposdrive import DESCRIPTION as DRIVE
 from refrobots.fpalette import DESCRIPTION as PALETTE
 from refrobots.ftmd import DESCRIPTION as FTMD
 from refrobots.motorcoreunit import DESCRIPTION as MOTOR
-from rtgen.cli.can.decoding.decoder import Decoder
-from rtgen.cli.can.decoding.node_index import NodeIndex, read_node_index
 from rtgen.runtime import System
 from rtgen.runtime.canopen.bus.links import simulated_bus
 from rtgen.runtime.canopen.master.manager_station import ManagerStation
 from rtgen.runtime.canopen.node.node import DeviceNode
 from rtgen.runtime.canopen.wire.frames import MILLISECOND, Frame
 from rtgen.runtime.timing.clocks import SECOND
+from rtgen.tools.can.decoding.decoder import Decoder
+from rtgen.tools.can.decoding.node_index import NodeIndex, read_node_index
 
 ROOT = Path(__file__).parents[2]
 

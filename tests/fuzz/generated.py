@@ -14,10 +14,10 @@ from types import ModuleType
 
 from fuzzing import ViolationError
 
-from rtgen.backends import Options
-from rtgen.backends.stage import BUILT_IN, together
-from rtgen.diagnostics import InputError, has_errors
-from rtgen.model import Model
+from rtgen.compiler.backends import Options
+from rtgen.compiler.backends.stage import BUILT_IN, together
+from rtgen.compiler.diagnostics import InputError, has_errors
+from rtgen.compiler.model import Model
 from rtgen.runtime.marshalling import descriptors
 
 

@@ -13,10 +13,10 @@ from hostile_definitions import DEFINITIONS, MAKERS
 from hostile_outputs import Content, compare, content
 from hostile_texts import Texts
 
-from rtgen.compiler import compile_project
-from rtgen.diagnostics import Severity
-from rtgen.diagnostics.report import report
-from rtgen.project import load
+from rtgen.compiler.compilation import compile_project
+from rtgen.compiler.diagnostics import Severity
+from rtgen.compiler.diagnostics.report import report
+from rtgen.compiler.project import load
 
 COUNT = 8
 """Number of definition files of one project."""

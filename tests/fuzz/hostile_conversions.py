@@ -11,18 +11,19 @@ from fuzzing import ViolationError
 from hostile_definitions import profile
 from hostile_texts import Texts
 
-from rtgen import compiler
-from rtgen.backends.wiring import render, view_of
-from rtgen.cli.components.adopted import adopted
-from rtgen.cli.components.component_text import component_idl, component_profile
-from rtgen.compiler import compile_project
-from rtgen.diagnostics import Diagnostic, has_errors
-from rtgen.frontends import idl, profile_yaml
-from rtgen.frontends.kit import located_xml
-from rtgen.model import Component
-from rtgen.project import load
-from rtgen.resources import idl_file
-from rtgen.systems.reading import read_file
+from rtgen.compiler import compilation
+from rtgen.compiler.backends.wiring import render, view_of
+from rtgen.compiler.compilation import compile_project
+from rtgen.compiler.diagnostics import Diagnostic, has_errors
+from rtgen.compiler.frontends import idl
+from rtgen.compiler.frontends.kit import located_xml
+from rtgen.compiler.frontends.profiles import profile_yaml
+from rtgen.compiler.kit.resources import idl_file
+from rtgen.compiler.model import Component
+from rtgen.compiler.project import load
+from rtgen.compiler.systems.reading import read_file
+from rtgen.tools.components.adopted import adopted
+from rtgen.tools.components.component_text import component_idl, component_profile
 
 Made = tuple[list[str], dict[str, str]]
 """The codes of the findings, and files by their paths; none if there are errors."""
@@ -120,7 +121,7 @@ def system(texts: Texts, folder: Path) -> Made:
         made = {a.path: str(a.text) for a in run.artifacts if "/s/" in a.path}
         if not run.failed:
             read, _, _ = read_file(path)
-            model = compiler.read(project, lowered=True).model
+            model = compilation.read(project, lowered=True).model
             views = {
                 d.name[-1]: view_of(d)
                 for d in model.declarations
@@ -188,7 +189,7 @@ def convert(texts: Texts, folder: Path) -> Made:
     )
     with chdir(folder):
         project = load()
-        read = compiler.read(project, lowered=True)
+        read = compilation.read(project, lowered=True)
         if has_errors(read.diagnostics):
             return _codes(read.diagnostics), {}
         [component] = [d for d in read.model.declarations if isinstance(d, Component)]

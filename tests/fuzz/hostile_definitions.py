@@ -176,8 +176,8 @@ def profile(texts: Texts, count: int) -> Files:
 
 def profile_yaml(texts: Texts, count: int) -> Files:
     """Return the same components in YAML."""
-    from rtgen.frontends.kit import located_xml
-    from rtgen.frontends.profile_yaml import to_yaml
+    from rtgen.compiler.frontends.kit import located_xml
+    from rtgen.compiler.frontends.profiles.profile_yaml import to_yaml
 
     return {
         f"xml/part{n}.yaml": to_yaml(located_xml.parse(text, "RTC.xml"))

@@ -15,10 +15,10 @@ from random import Random
 from fuzzing import ViolationError
 from generated import Generated, forgotten_types
 
-from rtgen.backends import Owner
-from rtgen.compiler import compile_project
-from rtgen.diagnostics.report import report
-from rtgen.project import load
+from rtgen.compiler.backends import Owner
+from rtgen.compiler.compilation import compile_project
+from rtgen.compiler.diagnostics.report import report
+from rtgen.compiler.project import load
 
 ROOT = Path(__file__).parents[2]
 _TARGETS = ("embedded", "openrtm", "small")
@@ -67,7 +67,7 @@ def _pool() -> Sequence[str]:
         "generated/refrobots/eposdrive/*.py",
         "generated/refrobots/tecs/**/*.py",
         "src/rtgen/templates/**/*.j2",
-        "src/rtgen/runtime/rtc/component.py",
+        "runtime/src/rtgen/runtime/rtc/component.py",
     ):
         for path in sorted(ROOT.glob(pattern)):
             words.update(_WORD.findall(path.read_text()))

@@ -19,7 +19,7 @@ from xml.etree import ElementTree
 
 from hostile_texts import MARK
 
-from rtgen.backends.kit.quoting.python import string_literal
+from rtgen.compiler.backends.kit.quoting.python import string_literal
 
 _MISLEADING = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
 _BREAK = re.compile(r"\r\n|\r|\n")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import idl_words as words
 from fuzzing import log_uniform
 
-from rtgen.resources import grammar_file
+from rtgen.compiler.kit.resources import grammar_file
 
 if TYPE_CHECKING:
     from lark.lexer import TerminalDef

@@ -12,7 +12,7 @@ import octets
 from fuzzing import ViolationError
 from generated import Generated, forgotten_types, generate
 
-from rtgen.diagnostics import (
+from rtgen.compiler.diagnostics import (
     Diagnostic,
     InputError,
     Severity,
@@ -20,15 +20,15 @@ from rtgen.diagnostics import (
     has_errors,
     in_order,
 )
-from rtgen.diagnostics.report import FORMS, report
-from rtgen.frontends import FrontendResult
-from rtgen.frontends.idl import load
-from rtgen.frontends.idl.rules import RULES
-from rtgen.frontends.kit import characters
-from rtgen.inspection.models import inspect, tree
-from rtgen.lint import lint
-from rtgen.lint import rules as lint_rules
-from rtgen.model import Model
+from rtgen.compiler.diagnostics.report import FORMS, report
+from rtgen.compiler.frontends import FrontendResult
+from rtgen.compiler.frontends.idl import load
+from rtgen.compiler.frontends.idl.rules import RULES
+from rtgen.compiler.frontends.kit import characters
+from rtgen.compiler.inspection.models import inspect, tree
+from rtgen.compiler.lint import lint
+from rtgen.compiler.lint import rules as lint_rules
+from rtgen.compiler.model import Model
 
 HELPERS = {
     "guarded.idl": (

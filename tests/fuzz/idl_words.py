@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtgen.frontends.idl.syntax.keywords import CORBA_3, RESERVED
+from rtgen.compiler.frontends.idl.syntax.keywords import CORBA_3, RESERVED
 
 KEYWORDS = sorted(RESERVED)
 CONTEXTUAL = sorted(CORBA_3 | set("""

@@ -16,14 +16,14 @@ from typing import Any
 from fuzzing import ViolationError, log_uniform
 from generated import Generated, generate
 
-from rtgen.frontends.idl import load
+from rtgen.compiler.frontends.idl import load
 from rtgen.runtime import Servant, xcdr
 from rtgen.runtime.cdr import CdrError
 
 ROOT = Path(__file__).parents[2]
 CONSTRUCTS = (
     ROOT / "tests/fuzz/octets.idl",
-    ROOT / "tests/unit/types/constructs.idl",
+    ROOT / "tests/compiler/types/constructs.idl",
 )
 VERSIONS = {"CDR": None, "XCDR1": 1, "XCDR2": 2}
 """The encodings, with the version of XCDR."""

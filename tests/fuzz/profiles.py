@@ -11,19 +11,20 @@ from random import Random
 from fuzzing import ViolationError, log_uniform
 from msgspec.structs import replace
 
-from rtgen.backends import Options
-from rtgen.backends.components.checks import check, components_of
-from rtgen.backends.rtc_profile import profile_text
-from rtgen.diagnostics import Diagnostic, InputError, has_errors
-from rtgen.diagnostics.report import report
-from rtgen.frontends import idl, profile_yaml, rtc_profile, rts_profile
-from rtgen.frontends.kit import characters, located_xml
-from rtgen.inspection.models import inspect
-from rtgen.lowering.profiles.lower import lower
-from rtgen.lowering.settings import Settings
-from rtgen.lowering.stage import Lowered
-from rtgen.model import Model
-from rtgen.typemap.profiles.rules import RULES
+from rtgen.compiler.backends import Options
+from rtgen.compiler.backends.components.checks import check, components_of
+from rtgen.compiler.backends.profiles.rtc_profile import profile_text
+from rtgen.compiler.diagnostics import Diagnostic, InputError, has_errors
+from rtgen.compiler.diagnostics.report import report
+from rtgen.compiler.frontends import idl
+from rtgen.compiler.frontends.kit import characters, located_xml
+from rtgen.compiler.frontends.profiles import profile_yaml, rtc_profile, rts_profile
+from rtgen.compiler.inspection.models import inspect
+from rtgen.compiler.lowering.profiles.lower import lower
+from rtgen.compiler.lowering.settings import Settings
+from rtgen.compiler.lowering.stage import Lowered
+from rtgen.compiler.model import Model
+from rtgen.compiler.typemap.profiles.rules import RULES
 
 ROOT = Path(__file__).parents[2]
 CASES = ROOT / "tests/golden"

@@ -9,7 +9,7 @@ from fuzzing import run
 from msgspec.structs import replace
 from seeds import budget, cases
 
-from rtgen.layouts.can_timing import Message
+from rtgen.compiler.layouts.can_timing import Message
 
 
 def test_schedules() -> None:

@@ -11,8 +11,6 @@ import pytest
 
 from refrobots.rtc import TimedLong
 from rtgen.cli import run
-from rtgen.recording.mcap_writer import McapWriter
-from rtgen.recording.recorder import Recorder
 from rtgen.runtime import (
     RTC_OK,
     Component,
@@ -21,6 +19,8 @@ from rtgen.runtime import (
     SimulatedClock,
     System,
 )
+from rtgen.tools.recording.mcap_writer import McapWriter
+from rtgen.tools.recording.recorder import Recorder
 
 NAMES = (
     "</title><script>PWNED()</script>",

@@ -9,7 +9,8 @@ from xml.etree import ElementTree
 import pytest
 from hostile_texts import ALL
 
-from rtgen.cli.conformance.report import (
+from rtgen.compiler.diagnostics.printable import printable
+from rtgen.tools.conformance.report import (
     Outcome,
     Report,
     Verdict,
@@ -18,7 +19,6 @@ from rtgen.cli.conformance.report import (
     as_junit,
     as_text,
 )
-from rtgen.diagnostics.printable import printable
 
 HOSTILE = (*ALL, "PWNED\0", "\ud800PWNED", "\uffffPWNED")
 HARMLESS = "word"

@@ -28,10 +28,10 @@ from idl_words import (
 from octets import VERSIONS, OctetsTarget
 from seeds import budget, cases
 
-from rtgen.diagnostics import Severity, Span, has_errors
-from rtgen.frontends import FrontendResult
-from rtgen.frontends.idl import load
-from rtgen.frontends.idl.rules import syntax
+from rtgen.compiler.diagnostics import Severity, Span, has_errors
+from rtgen.compiler.frontends import FrontendResult
+from rtgen.compiler.frontends.idl import load
+from rtgen.compiler.frontends.idl.rules import syntax
 
 PIECES = [
     *(*KEYWORDS, *CONTEXTUAL, *MARKS, *NAMES, *NUMBERS, *TEXTS, *ANNOTATIONS),

@@ -16,30 +16,30 @@ import pytest
 import seeds
 from msgspec.structs import replace
 
-from rtgen import compiler, linting
-from rtgen.diagnostics import Diagnostic, InputError, has_errors, in_order
-from rtgen.project import behaviours, load
-from rtgen.systems import reading
+from rtgen.compiler import compilation, linting
+from rtgen.compiler.diagnostics import Diagnostic, InputError, has_errors, in_order
+from rtgen.compiler.project import behaviours, load
+from rtgen.compiler.systems import reading
 
-sys.path.append(str(Path(__file__).parents[1] / "unit" / "language_server"))
+sys.path.append(str(Path(__file__).parents[1] / "tools" / "lsp"))
 
 from editor import SETTINGS, Editor
 from lsprotocol.types import Position, Range, TextDocumentContentChangePartial
 from projects import PROJECT
 
-from rtgen.language_server.documents import Document
-from rtgen.language_server.features.code_actions import code_actions
-from rtgen.language_server.features.completion import completion
-from rtgen.language_server.features.definition import definition
-from rtgen.language_server.features.folding import folding
-from rtgen.language_server.features.formatting import formatting
-from rtgen.language_server.features.hover import hover
-from rtgen.language_server.features.inlay_hints import inlay_hints
-from rtgen.language_server.features.references import highlights, references
-from rtgen.language_server.features.rename import RenameError, prepared, renamed
-from rtgen.language_server.features.semantic_tokens import semantic_tokens
-from rtgen.language_server.features.symbols import document_symbols, workspace_symbols
-from rtgen.language_server.workspace import View
+from rtgen.tools.lsp.documents import Document
+from rtgen.tools.lsp.features.code_actions import code_actions
+from rtgen.tools.lsp.features.completion import completion
+from rtgen.tools.lsp.features.definition import definition
+from rtgen.tools.lsp.features.folding import folding
+from rtgen.tools.lsp.features.formatting import formatting
+from rtgen.tools.lsp.features.hover import hover
+from rtgen.tools.lsp.features.inlay_hints import inlay_hints
+from rtgen.tools.lsp.features.references import highlights, references
+from rtgen.tools.lsp.features.rename import RenameError, prepared, renamed
+from rtgen.tools.lsp.features.semantic_tokens import semantic_tokens
+from rtgen.tools.lsp.features.symbols import document_symbols, workspace_symbols
+from rtgen.tools.lsp.workspace import View
 
 SESSIONS = 9
 EDITS = 20
@@ -95,11 +95,11 @@ def checked(folder: Path) -> list[Diagnostic] | InputError:
         project = load(folder)
     except InputError as error:
         return error
-    read = compiler.read(project)
-    run = compiler.compile_project(project)
+    read = compilation.read(project)
+    run = compilation.compile_project(project)
     lowered = read
     if not has_errors(read.diagnostics):
-        lowered = compiler.read(project, lowered=True)
+        lowered = compilation.read(project, lowered=True)
     place = {"root": project.root, "output": project.output}
     added = reading.added(lowered, project.systems, **place)
     of_systems = added.diagnostics[len(lowered.diagnostics) :]

@@ -15,12 +15,12 @@ from typing import Any
 from fuzzing import ViolationError, log_uniform
 from msgspec.structs import replace
 
-from rtgen.diagnostics import Diagnostic
+from rtgen.compiler.diagnostics import Diagnostic
+from rtgen.compiler.frontends import FrontendResult
+from rtgen.compiler.frontends.cdl import load as load_cdl
+from rtgen.compiler.frontends.eds import load as load_eds
+from rtgen.compiler.frontends.idl import load as load_idl
 from rtgen.facts.encodings import decode
-from rtgen.frontends import FrontendResult
-from rtgen.frontends.cdl import load as load_cdl
-from rtgen.frontends.eds import load as load_eds
-from rtgen.frontends.idl import load as load_idl
 
 ASKED = {"utf8": "utf-8", "sjis": "cp932", "euc": "euc"}
 _OF_ENCODINGS = ("TXT", "CDL0005", "EDS0005")

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from rtgen.diagnostics import Severity
-from rtgen.diagnostics.report import report
-from rtgen.frontends.bus import load
-from rtgen.frontends.bus.rules import RULES
+from rtgen.compiler.diagnostics import Severity
+from rtgen.compiler.diagnostics.report import report
+from rtgen.compiler.frontends.bus import load
+from rtgen.compiler.frontends.bus.rules import RULES
 
 CASES = Path(__file__).with_name("bus_errors")
 BASE = Path(__file__).with_name("eds_errors") / "base.eds"

@@ -18,7 +18,7 @@ import pytest
 from condensed import condensed
 
 from rtgen.cli import run
-from rtgen.diagnostics import explain
+from rtgen.compiler.diagnostics import explain
 
 CASES = Path(__file__).parent / "cases"
 

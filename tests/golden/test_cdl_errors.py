@@ -16,11 +16,11 @@ from pathlib import Path
 
 import pytest
 
-from rtgen.diagnostics import Diagnostic
-from rtgen.diagnostics.explain import rules
-from rtgen.diagnostics.report import report
-from rtgen.frontends.cdl import load
-from rtgen.frontends.cdl.rules import RULES
+from rtgen.compiler.diagnostics import Diagnostic
+from rtgen.compiler.diagnostics.explain import rules
+from rtgen.compiler.diagnostics.report import report
+from rtgen.compiler.frontends.cdl import load
+from rtgen.compiler.frontends.cdl.rules import RULES
 
 CASES = Path(__file__).with_name("cdl_errors")
 NAMES = sorted(path.name for path in CASES.iterdir() if path.is_dir())

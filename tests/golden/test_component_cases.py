@@ -13,10 +13,11 @@ import black
 import pytest
 from lxml import etree
 
-from rtgen.backends import Options, Owner, rtc_profile
-from rtgen.backends.components.backend import BACKEND
-from rtgen.diagnostics import Diagnostic, in_order
-from rtgen.frontends.idl import load
+from rtgen.compiler.backends import Options, Owner
+from rtgen.compiler.backends.components.backend import BACKEND
+from rtgen.compiler.backends.profiles import rtc_profile
+from rtgen.compiler.diagnostics import Diagnostic, in_order
+from rtgen.compiler.frontends.idl import load
 
 CASES = Path(__file__).parent / "components"
 OPTIONS = Options(package="robots", skeleton_package="behaviours", version="0.1.0")

@@ -17,12 +17,12 @@ from typing import Any
 import pytest
 from condensed import shortened
 
-from rtgen.diagnostics import Severity
-from rtgen.diagnostics.explain import rules
-from rtgen.diagnostics.report import report
-from rtgen.frontends import FrontendResult
-from rtgen.frontends.eds import load
-from rtgen.frontends.eds.rules import RULES
+from rtgen.compiler.diagnostics import Severity
+from rtgen.compiler.diagnostics.explain import rules
+from rtgen.compiler.diagnostics.report import report
+from rtgen.compiler.frontends import FrontendResult
+from rtgen.compiler.frontends.eds import load
+from rtgen.compiler.frontends.eds.rules import RULES
 
 CASES = Path(__file__).with_name("eds_errors")
 NAMES = sorted(path.name for path in CASES.iterdir() if path.is_dir())

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-import rtgen
-from rtgen.diagnostics import InputError, has_errors
-from rtgen.formatting.files import LANGUAGES, content, format_bytes
-from rtgen.formatting.tokens import COMMENTS, Kind, tokens
-from rtgen.inspection.models import inspect
+from rtgen import api
+from rtgen.compiler.diagnostics import InputError, has_errors
+from rtgen.compiler.inspection.models import inspect
+from rtgen.tools.fmt.files import LANGUAGES, content, format_bytes
+from rtgen.tools.fmt.tokens import COMMENTS, Kind, tokens
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDERS = ("specs", "src", "tests")
@@ -92,7 +92,7 @@ def test_the_model_stays(
 
 def model(name: str) -> object:
     """Return the output of `inspect --json` without positions; None for a file with errors."""
-    result = rtgen.read([name], include=["specs/idl", str(Path(name).parent)])
+    result = api.read([name], include=["specs/idl", str(Path(name).parent)])
     if has_errors(result.diagnostics):
         return None
     return _places_aside(inspect(result.model, []))

@@ -18,12 +18,12 @@ from typing import Any
 import pytest
 from msgspec.structs import replace
 
-from rtgen.diagnostics import Severity
-from rtgen.diagnostics.explain import rules
-from rtgen.diagnostics.report import report
-from rtgen.frontends import FrontendResult
-from rtgen.frontends.idl import load
-from rtgen.frontends.idl.rules import RULES
+from rtgen.compiler.diagnostics import Severity
+from rtgen.compiler.diagnostics.explain import rules
+from rtgen.compiler.diagnostics.report import report
+from rtgen.compiler.frontends import FrontendResult
+from rtgen.compiler.frontends.idl import load
+from rtgen.compiler.frontends.idl.rules import RULES
 
 GOLDEN = Path(__file__).parent
 CASES = GOLDEN / "idl_errors"
@@ -127,13 +127,13 @@ OF_PLUG_INS = {
 
 
 OF_BUSES = {"ENV0002"}
-"""Codes that need a CAN bus; `tests/unit/canopen` has cases with one."""
+"""Codes that need a CAN bus; `tests/runtime/canopen` has cases with one."""
 
 
 OF_MODELS = {
     *("RTC0104", "RTC0201", "RTC0202", "RTC0203", "RTC0301", "RTC0302", "RTC0305"),
 }
-"""Codes of models that the IDL front end refuses; `tests/unit/components` has such models."""
+"""Codes of models that the IDL front end refuses; `tests/compiler/components` has such models."""
 
 
 OF_RUNS = {"SYS0023", "SYS0024"}
@@ -141,11 +141,11 @@ OF_RUNS = {"SYS0023", "SYS0024"}
 
 
 OF_INSTALLATIONS = {"ENV0003"}
-"""Codes of what is not installed: `tests/unit/ui/test_command.py`."""
+"""Codes of what is not installed: `tests/ui/application/test_command.py`."""
 
 
 OF_MANY = {"RTC0506"}
-"""Codes that need more than a thousand findings: `tests/unit/components/test_yaml_places.py`."""
+"""Codes that need a thousand findings: `tests/compiler/components/test_yaml_places.py`."""
 
 
 def test_every_rule_of_the_tool_has_a_case() -> None:

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from rtgen.diagnostics import has_errors
-from rtgen.frontends import FrontendResult, cdl, idl
-from rtgen.inspection.models import inspect, tree
+from rtgen.compiler.diagnostics import has_errors
+from rtgen.compiler.frontends import FrontendResult, cdl, idl
+from rtgen.compiler.inspection.models import inspect, tree
 
 FOLDER = Path(__file__).with_name("inspect")
 

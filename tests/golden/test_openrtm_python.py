@@ -8,11 +8,12 @@ import pytest
 from msgspec.structs import replace
 from test_rtc_profiles import SPECS, shown
 
-from rtgen.backends.kit.idl_text import idl_text
-from rtgen.diagnostics import Diagnostic, in_order
-from rtgen.frontends import idl, openrtm_python
-from rtgen.frontends.openrtm_python import rules
-from rtgen.lowering.profiles.components import components
+from rtgen.compiler.backends.kit.idl_text import idl_text
+from rtgen.compiler.diagnostics import Diagnostic, in_order
+from rtgen.compiler.frontends import idl
+from rtgen.compiler.lowering.profiles.components import components
+from rtgen.openrtm import python_modules
+from rtgen.openrtm.python_modules import rules
 
 CASES = Path(__file__).parent / "openrtm_python"
 
@@ -22,7 +23,7 @@ def read(path: Path) -> tuple[str, list[Diagnostic]]:
     base = idl.load(
         [SPECS / "ExtendedDataTypes.idl"], root=SPECS, include=[SPECS]
     ).model
-    result = openrtm_python.read(path)
+    result = python_modules.read(path)
     if result.profile is None:
         return "", list(result.diagnostics)
     made, found = components([result.profile], base)
@@ -50,5 +51,5 @@ def test_nothing_is_executed(tmp_path: Path) -> None:
     mark = tmp_path / "mark"
     module = tmp_path / "module.py"
     module.write_text(f"open({str(mark)!r}, 'w')\n", encoding="utf-8")
-    assert openrtm_python.read(module).profile is None
+    assert python_modules.read(module).profile is None
     assert not mark.exists()

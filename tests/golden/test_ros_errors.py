@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from rtgen.diagnostics import Severity
-from rtgen.diagnostics.report import report
-from rtgen.frontends.rosidl import load
-from rtgen.frontends.rosidl.rules import RULES, TOO_MANY
+from rtgen.compiler.diagnostics import Severity
+from rtgen.compiler.diagnostics.report import report
+from rtgen.ros2.rosidl import load
+from rtgen.ros2.rosidl.rules import RULES, TOO_MANY
 
 CASES = Path(__file__).with_name("ros_errors")
 NAMES = sorted(path.name for path in CASES.iterdir())

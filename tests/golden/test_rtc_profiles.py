@@ -7,13 +7,14 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
-from rtgen.backends.kit.idl_text import idl_text
 from rtgen.cli import run
-from rtgen.diagnostics import Diagnostic, has_errors, in_order
-from rtgen.frontends import idl, rtc_profile
-from rtgen.lowering.profiles.lower import lower
-from rtgen.lowering.settings import Settings
-from rtgen.typemap.profiles import rules
+from rtgen.compiler.backends.kit.idl_text import idl_text
+from rtgen.compiler.diagnostics import Diagnostic, has_errors, in_order
+from rtgen.compiler.frontends import idl
+from rtgen.compiler.frontends.profiles import rtc_profile
+from rtgen.compiler.lowering.profiles.lower import lower
+from rtgen.compiler.lowering.settings import Settings
+from rtgen.compiler.typemap.profiles import rules
 
 CASES = Path(__file__).parent / "rtc_profile"
 SPECS = Path(__file__).parents[2] / "specs" / "idl"

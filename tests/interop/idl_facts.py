@@ -9,7 +9,7 @@ from typing import Any
 
 import programs
 
-from rtgen.model import (
+from rtgen.compiler.model import (
     Const,
     ConstantValue,
     Declaration,

@@ -14,7 +14,7 @@ import giop
 import programs
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "types"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "compiler" / "types"))
 
 import emitted
 

@@ -30,7 +30,7 @@ from rtgen.runtime.canopen.bus.real_link import RealLink
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.wire.frames import Frame
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "canopen"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "runtime" / "canopen"))
 from stations import Recorder
 
 __all__ = ["hand"]

@@ -14,7 +14,7 @@ import programs
 import pytest
 from padding import masked, padding
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "types"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "compiler" / "types"))
 
 import emitted
 

@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 from patience import PATIENCE
 
 pytest.importorskip("omniORB", reason="omniORBpy is not installed")
-sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "types"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "compiler" / "types"))
 
 import emitted
 import samples

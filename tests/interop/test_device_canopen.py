@@ -50,7 +50,7 @@ from rtgen.runtime.canopen.node.node import DeviceNode
 from rtgen.runtime.canopen.wire import sdo
 from rtgen.runtime.canopen.wire.nmt import NmtState
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "canopen"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "runtime" / "canopen"))
 from device_bench import DEVICE, NODE_ID, number_of
 from test_object_values import BOUNDARIES
 

@@ -13,10 +13,10 @@ from typing import Any
 
 import pytest
 
-from rtgen.diagnostics import has_errors
-from rtgen.frontends.eds import load
-from rtgen.frontends.eds.variables import KNOWN
-from rtgen.model.canopen import Device, NodeRelative, Variable, resolved
+from rtgen.compiler.diagnostics import has_errors
+from rtgen.compiler.frontends.eds import load
+from rtgen.compiler.frontends.eds.variables import KNOWN
+from rtgen.compiler.model.canopen import Device, NodeRelative, Variable, resolved
 
 ROOT = Path(__file__).parents[2]
 GOLDEN = ROOT.parent / "shared" / "golden" / "eds"

@@ -13,11 +13,11 @@ from pathlib import Path
 import pytest
 from type_checkers import check_by_mypy
 
-from rtgen.compiler import compile_project
-from rtgen.diagnostics import has_errors
-from rtgen.frontends.eds import load as load_eds
-from rtgen.project import load, output
-from rtgen.project.compilation import Compilation
+from rtgen.compiler.compilation import compile_project
+from rtgen.compiler.diagnostics import has_errors
+from rtgen.compiler.frontends.eds import load as load_eds
+from rtgen.compiler.project import load, output
+from rtgen.compiler.project.compilation import Compilation
 
 GOLDEN = Path(__file__).parents[3] / "shared" / "golden" / "eds"
 FOLDERS = [Path(p) for p in (str(GOLDEN), os.environ.get("RTGEN_EDS_CORPUS", "")) if p]

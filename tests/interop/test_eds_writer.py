@@ -12,12 +12,12 @@ from typing import Any
 import msgspec
 import pytest
 
-from rtgen.backends.canopen.eds_text import eds_text, value_text
-from rtgen.diagnostics import has_errors
-from rtgen.frontends.eds import load
-from rtgen.model.canopen import DataType, Device, Variable, resolved
+from rtgen.compiler.backends.canopen.eds_text import eds_text, value_text
+from rtgen.compiler.diagnostics import has_errors
+from rtgen.compiler.frontends.eds import load
+from rtgen.compiler.model.canopen import DataType, Device, Variable, resolved
+from rtgen.compiler.typemap.canopen.values import object_value
 from rtgen.runtime.canopen.values import encode
-from rtgen.typemap.canopen.values import object_value
 
 ROOT = Path(__file__).parents[2]
 GOLDEN = ROOT.parent / "shared" / "golden" / "eds"

@@ -34,7 +34,7 @@ from rtgen.runtime import (
 from rtgen.runtime.canopen.wire.sdo import SdoAbort
 from rtgen.runtime.library import canopen
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "canopen"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "runtime" / "canopen"))
 from hub_process import HubProcess
 
 pytestmark = pytest.mark.waits

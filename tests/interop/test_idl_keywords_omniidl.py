@@ -11,8 +11,8 @@ from pathlib import Path
 import programs
 import pytest
 
-from rtgen.backends.openrtm.classic import Classic
-from rtgen.frontends.idl import load
+from rtgen.compiler.frontends.idl import load
+from rtgen.openrtm.backend.classic import Classic
 
 POSITIONS = {
     "attribute": "interface I {{ attribute long {0}; }};",

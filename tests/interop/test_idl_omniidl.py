@@ -8,9 +8,9 @@ import pytest
 from idl_facts import facts, omniidl
 from programs import needs_omniidl
 
-from rtgen.diagnostics import Severity, has_errors
-from rtgen.frontends.idl import load
-from rtgen.inspection.models import defined
+from rtgen.compiler.diagnostics import Severity, has_errors
+from rtgen.compiler.frontends.idl import load
+from rtgen.compiler.inspection.models import defined
 
 ROOT = Path(__file__).parents[2]
 FILES = sorted(

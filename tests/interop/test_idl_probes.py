@@ -11,9 +11,9 @@ from idl_probes import SECTIONS
 from idl_probes.probe import Probe, Relation
 from msgspec.structs import replace
 
-from rtgen.frontends import FrontendResult
-from rtgen.frontends.idl import load
-from rtgen.inspection.models import defined, tree
+from rtgen.compiler.frontends import FrontendResult
+from rtgen.compiler.frontends.idl import load
+from rtgen.compiler.inspection.models import defined, tree
 
 pytest.importorskip("omniidl", reason="omniidl (jeteve-omniorb) is missing")
 

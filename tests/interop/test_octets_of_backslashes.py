@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 from programs import find, omniidl
 
-import rtgen
+from rtgen import api
 from rtgen.cli import run
-from rtgen.model import Struct
-from rtgen.model.tecs import TecsStruct, TecsTypedef
+from rtgen.compiler.model import Struct
+from rtgen.compiler.model.tecs import TecsStruct, TecsTypedef
 
 pytestmark = pytest.mark.peer
 
@@ -41,7 +41,7 @@ def test_idl(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         return [word for word in words if word in MEMBERS]
 
     def read() -> list[str]:
-        [struct] = rtgen.compile(Path("p.idl")).declarations
+        [struct] = api.compile(Path("p.idl")).declarations
         assert isinstance(struct, Struct)
         return [member.name for member in struct.members]
 
@@ -68,7 +68,7 @@ def test_c_headers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         return subprocess.run(command, capture_output=True, check=False).returncode == 0
 
     def read() -> list[str]:
-        [unit] = rtgen.compile(Path("p.cdl")).tecs
+        [unit] = api.compile(Path("p.cdl")).tecs
         [typedef] = [d for d in unit.declarations if isinstance(d, TecsTypedef)]
         [struct] = [d for d in unit.declarations if isinstance(d, TecsStruct)]
         assert typedef.name[-1] == "P"

@@ -31,7 +31,7 @@ from rtgen.runtime import (
 )
 from rtgen.runtime.canopen.wire.sdo import SdoAbort
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "canopen"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "runtime" / "canopen"))
 from proxy_bench import DriveProxy
 
 NODE = 5

@@ -29,7 +29,7 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "types"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "compiler" / "types"))
 
 import emitted
 from omniorb_peer import (

@@ -12,11 +12,11 @@ from idl_facts import facts, omniidl_batch
 from programs import needs_omniidl
 
 import refrobots
-from rtgen.diagnostics import has_errors
-from rtgen.frontends.idl import load
-from rtgen.inspection.models import defined
-from rtgen.recording.schemas import schema_of
+from rtgen.compiler.diagnostics import has_errors
+from rtgen.compiler.frontends.idl import load
+from rtgen.compiler.inspection.models import defined
 from rtgen.runtime.marshalling.descriptors import StructDescriptor, UnionDescriptor
+from rtgen.tools.recording.schemas import schema_of
 
 pytestmark = needs_omniidl
 

@@ -21,12 +21,11 @@ from msgspec.structs import replace
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from seeds import cases
 
-from rtgen.backends import Options
-from rtgen.backends.types import BACKEND
-from rtgen.facts.primitives import FLOAT_LIMITS, INTEGER_RANGES, Primitive
-from rtgen.frontends.rosidl import load
-from rtgen.layouts.ros_types import type_hash, type_name
-from rtgen.model import (
+from rtgen.compiler.backends import Options
+from rtgen.compiler.backends.types import BACKEND
+from rtgen.compiler.kit.resources import ros_file, ros_interfaces
+from rtgen.compiler.layouts.ros_types import type_hash, type_name
+from rtgen.compiler.model import (
     ArrayType,
     Const,
     Model,
@@ -37,7 +36,8 @@ from rtgen.model import (
     Struct,
     Type,
 )
-from rtgen.resources import ros_file, ros_interfaces
+from rtgen.facts.primitives import FLOAT_LIMITS, INTEGER_RANGES, Primitive
+from rtgen.ros2.rosidl import load
 
 pytestmark = pytest.mark.peer
 

@@ -14,8 +14,8 @@ from typing import Any
 
 import pytest
 
-from rtgen.frontends.rosidl import load
-from rtgen.model import (
+from rtgen.compiler.kit.resources import ros_file, ros_interfaces
+from rtgen.compiler.model import (
     ArrayType,
     Model,
     NamedType,
@@ -25,7 +25,7 @@ from rtgen.model import (
     Struct,
     Type,
 )
-from rtgen.resources import ros_file, ros_interfaces
+from rtgen.ros2.rosidl import load
 
 pytestmark = pytest.mark.peer
 

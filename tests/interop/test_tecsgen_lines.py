@@ -14,15 +14,15 @@ from pathlib import Path
 
 import pytest
 
-from rtgen.backends import Options
-from rtgen.backends.tecs.backend import BACKEND
-from rtgen.diagnostics import has_errors
-from rtgen.frontends.cdl import load
-from rtgen.layouts.signature_digest import signature_digest, signature_text
-from rtgen.lowering.settings import Settings
-from rtgen.lowering.stage import lowered
-from rtgen.model import Model
-from rtgen.model.tecs import Signature, TecsUnit
+from rtgen.compiler.backends import Options
+from rtgen.compiler.backends.tecs.backend import BACKEND
+from rtgen.compiler.diagnostics import has_errors
+from rtgen.compiler.frontends.cdl import load
+from rtgen.compiler.layouts.signature_digest import signature_digest, signature_text
+from rtgen.compiler.lowering.settings import Settings
+from rtgen.compiler.lowering.stage import lowered
+from rtgen.compiler.model import Model
+from rtgen.compiler.model.tecs import Signature, TecsUnit
 
 FOLDER = Path(__file__).parent / "tecs_lines"
 BOARD = (FOLDER / "board.cdl").read_text(encoding="utf-8")

@@ -16,7 +16,7 @@ from typing import Any
 import programs
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "types"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "compiler" / "types"))
 
 import emitted
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from middleware import DATA_TYPES
 
 from rtgen.cli import run
-from rtgen.project.output import component_types
+from rtgen.compiler.project.output import component_types
 from rtgen.runtime import Component
 
 GENERATED = Path(__file__).parents[2] / "generated"

@@ -15,11 +15,11 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-sys.path.append(str(Path(__file__).parents[1] / "unit" / "types"))
+sys.path.append(str(Path(__file__).parents[1] / "compiler" / "types"))
 
 import emitted
 
-from rtgen.resources import idl_file
+from rtgen.compiler.kit.resources import idl_file
 from rtgen.runtime import (
     RTC_ERROR,
     RTC_OK,

@@ -9,13 +9,13 @@ from typing import Any
 
 import pytest
 
-from rtgen import compiler
 from rtgen.cli import run
-from rtgen.cli.components.adopted import Adopted, adopted
-from rtgen.inspection.models import inspect
-from rtgen.model import Component, Model
-from rtgen.project import load
+from rtgen.compiler import compilation
+from rtgen.compiler.inspection.models import inspect
+from rtgen.compiler.model import Component, Model
+from rtgen.compiler.project import load
 from rtgen.runtime.opaque_rpc.interface import IDL
+from rtgen.tools.components.adopted import Adopted, adopted
 
 ROOT = Path(__file__).parents[2]
 
@@ -59,7 +59,7 @@ def found_in(result: Adopted) -> dict[str, Any]:
 @pytest.mark.nightly
 def test_the_definition_comes_back(reference: Path) -> None:
     project = load(ROOT)
-    defined = declarations(compiler.read(project, lowered=True).model)
+    defined = declarations(compilation.read(project, lowered=True).model)
     names = set()
     for module in modules(reference):
         result = adopted(module, folders(reference))

@@ -28,8 +28,8 @@ ended
 def test_the_states_of_a_drive_and_its_proxy_go_together(
     reference: Path, tmp_path: Path, rtm_environment: dict[str, str]
 ) -> None:
-    behaviours = reference.parent / "src/refnav"
-    shutil.copytree(ROOT / "src/refnav", behaviours, dirs_exist_ok=True)
+    behaviours = reference.parent / "reference/refnav"
+    shutil.copytree(ROOT / "reference/refnav", behaviours, dirs_exist_ok=True)
     for kind in KINDS:
         script = ["sh", str(reference / "openrtm" / kind / "idlcompile.sh")]
         subprocess.run(script, env=rtm_environment, check=True)

@@ -26,7 +26,7 @@ pytestmark = pytest.mark.waits
 
 ROOT = Path(__file__).resolve().parents[2]
 GOAL = ROOT / "specs" / "navigation" / "rh3_goal.xml"
-CALC = ROOT / "tests" / "unit" / "corba" / "corba_system"
+CALC = ROOT / "tests" / "runtime" / "corba" / "corba_system"
 CPP_TYPES = {
     "operator": "IDL:IIS/TimedPose2D:1.0",
     "mistaken": "IDL:RTC/TimedLong:1.0",

@@ -41,7 +41,7 @@ IN_EVERY_RUN = {"Navigation", "PositionInput"}
 def complete(reference: Path) -> Path:
     """Return the reference build with its behaviours in place of the project's skeletons."""
     behaviours = reference.parent / "src" / "refnav"
-    shutil.copytree(ROOT / "src" / "refnav", behaviours, dirs_exist_ok=True)
+    shutil.copytree(ROOT / "reference" / "refnav", behaviours, dirs_exist_ok=True)
     return reference
 
 

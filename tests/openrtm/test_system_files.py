@@ -13,8 +13,8 @@ import pytest
 from rts_rules import broken_rules
 
 from rtgen.cli import run
-from rtgen.frontends import rts_profile
-from rtgen.model import System
+from rtgen.compiler.frontends.profiles import rts_profile
+from rtgen.compiler.model import System
 from rtgen.runtime.openrtm import systems
 from rtgen.runtime.openrtm.systems import Client, StartError
 

@@ -24,7 +24,7 @@ from wires import (
     wired_text,
 )
 
-from rtgen.resources import idl_file
+from rtgen.compiler.kit.resources import idl_file
 from rtgen.runtime.opaque_rpc import OpaqueRpc
 from rtgen.runtime.openrtm import stubs
 from rtgen.runtime.openrtm.stubs import StubsMissingError

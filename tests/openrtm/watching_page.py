@@ -5,11 +5,11 @@ from __future__ import annotations
 from openrtm_lab import until
 from patience import PATIENCE
 
-from rtgen.cli.common import Console
-from rtgen.cli.ui import CommandProject
 from rtgen.runtime import RealClock
+from rtgen.tools.kit.console import Console
 from rtgen.ui.commands import Commands
 from rtgen.ui.outbox import Outbox
+from rtgen.ui.project_systems import CommandProject
 from rtgen.ui.protocol import ui
 from rtgen.ui.session import Session
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import middleware
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "types"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "compiler" / "types"))
 sys.path.insert(0, str(Path(__file__).parents[1] / "interop"))
 
 import random_types as random_types
@@ -23,15 +23,15 @@ from hypothesis import strategies as st
 from padding import masked as masked
 from padding import padding as padding
 
-from rtgen.backends import Options
-from rtgen.backends.openrtm.plan import Unit
-from rtgen.backends.openrtm.wire_idl import WireIdl
-from rtgen.backends.types import BACKEND
-from rtgen.diagnostics import has_errors
+from rtgen.compiler.backends import Options
+from rtgen.compiler.backends.types import BACKEND
+from rtgen.compiler.diagnostics import has_errors
+from rtgen.compiler.frontends.idl import load
+from rtgen.compiler.lowering.numeric import lower
+from rtgen.compiler.lowering.settings import Settings
 from rtgen.facts.numeric import Numeric
-from rtgen.frontends.idl import load
-from rtgen.lowering.numeric import lower
-from rtgen.lowering.settings import Settings
+from rtgen.openrtm.backend.plan import Unit
+from rtgen.openrtm.backend.wire_idl import WireIdl
 from rtgen.runtime.marshalling.descriptors import (
     ArrayDescriptor,
     Descriptor,

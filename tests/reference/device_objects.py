@@ -6,8 +6,8 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from rtgen.frontends.eds import load
-from rtgen.typemap.canopen.names import field_names
+from rtgen.compiler.frontends.eds import load
+from rtgen.compiler.typemap.canopen.names import field_names
 
 FOLDER = Path(__file__).parents[2] / "specs" / "canopen"
 

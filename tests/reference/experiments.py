@@ -8,9 +8,10 @@ from pathlib import Path
 
 from pipeline import profile
 
-from rtgen.cli.running.assembly import assemble
-from rtgen.cli.running.factories import Factories
-from rtgen.project import load
+from rtgen.compiler.project import load
+from rtgen.compiler.systems.measures import Course, Pose, Result, evaluate
+from rtgen.compiler.systems.timeline import condition
+from rtgen.compiler.systems.timeline import load as load_timeline
 from rtgen.runtime import (
     SECOND,
     Component,
@@ -20,9 +21,8 @@ from rtgen.runtime import (
     StateRecord,
     System,
 )
-from rtgen.systems.measures import Course, Pose, Result, evaluate
-from rtgen.systems.timeline import condition
-from rtgen.systems.timeline import load as load_timeline
+from rtgen.tools.running.assembly import assemble
+from rtgen.tools.running.factories import Factories
 
 EXPERIMENTS = Path(__file__).parents[2] / "specs" / "experiments"
 PERIOD = SECOND // 50

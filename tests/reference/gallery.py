@@ -20,7 +20,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from rtgen.cli import run as rtgen
-from rtgen.cli.running.trajectory import (
+from rtgen.tools.running.trajectory import (
     Sample,
     add_legend,
     draw_trajectories,

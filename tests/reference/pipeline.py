@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from refnav.geometry import Pose
-from rtgen import model
-from rtgen.cli.running.assembly import assemble
-from rtgen.cli.running.factories import Factories
-from rtgen.project import load
+from rtgen.compiler import model
+from rtgen.compiler.project import load
+from rtgen.compiler.systems.reading import read_file
+from rtgen.compiler.systems.timeline import assignment
 from rtgen.runtime import (
     ERROR_STATE,
     SECOND,
@@ -21,8 +21,8 @@ from rtgen.runtime import (
     SimulatedClock,
     System,
 )
-from rtgen.systems.reading import read_file
-from rtgen.systems.timeline import assignment
+from rtgen.tools.running.assembly import assemble
+from rtgen.tools.running.factories import Factories
 
 NAVIGATION = Path(__file__).parents[2] / "specs" / "navigation"
 GOAL = NAVIGATION / "rh3_goal.xml"

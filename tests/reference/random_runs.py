@@ -24,8 +24,7 @@ from refnav.geometry import Pose
 from refnav.position_input import ALL_DONE
 from refnav.room import Room, parse
 from refrobots import iis
-from rtgen import model
-from rtgen.cli.running.summary import Outcome, Tolerance
+from rtgen.compiler import model
 from rtgen.runtime import (
     ACTIVE_STATE,
     INACTIVE_STATE,
@@ -35,6 +34,7 @@ from rtgen.runtime import (
     Record,
     System,
 )
+from rtgen.tools.running.summary import Outcome, Tolerance
 
 OBSTACLES = NAVIGATION / "obstacles.xml"
 BODY = 0.45

@@ -16,7 +16,7 @@ from pipeline import MAX_DURATION, at_end, build, goal, profile, truth
 from seeds import budget, seed
 
 from refnav.geometry import Pose, wrap
-from rtgen.model import Activation
+from rtgen.compiler.model import Activation
 
 TARGET = (0.3, 0.0, 0.5)
 

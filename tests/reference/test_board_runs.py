@@ -24,9 +24,8 @@ from pipeline import MAX_DURATION, NAVIGATION, at_end, goal, profile
 from refnav.geometry import Pose, wrap
 from refnav.simulated_motor_board import SimulatedMotorBoard
 from refrobots.rh3 import BoardEvent, BoardEventKind
-from rtgen.cli.running.assembly import assemble
-from rtgen.cli.running.factories import Factories
-from rtgen.project import load
+from rtgen.compiler.project import load
+from rtgen.compiler.systems.timeline import assignment, parse
 from rtgen.runtime import (
     ACTIVE_STATE,
     ERROR_STATE,
@@ -39,7 +38,8 @@ from rtgen.runtime import (
     SimulatedClock,
     System,
 )
-from rtgen.systems.timeline import assignment, parse
+from rtgen.tools.running.assembly import assemble
+from rtgen.tools.running.factories import Factories
 
 TECS = NAVIGATION.parent / "tecs"
 BOARD = TECS / "rh3_board.xml"

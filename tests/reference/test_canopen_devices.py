@@ -6,10 +6,17 @@ from pathlib import Path
 
 import pytest
 
-from rtgen.frontends.eds import load
-from rtgen.layouts.pdo import Mapped, layout
-from rtgen.model.canopen import Access, DataType, Device, Pdo, PdoDirection, resolved
-from rtgen.typemap.canopen.names import field_names
+from rtgen.compiler.frontends.eds import load
+from rtgen.compiler.layouts.pdo import Mapped, layout
+from rtgen.compiler.model.canopen import (
+    Access,
+    DataType,
+    Device,
+    Pdo,
+    PdoDirection,
+    resolved,
+)
+from rtgen.compiler.typemap.canopen.names import field_names
 
 FOLDER = Path(__file__).parents[2] / "specs/canopen"
 NAMES = sorted(path.stem for path in FOLDER.glob("*.eds"))

@@ -17,9 +17,8 @@ from pipeline import NAVIGATION, at_end, goal, profile
 
 from refnav.geometry import Pose, wrap
 from rtgen.cli import run
-from rtgen.cli.running.assembly import assemble
-from rtgen.cli.running.factories import Factories
-from rtgen.project import load
+from rtgen.compiler.project import load
+from rtgen.compiler.systems.timeline import assignment
 from rtgen.runtime import (
     ACTIVE_STATE,
     ERROR_STATE,
@@ -28,7 +27,8 @@ from rtgen.runtime import (
     RealClock,
     System,
 )
-from rtgen.systems.timeline import assignment
+from rtgen.tools.running.assembly import assemble
+from rtgen.tools.running.factories import Factories
 
 CANOPEN = NAVIGATION.parent / "canopen"
 BUS = CANOPEN / "pdo_linking.toml"

@@ -18,9 +18,8 @@ from refnav.geometry import Pose, wrap
 from refrobots.components import f_palette_proxy as palette
 from refrobots.components import motor_core_unit_proxy as motor
 from rtgen.cli import run
-from rtgen.cli.running.assembly import assemble
-from rtgen.cli.running.factories import Factories
-from rtgen.project import load
+from rtgen.compiler.project import load
+from rtgen.compiler.systems.timeline import assignment, parse
 from rtgen.runtime import (
     ACTIVE_STATE,
     ERROR_STATE,
@@ -36,7 +35,8 @@ from rtgen.runtime import (
 )
 from rtgen.runtime.canopen.bus.links import open_link
 from rtgen.runtime.canopen.wire.frames import Frame
-from rtgen.systems.timeline import assignment, parse
+from rtgen.tools.running.assembly import assemble
+from rtgen.tools.running.factories import Factories
 
 CANOPEN = NAVIGATION.parent / "canopen"
 BEEGO = CANOPEN / "rh3_beego.xml"

@@ -12,9 +12,9 @@ import pytest
 from experiments import EXPERIMENTS, Experiment, perform
 
 from rtgen.cli import run as rtgen
-from rtgen.diagnostics import InputError
+from rtgen.compiler.diagnostics import InputError
+from rtgen.compiler.systems.measures import Pose
 from rtgen.runtime import ACTIVE_STATE, INACTIVE_STATE
-from rtgen.systems.measures import Pose
 
 JOYSTICKS = ("JoystickA0", "JoystickB0", "SegwayJoystick0", "AistJoystick0")
 ROBOTS = ("RefHard0", "OmniWheel0", "SegwayRmp0", "BlackShip0")

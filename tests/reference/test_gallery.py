@@ -9,8 +9,8 @@ import pytest
 from gallery import ENTRIES, IMAGES, PAGE, ROOT, Entry, diagram, page
 from PIL import Image
 
-from rtgen import compiler
-from rtgen.project import load
+from rtgen.compiler import compilation
+from rtgen.compiler.project import load
 
 PICTURES = [entry for entry in ENTRIES if entry.alone]
 
@@ -20,8 +20,8 @@ def definitions() -> Iterator[None]:
     """Read the project's definitions once for all diagrams."""
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(ROOT)
-        read = compiler.read(load(), lowered=True)
-        patch.setattr(compiler, "read", lambda project, lowered: read)
+        read = compilation.read(load(), lowered=True)
+        patch.setattr(compilation, "read", lambda project, lowered: read)
         yield
 
 

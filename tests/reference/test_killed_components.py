@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 from pipeline import at_end, build, goal, profile, truth
 
-from rtgen.cli.common import Console
-from rtgen.cli.running.assembly import add_component
-from rtgen.cli.running.factories import Factories
-from rtgen.cli.running.failures import FailureOptions, FailureReport
+from rtgen.compiler.project import load
 from rtgen.facts.connector_properties import own_properties
-from rtgen.project import load
 from rtgen.runtime import SECOND, CheckpointFolder, System
+from rtgen.tools.kit.console import Console
+from rtgen.tools.running.assembly import add_component
+from rtgen.tools.running.factories import Factories
+from rtgen.tools.running.failures import FailureOptions, FailureReport
 
 TARGET = (1.0, 0.5, 0.5)
 COMPONENTS = [component.instance for component in profile().components]

@@ -13,8 +13,8 @@ from json_schemas import valid
 
 from refrobots import iis
 from rtgen.cli import run as rtgen
-from rtgen.recording.events import Log
-from rtgen.recording.mcap_reader import McapFile
+from rtgen.tools.recording.events import Log
+from rtgen.tools.recording.mcap_reader import McapFile
 
 SPECS = Path(__file__).parents[2] / "specs"
 GOAL = SPECS / "navigation" / "rh3_goal.xml"

@@ -48,7 +48,7 @@ def board(tmp_path_factory: pytest.TempPathFactory) -> Path:
     behaviours.mkdir()
     (behaviours / "__init__.py").write_text("", encoding="utf-8")
     for name in BEHAVIOURS:
-        shutil.copy(ROOT / "src" / "refnav" / f"{name}.py", behaviours)
+        shutil.copy(ROOT / "reference" / "refnav" / f"{name}.py", behaviours)
     return folder / "board"
 
 

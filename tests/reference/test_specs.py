@@ -24,10 +24,10 @@ from refrobots.components.position_input import PositionInputBase
 from refrobots.components.ref_hard_rh2 import RefHardRh2Base
 from refrobots.components.ref_hard_rh3 import RefHardRh3Base
 from refrobots.components.switch_input_rtc import SwitchInputRTCBase
-from rtgen.cli.running.factories import Factories
-from rtgen.project import load
-from rtgen.project.output import component_types
+from rtgen.compiler.project import load
+from rtgen.compiler.project.output import component_types
 from rtgen.runtime import Component
+from rtgen.tools.running.factories import Factories
 
 SPECS = Path(__file__).parents[2] / "specs"
 TYPE_FILES = sorted((SPECS / "idl").glob("*.idl"))

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-import rtgen
+from rtgen import api
 from rtgen.cli import run
-from rtgen.model.system_links import DATA_KINDS
-from rtgen.typemap.canopen.drive_units import NoFactorError, drive_factor
+from rtgen.compiler.model.system_links import DATA_KINDS
+from rtgen.compiler.typemap.canopen.drive_units import NoFactorError, drive_factor
 
 ROOT = Path(__file__).parents[2]
 SYSTEMS = sorted(
@@ -37,7 +37,7 @@ def test_systems_of_the_reference_build_have_no_finding_about_units(
 
 
 def test_ports_of_the_robot_with_measures_say_their_units() -> None:
-    model = rtgen.compile(sorted((ROOT / "specs" / "navigation").glob("*.idl")))
+    model = api.compile(sorted((ROOT / "specs" / "navigation").glob("*.idl")))
     names = ("Navigation", "OmniTo2WD", "PathFollower", "RefHardRh3", "Odometry")
     components = [d for d in model.declarations if d.name in [(n,) for n in names]]
     assert len(components) == len(names)
@@ -49,7 +49,7 @@ def test_ports_of_the_robot_with_measures_say_their_units() -> None:
 
 @pytest.mark.parametrize("name", ["rh3_beego.toml", "fourx.toml"])
 def test_factors_of_the_drives_are_those_of_their_objects(name: str) -> None:
-    bus = rtgen.compile(ROOT / "specs" / "canopen" / name).buses[0]
+    bus = api.compile(ROOT / "specs" / "canopen" / name).buses[0]
     (kind,) = bus.kinds
     assert kind.factors
     for number, stated in kind.factors:
@@ -58,7 +58,7 @@ def test_factors_of_the_drives_are_those_of_their_objects(name: str) -> None:
 
 
 def test_units_of_a_drive() -> None:
-    bus = rtgen.compile(ROOT / "specs" / "canopen" / "rh3_beego.toml").buses[0]
+    bus = api.compile(ROOT / "specs" / "canopen" / "rh3_beego.toml").buses[0]
     device = bus.kinds[0].device
     turn = drive_factor(device, (0x6064, 0), "rev")
     assert turn == pytest.approx(1 / (2000 * 14))

@@ -13,11 +13,11 @@ import pytest
 from test_networks import await_
 
 from rtgen.cli import run as rtgen
-from rtgen.cli.running.ros2 import message_classes
 from rtgen.runtime import RTC_OK, RealClock, System
 from rtgen.runtime.ros2.actions import joints_of
 from rtgen.runtime.ros2.managed import EVENT_INFO
 from rtgen.runtime.ros2.services import RosServices
+from rtgen.tools.running.ros2 import message_classes
 
 IDL = """
 #include "lab/action/Go.idl"

@@ -8,10 +8,10 @@ from types import ModuleType
 
 import pytest
 
-from rtgen.backends import Options
-from rtgen.backends.types import BACKEND
-from rtgen.frontends.rosidl import load
-from rtgen.resources import ros_file
+from rtgen.compiler.backends import Options
+from rtgen.compiler.backends.types import BACKEND
+from rtgen.compiler.kit.resources import ros_file
+from rtgen.ros2.rosidl import load
 
 MESSAGES = (
     "std_msgs/msg/Float32",

@@ -21,13 +21,13 @@ from ros2_peers import DISTRIBUTIONS, Installation, installation
 from test_networks import await_
 
 from rtgen.cli import run as rtgen
-from rtgen.cli.running.ros2 import message_classes
 from rtgen.runtime import RTC_OK, Component, RealClock, SimulatedClock, System
 from rtgen.runtime.ros2.actions import joints_of
 from rtgen.runtime.ros2.managed import EVENT_INFO, INTERFACES, ManagedNodes
 from rtgen.runtime.ros2.network import RosNode, RosService
 from rtgen.runtime.ros2.services import RosServices, ServiceJoint, messages_of
 from rtgen.runtime.services.servants import ServiceError
+from rtgen.tools.running.ros2 import message_classes
 
 pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
 

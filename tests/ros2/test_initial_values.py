@@ -11,12 +11,12 @@ from typing import Any
 import pytest
 from ros2_peers import DISTRIBUTIONS, Installation, installation
 
-from rtgen.backends import Options
-from rtgen.backends.types import BACKEND
-from rtgen.frontends.rosidl import load
-from rtgen.model import Struct
-from rtgen.recording.schema_types import message_classes
-from rtgen.resources import ros_file
+from rtgen.compiler.backends import Options
+from rtgen.compiler.backends.types import BACKEND
+from rtgen.compiler.kit.resources import ros_file
+from rtgen.compiler.model import Struct
+from rtgen.ros2.rosidl import load
+from rtgen.tools.recording.schema_types import message_classes
 
 pytestmark = pytest.mark.peer
 

@@ -14,12 +14,12 @@ import pytest
 from ros2_peers import DISTRIBUTIONS, installation
 from seeds import seed
 
-import rtgen
+from rtgen import api
 from rtgen.cli import run
-from rtgen.diagnostics import Severity
+from rtgen.compiler.diagnostics import Severity
+from rtgen.compiler.layouts.ros_types import type_hash
+from rtgen.compiler.model import Const, Model, Struct
 from rtgen.facts.ros import INTERFACE_KINDS
-from rtgen.layouts.ros_types import type_hash
-from rtgen.model import Const, Model, Struct
 
 pytestmark = pytest.mark.peer
 
@@ -66,7 +66,7 @@ def hashes(share: Path, name: str) -> dict[str, str]:
 
 
 def model_of(text: str, share: Path) -> Model:
-    result = rtgen.read(text, include=[share])
+    result = api.read(text, include=[share])
     assert not [d for d in result.diagnostics if d.severity is not Severity.NOTE]
     return result.model
 
@@ -163,7 +163,7 @@ def test_packages_as_sources(
     shutil.copytree(share if form == "all files" else idl_alone, folder)
     for name in BY_HAND:
         (folder / f"test_msgs/msg/{name}.idl").unlink(missing_ok=True)
-    result = rtgen.read(folder)
+    result = api.read(folder)
     assert not [d for d in result.diagnostics if d.severity is not Severity.NOTE]
     found = {"/".join(d.name) for d in result.model.declarations}
     assert "test_msgs/msg/WStrings" in found
@@ -176,6 +176,6 @@ def test_a_message_with_one_that_is_idl_alone(idl_alone: Path, tmp_path: Path) -
     path = tmp_path / "lab" / "msg" / "Mine.msg"
     path.parent.mkdir(parents=True)
     path.write_text("std_msgs/String[] texts\ntest_msgs/WStrings more\n")
-    result = rtgen.read(path, include=[idl_alone])
+    result = api.read(path, include=[idl_alone])
     assert not result.diagnostics
     assert result.model.find(("test_msgs", "msg", "WStrings"))

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
-import rtgen
-from rtgen.backends import Options
-from rtgen.backends.ros_interfaces import BACKEND
+from rtgen import api
 from rtgen.cli import run
-from rtgen.frontends.rosidl import load
-from rtgen.layouts.ros_types import type_hash
-from rtgen.model import Struct
+from rtgen.compiler.backends import Options
+from rtgen.compiler.layouts.ros_types import type_hash
+from rtgen.compiler.model import Struct
+from rtgen.ros2.backend import BACKEND
+from rtgen.ros2.rosidl import load
 
 IDL = """
 #include "std_msgs/msg/Header.idl"
@@ -59,7 +59,7 @@ LEFT_OUT = [
 
 
 def test_read_back(tmp_path: Path) -> None:
-    emission = BACKEND.emit(rtgen.compile(IDL), OPTIONS)
+    emission = BACKEND.emit(api.compile(IDL), OPTIONS)
     assert [d.message for d in emission.diagnostics] == LEFT_OUT
     assert all(d.span is not None for d in emission.diagnostics)
     paths = []
@@ -79,7 +79,7 @@ def test_read_back(tmp_path: Path) -> None:
     }
     result = load(paths, root=tmp_path)
     assert not result.diagnostics
-    own = rtgen.compile(IDL)
+    own = api.compile(IDL)
     point = own.find(("Lab", "path_point"))
     back = result.model.find(("lab", "msg", "PathPoint"))
     assert isinstance(point, Struct)
@@ -102,13 +102,13 @@ def test_of_an_included_file_what_is_contained(tmp_path: Path) -> None:
         '#include "BasicDataType.idl"\n'
         "module Lab { struct Arm { RTC::TimedLong angle; }; };\n"
     )
-    emission = BACKEND.emit(rtgen.compile(text), OPTIONS)
+    emission = BACKEND.emit(api.compile(text), OPTIONS)
     assert {artifact.path for artifact in emission.artifacts} == {
         *("ros2/lab/msg/Arm.msg", "ros2/rtc/msg/TimedLong.msg", "ros2/rtc/msg/Time.msg")
     }
     assert not emission.diagnostics
     wide = text.replace("TimedLong", "TimedWChar")
-    emission = BACKEND.emit(rtgen.compile(wide), OPTIONS)
+    emission = BACKEND.emit(api.compile(wide), OPTIONS)
     assert [a.path for a in emission.artifacts] == ["ros2/rtc/msg/Time.msg"]
     assert [d.message.partition(" has ")[0] for d in emission.diagnostics] == [
         *("RTC::TimedWChar", "Lab::Arm")
@@ -120,7 +120,7 @@ def test_rosbags_reads_them(tmp_path: Path) -> None:
     typesys = pytest.importorskip("rosbags.typesys")
     store = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)
     paths = []
-    for artifact in BACKEND.emit(rtgen.compile(IDL), OPTIONS).artifacts:
+    for artifact in BACKEND.emit(api.compile(IDL), OPTIONS).artifacts:
         path = tmp_path / artifact.path
         if path.suffix == ".msg":
             path.parent.mkdir(parents=True, exist_ok=True)

@@ -17,7 +17,6 @@ from typing import Any, ClassVar
 import pytest
 from test_networks import DOMAIN, await_, participant, reliable, zenoh_pair
 
-from rtgen.cli.running.ros2 import message_classes
 from rtgen.facts.ros_qos import PROFILES
 from rtgen.runtime import (
     RTC_ERROR,
@@ -35,6 +34,7 @@ from rtgen.runtime.ros2.parameters import Kind, Parameters
 from rtgen.runtime.rtc.configuration import ConfigurationSets
 from rtgen.runtime.rtc.profiles import ParameterProfile
 from rtgen.runtime.services.servants import ServiceError
+from rtgen.tools.running.ros2 import message_classes
 
 cyclonedds = pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
 zenoh = pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")

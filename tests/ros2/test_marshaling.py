@@ -10,7 +10,6 @@ import pytest
 
 from refrobots import rtc
 from rtgen.cli import run as rtgen
-from rtgen.cli.running.ros2 import message_classes
 from rtgen.facts.ros_marshaling import known_conversions, messages_for, parse
 from rtgen.facts.ros_qos import PROFILES
 from rtgen.runtime.cdr import CdrError
@@ -20,6 +19,7 @@ from rtgen.runtime.ros2.marshaling import Marshaling, marshaling
 from rtgen.runtime.ros2.network import OnMessage, Publish, Ros2Error, RosTopic
 from rtgen.runtime.ros2.ports import Joint, RosPorts
 from rtgen.runtime.xcdr import deserialize
+from rtgen.tools.running.ros2 import message_classes
 
 TIME = rtc.Time(5, 6)
 HEAD = b"\x00\x01\x00\x00"

@@ -18,8 +18,7 @@ from test_networks import await_
 
 from rtgen.facts.primitives import FLOAT_LIMITS, INTEGER_RANGES
 from rtgen.facts.ros_qos import PROFILES
-from rtgen.frontends.rosidl import load
-from rtgen.recording.schema_types import message_classes
+from rtgen.ros2.rosidl import load
 from rtgen.runtime.marshalling.descriptors import (
     ArrayDescriptor,
     PrimitiveDescriptor,
@@ -30,6 +29,7 @@ from rtgen.runtime.marshalling.descriptors import (
 )
 from rtgen.runtime.ros2.network import RosNode, RosTopic
 from rtgen.runtime.ros2.types import decoded, encoded
+from rtgen.tools.recording.schema_types import message_classes
 
 pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
 

@@ -310,7 +310,7 @@ def test_a_reader_that_takes_nothing_does_not_stop_the_writer(
     from cyclonedds.sub import DataReader
     from cyclonedds.topic import Topic
 
-    from rtgen.cli.running.ros2 import message_classes
+    from rtgen.tools.running.ros2 import message_classes
 
     network = dds_network()
     stack.callback(network.close)

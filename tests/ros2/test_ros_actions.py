@@ -26,11 +26,11 @@ from action_ends import (
 from test_managed_nodes import HEAD, Time, sequence, type_
 from test_networks import DOMAIN, await_, participant, reliable
 
-from rtgen.cli.running.ros2 import message_classes
 from rtgen.runtime.ros2.actions import joints_of
 from rtgen.runtime.ros2.managed import EVENT_INFO
 from rtgen.runtime.ros2.network import RosNode
 from rtgen.runtime.services.servants import CommunicationFailure, ServiceError
+from rtgen.tools.running.ros2 import message_classes
 
 cyclonedds = pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
 

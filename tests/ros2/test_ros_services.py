@@ -25,11 +25,10 @@ from patience import PATIENCE
 from test_networks import DOMAIN, await_, participant, reliable, zenoh_pair
 
 from rtgen.cli import run as rtgen
-from rtgen.cli.running.ros2 import message_classes
+from rtgen.compiler.kit.resources import ros_file
+from rtgen.compiler.layouts.ros_types import service_hash
 from rtgen.facts.ros_names import dds_type
-from rtgen.frontends.rosidl import load
-from rtgen.layouts.ros_types import service_hash
-from rtgen.resources import ros_file
+from rtgen.ros2.rosidl import load
 from rtgen.runtime import (
     RTC_OK,
     Component,
@@ -54,6 +53,7 @@ from rtgen.runtime.services.servants import (
     ObjectNotExist,
     ServiceError,
 )
+from rtgen.tools.running.ros2 import message_classes
 
 cyclonedds = pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
 zenoh = pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")
@@ -376,7 +376,7 @@ def test_a_server_of_zenoh_is_called(lamp: ModuleType, stack: ExitStack) -> None
 
 
 def test_the_hash_is_that_of_the_definitions(lamp: ModuleType) -> None:
-    """`tests/unit/rosidl` compares it with one in rmw_zenoh's document."""
+    """`tests/ros2/rosidl` compares it with one in rmw_zenoh's document."""
     files = [
         ros_file("std_srvs/srv/SetBool.srv"),
         ros_file("service_msgs/msg/ServiceEventInfo.msg"),

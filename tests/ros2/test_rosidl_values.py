@@ -14,9 +14,9 @@ import pytest
 from ros2_peers import DISTRIBUTIONS, Installation, installation
 from seeds import cases
 
-from rtgen.diagnostics import Severity
-from rtgen.frontends.rosidl import load
-from rtgen.model import Const, Struct
+from rtgen.compiler.diagnostics import Severity
+from rtgen.compiler.model import Const, Struct
+from rtgen.ros2.rosidl import load
 
 pytestmark = pytest.mark.peer
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from rtgen.cli import run as rtgen
-from rtgen.diagnostics import InputError
+from rtgen.compiler.diagnostics import InputError
+from rtgen.compiler.project import Project, load
 from rtgen.facts.ros_qos import PROFILES
-from rtgen.project import Project, load
 
 SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
 <rts:RtsProfile rts:id="RTSystem:me:plain:1.0.0" rts:version="0.2"

@@ -11,6 +11,7 @@ import click
 
 from rtgen.cli.groups import LazyGroup
 from rtgen.facts.version import __version__
+from rtgen.tools.kit.exits import BAD_INPUT, Refusal
 
 COMMANDS = {
     "new": "Create a project, or add a component, device, board or system to one.",
@@ -70,8 +71,11 @@ def run(arguments: Sequence[str], *, ends: bool = False) -> int:
     except click.ClickException as error:
         error.show()
         return error.exit_code
+    except Refusal as error:
+        click.echo(f"Error: {error}", err=True)
+        return BAD_INPUT
     except (click.Abort, KeyboardInterrupt):
-        from rtgen.cli.common import INTERRUPTED
+        from rtgen.tools.kit.exits import INTERRUPTED
 
         return INTERRUPTED
     except BrokenPipeError as error:
@@ -85,8 +89,9 @@ def run(arguments: Sequence[str], *, ends: bool = False) -> int:
 
 def _ended_by(error: BrokenPipeError) -> int:
     """Return the exit code after a reader of the output has gone."""
-    from rtgen.cli.common import NO, discard_unread
     from rtgen.runtime.failures import ends_run
+    from rtgen.tools.kit.console import discard_unread
+    from rtgen.tools.kit.exits import NO
 
     if not ends_run(error):
         return _internal(error)
@@ -109,7 +114,7 @@ def _unwritable(error: OSError) -> int:
 def _internal(error: Exception) -> int:
     if os.environ.get("RTGEN_DEBUG") == "1":
         raise error
-    from rtgen.diagnostics.printable import printable
+    from rtgen.compiler.diagnostics.printable import printable
 
     text = printable(" ".join(f"{type(error).__name__}: {error}".split()))
     click.echo(f"rtgen: internal error: {text}; please report it", err=True)

@@ -6,8 +6,10 @@ from pathlib import Path
 
 import click
 
-from rtgen.cli.common import BAD_INPUT, OK, Console, with_console, write_out
-from rtgen.diagnostics import ToolError
+from rtgen.cli.options import with_console
+from rtgen.compiler.diagnostics import ToolError
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import BAD_INPUT, OK
 
 
 @click.command()
@@ -30,8 +32,8 @@ def adopt(
     the same repository that it imports are also read. Nothing is executed: values that only running
     the module would determine are reported.
     """
-    from rtgen.cli.components.adopted import adopted
-    from rtgen.cli.components.component_text import component_idl
+    from rtgen.tools.components.adopted import adopted
+    from rtgen.tools.components.component_text import component_idl
 
     found = adopted(Path(file), [Path(folder) for folder in include])
     console.findings(found.diagnostics, found.sources)

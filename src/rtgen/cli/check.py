@@ -4,26 +4,22 @@ from __future__ import annotations
 
 import click
 
-from rtgen.cli.can.common import counted
-from rtgen.cli.common import (
-    BAD_INPUT,
-    NO,
-    OK,
-    Console,
-    Definitions,
-    project_of,
-    with_console,
+from rtgen.cli.definition_options import (
     with_definitions,
     with_node_id,
     with_output,
     with_target,
-    write_out,
 )
-from rtgen.cli.compiling.cached import build, timelines
-from rtgen.cli.compiling.stages import with_stages
-from rtgen.diagnostics import has_errors
-from rtgen.project import behaviours, cache, shown
-from rtgen.project import output as writer
+from rtgen.cli.options import with_console
+from rtgen.cli.stages import with_stages
+from rtgen.compiler.diagnostics import has_errors
+from rtgen.compiler.project import behaviours, cache, shown
+from rtgen.compiler.project import output as writer
+from rtgen.tools.can.common import counted
+from rtgen.tools.compiling.cached import build, timelines
+from rtgen.tools.compiling.definitions import Definitions, project_of
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import BAD_INPUT, NO, OK
 
 
 @click.command()
@@ -73,7 +69,7 @@ def check(
         )
     if not changes and not strays:
         return NO if found else OK
-    from rtgen.cli.compiling.diffs import diff
+    from rtgen.tools.compiling.diffs import diff
 
     write_out(
         diff(changes) + "".join(f"Only in the tree: {shown(s)}\n" for s in strays)

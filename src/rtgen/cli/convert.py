@@ -6,13 +6,21 @@ from pathlib import Path
 
 import click
 
-from rtgen.cli.common import BAD_INPUT, OK, Console, with_console, write_out
-from rtgen.cli.components.chosen_component import chosen
-from rtgen.diagnostics import Diagnostic, InputError, ToolError, has_errors, in_order
-from rtgen.files import UnreadableError, read_file
-from rtgen.frontends.profile_yaml import YAML_SUFFIXES
-from rtgen.model import Component, Model
-from rtgen.project import Project, is_component_profile
+from rtgen.cli.options import with_console
+from rtgen.compiler.diagnostics import (
+    Diagnostic,
+    InputError,
+    ToolError,
+    has_errors,
+    in_order,
+)
+from rtgen.compiler.frontends.profiles.profile_yaml import YAML_SUFFIXES
+from rtgen.compiler.model import Component, Model
+from rtgen.compiler.project import Project, is_component_profile
+from rtgen.facts.files import UnreadableError, read_file
+from rtgen.tools.components.chosen_component import chosen
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import BAD_INPUT, OK
 
 _OF_COMPONENTS = ("idl", "rtc-xml", "rtc-yaml")
 _OF_SYSTEMS = ("rts-xml", "rts-yaml")
@@ -64,7 +72,7 @@ def _is_system(path: Path) -> bool:
 
 
 def _wrong_form(form: str, forms: tuple[str, ...], what: str) -> InputError:
-    from rtgen.project.rules import OTHER_FORM
+    from rtgen.compiler.project.rules import OTHER_FORM
 
     hint = f"--to {', --to '.join(forms)}"
     return InputError([OTHER_FORM.at(None, f"{what} has no form {form}", hint=hint)])
@@ -81,8 +89,12 @@ def _content(path: Path) -> bytes:
 
 
 def _system(console: Console, path: Path, form: str) -> int:
-    from rtgen.frontends import profile_tree, profile_yaml, rts_profile
-    from rtgen.systems.checks import as_warnings, check_properties
+    from rtgen.compiler.frontends.profiles import (
+        profile_tree,
+        profile_yaml,
+        rts_profile,
+    )
+    from rtgen.compiler.systems.checks import as_warnings, check_properties
 
     shown = path.as_posix()
     read = rts_profile.load(path)
@@ -118,15 +130,15 @@ def _component(
     name: str | None,
     include: tuple[str, ...],
 ) -> int:
-    from rtgen import compiler
-    from rtgen.backends.components.checks import check_component
-    from rtgen.cli.components.component_text import component_idl
-    from rtgen.project import load, with_arguments
+    from rtgen.compiler import compilation
+    from rtgen.compiler.backends.components.checks import check_component
+    from rtgen.compiler.project import load, with_arguments
+    from rtgen.tools.components.component_text import component_idl
 
     if form not in _OF_COMPONENTS:
         raise _wrong_form(form, _OF_COMPONENTS, "a component")
     project = with_arguments(load(), paths=(file,), include=include)
-    read = compiler.read(project, lowered=True)
+    read = compilation.read(project, lowered=True)
     found = list(read.diagnostics)
     component = None if has_errors(found) else chosen(read.model, file, name)
     if component is not None and form != "idl":
@@ -144,9 +156,9 @@ def _component(
 def _profile(
     path: Path, form: str, model: Model, component: Component, project: Project
 ) -> str | bytes:
-    from rtgen.cli.components.component_text import component_profile
-    from rtgen.frontends import profile_tree, profile_yaml
-    from rtgen.frontends.kit import located_xml
+    from rtgen.compiler.frontends.kit import located_xml
+    from rtgen.compiler.frontends.profiles import profile_tree, profile_yaml
+    from rtgen.tools.components.component_text import component_profile
 
     shown = path.as_posix()
     if not is_component_profile(path):

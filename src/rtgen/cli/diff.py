@@ -7,11 +7,13 @@ from pathlib import Path
 
 import click
 
-from rtgen import stages
-from rtgen.cli.common import NO, OK, Console, Refusal, with_console, write_out
-from rtgen.cli.compiling.stages import with_stages
-from rtgen.diff.changes import Break
-from rtgen.diff.reading import Source, at_revision, opened, source_of
+from rtgen.cli.options import with_console
+from rtgen.cli.stages import with_stages
+from rtgen.compiler.kit import stages
+from rtgen.tools.diff.changes import Break
+from rtgen.tools.diff.reading import Source, at_revision, opened, source_of
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import NO, OK, Refusal
 
 _CLASSES = [str(each) for each in Break]
 
@@ -49,10 +51,10 @@ def diff(
     """
     from contextlib import ExitStack
 
-    from rtgen.diff import report
-    from rtgen.diff.allowances import allowed
-    from rtgen.diff.compare import compare
-    from rtgen.diff.settings import settings
+    from rtgen.tools.diff import report
+    from rtgen.tools.diff.allowances import allowed
+    from rtgen.tools.diff.compare import compare
+    from rtgen.tools.diff.settings import settings
 
     sources = _sources(versions, against)
     chosen = settings()
@@ -63,7 +65,7 @@ def diff(
             changes = compare(old, new)
     reasons, unused = allowed(changes, chosen.allowances)
     if json_wanted:
-        from rtgen.inspection.indented_json import dumps
+        from rtgen.compiler.inspection.indented_json import dumps
 
         labels = (sources[0].label, sources[1].label)
         write_out(dumps(report.as_json(labels, changes, reasons)) + "\n")

@@ -8,21 +8,17 @@ from pathlib import Path
 import click
 from msgspec.structs import replace
 
-from rtgen import stages
-from rtgen.backends import Artifact
-from rtgen.cli.common import (
-    BAD_INPUT,
-    OK,
-    Console,
-    Definitions,
-    project_of,
-    with_console,
-    with_definitions,
-)
-from rtgen.cli.compiling.stages import with_stages
-from rtgen.diagnostics import ToolError, has_errors, in_order
-from rtgen.project import is_system, output, shown
-from rtgen.project.compilation import Compilation
+from rtgen.cli.definition_options import with_definitions
+from rtgen.cli.options import with_console
+from rtgen.cli.stages import with_stages
+from rtgen.compiler.backends import Artifact
+from rtgen.compiler.diagnostics import ToolError, has_errors, in_order
+from rtgen.compiler.kit import stages
+from rtgen.compiler.project import is_system, output, shown
+from rtgen.compiler.project.compilation import Compilation
+from rtgen.tools.compiling.definitions import Definitions, project_of
+from rtgen.tools.kit.console import Console
+from rtgen.tools.kit.exits import BAD_INPUT, OK
 
 _DEFAULT = "build/docs"
 
@@ -58,15 +54,15 @@ def docs(
     --build runs. The built site needs no server and no network: open FOLDER/site/index.html.
     rtgen owns FOLDER: obsolete files of earlier runs are removed.
     """
-    from rtgen import compiler
-    from rtgen.documentation.site import site
-    from rtgen.systems import reading
+    from rtgen.compiler import compilation
+    from rtgen.compiler.systems import reading
+    from rtgen.tools.docs.site import site
 
     profiles = tuple(p for p in definitions.paths if is_system(Path(p)))
     others = tuple(p for p in definitions.paths if p not in profiles)
     project = project_of(replace(definitions, paths=others))
     all_systems = [*map(Path, profiles)] if definitions.paths else project.systems
-    result = compiler.read(project, lowered=True)
+    result = compilation.read(project, lowered=True)
     if not has_errors(result.diagnostics):
         result = reading.added(
             result,

@@ -6,7 +6,9 @@ import sys
 
 import click
 
-from rtgen.cli.common import BAD_INPUT, OK, Console, with_console, write_out
+from rtgen.cli.options import with_console
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import BAD_INPUT, OK
 
 
 @click.command()
@@ -14,7 +16,7 @@ from rtgen.cli.common import BAD_INPUT, OK, Console, with_console, write_out
 @with_console
 def explain(console: Console, code: str | None) -> int:
     """Explain a diagnostic; without CODE, list all codes."""
-    from rtgen.diagnostics.explain import rules, similar, story
+    from rtgen.compiler.diagnostics.explain import rules, similar, story
 
     known = rules()
     if code is None:

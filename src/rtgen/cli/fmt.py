@@ -10,26 +10,21 @@ from pathlib import Path
 
 import click
 
-from rtgen.cli.can.common import counted
-from rtgen.cli.common import (
-    BAD_INPUT,
-    NO,
-    OK,
-    Console,
-    with_console,
-    with_encoding,
-    write_out,
-)
-from rtgen.diagnostics import Diagnostic, InputError, has_errors
-from rtgen.files import UnreadableError, read_file
-from rtgen.formatting import Options, toml
-from rtgen.formatting.files import SUFFIXES, check_name, format_bytes
-from rtgen.formatting.rules import NO_FORMATTER, OTHER_FILE
-from rtgen.frontends.kit.library import MAX_BYTES
-from rtgen.project import Project, load, shown
-from rtgen.project import files as files_below
-from rtgen.project.output import Change
-from rtgen.project.rewriting import rewrite
+from rtgen.cli.definition_options import with_encoding
+from rtgen.cli.options import with_console
+from rtgen.compiler.diagnostics import Diagnostic, InputError, has_errors
+from rtgen.compiler.frontends.kit.library import MAX_BYTES
+from rtgen.compiler.project import Project, load, shown
+from rtgen.compiler.project import files as files_below
+from rtgen.compiler.project.output import Change
+from rtgen.compiler.project.rewriting import rewrite
+from rtgen.facts.files import UnreadableError, read_file
+from rtgen.tools.can.common import counted
+from rtgen.tools.fmt import Options, toml
+from rtgen.tools.fmt.files import SUFFIXES, check_name, format_bytes
+from rtgen.tools.fmt.rules import NO_FORMATTER, OTHER_FILE
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import BAD_INPUT, NO, OK
 
 _STANDARD_INPUT = "-"
 _RANGE = re.compile(r"(\d{1,9}):(\d{1,9})")
@@ -179,7 +174,7 @@ def _content(path: Path) -> bytes:
 
 def _print(changes: list[Change], as_diff: bool) -> None:
     if as_diff:
-        from rtgen.cli.compiling.diffs import diff
+        from rtgen.tools.compiling.diffs import diff
 
         write_out(diff(changes))
     else:

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import click
 
-from rtgen.cli.common import (
-    Console,
-    Definitions,
-    with_console,
+from rtgen.cli.definition_options import (
     with_definitions,
     with_node_id,
     with_output,
     with_target,
 )
-from rtgen.cli.compiling.generation import Request, generate_once
-from rtgen.cli.compiling.stages import with_stages
+from rtgen.cli.options import with_console
+from rtgen.cli.stages import with_stages
+from rtgen.tools.compiling.definitions import Definitions
+from rtgen.tools.compiling.generation import Request, generate_once
+from rtgen.tools.kit.console import Console
 
 
 @click.command()
@@ -67,7 +67,7 @@ def generate(
         only_diff=only_diff,
     )
     if watching:
-        from rtgen.cli.compiling.watch import watch
+        from rtgen.tools.compiling.watch import watch
 
         return watch(console, request)
     return generate_once(console, request)[0]

@@ -7,21 +7,16 @@ from pathlib import Path
 
 import click
 
-from rtgen import compiler
-from rtgen.cli.common import (
-    BAD_INPUT,
-    OK,
-    Console,
-    Refusal,
-    with_console,
-    write_out,
-)
-from rtgen.diagnostics import Diagnostic, ToolError, has_errors, in_order
-from rtgen.files import create_file
-from rtgen.model import Component
-from rtgen.model.can_bus import Bus
-from rtgen.project import load
-from rtgen.systems import timeline
+from rtgen.cli.options import with_console
+from rtgen.compiler import compilation
+from rtgen.compiler.diagnostics import Diagnostic, has_errors, in_order
+from rtgen.compiler.model import Component
+from rtgen.compiler.model.can_bus import Bus
+from rtgen.compiler.project import load
+from rtgen.compiler.systems import timeline
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import BAD_INPUT, OK, Refusal
+from rtgen.tools.kit.files import save
 
 
 @click.command()
@@ -45,13 +40,13 @@ def graph(
     definitions of the project, if any, add unconnected ports, the types of all ports, and the buses
     and serial lines of components.
     """
-    from rtgen.backends.wiring import (
+    from rtgen.compiler.backends.wiring import (
         ComponentView,
         TimedConnection,
         render,
         view_of,
     )
-    from rtgen.systems import reading as systems
+    from rtgen.compiler.systems import reading as systems
 
     path = Path(system)
     if output is not None and Path(output).suffix.lower() not in ("", ".svg"):
@@ -64,7 +59,7 @@ def graph(
     buses: Sequence[Bus] = ()
     project = load()
     if project.sources and not has_errors(diagnostics):
-        result = compiler.read(project, lowered=True)
+        result = compilation.read(project, lowered=True)
         diagnostics += result.diagnostics
         sources = {**sources, **result.sources}
         declarations = result.model.declarations
@@ -88,9 +83,5 @@ def graph(
     if output is None:
         write_out(picture)
         return OK
-    try:
-        with create_file(Path(output)) as stream:
-            stream.write(picture.encode())
-    except OSError as error:
-        raise ToolError(f"cannot write {output}: {error.strerror}") from error
+    save(Path(output), picture.encode())
     return OK

@@ -12,14 +12,23 @@ from rtgen.cli.examples import EXAMPLES
 
 
 class LazyGroup(click.Group):
-    """A group of commands with their help lines; `target` maps a command to `module:function`."""
+    """A group of commands with their help lines.
+
+    `target` is the `module:function` of a command `{0}`; `elsewhere` has those of other modules.
+    """
 
     def __init__(
-        self, *args: Any, summaries: Mapping[str, str], target: str, **kwargs: Any
+        self,
+        *args: Any,
+        summaries: Mapping[str, str],
+        target: str,
+        elsewhere: Mapping[str, str] | None = None,
+        **kwargs: Any,
     ) -> None:
         super().__init__(*args, **kwargs)
         self._summaries = summaries
         self._target = target
+        self._elsewhere = elsewhere or {}
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(self._summaries)
@@ -27,7 +36,8 @@ class LazyGroup(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in self._summaries:
             return None
-        module, _, function = self._target.format(cmd_name).partition(":")
+        target = self._elsewhere.get(cmd_name, self._target)
+        module, _, function = target.format(cmd_name).partition(":")
         command = getattr(import_module(module), function)
         assert isinstance(command, click.Command)
         path = f"{ctx.command_path} {cmd_name}".removeprefix("rtgen ")

@@ -7,21 +7,14 @@ from pathlib import Path
 import click
 from msgspec.structs import replace
 
-from rtgen.cli.common import (
-    BAD_INPUT,
-    OK,
-    Console,
-    Definitions,
-    project_of,
-    with_cache,
-    with_console,
-    with_definitions,
-    with_node_id,
-    write_out,
-)
-from rtgen.cli.compiling import cached
-from rtgen.cli.compiling.stages import with_stages
-from rtgen.project import cache, is_component_profile, is_system
+from rtgen.cli.definition_options import with_cache, with_definitions, with_node_id
+from rtgen.cli.options import with_console
+from rtgen.cli.stages import with_stages
+from rtgen.compiler.project import cache, is_component_profile, is_system
+from rtgen.tools.compiling import cached
+from rtgen.tools.compiling.definitions import Definitions, project_of
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import BAD_INPUT, OK
 
 
 def _is_system(path: Path) -> bool:

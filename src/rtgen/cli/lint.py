@@ -7,30 +7,19 @@ from collections.abc import Sequence
 import click
 from msgspec.structs import replace
 
-from rtgen import compiler
-from rtgen.cli.common import (
-    BAD_INPUT,
-    NO,
-    OK,
-    Console,
-    Definitions,
-    project_of,
-    with_console,
-    with_definitions,
-    write_out,
-)
-from rtgen.cli.compiling.fixing import changed_files
-from rtgen.cli.compiling.stages import with_stages
-from rtgen.diagnostics import (
-    Diagnostic,
-    InputError,
-    Severity,
-    has_errors,
-)
-from rtgen.frontends import FrontendResult
-from rtgen.frontends.kit.memo import Memo
-from rtgen.project import Project, behaviours, shown
-from rtgen.project.rewriting import rewrite
+from rtgen.cli.definition_options import with_definitions
+from rtgen.cli.options import with_console
+from rtgen.cli.stages import with_stages
+from rtgen.compiler import compilation
+from rtgen.compiler.diagnostics import Diagnostic, InputError, Severity, has_errors
+from rtgen.compiler.frontends import FrontendResult
+from rtgen.compiler.frontends.kit.memo import Memo
+from rtgen.compiler.project import Project, behaviours, shown
+from rtgen.compiler.project.rewriting import rewrite
+from rtgen.tools.compiling.definitions import Definitions, project_of
+from rtgen.tools.compiling.fixing import changed_files
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import BAD_INPUT, NO, OK
 
 MAX_ROUNDS = 10
 """Maximum number of rounds of --fix, since a fix may make another one possible."""
@@ -66,7 +55,7 @@ def lint(
     --fix changes the given files, --diff prints the changes instead.
     `rtgen explain CODE` describes a rule.
     """
-    from rtgen.linting import unknown, unknown_codes
+    from rtgen.compiler.linting import unknown, unknown_codes
 
     project = project_of(definitions)
     wrong = [*unknown(ignore, "--ignore"), *unknown(select, "--select")]
@@ -97,15 +86,15 @@ def _findings(
     project: Project, select: Sequence[str], ignore: Sequence[str], whole: bool
 ) -> tuple[list[Diagnostic], FrontendResult]:
     """Return the diagnostics that are not suppressed, and the result that they refer to."""
-    from rtgen.linting import findings
-    from rtgen.systems import reading, timeline_checks
+    from rtgen.compiler.linting import findings
+    from rtgen.compiler.systems import reading, timeline_checks
 
     memo = Memo()
-    result = compiler.read(project, memo=memo)
+    result = compilation.read(project, memo=memo)
     definitions = result
     of_outputs: Sequence[Diagnostic] = ()
     if not has_errors(result.diagnostics):
-        definitions = compiler.read(project, lowered=True, memo=memo)
+        definitions = compilation.read(project, lowered=True, memo=memo)
         of_outputs = _errors_of_outputs(project, definitions, whole)
     of_systems: Sequence[Diagnostic] = ()
     if project.systems:
@@ -142,7 +131,7 @@ def _errors_of_outputs(
 
     `whole`: those in other files of the project, too, such as rtgen.toml.
     """
-    run = compiler.emitted(project, lowered)
+    run = compilation.emitted(project, lowered)
     return [
         finding
         for finding in run.diagnostics
@@ -154,7 +143,7 @@ def _errors_of_outputs(
 def _print_fixes(
     project: Project, found: Sequence[Diagnostic], result: FrontendResult
 ) -> int:
-    from rtgen.cli.compiling.diffs import diff
+    from rtgen.tools.compiling.diffs import diff
 
     changes = changed_files(project, found, result)
     write_out(diff(changes))

@@ -10,8 +10,10 @@ from contextlib import redirect_stdout
 
 import click
 
-from rtgen.cli.common import OK, Console, with_console
-from rtgen.diagnostics import ToolError
+from rtgen.cli.options import with_console
+from rtgen.compiler.diagnostics import ToolError
+from rtgen.tools.kit.console import Console
+from rtgen.tools.kit.exits import OK
 
 
 @click.command()
@@ -42,8 +44,8 @@ def lsp(console: Console, log_level: str) -> int:
     try:
         from attrs import validators
 
-        from rtgen.language_server.messages import FramingError
-        from rtgen.language_server.server import make_server
+        from rtgen.tools.lsp.messages import FramingError
+        from rtgen.tools.lsp.server import make_server
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0] not in ("attrs", "pygls", "lsprotocol"):
             raise

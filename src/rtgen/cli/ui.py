@@ -2,68 +2,20 @@
 
 from __future__ import annotations
 
-import asyncio
 import webbrowser
-from collections.abc import Callable
-from contextlib import ExitStack
-from importlib.util import find_spec
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from rtgen import runtime
-from rtgen.cli.common import (
-    OK,
-    Console,
-    Place,
-    Refusal,
-    WholeRange,
-    with_console,
-    write_out,
-)
-from rtgen.cli.running.recording_options import RecordingOptions, with_recording
-from rtgen.cli.running.value_checks import with_value_checks
-from rtgen.cli.signals import terminable
-from rtgen.cli.ui_project import CommandProject
-from rtgen.diagnostics import ToolError
+from rtgen.cli.options import with_console
+from rtgen.cli.parameter_types import Place, WholeRange
+from rtgen.cli.running_options import with_recording, with_value_checks
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import OK
+from rtgen.tools.running.recording_options import RecordingOptions
 
 if TYPE_CHECKING:
-    from rtgen.runtime.corba.transport import NamedCorba
-    from rtgen.ui.session import Session
-
-_LOOPBACK = "127.0.0.1"
-
-
-def _session(
-    project: CommandProject,
-    clock: Callable[[], runtime.Clock],
-    name_servers: tuple[str, ...],
-    transport: NamedCorba | None,
-    recording: str,
-) -> Session:
-    """Return the session of the first system. Raises InputError, ToolError."""
-    from rtgen.ui.session import Session
-
-    file = next(iter(project.systems), "")
-    own = None if transport is None else transport.rt_objects
-    try:
-        return Session(project, file, clock, name_servers, own, recording)
-    except runtime.TransportError as error:
-        raise ToolError(str(error)) from error
-
-
-def _opened(name_server: str, closing: ExitStack) -> NamedCorba:
-    """Open the transport of a system whose components are found by a naming service.
-
-    Raises ToolError.
-    """
-    from rtgen.runtime.corba.transport import NamedCorba
-
-    try:
-        return closing.enter_context(NamedCorba(name_server=name_server))
-    except runtime.TransportError as error:
-        raise ToolError(str(error), hint="start omniNames there") from error
+    from rtgen.ui.serving import Server
 
 
 @click.command()
@@ -138,86 +90,26 @@ def ui(
         raise click.UsageError(
             "Missing argument 'SYSTEM...', or option '--nameserver'."
         )
-    missing = [
-        name
-        for name in ("starlette", "uvicorn", "websockets")
-        if find_spec(name) is None
-    ]
-    if missing:
-        raise ToolError(
-            f"not installed: {', '.join(missing)}; rtgen ui needs them",
-            hint="pip install 'rtgen[ui]'",
-        )
-    from rtgen.cli.ui_bus import BusDescriber
-    from rtgen.cli.ui_tokens import tokens_of
-    from rtgen.project.rules import NO_PAGE
-    from rtgen.ui.recorded import Recorded
-    from rtgen.ui.server import PAGE
-    from rtgen.ui.serving import Server
+    from rtgen.ui.launch import UiOptions, served
 
-    if not (PAGE / "index.html").is_file():
-        message = "this installation of rtgen has no page to show in a browser"
-        hint = "run `make page` in the checkout of rtgen, then install rtgen again"
-        console.findings([NO_PAGE.at(None, message, hint=hint)])
-    clocks = {"sim": runtime.SimulatedClock, "real": runtime.RealClock}
-    described = {}
-    for each in buses:
-        channel, _, file = each.rpartition("=")
-        described[channel] = Path(file)
-    for path in described.values():
-        BusDescriber(path)  # raises InputError before anything runs
-    if name_servers and find_spec("omniORB") is None:
-        raise ToolError(
-            "--nameserver needs omniORBpy, which is not installed",
-            hint="pip install 'rtgen[corba]'",
-        )
-    recordings = [each for each in systems if Path(each).suffix.lower() == ".mcap"]
-    session: Session | Recorded
-    closing = ExitStack()
-    tokens = tokens_of(port) if port else None
-    others = [each for each in systems if each not in recordings]
-    if recordings and (len(recordings) > (1 if others else 2)):
-        raise Refusal(
-            "a recording can be compared with one system or one other recording"
-        )
-    if recordings and not others:
-        if name_servers or recording.file is not None:
-            raise Refusal(
-                "a recording is shown without --nameserver and --record: no system runs"
-            )
-        project = CommandProject(console, [], described)
-        session = Recorded(recordings, project.describer, project.codec)
-        if session.left_out:
-            console.say(
-                f"the recording is too large: shown from {session.history.first:.3f} s on"
-            )
-        server = Server(session, _LOOPBACK, port, tokens=tokens)
-    else:
-        kind = clock if others else "real"
-        carrier = None
-        if transport == "corba":
-            if not name_servers or kind != "real" or len(others) > 1:
-                raise Refusal(
-                    "--transport corba needs --nameserver, --clock real and one system"
-                )
-            carrier = _opened(name_servers[0], closing)
-        project = CommandProject(
-            console, others, described, carrier, recording, check_values
-        )
-        beside = next(iter(recordings), "")
-        session = _session(project, clocks[kind], name_servers, carrier, beside)
-        server = Server(session, _LOOPBACK, port, tokens=tokens)
-        if playing:
-            session.runner.submit(session.runner.play)
+    options = UiOptions(
+        systems=systems,
+        simulated=clock == "sim",
+        port=port,
+        buses=buses,
+        name_servers=name_servers,
+        transport=transport,
+        check_values=check_values,
+        recording=recording,
+        playing=playing,
+    )
 
-    def ready() -> None:
+    def ready(server: Server) -> None:
         write_out(f"{server.address(full=True)}\n")
         if read_only:
             write_out(f"read-only: {server.address(full=False)}\n")
         if opened:
             webbrowser.open(server.address(full=True))
 
-    # uvicorn raises a signal again after it has ended: the run must end in order, too.
-    with closing, terminable():
-        asyncio.run(server.run(ready))
+    served(options, console, ready)
     return OK

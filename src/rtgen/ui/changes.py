@@ -11,9 +11,9 @@ from typing import TypeAlias
 
 from msgspec.structs import replace
 
-from rtgen.backends.rts_profile import InstancePorts
-from rtgen.diagnostics import Span
-from rtgen.model import Connection, PortReference, System, SystemComponent
+from rtgen.compiler.backends.profiles.rts_profile import InstancePorts
+from rtgen.compiler.diagnostics import Span
+from rtgen.compiler.model import Connection, PortReference, System, SystemComponent
 from rtgen.runtime.ports.data_ports import DataConnector
 from rtgen.runtime.system.joining import Connector, instances_of
 from rtgen.runtime.system.system import System as RunningSystem

@@ -10,9 +10,9 @@ from typing import Any, Final
 
 from msgspec.structs import replace
 
-from rtgen.backends.kit.quoting.code import UnquotableError
-from rtgen.diagnostics import InputError, ToolError
-from rtgen.model import System, SystemComponent
+from rtgen.compiler.backends.kit.quoting.code import UnquotableError
+from rtgen.compiler.diagnostics import InputError, ToolError
+from rtgen.compiler.model import System, SystemComponent
 from rtgen.runtime.errors import (
     ConfigurationError,
     ConnectError,

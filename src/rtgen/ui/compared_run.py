@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from rtgen.diagnostics import ToolError
-from rtgen.recording.errors import RecordingError
+from rtgen.compiler.diagnostics import ToolError
+from rtgen.tools.recording.errors import RecordingError
 from rtgen.ui.buses import DescriberOf
 from rtgen.ui.history import History
 from rtgen.ui.protocol import ui

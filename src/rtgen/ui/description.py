@@ -6,7 +6,6 @@ from collections.abc import Iterable, Mapping
 from inspect import getdoc
 from typing import Any, Final
 
-from rtgen.recording.recorder import cdr_encoder
 from rtgen.runtime.return_codes import LifeCycleState
 from rtgen.runtime.rtc.component import Component as Rtc
 from rtgen.runtime.rtc.profiles import ComponentProfile, ParameterProfile, PortProfile
@@ -14,6 +13,7 @@ from rtgen.runtime.services.calls import calls_of
 from rtgen.runtime.services.servants import ServiceError, operations_of
 from rtgen.runtime.system.joining import Connector, instances_of
 from rtgen.runtime.system.system import System
+from rtgen.tools.recording.recorder import cdr_encoder
 from rtgen.ui.protocol import ui
 from rtgen.ui.type_table import NO_TYPE, TypeTable
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
-from rtgen.model import System
+from rtgen.compiler.model import System
 from rtgen.ui.documents.document import Document
 from rtgen.ui.documents.profile import Change
 from rtgen.ui.errors import NOTHING_TO_UNDO, CommandError

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import NamedTuple, Protocol
 
 from rtgen import runtime
-from rtgen.diagnostics import Diagnostic
-from rtgen.model import System, SystemComponent
+from rtgen.compiler.diagnostics import Diagnostic
+from rtgen.compiler.model import System, SystemComponent
 from rtgen.runtime.failures import Failure
 from rtgen.runtime.marshalling.descriptors import DataType
 from rtgen.runtime.rtc.profiles import ComponentProfile

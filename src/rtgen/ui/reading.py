@@ -6,17 +6,17 @@ import json
 from collections.abc import Callable, Iterator
 from typing import Any, Final
 
-from rtgen.recording import messages
-from rtgen.recording.errors import RecordingError
-from rtgen.recording.events import Decoders, Log
-from rtgen.recording.mcap_reader import Channel, McapFile, Message
-from rtgen.recording.recorder import METADATA
-from rtgen.recording.schema_types import decoder, type_of
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.opaque_rpc.codecs import Codec
 from rtgen.runtime.return_codes import LifeCycleState
 from rtgen.runtime.timing.clocks import SECOND
 from rtgen.runtime.timing.traffic import BusFrame
+from rtgen.tools.recording import messages
+from rtgen.tools.recording.errors import RecordingError
+from rtgen.tools.recording.events import Decoders, Log
+from rtgen.tools.recording.mcap_reader import Channel, McapFile, Message
+from rtgen.tools.recording.recorder import METADATA
+from rtgen.tools.recording.schema_types import decoder, type_of
 from rtgen.ui import boards
 from rtgen.ui.buses import DescriberOf, SeenBuses
 from rtgen.ui.description import STATES

@@ -9,10 +9,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from rtgen.diagnostics import ToolError
-from rtgen.recording.errors import RecordingError
+from rtgen.compiler.diagnostics import ToolError
 from rtgen.runtime.opaque_rpc.codecs import Codec
 from rtgen.runtime.requests import Client, Request, Requests
+from rtgen.tools.recording.errors import RecordingError
 from rtgen.ui.buses import DescriberOf
 from rtgen.ui.errors import IMPOSSIBLE, CommandError
 from rtgen.ui.history import History

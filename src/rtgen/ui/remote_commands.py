@@ -7,8 +7,8 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from rtgen.compiler.model import SystemComponent
 from rtgen.facts.openrtm_ports import KIND
-from rtgen.model import SystemComponent
 from rtgen.ui import saving
 from rtgen.ui.calls import decoded
 from rtgen.ui.changes import unwritten

@@ -11,12 +11,12 @@ from typing import Any
 
 from msgspec.structs import replace
 
-from rtgen.backends.rts_profile import InstancePorts, system_text
+from rtgen.compiler.backends.profiles.rts_profile import InstancePorts, system_text
+from rtgen.compiler.frontends.kit import located_xml
+from rtgen.compiler.frontends.profiles import profile_yaml
+from rtgen.compiler.frontends.profiles.profile_yaml import YAML_SUFFIXES
+from rtgen.compiler.model import Connection, PortReference, System, SystemComponent
 from rtgen.facts.openrtm_ports import FOREIGN, KIND, foreign_instances
-from rtgen.frontends import profile_yaml
-from rtgen.frontends.kit import located_xml
-from rtgen.frontends.profile_yaml import YAML_SUFFIXES
-from rtgen.model import Connection, PortReference, System, SystemComponent
 from rtgen.runtime.ports.data_ports import DataConnector
 from rtgen.runtime.system.joining import Connector
 from rtgen.ui.changes import (

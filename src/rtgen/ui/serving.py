@@ -8,7 +8,7 @@ from pathlib import Path
 
 import uvicorn
 
-from rtgen.diagnostics import ToolError
+from rtgen.compiler.diagnostics import ToolError
 from rtgen.ui.server import MAX_MESSAGE_SIZE, PAGE, Served, Tokens, application
 
 _PATIENCE = 2

@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING, Any, Final
 from msgspec.structs import replace
 
 from rtgen import runtime
-from rtgen.diagnostics import Diagnostic, InputError, ToolError
+from rtgen.compiler.diagnostics import Diagnostic, InputError, ToolError
+from rtgen.compiler.model import System, SystemComponent
 from rtgen.facts.openrtm_ports import KIND, foreign_instances
-from rtgen.model import System, SystemComponent
-from rtgen.recording.recorder import cdr_encoder
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.failures import Failure, described
 from rtgen.runtime.opaque_rpc.codecs import Codec
@@ -31,6 +30,7 @@ from rtgen.runtime.timing.traffic import (
     ParameterChange,
 )
 from rtgen.runtime.timing.traffic import Event as Happening
+from rtgen.tools.recording.recorder import cdr_encoder
 from rtgen.ui import boards, compared_run, description
 from rtgen.ui.buses import Buses
 from rtgen.ui.changes import Changes

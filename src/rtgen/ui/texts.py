@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import msgspec
 
-from rtgen.diagnostics import Diagnostic, InputError, ToolError
+from rtgen.compiler.diagnostics import Diagnostic, InputError, ToolError
 from rtgen.runtime.failures import described
 from rtgen.ui.protocol import ui
 

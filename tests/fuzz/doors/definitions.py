@@ -17,12 +17,14 @@ from idl_words import LINES, NAMES, NUMBERS, TEXTS
 
 from doors import Door, variant
 from doors.mixing import files, mixing
-from rtgen.diagnostics import Diagnostic, has_errors
-from rtgen.diagnostics.explain import rules
-from rtgen.diagnostics.report import report
+from rtgen.compiler.diagnostics import Diagnostic, has_errors
+from rtgen.compiler.diagnostics.explain import rules
+from rtgen.compiler.diagnostics.report import report
+from rtgen.compiler.frontends import cdl
+from rtgen.compiler.inspection.models import inspect
 from rtgen.facts.ros import GENERATED_IDL
-from rtgen.frontends import cdl, openrtm_python, rosidl
-from rtgen.inspection.models import inspect
+from rtgen.openrtm import python_modules
+from rtgen.ros2 import rosidl
 
 REFUSED = ("rejected", "errors", "no system")
 """The labels of targets that stand for a refusal."""
@@ -153,7 +155,7 @@ def _adopt(folder: Path) -> Door:
 
     def enter(data: bytes) -> bool:
         path.write_bytes(data)
-        result = openrtm_python.read(path, [folder])
+        result = python_modules.read(path, [folder])
         report(result.diagnostics, result.sources)
         accepted = known(result.diagnostics)
         if accepted and result.profile is None:

@@ -9,11 +9,12 @@ from pathlib import Path
 from doors import Door
 from doors.definitions import known
 from doors.mixing import ROOT, files, mixing
-from rtgen.diagnostics import InputError, ToolError
-from rtgen.diagnostics.report import report
-from rtgen.frontends import bus, rts_profile
-from rtgen.project import file as project_file
-from rtgen.systems import timeline
+from rtgen.compiler.diagnostics import InputError, ToolError
+from rtgen.compiler.diagnostics.report import report
+from rtgen.compiler.frontends import bus
+from rtgen.compiler.frontends.profiles import rts_profile
+from rtgen.compiler.project import file as project_file
+from rtgen.compiler.systems import timeline
 
 
 def _bus(folder: Path) -> Door:
@@ -27,7 +28,7 @@ def _bus(folder: Path) -> Door:
         report(result.diagnostics, {})
         return known(result.diagnostics)
 
-    seeds = files("specs/canopen/*.toml", "tests/unit/canopen/**/*.toml")
+    seeds = files("specs/canopen/*.toml", "tests/runtime/canopen/**/*.toml")
     return Door(enter, mixing(seeds), seeds)
 
 

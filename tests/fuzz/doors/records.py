@@ -15,14 +15,14 @@ from fuzzing import log_uniform
 from doors import Door
 from doors.mixing import mixing
 from refrobots.rtc import TimedLong
-from rtgen.cli.can.parsing import logs
-from rtgen.recording.errors import RecordingError
-from rtgen.recording.events import Log
-from rtgen.recording.mcap_reader import McapFile
-from rtgen.recording.mcap_writer import McapWriter
-from rtgen.recording.recorder import Recorder
-from rtgen.recording.replay import course_of
 from rtgen.runtime import RTC_OK, Component, ComponentProfile, ReturnCode_t, System
+from rtgen.tools.can.parsing import logs
+from rtgen.tools.recording.errors import RecordingError
+from rtgen.tools.recording.events import Log
+from rtgen.tools.recording.mcap_reader import McapFile
+from rtgen.tools.recording.mcap_writer import McapWriter
+from rtgen.tools.recording.recorder import Recorder
+from rtgen.tools.recording.replay import course_of
 
 
 class _Counter(Component):

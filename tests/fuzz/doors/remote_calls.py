@@ -18,11 +18,9 @@ from generated import Generated, generate
 
 from doors import Door
 from doors.mixing import ROOT, mixing
-from rtgen.cli.rpc.board import MockBoard, ScriptError
-from rtgen.cli.rpc.codecs import Function, Service
-from rtgen.frontends import cdl, idl
-from rtgen.layouts.tdr import TransferError
-from rtgen.model.tecs import Signature
+from rtgen.compiler.frontends import cdl, idl
+from rtgen.compiler.layouts.tdr import TransferError
+from rtgen.compiler.model.tecs import Signature
 from rtgen.runtime import Servant, ServiceError, Stub
 from rtgen.runtime.cdr import CdrError, UserException
 from rtgen.runtime.distribution import rpc_header
@@ -40,9 +38,11 @@ from rtgen.runtime.services.calls import (
     calls_of,
 )
 from rtgen.runtime.xcdr import serialize
+from rtgen.tools.rpc.board import MockBoard, ScriptError
+from rtgen.tools.rpc.codecs import Function, Service
 
 _FILES = (
-    "tests/unit/cdl/constructs.cdl",
+    "tests/compiler/cdl/constructs.cdl",
     "specs/tecs/board.cdl",
     "tests/fuzz/calls.cdl",
 )

@@ -1,7 +1,7 @@
 """Section 1 of the language: text, identifiers, keywords, literals, operators."""
 
 from idl_probes.probe import alone, better, refused, same
-from rtgen.frontends.idl.syntax.keywords import RESERVED
+from rtgen.compiler.frontends.idl.syntax.keywords import RESERVED
 
 _S = "struct S { long a; };"
 

@@ -12,12 +12,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtgen.cli.common import OK, Console, WholeRange, with_console, write_out
-from rtgen.diagnostics import ToolError
-from rtgen.diagnostics.printable import printable
+from rtgen.cli.options import with_console
+from rtgen.cli.parameter_types import WholeRange
+from rtgen.compiler.diagnostics import ToolError
+from rtgen.compiler.diagnostics.printable import printable
 from rtgen.runtime.canopen.bus.hub import QUEUE, Hub, HubSettings
 from rtgen.runtime.canopen.bus.hub_faults import Fault, fault_of
 from rtgen.runtime.canopen.bus.python_can import SOCKETCAND_PORT
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import OK
 
 if TYPE_CHECKING:
     from rtgen.runtime.canopen.bus.hub_pty import SlcanPty

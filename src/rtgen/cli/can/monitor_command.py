@@ -6,10 +6,13 @@ import sys
 
 import click
 
-from rtgen.cli.can.decoding.frame_printing import MessageDecoder, Printer, Wanted
-from rtgen.cli.can.live.live_bus import frames, opened
-from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes, with_span
-from rtgen.cli.common import OK, Console, with_console, write_out
+from rtgen.cli.can.options import with_bus, with_nodes, with_span
+from rtgen.cli.options import with_console
+from rtgen.tools.can.access import BusAccess, Described
+from rtgen.tools.can.decoding.frame_printing import MessageDecoder, Printer, Wanted
+from rtgen.tools.can.live.live_bus import frames, opened
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import OK
 
 
 @click.command("monitor")
@@ -56,7 +59,7 @@ def monitor_(
                 if message is not None:
                     printer.take(message)
         else:
-            from rtgen.cli.can.decoding.live_table import show
+            from rtgen.tools.can.decoding.live_table import show
 
             show(received, MessageDecoder(known), wanted, bus.bus.channel_info)
     if received.lost:

@@ -8,13 +8,16 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtgen.cli.can.decoding.frame_printing import MessageDecoder
-from rtgen.cli.can.decoding.node_index import NodeIndex
-from rtgen.cli.can.decoding.time_series import Series, check_output, draw, write_csv
-from rtgen.cli.can.live.live_bus import frames, opened
-from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes, with_span
-from rtgen.cli.can.parsing import logs
-from rtgen.cli.common import NO, OK, Console, with_console
+from rtgen.cli.can.options import with_bus, with_nodes, with_span
+from rtgen.cli.options import with_console
+from rtgen.tools.can.access import BusAccess, Described
+from rtgen.tools.can.decoding.frame_printing import MessageDecoder
+from rtgen.tools.can.decoding.node_index import NodeIndex
+from rtgen.tools.can.decoding.time_series import Series, check_output, draw, write_csv
+from rtgen.tools.can.live.live_bus import frames, opened
+from rtgen.tools.can.parsing import logs
+from rtgen.tools.kit.console import Console
+from rtgen.tools.kit.exits import NO, OK
 
 if TYPE_CHECKING:
     from can import Message

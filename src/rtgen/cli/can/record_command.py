@@ -6,11 +6,14 @@ from pathlib import Path
 
 import click
 
-from rtgen.cli.can.common import counted
-from rtgen.cli.can.live.live_bus import frames, opened
-from rtgen.cli.can.options import BusAccess, with_bus, with_span
-from rtgen.cli.can.parsing.logs import check_kind, writer
-from rtgen.cli.common import OK, Console, with_console
+from rtgen.cli.can.options import with_bus, with_span
+from rtgen.cli.options import with_console
+from rtgen.tools.can.access import BusAccess
+from rtgen.tools.can.common import counted
+from rtgen.tools.can.live.live_bus import frames, opened
+from rtgen.tools.can.parsing.logs import check_kind, writer
+from rtgen.tools.kit.console import Console
+from rtgen.tools.kit.exits import OK
 
 
 @click.command("record")

@@ -9,19 +9,23 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtgen.cli.can.common import counted
-from rtgen.cli.can.decoding.frame_printing import Printer, Wanted
-from rtgen.cli.can.live.live_bus import (
+from rtgen.cli.can.options import with_bus, with_nodes
+from rtgen.cli.options import with_console
+from rtgen.cli.parameter_types import FiniteRange
+from rtgen.runtime.canopen.bus.messages import frame_of
+from rtgen.tools.can.access import BusAccess, Described
+from rtgen.tools.can.common import counted
+from rtgen.tools.can.decoding.frame_printing import Printer, Wanted
+from rtgen.tools.can.live.live_bus import (
     can_carry,
     drained,
     opened,
     send,
     until_interrupted,
 )
-from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
-from rtgen.cli.can.parsing import logs
-from rtgen.cli.common import OK, Console, FiniteRange, with_console, write_out
-from rtgen.runtime.canopen.bus.messages import frame_of
+from rtgen.tools.can.parsing import logs
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import OK
 
 if TYPE_CHECKING:
     from can import Message

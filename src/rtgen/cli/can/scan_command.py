@@ -7,14 +7,18 @@ from dataclasses import dataclass, field
 
 import click
 
-from rtgen.cli.can.decoding.node_index import NodeIndex
-from rtgen.cli.can.live.bus_session import BusSession
-from rtgen.cli.can.live.live_bus import opened
-from rtgen.cli.can.live.lss_scan import unconfigured
-from rtgen.cli.can.live.scanning import Found, scanned
-from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
-from rtgen.cli.common import NO, OK, Console, FiniteRange, with_console, write_out
+from rtgen.cli.can.options import with_bus, with_nodes
+from rtgen.cli.options import with_console
+from rtgen.cli.parameter_types import FiniteRange
 from rtgen.runtime.canopen.wire.lss import LssAddress
+from rtgen.tools.can.access import BusAccess, Described
+from rtgen.tools.can.decoding.node_index import NodeIndex
+from rtgen.tools.can.live.bus_session import BusSession
+from rtgen.tools.can.live.live_bus import opened
+from rtgen.tools.can.live.lss_scan import unconfigured
+from rtgen.tools.can.live.scanning import Found, scanned
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import NO, OK
 
 
 @dataclass(slots=True)

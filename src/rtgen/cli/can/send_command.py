@@ -9,13 +9,17 @@ from pathlib import Path
 
 import click
 
-from rtgen.cli.can.common import counted
-from rtgen.cli.can.live.live_bus import drained, opened, send, until_interrupted
-from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
-from rtgen.cli.can.parsing.frames import FORMS, frame_of_text
-from rtgen.cli.can.parsing.sequences import Step, read_sequence
-from rtgen.cli.common import OK, Console, FiniteRange, WholeRange, with_console
+from rtgen.cli.can.options import with_bus, with_nodes
+from rtgen.cli.options import with_console
+from rtgen.cli.parameter_types import FiniteRange, WholeRange
 from rtgen.runtime.canopen.bus.python_can import OpenBus
+from rtgen.tools.can.access import BusAccess, Described
+from rtgen.tools.can.common import counted
+from rtgen.tools.can.live.live_bus import drained, opened, send, until_interrupted
+from rtgen.tools.can.parsing.frames import FORMS, frame_of_text
+from rtgen.tools.can.parsing.sequences import Step, read_sequence
+from rtgen.tools.kit.console import Console
+from rtgen.tools.kit.exits import OK
 
 
 @click.command("send")

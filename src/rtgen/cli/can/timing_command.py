@@ -8,13 +8,15 @@ from pathlib import Path
 import click
 from msgspec.structs import replace
 
-from rtgen.backends.canopen.reports import timing_text
-from rtgen.cli.can.writing_rates import writings
-from rtgen.cli.common import BAD_INPUT, NO, OK, Console, with_console, write_out
-from rtgen.frontends.eds.information import BIT_RATES
-from rtgen.layouts.can_messages import messages
-from rtgen.layouts.can_timing import Timing, load, response_times
-from rtgen.systems import reading as systems
+from rtgen.cli.options import with_console
+from rtgen.compiler.backends.canopen.reports import timing_text
+from rtgen.compiler.frontends.eds.information import BIT_RATES
+from rtgen.compiler.layouts.can_messages import messages
+from rtgen.compiler.layouts.can_timing import Timing, load, response_times
+from rtgen.compiler.systems import reading as systems
+from rtgen.tools.can.writing_rates import writings
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import BAD_INPUT, NO, OK
 
 
 @click.command("timing")
@@ -46,7 +48,7 @@ def timing_(
     bits, and one queue for the messages of the manager and the proxies. Exit code 1: a message has
     no bound, or can be later than its next instance.
     """
-    from rtgen.frontends import bus as front_end
+    from rtgen.compiler.frontends import bus as front_end
 
     result = front_end.load(file, root=Path.cwd())
     console.findings(result.diagnostics, result.sources)

@@ -17,10 +17,16 @@ COMMANDS = {
     "use": "Activate a configuration set.",
     "watch": "Print changes of state.",
 }
-"""Commands with their help lines; the module `commands` has a function `<command>_` for each."""
+"""Commands with their help lines; a module has a function `<command>_` for each."""
+_OF_PARAMETERS = ("get", "set", "use")
 
 
-@click.group(cls=LazyGroup, summaries=COMMANDS, target="rtgen.cli.ctl.commands:{0}_")
+@click.group(
+    cls=LazyGroup,
+    summaries=COMMANDS,
+    target="rtgen.cli.ctl.commands:{0}_",
+    elsewhere=dict.fromkeys(_OF_PARAMETERS, "rtgen.cli.ctl.parameter_commands:{0}_"),
+)
 def ctl() -> None:
     """Watch and control components in other processes, over DDS or Zenoh.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import json
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -13,14 +14,17 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rtgen import runtime
-from rtgen.cli.common import BAD_INPUT, NO, Console, FiniteRange, ReportedError
-from rtgen.cli.running import engines
-from rtgen.cli.running.engines import EngineOptions
-from rtgen.cli.signals import terminable
-from rtgen.diagnostics import ToolError, has_errors
+from rtgen.cli.parameter_types import FiniteRange
+from rtgen.cli.transport_options import ENGINE_OPTIONS
+from rtgen.compiler.diagnostics import ToolError, has_errors
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import BAD_INPUT, NO, ReportedError
+from rtgen.tools.kit.signals import terminable
+from rtgen.tools.running import engines
+from rtgen.tools.running.engines import EngineOptions
 
 if TYPE_CHECKING:
-    from rtgen.model import System
+    from rtgen.compiler.model import System
     from rtgen.runtime.distribution.control import Asker
     from rtgen.runtime.distribution.peers import Peers
 
@@ -56,7 +60,7 @@ _OPTIONS = (
         metavar="FILE",
         help="RtsProfile of the system, or its folder; the name of the system is the partition.",
     ),
-    *engines.OPTIONS,
+    *ENGINE_OPTIONS,
     click.option(
         "--wait",
         type=FiniteRange(0, 86400),
@@ -66,6 +70,9 @@ _OPTIONS = (
         help="Time to wait for components, and for a state.",
     ),
 )
+
+
+with_json = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 
 
 def with_system(command: Callable[..., int]) -> Callable[..., int]:
@@ -118,7 +125,7 @@ def profile_of(console: Console, options: CtlOptions) -> System | None:
     """Return the system of `--system`; its name is the partition of its processes."""
     if options.system is None:
         return None
-    from rtgen.systems.reading import read_file
+    from rtgen.compiler.systems.reading import read_file
 
     path = Path(options.system)
     profile, found, sources = read_file(path / "system.xml" if path.is_dir() else path)
@@ -153,3 +160,8 @@ def settled(peers: Peers, options: CtlOptions) -> Sequence[str]:
             known, changed = peers.instances, now
         if now - begun >= options.wait or (known and now - changed >= _SETTLED):
             return known
+
+
+def print_json(value: object) -> None:
+    """Print a value as indented JSON."""
+    write_out(f"{json.dumps(value, indent=2, ensure_ascii=False)}\n")

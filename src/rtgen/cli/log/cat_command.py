@@ -7,9 +7,12 @@ from pathlib import Path
 
 import click
 
-from rtgen.cli.common import OK, Console, for_output, with_console
-from rtgen.cli.log.common import choice, reported, say_losses, with_choice
-from rtgen.recording.events import Log
+from rtgen.cli.log.common import with_choice
+from rtgen.cli.options import with_console
+from rtgen.tools.kit.console import Console, for_output
+from rtgen.tools.kit.exits import OK
+from rtgen.tools.recording.events import Log
+from rtgen.tools.recording.selection import choice, reported, say_losses
 
 
 @click.command("cat")

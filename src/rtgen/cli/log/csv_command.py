@@ -7,10 +7,12 @@ from pathlib import Path
 
 import click
 
-from rtgen.cli.common import OK, Console, with_console, write_out
 from rtgen.cli.log.values import with_values
-from rtgen.cli.running.curves import write_curves
-from rtgen.cli.running.trajectory import opened
+from rtgen.cli.options import with_console
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import OK
+from rtgen.tools.running.curves import write_curves
+from rtgen.tools.running.trajectory import opened
 
 
 @click.command("csv")

@@ -9,12 +9,14 @@ from typing import Any
 
 import click
 
-from rtgen.cli.common import OK, Console, with_console, write_out
-from rtgen.cli.log.common import reported, source
-from rtgen.cli.running.summary import table
-from rtgen.recording.events import Log
-from rtgen.recording.recorder import METADATA
+from rtgen.cli.options import with_console
 from rtgen.runtime.timing.clocks import SECOND
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import OK
+from rtgen.tools.recording.events import Log
+from rtgen.tools.recording.recorder import METADATA
+from rtgen.tools.recording.selection import reported, source
+from rtgen.tools.running.summary import table
 
 _HEADER = ("event", "of", "type", "count", "from [s]", "to [s]")
 

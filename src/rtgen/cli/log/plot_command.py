@@ -6,10 +6,12 @@ from pathlib import Path
 
 import click
 
-from rtgen.cli.common import OK, Console, with_console
 from rtgen.cli.log.values import curves_of, with_values
-from rtgen.cli.running.curves import draw_curves
-from rtgen.cli.running.trajectory import check_picture
+from rtgen.cli.options import with_console
+from rtgen.tools.kit.console import Console
+from rtgen.tools.kit.exits import OK
+from rtgen.tools.running.curves import draw_curves
+from rtgen.tools.running.trajectory import check_picture
 
 
 @click.command("plot")

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import click
 
-from rtgen.cli.common import Console
-from rtgen.cli.log.common import reported, say_losses
-from rtgen.cli.running.curves import Curve, Selection
-from rtgen.diagnostics import InputError
-from rtgen.recording.events import Log
+from rtgen.compiler.diagnostics import InputError
+from rtgen.compiler.systems.rules import OBSERVABLE
 from rtgen.runtime.timing.clocks import SECOND
-from rtgen.systems.rules import OBSERVABLE
+from rtgen.tools.kit.console import Console
+from rtgen.tools.recording.events import Log
+from rtgen.tools.recording.selection import reported, say_losses
+from rtgen.tools.running.curves import Curve, Selection
 
 
 def with_values(command: Callable[..., int]) -> Callable[..., int]:

@@ -8,13 +8,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtgen.cli.common import BAD_INPUT, OK, Console, with_console, write_out
-from rtgen.project import Project, load, shown
+from rtgen.cli.options import with_console
+from rtgen.compiler.project import Project, load, shown
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import BAD_INPUT, OK
 
 if TYPE_CHECKING:  # loaded by the commands that need it
-    from rtgen.model import Model
-    from rtgen.scaffold.names import Names
-    from rtgen.scaffold.starters import File, Place
+    from rtgen.compiler.model import Model
+    from rtgen.tools.scaffold.names import Names
+    from rtgen.tools.scaffold.starters import File, Place
 
 
 @click.command()
@@ -31,8 +33,8 @@ def project(console: Console, name: str, source: str | None) -> int:
 
     NAME may have dots: `acme.rover` is the package `rover` in `acme`.
     """
-    from rtgen.scaffold import starters, writing
-    from rtgen.scaffold.names import project_names
+    from rtgen.tools.scaffold import starters, writing
+    from rtgen.tools.scaffold.names import project_names
 
     package, forms = project_names(name)
     target = Path(name)
@@ -57,7 +59,7 @@ def project(console: Console, name: str, source: str | None) -> int:
 @with_console
 def component(console: Console, name: str) -> int:
     """Add a component: its definition, behaviour and test."""
-    from rtgen.scaffold import starters
+    from rtgen.tools.scaffold import starters
 
     return _add(console, name, starters.component)
 
@@ -67,7 +69,7 @@ def component(console: Console, name: str) -> int:
 @with_console
 def device(console: Console, name: str) -> int:
     """Add a CANopen device: its EDS, a bus with it, behaviour and test."""
-    from rtgen.scaffold import starters
+    from rtgen.tools.scaffold import starters
 
     return _add(console, name, starters.device)
 
@@ -77,7 +79,7 @@ def device(console: Console, name: str) -> int:
 @with_console
 def board(console: Console, name: str) -> int:
     """Add a TECS board: CDL with a signature and a join, and a test over TCP."""
-    from rtgen.scaffold import starters
+    from rtgen.tools.scaffold import starters
 
     return _add(console, name, starters.board)
 
@@ -94,7 +96,7 @@ def system(console: Console, name: str, components: tuple[str, ...]) -> int:
     type, a consumer to the nearest provider of its interface; other ports that fit are reported.
     The component of a device, which its bus connects, has no connections.
     """
-    from rtgen.scaffold import starters
+    from rtgen.tools.scaffold import starters
 
     ambiguous: list[str] = []
 
@@ -117,7 +119,7 @@ def template(console: Console, name: str | None) -> int:
 
     The copy takes the place of the original for this project.
     """
-    from rtgen.scaffold import templates, writing
+    from rtgen.tools.scaffold import templates, writing
 
     if name is None:
         write_out(templates.listing())
@@ -134,8 +136,8 @@ def template(console: Console, name: str | None) -> int:
 @with_console
 def backend(console: Console, name: str) -> int:
     """Create the folder NAME with a back end: a package that extends rtgen once installed."""
-    from rtgen.scaffold import starters, writing
-    from rtgen.scaffold.names import names
+    from rtgen.tools.scaffold import starters, writing
+    from rtgen.tools.scaffold.names import names
 
     forms = names(name)
     target = Path(name)
@@ -148,8 +150,8 @@ def backend(console: Console, name: str) -> int:
 def _add(
     console: Console, name: str, files_of: Callable[[Names, Place], Sequence[File]]
 ) -> int:
-    from rtgen.scaffold import starters, writing
-    from rtgen.scaffold.names import names
+    from rtgen.tools.scaffold import starters, writing
+    from rtgen.tools.scaffold.names import names
 
     forms = names(name)
     files = files_of(forms, starters.place_of(load()))
@@ -161,10 +163,10 @@ def _add(
 
 def _model(project: Project) -> Model:
     """Return the components of the project. Raises InputError if its definitions have errors."""
-    from rtgen import compiler
-    from rtgen.diagnostics import InputError, has_errors
+    from rtgen.compiler import compilation
+    from rtgen.compiler.diagnostics import InputError, has_errors
 
-    result = compiler.read(project, lowered=True)
+    result = compilation.read(project, lowered=True)
     if has_errors(result.diagnostics):
         raise InputError(result.diagnostics)
     return result.model
@@ -172,9 +174,9 @@ def _model(project: Project) -> Model:
 
 def _generate(console: Console, project: Project) -> None:
     """Generate what belongs to the new files. Raises ReportedError if there are errors."""
-    from rtgen.cli.common import ReportedError
-    from rtgen.cli.compiling.cached import build
-    from rtgen.project import output
+    from rtgen.compiler.project import output
+    from rtgen.tools.compiling.cached import build
+    from rtgen.tools.kit.exits import ReportedError
 
     run = build(project, None)
     console.findings(run.diagnostics, run.sources)

@@ -7,28 +7,29 @@ from typing import cast
 
 import click
 
-from rtgen.cli.common import FAILED, OK, Console, WholeRange, with_console, write_out
-from rtgen.cli.rpc.codecs import Function
-from rtgen.cli.rpc.common import (
+from rtgen.cli.options import with_console
+from rtgen.cli.parameter_types import WholeRange
+from rtgen.cli.rpc.common import with_cdl, with_peer
+from rtgen.compiler.diagnostics import ToolError
+from rtgen.runtime.opaque_rpc import (
+    ArgumentError,
+    RpcError,
+)
+from rtgen.runtime.opaque_rpc.serial import BAUDRATE
+from rtgen.runtime.opaque_rpc.values import is_rpc_error
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import FAILED, OK
+from rtgen.tools.rpc.channels import channel_of
+from rtgen.tools.rpc.codecs import Function
+from rtgen.tools.rpc.signatures import (
     Peer,
     function_of,
     parsed,
     printed,
     read_unit,
     refused,
-    with_cdl,
-    with_peer,
 )
-from rtgen.cli.rpc.values import JsonError
-from rtgen.diagnostics import ToolError
-from rtgen.runtime.opaque_rpc import (
-    ArgumentError,
-    RpcError,
-    SerialChannel,
-    TcpChannel,
-)
-from rtgen.runtime.opaque_rpc.serial import BAUDRATE
-from rtgen.runtime.opaque_rpc.values import is_rpc_error
+from rtgen.tools.rpc.values import JsonError
 
 
 @click.command("call")
@@ -78,20 +79,3 @@ def call_(
 def _returns_code(function: Function) -> bool:
     """Return whether the return value reports failures: its declared type is ER or ER_INT."""
     return str(function.layout.function.returns) in ("ER", "ER_INT")
-
-
-def channel_of(
-    address: str = "", *, serial: str | None, baud: int, peer: Peer
-) -> TcpChannel | SerialChannel:
-    """Return the channel to a serial device or to HOST:PORT. Raises ClickException."""
-    if serial:
-        return SerialChannel(serial, baud, peer.timeout)
-    return TcpChannel(*host_and_port(address), timeout=peer.timeout)
-
-
-def host_and_port(text: str) -> tuple[str, int]:
-    """Split HOST:PORT. Raises ClickException."""
-    host, _, port = text.rpartition(":")
-    if not host or not port.isdecimal() or not 0 < int(port) < 65536:
-        raise refused(f"{text!r} is not HOST:PORT")
-    return host.removeprefix("[").removesuffix("]"), int(port)

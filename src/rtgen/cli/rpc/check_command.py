@@ -6,19 +6,16 @@ from pathlib import Path
 
 import click
 
-from rtgen.cli.common import NO, OK, Console, WholeRange, with_console, write_out
-from rtgen.cli.rpc.call_command import channel_of
-from rtgen.cli.rpc.common import (
-    Peer,
-    printed,
-    read_unit,
-    service_of,
-    with_cdl,
-    with_peer,
-)
-from rtgen.diagnostics import ToolError
+from rtgen.cli.options import with_console
+from rtgen.cli.parameter_types import WholeRange
+from rtgen.cli.rpc.common import with_cdl, with_peer
+from rtgen.compiler.diagnostics import ToolError
 from rtgen.runtime.opaque_rpc import RpcError, peer_digest
 from rtgen.runtime.opaque_rpc.serial import BAUDRATE
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import NO, OK
+from rtgen.tools.rpc.channels import channel_of
+from rtgen.tools.rpc.signatures import Peer, printed, read_unit, service_of
 
 
 @click.command("check")

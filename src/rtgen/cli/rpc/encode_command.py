@@ -7,19 +7,14 @@ from pathlib import Path
 
 import click
 
-from rtgen.cli.common import OK, Console, with_console, write_out
-from rtgen.cli.rpc.codecs import Function
-from rtgen.cli.rpc.common import (
-    Wire,
-    function_of,
-    parsed,
-    read_unit,
-    refused,
-    with_cdl,
-    with_representation,
-)
-from rtgen.cli.rpc.values import JsonError
+from rtgen.cli.options import with_console
+from rtgen.cli.rpc.common import with_cdl, with_representation
 from rtgen.runtime.opaque_rpc import ArgumentError
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import OK
+from rtgen.tools.rpc.codecs import Function
+from rtgen.tools.rpc.signatures import Wire, function_of, parsed, read_unit, refused
+from rtgen.tools.rpc.values import JsonError
 
 
 @click.command("encode")

@@ -6,11 +6,14 @@ from pathlib import Path
 
 import click
 
-from rtgen.cli.common import OK, Console, with_console, write_out
-from rtgen.cli.rpc.common import read_unit, signatures_of, with_cdl
-from rtgen.layouts.tdr_messages import problems
-from rtgen.model.tecs import TecsFunction, TecsParameter
-from rtgen.typemap.tecs.texts import sizes_text
+from rtgen.cli.options import with_console
+from rtgen.cli.rpc.common import with_cdl
+from rtgen.compiler.layouts.tdr_messages import problems
+from rtgen.compiler.model.tecs import TecsFunction, TecsParameter
+from rtgen.compiler.typemap.tecs.texts import sizes_text
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import OK
+from rtgen.tools.rpc.signatures import read_unit, signatures_of
 
 
 @click.command("list")

@@ -3,33 +3,18 @@
 from __future__ import annotations
 
 import json
-import struct
-from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, cast
 
 import click
 
-from rtgen.cli.common import NO, OK, Console, with_console, write_out
-from rtgen.cli.rpc.codecs import Function, Service
-from rtgen.cli.rpc.common import (
-    Wire,
-    content,
-    refused,
-    service_of,
-    with_representation,
-)
-from rtgen.cli.rpc.values import Json, JsonError
-from rtgen.diagnostics import has_errors
-from rtgen.facts.tdr import Scalar
-from rtgen.frontends.cdl import read_text
-from rtgen.layouts.tdr import Basic, Counted, FixedArray, Item, Node, Nothing, Record
-from rtgen.model.tecs import TecsUnit
-from rtgen.runtime.opaque_rpc import ArgumentError, RpcError, make_tdr
-from rtgen.runtime.opaque_rpc.tdr import SHARED_BEGIN, SHARED_END
+from rtgen.cli.options import with_console
+from rtgen.cli.rpc.common import with_representation
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import NO, OK
+from rtgen.tools.rpc.recorded_calls import Replay
+from rtgen.tools.rpc.signatures import Wire, content, refused
 
 _FORMAT = "opaque-rpc-trace/1"
-_ORDERS = {"tNBOTDR": "network", "tTDR": "little"}
 
 
 @click.command("replay")
@@ -49,7 +34,7 @@ def replay_(console: Console, traces: Path, verbose: bool, wire: Wire) -> int:
         raise refused(f"{traces} is not JSON: {error}") from error
     if not isinstance(recorded, dict) or recorded.get("format") != _FORMAT:
         raise refused(f"{traces} is not a file of the format {_FORMAT}")
-    replay = _Replay(recorded, wire)
+    replay = Replay(recorded, wire)
     try:
         cases = [*recorded["cases"], *recorded.get("shared_channel_cases", [])]
         found = [(case["id"], list(replay.differences(case))) for case in cases]
@@ -63,156 +48,3 @@ def replay_(console: Console, traces: Path, verbose: bool, wire: Wire) -> int:
         lines += [f"{name}: {difference}" for difference in differences]
     write_out("".join(f"{line}\n" for line in lines))
     return OK if equal == len(cases) else NO
-
-
-class _Replay:
-    """The services of a file of recorded calls, cached."""
-
-    def __init__(self, recorded: Mapping[str, Any], wire: Wire) -> None:
-        self._recorded = recorded
-        self._wire = wire
-        self._units: dict[str, TecsUnit] = {}
-        self._services: dict[tuple[str, str], Service] = {}
-
-    def differences(self, case: Mapping[str, Any]) -> Iterator[str]:
-        """Yield the differences to the record."""
-        try:
-            service = self._service(case["signature"], case["tdr"])
-        except click.ClickException as error:
-            yield error.message
-            return
-        function = service.functions.get(case["function"])
-        if function is None:
-            yield f"no function {case['function']!r}"
-            return
-        try:
-            request, trailer = _unwrapped(case, service)
-            arguments = function.arguments_from_json(case["args"])
-            encoded = function.encode_request(arguments)
-            yield from _compare("request", request, encoded)
-            decoded = function.arguments_to_json(function.decode_request(request))
-            items = function.layout.arguments
-            yield from _compare_values("arguments", items, case["args"], decoded)
-            yield from _compare("trailer", case.get("after_response", ""), trailer)
-            if function.oneway:
-                yield from _compare("reply", bytes.fromhex(case["response"]), b"")
-            else:
-                yield from _reply_differences(case, function, arguments)
-        except (ArgumentError, JsonError, RpcError) as error:
-            yield str(error)
-
-    def _service(self, name: str, tdr: str) -> Service:
-        key = (name, tdr)
-        if key not in self._services:
-            bits = self._wire.tdr.long_bits
-            order = cast(Any, _ORDERS.get(tdr))
-            if order is None:
-                raise refused(f"the data representation {tdr!r} is unknown")
-            usual = make_tdr(self._wire.tdr.order).long_bits
-            made = make_tdr(order, long_bits=bits if bits != usual else None)
-            wire = Wire(made, self._wire.reply)
-            self._services[key] = service_of(self._unit(name), name, wire)
-        return self._services[key]
-
-    def _unit(self, name: str) -> TecsUnit:
-        """Return the unit of a signature, with the declarations of its own text."""
-        if name not in self._units:
-            texts = self._recorded["signatures"]
-            if name not in texts:
-                raise refused(f"the signature {name!r} is missing")
-            common = self._recorded.get("allocator_cdl", "")
-            unit, found = read_text(common + texts[name], f"{name}.cdl")
-            if has_errors(found):
-                unit, others = read_text(common + "".join(texts.values()), "all.cdl")
-                if has_errors(others):
-                    raise refused(
-                        str(next(d for d in found if has_errors([d])).message)
-                    )
-            self._units[name] = unit
-        return self._units[name]
-
-
-def _unwrapped(case: Mapping[str, Any], service: Service) -> tuple[bytes, str]:
-    """Return the request without the framing of a shared channel, and octets after the reply."""
-    request = bytes.fromhex(case["request"])
-    if not case.get("shared"):
-        return request, ""
-    tdr = service.codec.tdr
-    begin, end = tdr.int16(SHARED_BEGIN), tdr.int16(SHARED_END)
-    if not request.startswith(begin) or not request.endswith(end):
-        raise JsonError(
-            "a request of a shared channel begins with 3141, ends with 2718"
-        )
-    oneway = service.functions[case["function"]].oneway
-    return request[4:-2], "" if oneway else end.hex()
-
-
-def _reply_differences(
-    case: Mapping[str, Any], function: Function, arguments: tuple[object, ...]
-) -> Iterator[str]:
-    reply = bytes.fromhex(case["response"])
-    kept = function.kept(arguments)
-    result = {"return": case["return"], "outs": case["outs"]}
-    returned, outs = function.result_from_json(result)
-    yield from _compare("reply", reply, function.encode_reply(kept, returned, outs))
-    decoded = function.result_to_json(*function.decode_reply(reply, kept))
-    returns = (function.layout.returned,)
-    expected, found = {"": case["return"]}, {"": decoded["return"]}
-    yield from _compare_values("return value", returns, expected, found)
-    items = function.layout.outs
-    yield from _compare_values("outs", items, case["outs"], decoded["outs"])
-
-
-def _compare(what: str, expected: bytes | str, found: bytes | str) -> Iterator[str]:
-    if expected != found:
-        shown = [v.hex() if isinstance(v, bytes) else v for v in (expected, found)]
-        yield f"{what}: {shown[0]} was recorded, the codec encodes {shown[1]}"
-
-
-def _compare_values(
-    what: str, items: tuple[Item, ...], expected: Json, found: Json
-) -> Iterator[str]:
-    if not _is_object(items, expected, found):
-        texts = (json.dumps(expected), json.dumps(found))
-        yield f"{what}: {texts[0]} was recorded, the codec decodes {texts[1]}"
-
-
-def _is_object(items: tuple[Item, ...], expected: Json, found: Json) -> bool:
-    if not isinstance(expected, dict) or not isinstance(found, dict):
-        return expected is None and found is None
-    return all(
-        _is_same(item, expected.get(item.name), found.get(item.name)) for item in items
-    )
-
-
-def _is_same(item: Item, expected: Json, found: Json) -> bool:
-    if item.pointer and isinstance(found, list) and isinstance(expected, list):
-        pairs = zip(expected, found, strict=False)
-        same = all(_is_equal(item.node, a, b) for a, b in pairs)
-        return same and len(expected) == len(found)
-    return _is_equal(item.node, expected, found)
-
-
-def _single(value: float) -> float:
-    """Return the value rounded to float32_t."""
-    return float(struct.unpack("f", struct.pack("f", value))[0])
-
-
-def _is_equal(node: Node, expected: Json, found: Json) -> bool:
-    """Return whether values are equal; of arrays with `count_is`, counted elements are compared."""
-    match node:
-        case Nothing():
-            return True
-        case Basic(Scalar.FLOAT32) if isinstance(expected, int | float):
-            return _single(expected) == found
-        case Record(items=items):
-            return _is_object(items, expected, found)
-        case FixedArray(element) | Counted(element) if isinstance(expected, list):
-            if not isinstance(found, list):
-                return False
-            is_cut = isinstance(node, Counted) and node.count is not node.size
-            expected = expected[: len(found)] if is_cut else expected
-            pairs = zip(expected, found, strict=False)
-            same = all(_is_equal(element, a, b) for a, b in pairs)
-            return same and len(expected) == len(found)
-    return expected == found

@@ -7,18 +7,10 @@ from pathlib import Path
 
 import click
 
-from rtgen.cli.common import OK, Console, WholeRange, with_console, write_out
-from rtgen.cli.rpc.board import MockBoard, ScriptError
-from rtgen.cli.rpc.common import (
-    Peer,
-    content,
-    read_unit,
-    refused,
-    service_of,
-    with_cdl,
-    with_peer,
-)
-from rtgen.diagnostics import ToolError
+from rtgen.cli.options import with_console
+from rtgen.cli.parameter_types import WholeRange
+from rtgen.cli.rpc.common import with_cdl, with_peer
+from rtgen.compiler.diagnostics import ToolError
 from rtgen.facts.opaque_rpc import FIRST_PORT
 from rtgen.runtime.opaque_rpc import (
     REQUEST_LIMIT,
@@ -28,6 +20,10 @@ from rtgen.runtime.opaque_rpc import (
 )
 from rtgen.runtime.opaque_rpc.messages import log
 from rtgen.runtime.opaque_rpc.serial import BAUDRATE
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import OK
+from rtgen.tools.rpc.board import MockBoard, ScriptError
+from rtgen.tools.rpc.signatures import Peer, content, read_unit, refused, service_of
 
 
 @click.command("serve")

@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from rtgen.backends.rts_profile import system_text
-from rtgen.diagnostics import InputError
+from rtgen.compiler.backends.profiles.rts_profile import system_text
+from rtgen.compiler.diagnostics import InputError
+from rtgen.compiler.frontends.kit import located_xml
+from rtgen.compiler.frontends.profiles import profile_yaml, rts_profile
+from rtgen.compiler.frontends.profiles.profile_yaml import YAML_SUFFIXES
+from rtgen.compiler.kit.xml_text import NOT_IN_XML
+from rtgen.compiler.model import System
 from rtgen.facts import encodings
 from rtgen.facts.decoded_text import NotEncodableError
-from rtgen.frontends import profile_yaml, rts_profile
-from rtgen.frontends.kit import located_xml
-from rtgen.frontends.profile_yaml import YAML_SUFFIXES
-from rtgen.model import System
 from rtgen.ui.documents import xml_edits, yaml_edits
 from rtgen.ui.documents.elements import Editable
 from rtgen.ui.documents.profile import Change, Profile
-from rtgen.xml_text import NOT_IN_XML
 
 _MAX_NAME: Final = 200
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
-from rtgen.model.profile_elements import RTS, Name, ProfileElement
+from rtgen.compiler.model.profile_elements import RTS, Name, ProfileElement
 
 
 @dataclass(slots=True, eq=False)

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import Final, TypeAlias
 
-from rtgen.backends.rts_profile.elements import (
+from rtgen.compiler.backends.profiles.rts_profile.elements import (
     InstancePorts,
     component_element,
     connector_element,
 )
-from rtgen.backends.rts_profile.kept import EMPTY_WITHOUT, position
+from rtgen.compiler.backends.profiles.rts_profile.kept import EMPTY_WITHOUT, position
+from rtgen.compiler.model import Connection, SystemComponent
+from rtgen.compiler.model.profile_elements import RTS, RTS_EXT
 from rtgen.facts.openrtm_ports import FOREIGN
-from rtgen.model import Connection, SystemComponent
-from rtgen.model.profile_elements import RTS, RTS_EXT
 from rtgen.ui.documents.elements import Editable, editable
 
 _CONNECTORS: Final = ("DataPortConnectors", "ServicePortConnectors")

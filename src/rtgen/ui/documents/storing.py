@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import count
 from pathlib import Path
 
-from rtgen import files
+from rtgen.facts import files
 
 
 class OtherContentError(Exception):

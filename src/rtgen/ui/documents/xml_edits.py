@@ -10,10 +10,10 @@ from collections.abc import Iterator, Mapping
 from typing import Final, NamedTuple
 from xml.sax.saxutils import escape
 
-from rtgen import xml_text
-from rtgen.frontends.kit import located_xml
-from rtgen.frontends.kit.located_xml import Element
-from rtgen.model.profile_elements import RTS, RTS_EXT, XSI, Name
+from rtgen.compiler.frontends.kit import located_xml
+from rtgen.compiler.frontends.kit.located_xml import Element
+from rtgen.compiler.kit import xml_text
+from rtgen.compiler.model.profile_elements import RTS, RTS_EXT, XSI, Name
 from rtgen.ui.documents.elements import Editable, Place
 
 _TOKEN: Final = re.compile(

@@ -10,7 +10,7 @@ if not defined PYTHON set PYTHON=python
 set INSTALLED=
 for /f "delims=" %%f in ('""%PYTHON%" -c "import importlib.util as u, os; s = u.find_spec('OpenRTM_aist'); print(os.path.join(os.path.dirname(s.origin), 'RTM_IDL') if s else '')" 2^>nul"') do set INSTALLED=%%f
 set SHIPPED=
-for /f "delims=" %%f in ('""%PYTHON%" -c "from rtgen.resources import idl_file; print(idl_file('BasicDataType.idl').parent)" 2^>nul"') do set SHIPPED=%%f
+for /f "delims=" %%f in ('""%PYTHON%" -c "from rtgen.compiler.kit.resources import idl_file; print(idl_file('BasicDataType.idl').parent)" 2^>nul"') do set SHIPPED=%%f
 set FOLDER=
 for %%f in ("%RTM_IDL%" "%INSTALLED%" "%RTM_ROOT%rtm\idl" "%SHIPPED%") do if not defined FOLDER if exist "%%~f\BasicDataType.idl" set FOLDER=%%~f
 if not defined FOLDER (

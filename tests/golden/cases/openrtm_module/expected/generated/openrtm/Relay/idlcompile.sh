@@ -21,7 +21,7 @@ from_python() {
 }
 
 from_rtgen() {
-    "$python" -c "from rtgen.resources import idl_file; print(idl_file('BasicDataType.idl').parent)" 2>/dev/null || true
+    "$python" -c "from rtgen.compiler.kit.resources import idl_file; print(idl_file('BasicDataType.idl').parent)" 2>/dev/null || true
 }
 
 installed="$(from_python)"

@@ -1,0 +1,103 @@
+"""Options shared by the commands."""
+
+from __future__ import annotations
+
+import errno
+import functools
+import os
+import sys
+from collections.abc import Callable
+from typing import Concatenate, ParamSpec
+
+import click
+
+from rtgen.compiler.backends.kit.quoting import UnquotableError
+from rtgen.compiler.diagnostics import Diagnostic, InputError, ToolError
+from rtgen.compiler.project import (
+    path_finding,
+)
+from rtgen.tools.kit.console import Console
+from rtgen.tools.kit.exits import BAD_INPUT, FAILED, ReportedError
+
+P = ParamSpec("P")
+
+
+def with_console(
+    function: Callable[Concatenate[Console, P], int],
+) -> Callable[..., int]:
+    """Add the options of the console; turn exceptions into diagnostics and exit codes."""
+
+    @click.option(
+        "--diagnostics",
+        "form",
+        type=click.Choice(["text", "json", "sarif", "github"]),
+        default="text",
+        show_default=True,
+        help="Format of diagnostics on standard error.",
+    )
+    @click.option("-q", "--quiet", is_flag=True, help="Print diagnostics only.")
+    @click.option(
+        "--color",
+        type=click.Choice(["auto", "always", "never"]),
+        default="auto",
+        show_default=True,
+        help="Colour of diagnostics.",
+    )
+    @functools.wraps(function)
+    def wrapped(
+        form: str, quiet: bool, color: str, *args: P.args, **kwargs: P.kwargs
+    ) -> int:
+        console = Console(form, _in_colour(color), quiet)
+        try:
+            return function(console, *args, **kwargs)
+        except ReportedError as error:
+            return error.code
+        except InputError as error:
+            console.findings(error.diagnostics)
+            return BAD_INPUT
+        except ToolError as error:
+            if os.environ.get("RTGEN_DEBUG") == "1":
+                raise
+            from rtgen.compiler.project.rules import ENVIRONMENT
+
+            console.findings([ENVIRONMENT.at(None, error.message, hint=error.hint)])
+            return FAILED
+        except UnquotableError as error:
+            from rtgen.compiler.backends.kit.rules import UNQUOTABLE
+
+            console.findings([UNQUOTABLE.at(None, str(error))])
+            return BAD_INPUT
+        except OSError as error:
+            finding = _of_file(error)
+            if finding is None:
+                raise
+            console.findings([finding])
+            return FAILED if finding.code == "ENV0001" else BAD_INPUT
+        finally:
+            console.close()
+
+    return wrapped
+
+
+def _of_file(error: OSError) -> Diagnostic | None:
+    """Return the diagnostic for a file that cannot be used; None if the error names no file."""
+    if (
+        not isinstance(error.filename, str | bytes)
+        or os.environ.get("RTGEN_DEBUG") == "1"
+    ):
+        return None
+    from rtgen.compiler.project.rules import ENVIRONMENT
+
+    name = os.fsdecode(error.filename)
+    if error.errno == errno.ENAMETOOLONG and (found := path_finding(name)) is not None:
+        return found
+    return ENVIRONMENT.at(None, f"cannot use {name}: {error.strerror}")
+
+
+def _in_colour(choice: str) -> bool:
+    if choice != "auto":
+        return choice == "always"
+    if os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb":
+        return False
+    forced = os.environ.get("FORCE_COLOR")
+    return sys.stderr.isatty() if forced is None else forced != ""

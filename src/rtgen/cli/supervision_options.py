@@ -1,0 +1,57 @@
+"""Options of `rtgen run` beside `--supervise`."""
+
+from __future__ import annotations
+
+from itertools import chain
+
+import click
+
+from rtgen.tools.kit.exits import Refusal
+from rtgen.tools.running.transports import ACTIVATED, TAKES
+
+_NOT_PASSED_ON = frozenset(
+    {"system", "clock", "until", "settings", "nameserver", "form", "colour"}
+    | {"supervise", "groups", "restarts", "quiet"}
+)
+"""Options of `rtgen run` that are compatible with `--supervise`, but not passed on unchanged."""
+
+
+_COMPATIBLE = (
+    _NOT_PASSED_ON
+    | {"timeline_file", "verbose", "transport", "checkpoints"}
+    | {*chain(*TAKES.values())}
+) - {"only", ACTIVATED}
+"""All options that are compatible with it."""
+
+
+def check_options(context: click.Context) -> None:
+    """Raise Refusal for an option that is incompatible with `--supervise`."""
+    for parameter in context.command.params:
+        name = parameter.name or ""
+        source = context.get_parameter_source(name)
+        if source is click.core.ParameterSource.COMMANDLINE and name not in _COMPATIBLE:
+            raise Refusal(f"--supervise does not go with {parameter.opts[-1]}")
+
+
+def handed_on(context: click.Context) -> list[str]:
+    """Return the options that each process gets unchanged."""
+    words: list[str] = []
+    for parameter in context.command.params:
+        name = parameter.name or ""
+        source = context.get_parameter_source(name)
+        if (
+            source is not click.core.ParameterSource.COMMANDLINE
+            or name in _NOT_PASSED_ON
+        ):
+            continue
+        value = context.params.get(name)
+        text = ",".join(value) if isinstance(value, tuple) else str(value)
+        is_flag = isinstance(parameter, click.Option) and (
+            parameter.is_flag or parameter.count
+        )
+        words += (
+            [parameter.opts[-1]] * int(value or 0)
+            if is_flag
+            else [parameter.opts[-1], text]
+        )
+    return words

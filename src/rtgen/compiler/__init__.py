@@ -1,0 +1,1 @@
+"""The compiler: definitions to a model, a model to files."""

@@ -1,0 +1,248 @@
+"""Back end for adapters: generates their modules."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from msgspec.structs import replace
+
+from rtgen.compiler.backends import Artifact, Emission, Options
+from rtgen.compiler.backends.components.imports import Imports
+from rtgen.compiler.backends.components.locations import base_location, source_of
+from rtgen.compiler.backends.kit.python_module import (
+    PythonModule,
+    imports_from,
+    python_module,
+)
+from rtgen.compiler.backends.kit.quoting.python import (
+    docstring,
+    number_literal,
+    string_literal,
+)
+from rtgen.compiler.model import (
+    Adapter,
+    ArrayType,
+    Component,
+    Member,
+    Model,
+    NamedType,
+    ScopedName,
+    SequenceType,
+    Struct,
+    Type,
+)
+from rtgen.compiler.typemap.python.idl_names import PythonNames
+from rtgen.compiler.typemap.python.names import module_name
+from rtgen.facts.adapter_constants import AdapterConstant
+from rtgen.facts.numeric import Numeric
+
+_Scale: TypeAlias = Sequence[float]
+"""Factor and offset of a conversion."""
+
+_METHODS = frozenset({"annotations", "ec_id", "int", "list", "made", "sample", "self"})
+_CONVERSIONS = "rtgen.runtime.ros2.conversions"
+_RUNTIME = ("RTC_OK", "ReturnCode_t")
+
+
+class AdaptersBackend:
+    """Generates a module for each adapter."""
+
+    name = "adapters"
+
+    def emit(self, model: Model, options: Options) -> Emission:
+        """Return the modules of all adapters. The model has been checked."""
+        return Emission(tuple(_artifacts(model, options)))
+
+
+BACKEND = AdaptersBackend()
+
+
+def _artifacts(model: Model, options: Options) -> Iterator[Artifact]:
+    names = PythonNames(model, options.package)
+    for number, adapter in enumerate(model.adapters):
+        component = model.find((adapter.name,))
+        assert isinstance(component, Component)
+        source = source_of(model, component)
+        origin = [source.key]
+        if number == 0:
+            yield python_module(
+                f"{options.folder}/adapters/__init__.py",
+                options.package,
+                options.version,
+                origin,
+                "Adapters between data types.",
+                plain=True,
+            )
+        yield _module(model, names, adapter, component, options, origin)
+
+
+def _module(
+    model: Model,
+    names: PythonNames,
+    adapter: Adapter,
+    component: Component,
+    options: Options,
+    origin: Sequence[str],
+) -> PythonModule:
+    base = f"{adapter.name}Base"
+    taken = {adapter.name, base, *_METHODS, *_RUNTIME, adapter.conversion}
+    types = Imports(model, names, taken)
+    made = types.type_name(adapter.target)
+    body = [
+        f"class {adapter.name}({base}):",
+        docstring(_doc(adapter), 4),
+        "    def on_execute(self, ec_id: int) -> ReturnCode_t:",
+        '        """Convert everything that has come."""',
+        "        while self.input.is_new() and (sample := self.input.read()) is not None:",
+        f"            made = {made}()",
+        *_Copies(model, names, types, adapter).statements(),
+        *_converted(adapter),
+        *(
+            f"            made.{_path(model, names, adapter.target, to)} ="
+            f" {_literal(value)}"
+            for to, value in adapter.constants
+        ),
+        "            self.output.write(made)",
+        "        return RTC_OK",
+    ]
+    converting = [adapter.conversion] if adapter.conversion else []
+    return python_module(
+        f"{options.folder}/adapters/{module_name(adapter.name)}.py",
+        options.package,
+        options.version,
+        origin,
+        f"{adapter.name}: {_doc(adapter)}",
+        imports=[
+            *imports_from("rtgen.runtime", _RUNTIME),
+            *imports_from(_CONVERSIONS, converting),
+            *imports_from(base_location(options.package, component), [base]),
+            *types.imports(),
+        ],
+        body="\n".join(body),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Copies:
+    """The copied members of an adapter, in the units and the forms of the target."""
+
+    model: Model
+    names: PythonNames
+    types: Imports
+    adapter: Adapter
+
+    def statements(self) -> Iterator[str]:
+        adapter = self.adapter
+        scales = {to: scale for to, *scale in adapter.scales}
+        for to, source in adapter.copies:
+            value = f"sample.{_path(self.model, self.names, adapter.source, source)}"
+            *_, (_, theirs) = _members(self.model, adapter.source, source)
+            *_, (_, own) = _members(self.model, adapter.target, to)
+            types = self.model.unalias(theirs.type), self.model.unalias(own.type)
+            path = string_literal(".".join((adapter.target[-1], *to)))
+            made = self._converted(value, *types, path, scales.get(to))
+            if own.optional and made != value:
+                made = f"None if {value} is None else {made}"
+            target = _path(self.model, self.names, adapter.target, to)
+            yield f"            made.{target} = {made}"
+
+    def _converted(
+        self, value: str, from_: Type, to: Type, path: str, scale: _Scale | None
+    ) -> str:
+        """Return the expression of a value of another unit or form."""
+        theirs, own = _form(from_), _form(to)
+        if theirs == own and scale is None:
+            return value
+        element = self.model.unalias(to.element) if isinstance(to, SequenceType) else to
+        if isinstance(element, NamedType):
+            class_ = self.types.type_name(element.name)
+            if own == "numpy":
+                return f"{self._function('to_records')}({value}, {class_}, {path})"
+            return f"{self._function('to_structs')}({value}, {class_})"
+        if theirs == "numpy" and own != "numpy":
+            value = f"{self._function('to_list')}({value})"
+        if scale is not None or own == "numpy":
+            return self._numbers(value, to, path, scale or ())
+        return f"list({value})" if (theirs, own) == ("array", "list") else value
+
+    def _numbers(
+        self, value: str, type_: Type, path: str, scale: _Scale, depth: int = 0
+    ) -> str:
+        """Return the expression of a converted number, or of a type's converted numbers."""
+        if not isinstance(type_, SequenceType | ArrayType):
+            return _scaled_number(value, *scale)
+        if type_.numeric == "numpy":
+            item = self.types.mapping.item(type_)
+            numbers = scale if any(scale[1:]) else scale[:1]
+            arguments = (value, item, path, *map(number_literal, numbers))
+            return f"{self._function('to_numpy')}({', '.join(arguments)})"
+        element = self.model.unalias(type_.element)
+        if isinstance(type_, ArrayType) and len(type_.dimensions) > 1:
+            element = replace(type_, dimensions=type_.dimensions[1:])
+        each = f"each{depth or ''}"
+        made = self._numbers(each, element, path, scale, depth + 1)
+        return f"[{made} for {each} in {value}]"
+
+    def _function(self, name: str) -> str:
+        return self.types.spell("rtgen.runtime.forms", name)
+
+
+def _form(type_: Type) -> Numeric:
+    return type_.numeric if isinstance(type_, SequenceType | ArrayType) else "list"
+
+
+def _scaled_number(value: str, factor: float, offset: float) -> str:
+    made = value if factor == 1 else f"{number_literal(factor)} * {value}"
+    if offset:
+        made += f" {'-' if offset < 0 else '+'} {number_literal(abs(offset))}"
+    return made
+
+
+def _converted(adapter: Adapter) -> Iterator[str]:
+    if adapter.conversion:
+        yield f"            {adapter.conversion}(sample, made)"
+    if adapter.stamps:
+        yield "            self.stamp(made)"
+
+
+def _literal(value: AdapterConstant) -> str:
+    if isinstance(value, str):
+        return string_literal(value)
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(string_literal, value))}]"
+    return number_literal(value)
+
+
+def _doc(adapter: Adapter) -> str:
+    return f"Makes {'::'.join(adapter.target)} of {'::'.join(adapter.source)}."
+
+
+def _path(
+    model: Model, names: PythonNames, struct: ScopedName, path: tuple[str, ...]
+) -> str:
+    """Return a path of members by their Python names."""
+    return ".".join(
+        names.members(declaration)[member.name]
+        for declaration, member in _members(model, struct, path)
+    )
+
+
+def _members(
+    model: Model, struct: ScopedName, path: tuple[str, ...]
+) -> Iterator[tuple[Struct, Member]]:
+    """Yield the members of a path, each with the struct that declares it."""
+    declaration = model.find(struct)
+    assert isinstance(declaration, Struct)
+    name, *rest = path
+    member = next((m for m in declaration.members if m.name == name), None)
+    if member is None:
+        assert declaration.base is not None
+        yield from _members(model, declaration.base, path)
+        return
+    yield declaration, member
+    if rest:
+        type_ = model.unalias(member.type)
+        assert isinstance(type_, NamedType)
+        yield from _members(model, type_.name, tuple(rest))

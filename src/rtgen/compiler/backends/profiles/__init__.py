@@ -1,0 +1,1 @@
+"""The back ends of RTC profiles and system profiles."""

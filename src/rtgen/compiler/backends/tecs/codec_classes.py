@@ -1,0 +1,411 @@
+"""The classes of a codec module: one for the messages of a function, one for a struct.
+
+The bases are `Messages` and `RecordCodec` of `rtgen.runtime.opaque_rpc.codecs`, which documents
+the methods.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+import msgspec
+
+from rtgen.compiler.backends.kit.quoting.python import docstring, string_literal
+from rtgen.compiler.backends.tecs.codec_parts import (
+    Attributes,
+    Environment,
+    Scope,
+    record_class,
+)
+from rtgen.compiler.backends.tecs.decoding import Decoder
+from rtgen.compiler.backends.tecs.encoding import Encoder
+from rtgen.compiler.backends.tecs.function_text import result_text, target_types
+from rtgen.compiler.layouts.tdr import (
+    Field,
+    FunctionLayout,
+    Item,
+    Nothing,
+    Record,
+    Role,
+    Run,
+    Step,
+)
+from rtgen.compiler.layouts.tdr_messages import is_error_code
+from rtgen.compiler.model.tecs import TecsDirection
+from rtgen.compiler.typemap.python.names import identifier
+from rtgen.compiler.typemap.tecs.python import (
+    annotation,
+    argument_annotation,
+    item_annotation,
+    member_name,
+    struct_class,
+    zero,
+)
+from rtgen.compiler.typemap.tecs.texts import function_text
+
+_EOP = {True: "EOP_NOTHING_FOLLOWS", False: "EOP_REPLY_FOLLOWS"}
+
+
+class CodecClass(msgspec.Struct, frozen=True):
+    """A class of a codec module; `records` are the classes of structs that it uses."""
+
+    name: str
+    base: str
+    body: str
+    records: tuple[str, ...]
+
+    @property
+    def text(self) -> str:
+        return f"class {self.name}({self.base}):\n{self.body}"
+
+
+def _method(name: str, parameters: Sequence[str], result: str, body: list[str]) -> str:
+    lines = [f"def {name}({', '.join(['self', *parameters])}) -> {result}:"]
+    return "\n".join(f"    {line}" for line in [*lines, *(f"    {b}" for b in body)])
+
+
+def record_codec(record: Record, structs: Sequence[str]) -> CodecClass:
+    """Return the writer and reader of a struct whose size depends on values."""
+    attributes = Attributes(structs)
+    name = struct_class(record.struct.name)
+    paths = {i.name: f"value.{member_name(i.name)}" for i in record.items}
+    scope = Scope(record.items, attributes.classes)
+    encoder = Encoder(
+        attributes,
+        scope,
+        Environment(scope, record.items, paths),
+        lambda item: paths[item.name],
+        lambda item: "",
+        {},
+    )
+    write = encoder.body(record.steps)
+    scope = Scope(record.items, attributes.classes)
+    names = {item.name: scope.of(item) for item in record.items}
+    environment = Environment(scope, record.items, names)
+    decoder = Decoder(attributes, scope, environment, lambda item: None, {})
+    lines = decoder.body(record.steps)
+    values = ", ".join(_value(scope, item) for item in record.items)
+    read = _guarded(
+        [*lines, f"return {name}({values})"], environment, string_literal(name)
+    )
+    start = _method(
+        "__init__",
+        ["codec: Codec"],
+        "None",
+        ["super().__init__(codec)", *_with_tdr(attributes.statements())],
+    )
+    doc = docstring(f"`struct {record.struct.scoped}`.", 4).rstrip("\n")
+    methods = [
+        start,
+        _method("write", [f"value: {name}"], "bytes", write),
+        _method("read", ["more: More", "budget: ByteBudget"], name, read),
+    ]
+    body = "\n\n".join([doc, *methods])
+    return CodecClass(
+        record_class(name), "RecordCodec", body, tuple(attributes.records)
+    )
+
+
+def _with_tdr(statements: list[str]) -> list[str]:
+    needs = any("tdr" in statement for statement in statements)
+    return ["tdr = codec.tdr", *statements] if needs else statements
+
+
+def _value(scope: Scope, item: Item) -> str:
+    return "None" if isinstance(item.node, Nothing) else scope.of(item)
+
+
+def _guarded(lines: list[str], environment: Environment, name: str) -> list[str]:
+    """Return the statements, with exceptions of size expressions converted to ProtocolError."""
+    if not environment.is_guarded:
+        return lines
+    return [
+        "try:",
+        *(f"    {line}" for line in lines),
+        "except FAILURES as failure:",
+        f"    raise size_error({name}, failure) from failure",
+    ]
+
+
+class FunctionCodec:
+    """The class of one function's messages."""
+
+    def __init__(
+        self, layout: FunctionLayout, structs: Sequence[str], order: str
+    ) -> None:
+        self._layout = layout
+        self._attributes = Attributes(structs)
+        self._reply = layout.reply if order == "tecsgen" else layout.paper
+        self._leaves_out = layout.leaves_out and order == "tecsgen"
+        self._eop = _EOP[layout.function.oneway]
+        self._constant = ""
+        self._first = ""
+
+    def codec_class(self) -> CodecClass:
+        """Return the class; its text contains neither the function's name nor its id."""
+        layout = self._layout
+        methods = [self._encode_request(), self._read_request()]
+        if self._reply is not None:
+            methods.append(self._encode_reply(self._reply))
+            methods.append(self._read_reply(self._reply))
+        methods += self._unset()
+        statements = [*self._attributes.statements(), self._constant, self._first]
+        start = [
+            "super().__init__(codec, name, number)",
+            *_with_tdr([s for s in statements if s]),
+        ]
+        parameters = ["codec: Codec", "name: str", "number: int"]
+        doc = docstring(f"`{function_text(layout.function, '')}`.", 4).rstrip("\n")
+        facts = "\n".join(f"    {name} = {v}" for name, v in self._facts())
+        body = "\n\n".join(
+            filter(
+                None,
+                [doc, facts, _method("__init__", parameters, "None", start), *methods],
+            )
+        )
+        base = f"Messages[[{', '.join(target_types(layout))}], {result_text(layout)}]"
+        pascal = "".join(p[:1].upper() + p[1:] for p in layout.function.name.split("_"))
+        name = identifier(f"{pascal}Messages")
+        return CodecClass(name, base, body, tuple(self._attributes.records))
+
+    def _facts(self) -> Iterator[tuple[str, str]]:
+        """Yield the class attributes that differ from the base's."""
+        layout = self._layout
+        kept = [str(layout.arguments.index(item)) for item in layout.kept]
+        if kept:
+            yield "kept", f"({', '.join(kept)}{',' if len(kept) == 1 else ''})"
+        results = len(layout.outs) + (not layout.is_void)
+        if results:
+            yield "results", str(results)
+        if layout.is_void:
+            yield "is_void", "True"
+        if layout.function.oneway:
+            yield "oneway", "True"
+        if is_error_code(layout.function.returns):
+            yield "error_code", "True"
+
+    def _unset(self) -> list[str]:
+        """Return the values of the outs after a failed call that raises no exception."""
+        layout = self._layout
+        if not layout.outs or not is_error_code(layout.function.returns):
+            return []
+        scope = Scope(layout.items, self._attributes.classes)
+        values = [
+            (
+                scope.of(item)
+                if item.inward
+                else "None" if item.nullable else zero(item.node)
+            )
+            for item in layout.outs
+        ]
+        parameters = [
+            f"{scope.of(i)}: {t}"
+            for i, t in zip(layout.arguments, target_types(layout), strict=True)
+        ]
+        types = _tuple_type([item_annotation(item) for item in layout.outs])
+        return [_method("unset", parameters, types, [f"return {_tuple(values)}"])]
+
+    def _constants(self) -> dict[Role, str]:
+        return {Role.SOP: "SOP_REQUEST", Role.ID: "self.id", Role.EOP: self._eop}
+
+    def _encode_request(self) -> str:
+        layout = self._layout
+        scope = Scope(layout.items, self._attributes.classes)
+        names = {item.name: scope.of(item) for item in layout.items}
+        encoder = Encoder(
+            self._attributes,
+            scope,
+            Environment(scope, layout.items, names),
+            scope.of,
+            lambda item: f"{scope.of(item)} is not None",
+            self._constants(),
+        )
+        body = encoder.body(layout.request)
+        parameters = [
+            f"{scope.of(i)}: {argument_annotation(i)}" for i in layout.arguments
+        ]
+        values = {i.name: scope.of(i) for i in layout.arguments}
+        name = "encode_request"
+        if layout.arguments:
+            return _method(name, parameters, "bytes", self._tried(body, values))
+        self._constant = f"self._request = {body[-1].removeprefix('return ')}"
+        return _method(name, [], "bytes", ["return self._request"])
+
+    def _tried(self, body: list[str], values: dict[str, str]) -> list[str]:
+        shown = ", ".join(f"{string_literal(k)}: {v}" for k, v in values.items())
+        error = f"argument_error(self.function, failure, {{{shown}}})"
+        return [
+            "try:",
+            *(f"    {line}" for line in body),
+            "except FAILURES as failure:",
+            f"    raise {error} from failure",
+        ]
+
+    def _read_request(self) -> str:
+        layout = self._layout
+        scope = Scope(layout.items, self._attributes.classes)
+        names = {item.name: scope.of(item) for item in layout.items}
+        environment = Environment(scope, layout.items, names)
+        decoder = Decoder(
+            self._attributes,
+            scope,
+            environment,
+            lambda item: None,
+            {Role.EOP: self._eop},
+        )
+        lines = decoder.body(_without(layout.request, (Role.SOP, Role.ID)))
+        budget = (
+            ["budget = ByteBudget(self.request_limit)"] if decoder.needs_budget else []
+        )
+        values = [
+            f"not {decoder.flag(item)}" if item.asked else _value(scope, item)
+            for item in layout.arguments
+        ]
+        types = [
+            "bool" if item.asked else item_annotation(item) for item in layout.arguments
+        ]
+        body = [*budget, *lines, f"return {_tuple(values)}"]
+        return _method(
+            "read_request",
+            ["more: More"],
+            _tuple_type(types),
+            _guarded(body, environment, "self.function"),
+        )
+
+    def _reply_scope(self) -> tuple[Scope, dict[str, str], Environment]:
+        """Return the scope of a reply, the names of the kept values, the environment of sizes."""
+        layout = self._layout
+        scope = Scope([*layout.items, layout.returned], self._attributes.classes)
+        kept = {
+            item.name: (
+                scope.new(f"given_{item.name}") if item.outward else scope.of(item)
+            )
+            for item in layout.kept
+        }
+        values = {item.name: scope.of(item) for item in layout.items}
+        given = {
+            item.name: kept.get(item.name, scope.of(item))
+            for item in layout.arguments
+            if item.inward
+        }
+        return scope, kept, Environment(scope, layout.items, values, given)
+
+    def _kept_parameters(self, kept: dict[str, str]) -> list[str]:
+        return [
+            f"{kept[item.name]}: {argument_annotation(item)}"
+            for item in self._layout.kept
+        ]
+
+    def _condition(self, item: Item, scope: Scope, kept: dict[str, str]) -> str:
+        if item.direction is TecsDirection.RECEIVE:
+            return f"{scope.of(item)} is not None"
+        given = kept.get(item.name, "")
+        return given if item.asked else f"{given} is not None"
+
+    def _encode_reply(self, steps: Sequence[Step]) -> str:
+        layout = self._layout
+        scope, kept, environment = self._reply_scope()
+        constants = {Role.SOP: "SOP_REPLY", Role.EOP: _EOP[True]}
+        encoder = Encoder(
+            self._attributes,
+            scope,
+            environment,
+            scope.of,
+            lambda item: self._condition(item, scope, kept),
+            constants,
+        )
+        results = [] if layout.is_void else [layout.returned]
+        values = dict(_kept_values(kept))
+        values |= {i.name or "return": scope.of(i) for i in [*results, *layout.outs]}
+        parameters = self._kept_parameters(kept)
+        parameters += [
+            f"{scope.of(i)}: {item_annotation(i, given=True)}"
+            for i in [*results, *layout.outs]
+        ]
+        tried: list[str] = []
+        if self._leaves_out:
+            run = Run((Field(Role.SOP), Field(Role.VALUE, layout.returned)))
+            alone = self._attributes.run([*run.kinds, *Field(Role.EOP).kinds])
+            tried.append("if is_rpc_error(returned):")
+            tried.append(f"    return {alone}.pack(SOP_REPLY, returned, {_EOP[True]})")
+        tried += encoder.body(steps)
+        return _method("encode_reply", parameters, "bytes", self._tried(tried, values))
+
+    def _read_reply(self, steps: Sequence[Step]) -> str:
+        layout = self._layout
+        scope, kept, environment = self._reply_scope()
+        decoder = Decoder(
+            self._attributes,
+            scope,
+            environment,
+            lambda item: (
+                None
+                if item.direction is TecsDirection.RECEIVE
+                else self._condition(item, scope, kept)
+            ),
+            {
+                Role.SOP: "SOP_REPLY",
+                Role.EOP: _EOP[True],
+            },
+        )
+        lines: list[str] = []
+        first: str | None = "first"
+        if self._leaves_out:
+            start, steps = _split(steps)
+            lines += decoder.body([start], first)
+            lines.append("if is_rpc_error(returned):")
+            end = decoder.body([Run((Field(Role.EOP),))])
+            lines += [f"    {line}" for line in [*end, "return returned, None"]]
+            first = None
+        else:
+            start = _first_run(steps)
+        size = decoder.run_size(start)
+        lines += decoder.body(steps, first)
+        budget = (
+            ["budget = ByteBudget(self.reply_limit)"] if decoder.needs_budget else []
+        )
+        outs = _tuple([_value(scope, item) for item in layout.outs])
+        returned = "None" if layout.is_void else "returned"
+        body = [*budget, *lines, f"return {returned}, {outs}"]
+        body = _guarded(body, environment, "self.function")
+        types = _tuple_type([item_annotation(item) for item in layout.outs])
+        result = f"tuple[{annotation(layout.returned.node)}, {types}]"
+        if self._leaves_out:
+            result = f"{result[:-1]} | None]"
+        parameters = ["first: bytes", "more: More", *self._kept_parameters(kept)]
+        self._first = f"self.first = {size}"
+        return _method("read_reply", parameters, result, body)
+
+
+def _kept_values(kept: dict[str, str]) -> Iterable[tuple[str, str]]:
+    """Return the kept values by their names in error messages."""
+    return ((name, value) for name, value in kept.items() if name == value)
+
+
+def _first_run(steps: Sequence[Step]) -> Run:
+    run = steps[0]
+    assert isinstance(run, Run)
+    return run
+
+
+def _without(steps: Sequence[Step], roles: tuple[Role, ...]) -> list[Step]:
+    """Return the steps without fields of these roles, which are in the first run."""
+    run = _first_run(steps)
+    fields = tuple(field for field in run.fields if field.role not in roles)
+    return [*([Run(fields)] if fields else []), *steps[1:]]
+
+
+def _split(steps: Sequence[Step]) -> tuple[Run, list[Step]]:
+    """Return the steps of SOP and return value, and the other steps."""
+    run = _first_run(steps)
+    rest = run.fields[2:]
+    return Run(run.fields[:2]), [*([Run(rest)] if rest else []), *steps[1:]]
+
+
+def _tuple(values: Sequence[str]) -> str:
+    comma = "," if len(values) == 1 else ""
+    return f"({', '.join(values)}{comma})"
+
+
+def _tuple_type(types: Sequence[str]) -> str:
+    return f"tuple[{', '.join(types) or '()'}]"

@@ -1,0 +1,143 @@
+"""Valuetypes and boxed values: classes whose codec interprets their descriptor."""
+
+from __future__ import annotations
+
+import msgspec
+
+from rtgen.compiler.backends.kit.python_initial import PythonInitial
+from rtgen.compiler.backends.kit.quoting.python import docstring, string_literal
+from rtgen.compiler.backends.kit.rendering import render
+from rtgen.compiler.backends.types.descriptions import (
+    Descriptions,
+    attribute_text,
+    signature,
+)
+from rtgen.compiler.backends.types.interfaces import Interfaces
+from rtgen.compiler.backends.types.scope import Scope
+from rtgen.compiler.model import InitialValue, Type, ValueBox, Valuetype
+from rtgen.compiler.typemap.python.idl import PythonMapping
+from rtgen.compiler.typemap.python.idl_names import PythonNames
+
+
+class _Method(msgspec.Struct, frozen=True):
+    name: str
+    parameters: str
+    result: str
+    docstring: str
+    message: str
+
+
+class _Property(msgspec.Struct, frozen=True):
+    name: str
+    type: str
+    docstring: str
+    readonly: bool
+    message: str
+
+
+class _State(msgspec.Struct, frozen=True):
+    text: str
+    docstring: str
+
+
+class Valuetypes:
+    """Writes valuetypes into one module."""
+
+    def __init__(
+        self,
+        names: PythonNames,
+        scope: Scope,
+        mapping: PythonMapping,
+        describe: Descriptions,
+        interfaces: Interfaces,
+        initial: PythonInitial,
+    ) -> None:
+        self._names = names
+        self._py = scope
+        self._mapping = mapping
+        self._describe = describe
+        self._interfaces = interfaces
+        self.initial = initial
+        self._fields: dict[tuple[Type, InitialValue | None, bool], str] = {}
+
+    def text(self, declaration: Valuetype, nested: list[str]) -> str:
+        """Return the class of a valuetype: its state as fields, its operations for the user."""
+        py = self._py
+        names = self._names.members(declaration)
+        called = self._names.operations(declaration)
+        methods = [
+            _Method(
+                name=called[o.name],
+                parameters=self._interfaces.parameters(o),
+                result=self._interfaces.result(o),
+                docstring=docstring(o.doc, 8, f"`{signature(o)}`."),
+                message=string_literal(f"{declaration.scoped}::{o.name}"),
+            )
+            for o in declaration.operations
+        ]
+        properties = [
+            _Property(
+                name=called[a.name],
+                type=self._interfaces.annotation(a.type),
+                docstring=docstring(a.doc, 8, f"`{attribute_text(a)}`."),
+                readonly=a.readonly,
+                message=string_literal(f"{declaration.scoped}::{a.name}"),
+            )
+            for a in declaration.attributes
+        ]
+        bases = [py.reference(base) for base in self._names.bases(declaration)]
+        return render(
+            "types/valuetype.py.j2",
+            py=py,
+            name=py.reference(declaration.name),
+            bases=", ".join(bases or [py.Value]),
+            docstring=docstring(declaration.doc, 4, f"`{declaration.scoped}`."),
+            descriptor=self._describe.value(declaration),
+            nested=nested,
+            fields=[
+                _State(
+                    f"{names[m.name]}: {self.field(m.type, m.initial)}",
+                    docstring(m.doc, 4),
+                )
+                for m in declaration.state
+            ],
+            methods=methods,
+            properties=properties,
+        )
+
+    def box(self, declaration: ValueBox) -> str:
+        """Return the class of a boxed value."""
+        py = self._py
+        return render(
+            "types/valuetype.py.j2",
+            py=py,
+            name=py.reference(declaration.name),
+            bases=py.Box,
+            docstring=docstring(declaration.doc, 4, f"`{declaration.scoped}`."),
+            descriptor=self._describe.box(declaration),
+            nested=[],
+            fields=[_State(f"value: {self.field(declaration.type)}", "")],
+            methods=[],
+            properties=[],
+        )
+
+    def field(
+        self, type_: Type, own: InitialValue | None = None, dataclass: bool = True
+    ) -> str:
+        """Return annotation and initial value of a field of a `dataclass` or a `msgspec.Struct`.
+
+        `own` is the default of the member.
+        """
+        key = type_, own, dataclass
+        found = self._fields.get(key)
+        if found is None:
+            found = self._fields[key] = self._field(*key)
+        return found
+
+    def _field(self, type_: Type, own: InitialValue | None, dataclass: bool) -> str:
+        annotation = self._mapping.annotation(type_)
+        if self._mapping.immutable(type_):
+            return f"{annotation} = {self.initial.expression(type_, own)}"
+        factory = self.initial.factory(type_, own)
+        field = self._py.dataclass_field if dataclass else self._py.field
+        return f"{annotation} = {field}(default_factory={factory})"

@@ -1,0 +1,199 @@
+"""Places boxes in columns and rows, by an editor's coordinates or by layers."""
+
+from __future__ import annotations
+
+from bisect import bisect_right, insort
+from collections import Counter, defaultdict
+from collections.abc import Mapping, Sequence
+from typing import TypeAlias
+
+from rtgen.compiler.backends.wiring.diagram import Box, Diagram
+
+Cell: TypeAlias = tuple[int, int]
+"""Column and row, both from 0."""
+
+_SAME_PLACE = 50
+"""Boxes closer than this, in the editor's pixels, share a column or row."""
+
+_SWEEPS = 6
+
+
+def place(diagram: Diagram) -> dict[Box, Cell]:
+    """Return the cell of each box; cells are distinct."""
+    return _by_location(diagram.boxes) or _by_layers(diagram)
+
+
+def folded(
+    diagram: Diagram, cells: Mapping[Box, Cell], columns: int
+) -> dict[Box, Cell]:
+    """Return the cells in bands of at most `columns` columns, one band below the other.
+
+    Boxes without links fill the rows below, so that they do not widen the picture.
+    """
+    linked = {tab.box for link in diagram.links for tab in (link.source, link.target)}
+    used = {column: n for n, column in enumerate(sorted({cells[b][0] for b in linked}))}
+    bands: dict[int, dict[Box, Cell]] = defaultdict(dict)
+    for box, (column, row) in cells.items():
+        if box in linked:
+            bands[used[column] // columns][box] = used[column] % columns, row
+    found: dict[Box, Cell] = {}
+    first = 0
+    for _, band in sorted(bands.items()):
+        rows = {row: n for n, row in enumerate(sorted({r for _, r in band.values()}))}
+        for box, (column, row) in band.items():
+            found[box] = column, first + rows[row]
+        first += len(rows)
+    others = sorted(
+        (cells[box][::-1], n, box) for n, box in enumerate(cells) if box not in linked
+    )
+    for place, (_, _, box) in enumerate(others):
+        found[box] = place % columns, first + place // columns
+    return {box: found[box] for box in cells}
+
+
+def _by_location(boxes: Sequence[Box]) -> dict[Box, Cell] | None:
+    located = [box.location for box in boxes if box.location is not None]
+    if len(located) < len(boxes):
+        return None
+    columns = _ranks([x for x, _ in located])
+    rows = _ranks([y for _, y in located])
+    cells = {
+        box: (columns[x], rows[y]) for box, (x, y) in zip(boxes, located, strict=True)
+    }
+    return cells if len(set(cells.values())) == len(boxes) else None
+
+
+def _ranks(values: Sequence[int]) -> dict[int, int]:
+    ranks: dict[int, int] = {}
+    first = rank = 0
+    for value in sorted(set(values)):
+        if not ranks:
+            first = value
+        elif value - first >= _SAME_PLACE:
+            first, rank = value, rank + 1
+        ranks[value] = rank
+    return ranks
+
+
+def _by_layers(diagram: Diagram) -> dict[Box, Cell]:
+    """Sugiyama's method: break cycles, assign layers, order each layer with few crossings."""
+    boxes = list(diagram.boxes)
+    number = {box: index for index, box in enumerate(boxes)}
+    edges = [
+        (number[link.source.box], number[link.target.box])
+        for link in diagram.links
+        if link.source.box is not link.target.box
+    ]
+    order = _order_without_cycles(len(boxes), edges)
+    forward = [(a, b) for a, b in edges if order[a] < order[b]]
+    columns = _layers(
+        len(boxes), forward, sorted(range(len(boxes)), key=order.__getitem__)
+    )
+    rows = _rows(columns, edges)
+    return {box: (columns[index], rows[index]) for box, index in number.items()}
+
+
+def _order_without_cycles(count: int, edges: Sequence[tuple[int, int]]) -> list[int]:
+    """Order the boxes such that few edges point backward (Eades, Lin, Smyth 1993)."""
+    left = list(range(count))
+    placed: set[int] = set()
+    head: list[int] = []
+    tail: list[int] = []
+    while left:
+        inner = [(a, b) for a, b in edges if not {a, b} & placed]
+        outgoing = Counter(a for a, _ in inner)
+        incoming = Counter(b for _, b in inner)
+        sinks = [n for n in left if not outgoing[n] and incoming[n]]
+        sources = [n for n in left if not incoming[n]]
+        if sinks:
+            chosen = sinks[-1]
+            tail.insert(0, chosen)
+        else:
+            inmost = sorted(left, key=lambda n: (incoming[n] - outgoing[n], n))
+            chosen = (sources or inmost)[0]
+            head.append(chosen)
+        left.remove(chosen)
+        placed.add(chosen)
+    positions = [0] * count
+    for position, node in enumerate(head + tail):
+        positions[node] = position
+    return positions
+
+
+def _layers(
+    count: int, forward: Sequence[tuple[int, int]], order: Sequence[int]
+) -> list[int]:
+    """Return the column of each box: one after its last predecessor.
+
+    Sources are next to their successors.
+    """
+    columns = [0] * count
+    for node in order:
+        columns[node] = max(
+            (columns[a] + 1 for a, b in forward if b == node), default=0
+        )
+    for node in reversed(order):
+        followers = [columns[b] for a, b in forward if a == node]
+        if followers and all(b != node for _, b in forward):
+            columns[node] = min(followers) - 1
+    return columns
+
+
+def _rows(columns: Sequence[int], edges: Sequence[tuple[int, int]]) -> list[int]:
+    """Return the row of each box: by the mean row of its neighbours in each column."""
+    layers = [
+        [node for node, column in enumerate(columns) if column == index]
+        for index in range(max(columns, default=-1) + 1)
+    ]
+    height = max((len(layer) for layer in layers), default=0)
+    rows = [0] * len(columns)
+    for layer in layers:
+        for row, node in enumerate(layer):
+            rows[node] = row
+    best, fewest = list(rows), _crossings(columns, rows, edges)
+    for sweep in range(_SWEEPS):
+        for layer in layers if sweep % 2 == 0 else layers[::-1]:
+            _reorder(layer, rows, edges, height)
+        crossings = _crossings(columns, rows, edges)
+        if crossings < fewest:
+            best, fewest = list(rows), crossings
+    return best
+
+
+def _reorder(
+    layer: Sequence[int], rows: list[int], edges: Sequence[tuple[int, int]], height: int
+) -> None:
+    wanted: dict[int, float] = {}
+    for node in layer:
+        others = [rows[b] for a, b in edges if a == node and b not in layer]
+        others += [rows[a] for a, b in edges if b == node and a not in layer]
+        wanted[node] = sum(others) / len(others) if others else rows[node]
+    lowest = 0
+    for index, node in enumerate(sorted(layer, key=lambda n: (wanted[n], rows[n]))):
+        room_below = height - (len(layer) - index)
+        rows[node] = min(max(lowest, round(wanted[node])), room_below)
+        lowest = rows[node] + 1
+
+
+def _crossings(
+    columns: Sequence[int], rows: Sequence[int], edges: Sequence[tuple[int, int]]
+) -> tuple[int, int]:
+    """Return the cost of an order: pairs of crossing edges, then the total height of edges."""
+    spans = [
+        (
+            ((columns[a], rows[a]), (columns[b], rows[b]))
+            if columns[a] <= columns[b]
+            else ((columns[b], rows[b]), (columns[a], rows[a]))
+        )
+        for a, b in edges
+    ]
+    groups: dict[tuple[int, int], list[tuple[int, int]]] = defaultdict(list)
+    for start, end in spans:
+        groups[start[0], end[0]].append((start[1], end[1]))
+    crossed = 0
+    for ends in groups.values():
+        above: list[int] = []
+        for _, row in sorted(ends):
+            crossed += len(above) - bisect_right(above, row)
+            insort(above, row)
+    return crossed, sum(abs(start[1] - end[1]) for start, end in spans)

@@ -1,0 +1,140 @@
+"""The symbol table of a unit, which every pass reads and extends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from rtgen.compiler.diagnostics import Diagnostic, Related, Span
+from rtgen.compiler.frontends.cdl.names.scopes import Entity, Kind, Scope
+from rtgen.compiler.frontends.cdl.rules import types as rules
+from rtgen.compiler.frontends.cdl.syntax import statements, tree
+from rtgen.compiler.frontends.cdl.syntax.unit import Unit
+from rtgen.compiler.frontends.kit.suggestions import Guesses
+from rtgen.compiler.model.tecs import TecsDeclaration
+from rtgen.compiler.model.types import ScopedName
+
+
+class Table:
+    """The declarations of a unit, by scope and in order, and its sink of diagnostics.
+
+    `with_prelude`: types of tecsgen's headers are known without an import; `prelude_used` are their
+    first uses. `has_plugin` returns whether the Ruby file of a plug-in is found from a unit.
+    """
+
+    def __init__(
+        self,
+        report: Callable[[Diagnostic], None],
+        *,
+        with_prelude: bool = True,
+        has_plugin: Callable[[Unit, str], bool] = lambda unit, file: False,
+    ) -> None:
+        self.report = report
+        self.has_plugin = has_plugin
+        self.with_prelude = with_prelude
+        self.root = Scope((), None)
+        self.declarations: list[Entity] = []
+        self.lacking = False
+        """Whether an import is missing."""
+
+        self.excused = False
+        """Whether an unknown name may be declared by a missing import."""
+
+        self.prelude_used: dict[str, Span] = {}
+        self.guesses = Guesses()
+
+    @property
+    def incomplete(self) -> bool:
+        """Whether a missing import may declare unknown names, so that they are not reported."""
+        self.excused |= self.lacking
+        return self.lacking
+
+    def model(self) -> tuple[TecsDeclaration, ...]:
+        """Return the model of the unit: all declarations without errors."""
+        return tuple(e.declaration for e in self.declarations if e.declaration)
+
+    def declare(
+        self,
+        kind: Kind,
+        name: tree.Name,
+        node: statements.Item | tree.Declarator,
+        unit: Unit,
+        scope: Scope,
+    ) -> Entity | None:
+        """Declare an entity; None, after a diagnostic, if the name is taken."""
+        place = unit.place(name)
+        known = scope.own(name.text)
+        if known is not None:
+            self._report_taken(name, unit, known)
+            return None
+        entity = Entity(kind, (*scope.name, name.text), unit, node, place)
+        scope.entities[name.text] = entity
+        return entity
+
+    def _report_taken(self, name: tree.Name, unit: Unit, known: Entity | Scope) -> None:
+        if known.kind is Kind.TYPEDEF and name.text in unit.maybe_declared:
+            return  # reported by the parser
+        related = [Related(known.place, "first declared here")] if known.place else []
+        message = f"'{name.text}' is a {known.kind} already"
+        place = unit.place(name)
+        self.report(rules.DECLARED_TWICE.at(place, message, related=related))
+
+    def open_scope(
+        self, name: tree.Name, unit: Unit, scope: Scope, kind: Kind
+    ) -> Scope | None:
+        """Open or reopen a name space or region; None if the name is taken."""
+        known = scope.own(name.text)
+        if isinstance(known, Scope) and known.kind is kind:
+            return known
+        if known is not None:
+            self._report_taken(name, unit, known)
+            return None
+        place = unit.place(name)
+        made = Scope((*scope.name, name.text), scope, kind, place)
+        scope.scopes[name.text] = made
+        return made
+
+    def declared(self, entity: Entity) -> None:
+        """Record an entity whose model is complete."""
+        self.declarations.append(entity)
+
+    def tag(self, name: ScopedName) -> Entity | None:
+        """Return the struct or enum of a full name, if its members are known or being analysed."""
+        scope: Scope | None = self.root
+        for part in name[:-1]:
+            scope = scope.scopes.get(part) if scope is not None else None
+        return scope.structs.get(name[-1]) if scope is not None else None
+
+    def find(
+        self,
+        name: tree.ScopedName,
+        unit: Unit,
+        scope: Scope,
+        kinds: Sequence[Kind],
+        wanted_by: str,
+    ) -> Entity | None:
+        """Look up an entity of one of the kinds; None, after a diagnostic, if there is none."""
+        found = scope.find(name)
+        span = unit.span(name.start, name.end)
+        wanted = " or ".join(kinds)
+        if found is None:
+            if name.parts[-1].text not in unit.maybe_declared:
+                near = self.guesses.nearest(str(name), scope.visible())
+                hint = f"did you mean '{near}'?" if near else None
+                message = f"the {wanted} '{name}' is unknown"
+                self.report(rules.UNKNOWN_NAME.at(span, message, hint=hint))
+            return None
+        if isinstance(found, Entity) and found.kind in kinds:
+            return found
+        related = [Related(found.place, "declared here")] if found.place else []
+        message = f"'{name}' is a {found.kind}, but {wanted_by} wants a {wanted}"
+        self.report(rules.WRONG_KIND.at(span, message, related=related))
+        return None
+
+    def note_prelude(self, name: str, unit: Unit, node: tree.Name) -> None:
+        """Record the use of a type that is known without an import."""
+        if name not in self.prelude_used:
+            self.prelude_used[name] = unit.place(node)
+
+    def doc(self, unit: Unit, start: int, end: int) -> str:
+        """Return the doc comment of [start, end)."""
+        return unit.source.docs.of(start, end)

@@ -1,0 +1,21 @@
+"""Collects the diagnostics of one EDS or DCF file."""
+
+from __future__ import annotations
+
+from rtgen.compiler.frontends.eds.rules import lexical
+from rtgen.compiler.frontends.kit import findings
+
+MAX_FINDINGS = 500
+"""Maximum number of diagnostics of one severity per file."""
+
+
+class Findings(findings.Findings):
+    """Collects the diagnostics of one file."""
+
+    def __init__(self) -> None:
+        super().__init__(lexical.TOO_MANY_FINDINGS, MAX_FINDINGS)
+
+    @property
+    def failed(self) -> bool:
+        """Whether there are errors."""
+        return self.errors > 0

@@ -1,0 +1,76 @@
+"""Collects diagnostics: each once, and at most a maximum per severity."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+
+from msgspec.structs import replace
+
+from rtgen.compiler.diagnostics import Diagnostic, Rule, Severity, Span
+
+MAX_PER_SEVERITY = 1000
+"""Maximum number of diagnostics kept per severity."""
+
+
+class Findings:
+    """Collects diagnostics in the order of reporting.
+
+    `overflow` is the rule of the diagnostic that replaces those beyond `most` of one severity; for
+    warnings and notes it is a note.
+    Without it, one more than `most` is kept, so that a collection to which they are reported
+    overflows, too.
+    """
+
+    def __init__(
+        self, overflow: Rule | None = None, most: int = MAX_PER_SEVERITY
+    ) -> None:
+        self._overflow = overflow
+        self._most = most
+        self._found: dict[Diagnostic, None] = {}
+        self._counts: Counter[Severity] = Counter()
+
+    @property
+    def diagnostics(self) -> tuple[Diagnostic, ...]:
+        """The kept diagnostics."""
+        return tuple(self._found)
+
+    @property
+    def errors(self) -> int:
+        """Number of errors reported, including dropped ones."""
+        return self._counts[Severity.ERROR]
+
+    def report(self, diagnostic: Diagnostic) -> None:
+        """Keep a diagnostic, unless it is a duplicate or exceeds the maximum."""
+        if diagnostic in self._found:
+            return
+        severity = diagnostic.severity
+        self._counts[severity] += 1
+        if self._counts[severity] <= self._most:
+            self._found[diagnostic] = None
+        elif self._counts[severity] > self._most + 1:
+            return
+        elif self._overflow is None:
+            self._found[diagnostic] = None
+        else:
+            message = f"more than {self._most} {severity}s: the rest is not shown"
+            found = self._overflow.at(diagnostic.span, message)
+            if severity is not Severity.ERROR:
+                found = replace(found, severity=Severity.NOTE)
+            self._found[found] = None
+
+    def add(
+        self, rule: Rule, span: Span, message: str, *, hint: str | None = None
+    ) -> None:
+        """Report a diagnostic of a rule."""
+        self.report(rule.at(span, message, hint=hint))
+
+    def rewrite(self, change: Callable[[Diagnostic], Diagnostic]) -> None:
+        """Replace each diagnostic by the result of `change`."""
+        self._found = dict.fromkeys(map(change, self._found))
+
+    def forget(self, file: str | None) -> None:
+        """Drop the diagnostics in a file."""
+        self._found = {
+            d: None for d in self._found if (d.span.file if d.span else None) != file
+        }

@@ -1,0 +1,44 @@
+"""Opens the files given to a command; reports missing and unreadable ones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from rtgen.compiler.diagnostics import Diagnostic, Rule, Span
+from rtgen.compiler.frontends.kit.library import F, Library
+from rtgen.compiler.frontends.kit.suggestions import nearest
+
+
+def open_main(
+    library: Library[F],
+    path: Path,
+    shown: str,
+    report: Callable[[Diagnostic], None],
+    *,
+    missing: Rule,
+    unreadable: Rule,
+    beside: str,
+    apart: bool = False,
+) -> F | None:
+    """Return the file of a path, displayed as `shown`; None, after a diagnostic, if unreadable.
+
+    The hint for a missing file is a similar name in its folder that matches the glob pattern
+    `beside`. `apart`: links to one file are files of their own.
+    """
+    span = Span(shown, 1, 1, 1, 1)
+    try:
+        source = library.open(path, apart=apart)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        report(unreadable.at(span, f"{shown} cannot be read: {reason}"))
+        return None
+    if source is None:
+        there = path.exists()
+        state = "is not a regular file" if there else "does not exist"
+        message = f"{shown} {'is a folder' if path.is_dir() else state}"
+        others = path.parent.glob(beside)
+        near = nearest(path.name, (p.name for p in others if p.is_file()))
+        hint = f"did you mean {near}?" if near and not there else None
+        report(missing.at(span, message, hint=hint))
+    return source

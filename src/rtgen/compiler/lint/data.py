@@ -1,0 +1,210 @@
+"""Lint checks of transmitted data: types of ports, bounds, unions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rtgen.compiler.diagnostics import Diagnostic, Related
+from rtgen.compiler.lint import rules
+from rtgen.compiler.lint.context import Context, fields
+from rtgen.compiler.model import (
+    ArrayType,
+    Case,
+    Component,
+    Enum,
+    EnumeratorName,
+    MapType,
+    Member,
+    NamedType,
+    Port,
+    PortKind,
+    Primitive,
+    PrimitiveType,
+    ScopedName,
+    SequenceType,
+    StringType,
+    Struct,
+    Type,
+    Union,
+)
+from rtgen.facts.ros import is_interface
+
+_DATA = (PortKind.INPORT, PortKind.OUTPORT)
+_MAX_NAMED = 4
+_SMALL = "small"
+
+
+def _ports(context: Context) -> Iterator[tuple[Component, Port]]:
+    for declaration in context.declarations:
+        if isinstance(declaration, Component):
+            for port in declaration.ports:
+                if port.kind in _DATA and context.is_given(port.span.file):
+                    yield declaration, port
+
+
+def any_in_ports(context: Context) -> Iterator[Diagnostic]:
+    """Report data ports whose type contains an `any`, so that the transmitted type is unknown."""
+    for _, port in _ports(context):
+        field = _any_in(context, port.type, set())
+        if field is not None:
+            yield rules.ANY_IN_PORT.at(
+                port.span,
+                f"the data of {port.name} holds an any",
+                related=[Related(field.span, f"{field.name} is it")],
+                hint="write the type, or a union of those that are possible",
+            )
+
+
+def _any_in(
+    context: Context, type_: Type, seen: set[ScopedName]
+) -> Member | Case | None:
+    """Return the field that is or contains an `any`."""
+    while isinstance(type_, SequenceType | ArrayType):
+        type_ = type_.element
+    plain = context.model.unalias(type_)
+    if isinstance(plain, SequenceType | ArrayType):
+        return _any_in(context, plain, seen)
+    if not isinstance(plain, NamedType) or plain.name in seen:
+        return None
+    seen.add(plain.name)
+    for field in fields(context.model.find(plain.name)):
+        if _is_any(context, field.type):
+            return field
+        found = _any_in(context, field.type, seen)
+        if found is not None:
+            return found
+    return None
+
+
+def _is_any(context: Context, type_: Type) -> bool:
+    plain = context.model.unalias(type_)
+    while isinstance(plain, SequenceType | ArrayType):
+        plain = context.model.unalias(plain.element)
+    return plain == PrimitiveType(Primitive.ANY)
+
+
+def times_of_ports(context: Context) -> Iterator[Diagnostic]:
+    """Report data ports of RT components without a time stamp."""
+    for _, port in _ports(context):
+        plain = context.model.unalias(port.type)
+        struct = (
+            context.model.find(plain.name) if isinstance(plain, NamedType) else None
+        )
+        if not isinstance(struct, Struct) or _has_time(context, struct):
+            continue
+        if is_interface(struct.name):
+            continue
+        yield rules.NO_TIME.at(
+            port.span,
+            f"{struct.scoped}, the data of {port.name}, has no member 'Time tm'",
+            related=[Related(struct.span, "declared here")],
+            hint="put 'RTC::Time tm;' first, so that receivers know the age of the data",
+        )
+
+
+def _has_time(context: Context, struct: Struct) -> bool:
+    for member in struct.members:
+        plain = context.model.unalias(member.type)
+        is_time = isinstance(plain, NamedType) and plain.name[-1] == "Time"
+        if member.name == "tm" and is_time:
+            return True
+    base = context.model.find(struct.base) if struct.base else None
+    return isinstance(base, Struct) and _has_time(context, base)
+
+
+def unbounded(context: Context) -> Iterator[Diagnostic]:
+    """Report members with an unbounded number of elements."""
+    for declaration in context.declarations:
+        for field in fields(declaration):
+            what = _unbounded(context, field.type)
+            if what is not None:
+                yield rules.UNBOUNDED.at(
+                    field.span,
+                    f"{field.name} holds a {what} without a bound",
+                    hint=f"write {what}<{'8' if what == 'string' else 'T, 8'}>",
+                )
+
+
+def _unbounded(context: Context, type_: Type) -> str | None:
+    match context.model.unalias(type_):
+        case SequenceType(element, bound):
+            return "sequence" if bound is None else _unbounded(context, element)
+        case StringType(wide, None):
+            return "wstring" if wide else "string"
+        case ArrayType(element):
+            return _unbounded(context, element)
+        case MapType(key, value, bound):
+            if bound is None:
+                return "map"
+            return _unbounded(context, key) or _unbounded(context, value)
+    return None
+
+
+def unbounded_on_boards(context: Context) -> Iterator[Diagnostic]:
+    """Report data ports without a bound where memory is preallocated: the target small."""
+    if context.target != _SMALL:
+        return
+    for _, port in _ports(context):
+        found = _unbounded_in(context, port.type, set())
+        if found is not None:
+            what, field = found
+            inside = "" if field is None else f" in {field.name}"
+            yield rules.UNBOUNDED_ON_BOARD.at(
+                port.span,
+                f"the data of {port.name} holds a {what} without a bound{inside}",
+                related=[] if field is None else [Related(field.span, "here")],
+                hint="a board reserves the number of elements given by [small]; declare a bound",
+            )
+
+
+def _unbounded_in(
+    context: Context, type_: Type, seen: set[ScopedName]
+) -> tuple[str, Member | Case | None] | None:
+    """Return the unbounded part of a type, and its field; None for the type itself."""
+    what = _unbounded(context, type_)
+    if what is not None:
+        return what, None
+    plain = context.model.unalias(type_)
+    while isinstance(plain, SequenceType | ArrayType):
+        plain = context.model.unalias(plain.element)
+    if not isinstance(plain, NamedType) or plain.name in seen:
+        return None
+    seen.add(plain.name)
+    for field in fields(context.model.find(plain.name)):
+        found = _unbounded_in(context, field.type, seen)
+        if found is not None:
+            return found[0], found[1] or field
+    return None
+
+
+def missing_enumerators(context: Context) -> Iterator[Diagnostic]:
+    """Report unions over an enum with neither a default nor a branch for each enumerator."""
+    for declaration in context.declarations:
+        if not isinstance(declaration, Union):
+            continue
+        plain = context.model.unalias(declaration.switch)
+        enum = context.model.find(plain.name) if isinstance(plain, NamedType) else None
+        if not isinstance(enum, Enum) or any(c.default for c in declaration.cases):
+            continue
+        listed = {
+            label.name[-1]
+            for case in declaration.cases
+            for label in case.labels
+            if isinstance(label, EnumeratorName)
+        }
+        missing = [m for m in enum.members if m.name not in listed]
+        if missing:
+            names = ", ".join(m.name for m in missing[:_MAX_NAMED])
+            more = (
+                f" and {len(missing) - _MAX_NAMED} more"
+                if len(missing) > _MAX_NAMED
+                else ""
+            )
+            yield rules.MISSING_ENUMERATORS.at(
+                declaration.span,
+                f"{declaration.scoped} has no branch for {names}{more}",
+                related=[
+                    Related(missing[0].span, f"{missing[0].name} is declared here")
+                ],
+                hint="write a branch for each, or a default",
+            )

@@ -1,0 +1,306 @@
+"""Applies rtgen's additional facts in a profile to the lowered component.
+
+A fact applies only while the attributes are those that rtgen writes for it, so that edited
+attributes take precedence. Therefore a fact is applied, and the attributes written from the result
+are compared.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, TypeAlias, TypeVar
+
+from msgspec.structs import replace
+
+from rtgen.compiler.diagnostics import Diagnostic, Span
+from rtgen.compiler.model import (
+    Annotation,
+    Component,
+    ConfigurationParameter,
+    ConstantValue,
+    Declaration,
+    Interface,
+    Port,
+    PortKind,
+    ScopedName,
+    Type,
+)
+from rtgen.compiler.model.rtc_profile import (
+    EVENT,
+    EVENT_PORT,
+    ProfileParameter,
+    RtcProfile,
+)
+from rtgen.compiler.typemap.components.annotations import (
+    WrittenAnnotation,
+    annotations_from,
+    same_event,
+)
+from rtgen.compiler.typemap.components.parameters import Parameters
+from rtgen.compiler.typemap.profiles import escapes as profile_escapes
+from rtgen.compiler.typemap.profiles import facts as profile_facts
+from rtgen.compiler.typemap.profiles import rules
+from rtgen.compiler.typemap.type_parsing import names_in, parsed
+
+Facts: TypeAlias = Mapping[str, Any]
+_Item = TypeVar("_Item", Port, ConfigurationParameter, Component)
+
+
+@dataclass(frozen=True)
+class Definitions:
+    """Applies facts; unusable ones are reported to `report`."""
+
+    declared: Mapping[ScopedName, Declaration]
+    parameters: Parameters
+    report: Callable[[Diagnostic], None]
+
+    # Ports.
+
+    def port(self, made: Port, facts: Facts, events: Sequence[Annotation] = ()) -> Port:
+        """Return the port with its facts applied; `events` are an event port's, as annotations."""
+        with self._passing_over(made.span):
+            is_data = made.kind in (PortKind.INPORT, PortKind.OUTPORT)
+            name = facts.get("name")
+            if name and (not is_data or name.strip() == made.name):
+                made = replace(made, name=name)
+            port, instance = facts.get("port"), facts.get("instance")
+            if port is not None and port.strip() == made.port:
+                made = replace(made, port=port)
+            if instance is not None and instance.strip() == made.instance:
+                made = replace(made, instance=instance)
+            made = _with_doc(made, facts)
+        return self._annotated(made, facts, events)
+
+    # Parameters.
+
+    def type(self, parameter: ProfileParameter) -> Type | None:
+        """Return the IDL type of a parameter; None if its attribute determines the type."""
+        with self._passing_over(parameter.type_span):
+            text = parameter.facts.get("type")
+            if text is None:
+                return None
+            found = parsed(text)
+            for named in names_in(found):
+                if named.name not in self.declared:
+                    raise ValueError(f"{named} is not found")
+            if not self.parameters.is_supported(found):
+                raise ValueError(f"{found} cannot be the type of a parameter")
+            word = self.parameters.profile_type(found)
+            return found if word == " ".join(parameter.type.split()) else None
+        return None
+
+    def default(
+        self, made: ConfigurationParameter, parameter: ProfileParameter
+    ) -> ConfigurationParameter:
+        """Return the parameter with the default of its facts, if the attribute agrees."""
+        if "default" not in parameter.facts:
+            return made
+        with self._passing_over(parameter.default_span):
+            fact = parameter.facts["default"]
+            default = None if fact is None else profile_facts.value_from_json(fact)
+            tried = replace(made, default=default)
+            if default is not None:
+                self.parameters.check_value(made.type, default)
+            if self.parameters.default_text(tried).strip() == parameter.default:
+                return tried
+        return made
+
+    def parameter(
+        self, made: ConfigurationParameter, parameter: ProfileParameter
+    ) -> ConfigurationParameter:
+        """Return the parameter with its remaining facts applied."""
+        facts = parameter.facts
+        with self._passing_over(made.span):
+            name = facts.get("name")
+            if name is not None and name.strip() == made.name:
+                made = replace(made, name=name)
+            if parameter.widget == "text" and facts.get("widget") == "text":
+                made = replace(made, widget="text")
+            made = _with_doc(made, facts)
+            made = self._with_limits(made, parameter)
+        return self._annotated(made, facts)
+
+    def _with_limits(
+        self, made: ConfigurationParameter, parameter: ProfileParameter
+    ) -> ConfigurationParameter:
+        """Return the parameter with bounds and its constraint as written. Raises ValueError."""
+        facts = parameter.facts
+        constraint = facts.get("constraint")
+        tried = replace(
+            made,
+            minimum=self._bound(made, facts, "min"),
+            maximum=self._bound(made, facts, "max"),
+            constraint=made.constraint if constraint is None else constraint,
+        )
+        if tried == made:
+            return made
+        limit = self.parameters.constraint(tried)
+        if limit != parameter.constraint:
+            return made
+        for each in (limit, self.parameters.bounds(tried)):
+            if each and not self.parameters.is_default_allowed(tried, each):
+                return made
+        return tried
+
+    def _bound(
+        self, made: ConfigurationParameter, facts: Facts, key: str
+    ) -> ConstantValue | None:
+        if key not in facts:
+            return None
+        bound = profile_facts.value_from_json(facts[key])
+        if not self.parameters.is_number(made.type):
+            raise ValueError(f"{made.type} has no bounds")
+        self.parameters.check_value(self.parameters.item_type(made.type), bound)
+        return bound
+
+    # The component.
+
+    def name(self, profile: RtcProfile, last: str) -> ScopedName:
+        """Return the scoped name; `last` is the component's unscoped name."""
+        with self._passing_over(profile.span):
+            text = profile.facts.get("name")
+            if text is None:
+                return (last,)
+            *modules, _ = parts = text.split("::")
+            if len(parts) > 20 or any(
+                profile_escapes.word(p, "X") != p for p in modules
+            ):
+                raise ValueError(f"{text[:40]!r} is not a scoped name")
+            for depth in range(1, len(parts)):
+                if tuple(parts[:depth]) in self.declared:
+                    raise ValueError(f"{'::'.join(parts[:depth])} is not a module")
+            return (*modules, last)
+        return (last,)
+
+    def component(self, made: Component, profile: RtcProfile) -> Component:
+        """Return the component with its facts applied."""
+        facts = profile.facts
+        with self._passing_over(made.span):
+            for field, usual in profile_facts.WITH_USUAL.items():
+                text = facts.get(field)
+                if text is None:
+                    continue
+                if profile_facts.read_text(text, usual) == getattr(made, field):
+                    changed: dict[str, Any] = {field: text}
+                    made = replace(made, **changed)
+            made = self._with_texts(made, facts)
+            name = facts.get("name") or profile.name
+            repository_id = facts.get("repository_id")
+            if repository_id and name == made.scoped:
+                made = replace(made, repository_id=repository_id)
+            made = replace(made, ports=_in_order(made.ports, facts.get("order")))
+            made = replace(made, supports=tuple(self._supported(made, facts)))
+            made = self._with_base(made, facts)
+        return self._annotated(made, facts)
+
+    def _with_texts(self, made: Component, facts: Facts) -> Component:
+        doc, description = facts.get("doc"), facts.get("description")
+        if doc is not None:
+            wanted = made.description if description is None else description
+            summary = profile_escapes.summary(wanted, doc)
+            if profile_facts.read_doc(doc, summary) == made.doc:
+                made = replace(made, doc=doc)
+        if description is not None:
+            summary = profile_escapes.summary(description, made.doc)
+            if profile_escapes.one_line(summary) == made.description:
+                made = replace(made, description=description)
+        return made
+
+    def _supported(self, made: Component, facts: Facts) -> Iterator[ScopedName]:
+        for text in facts.get("supports") or ():
+            name = tuple(str(text).split("::"))
+            if isinstance(self.declared.get(name), Interface):
+                yield name
+            else:
+                self._report_at(made.span, f"the interface {text} is not found")
+
+    def _with_base(self, made: Component, facts: Facts) -> Component:
+        """Return the component with its base, if it has all members of the base."""
+        text = facts.get("base")
+        if text is None:
+            return made
+        base = self.declared.get(tuple(text.split("::")))
+        if not isinstance(base, Component):
+            self._report_at(made.span, f"the component {text} is not found")
+            return made
+        ports = _inherited(made.ports, base.ports)
+        configuration = _inherited(made.configuration, base.configuration)
+        if ports is None or configuration is None:
+            message = f"it is no longer a {text}: what it inherits was changed"
+            self._report_at(made.span, message)
+            return made
+        return replace(made, base=base.name, ports=ports, configuration=configuration)
+
+    # Annotations.
+
+    def _annotated(
+        self, made: _Item, facts: Facts, events: Sequence[Annotation] = ()
+    ) -> _Item:
+        entries: list[WrittenAnnotation] = []
+        with self._passing_over(made.span):
+            entries = profile_facts.annotations_from_json(
+                facts.get("annotations") or []
+            )
+        known = [each for each in entries if isinstance(each, Annotation)]
+        gone = [
+            each
+            for each in known
+            if each.name in (EVENT_PORT, EVENT)
+            and not any(same_event(each, event) for event in events)
+        ]
+        entries = [each for each in entries if each not in gone]
+        new = [each for each in events if not any(same_event(each, k) for k in known)]
+        return replace(made, annotations=annotations_from(made, entries) + tuple(new))
+
+    @contextmanager
+    def _passing_over(self, span: Span) -> Iterator[None]:
+        """Report unusable facts; those already applied are kept."""
+        try:
+            yield
+        except ValueError as error:
+            self._report_at(span, str(error))
+
+    def _report_at(self, span: Span, message: str) -> None:
+        text = f"the property {profile_facts.PROPERTY}: {message}"
+        self.report(rules.FACTS.at(span, text))
+
+
+def identifier_of(variable: str, facts: Facts) -> str | None:
+    """Return the identifier in the facts, if the attribute matches."""
+    found = facts.get("identifier")
+    return variable if found == variable else None
+
+
+def _with_doc(made: _Item, facts: Facts) -> _Item:
+    doc = facts.get("doc")
+    if doc is None or profile_facts.read_doc(doc) != made.doc:
+        return made
+    return replace(made, doc=doc)
+
+
+def _in_order(ports: Sequence[Port], order: Sequence[Any] | None) -> tuple[Port, ...]:
+    """Return the ports in the order of the definition; new ones are last."""
+    if order is None:
+        return tuple(ports)
+    places = {str(name): place for place, name in enumerate(order)}
+    return tuple(
+        sorted(ports, key=lambda port: places.get(port.identifier, len(places)))
+    )
+
+
+_Part = TypeVar("_Part", Port, ConfigurationParameter)
+
+
+def _inherited(
+    own: Sequence[_Part], of_base: Sequence[_Part]
+) -> tuple[_Part, ...] | None:
+    """Return all items, the base's first and unchanged; None if one of those differs."""
+    rest: list[_Part] = list(own)
+    for item in of_base:
+        same = [each for each in rest if replace(each, span=item.span) == item]
+        if not same:
+            return None
+        rest.remove(same[0])
+    return tuple(of_base) + tuple(rest)

@@ -1,0 +1,346 @@
+"""Cache of complete runs: artifacts by their inputs.
+
+The key covers the tool and the options. An entry lists all files that the run read or searched for;
+it is valid while they are unchanged. An entry is a JSON text after a line with its hash. Damaged
+entries are ignored, and so are those that another user may have written.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import re
+import stat
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from hashlib import sha256
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeAlias, TypedDict
+
+import msgspec
+
+from rtgen.compiler.backends import Artifact, ComponentTypes, Owner
+from rtgen.compiler.diagnostics import Diagnostic, Related, Severity, Span
+from rtgen.compiler.kit import stages
+from rtgen.compiler.project.compilation import Compilation
+from rtgen.compiler.project.kinds import is_component_profile
+from rtgen.compiler.project.loading import Project
+from rtgen.facts import version
+from rtgen.facts.files import MAX_BYTES, is_file, open_file, read_start
+
+if TYPE_CHECKING:
+    from importlib import metadata
+
+_FORMAT = "rtgen-run/4"
+_LIBRARIES = {"artifacts": ("jinja2", "lark")}
+"""Libraries whose versions affect the output."""
+
+_MAX_ENTRIES = 128
+_MAX_BYTES = 64 * 1024 * 1024
+_ENTRY = re.compile(r"[0-9a-f]{64}\.(json|\d+\.tmp)")
+_PACKAGE = Path(__file__).parents[2]
+_RUNTIME = Path(version.__file__).parents[1]
+_COMPILER = (
+    *(_PACKAGE / name for name in ("compiler", "openrtm", "ros2", "templates")),
+    *(_RUNTIME / name for name in ("facts", "small_runtime")),
+)
+"""The folders whose files affect the output."""
+
+
+_Place: TypeAlias = tuple[str, int, int, int, int]
+_Finding: TypeAlias = tuple[
+    str, Severity, str, _Place | None, list[tuple[_Place, str]], str | None
+]
+
+
+class _Entry(TypedDict):
+    """The content of an entry; one of another form is ignored."""
+
+    artifacts: list[tuple[str, str, tuple[str, ...], Owner]]
+    inputs: dict[str, str]
+    diagnostics: list[_Finding]
+    dependencies: dict[str, str | None]
+    sources: dict[str, str]
+    components: tuple[dict[str, str], dict[str, str]]
+
+
+def _searched(project: Project) -> list[str]:
+    """Return the IDL files in which the types of profiles are searched."""
+    profiles = [path for path in project.sources if is_component_profile(path)]
+    if not profiles:
+        return []
+    from rtgen.compiler.frontends.profiles.rtc_profile.idl_search import candidates
+
+    places = project.root, project.include, project.sources
+    return [str(each) for path in profiles for each in candidates(path, *places)]
+
+
+class Cache:
+    """A folder of entries, bounded in number and size; concurrent runs can share it."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def key(
+        self,
+        project: Project,
+        plugins: Sequence[metadata.EntryPoint],
+        made: str = "artifacts",
+    ) -> str:
+        """Return the hash of everything except the definitions that affects the output."""
+        content = [
+            _FORMAT,
+            made,
+            sys.version_info[:3],
+            _hash_of_files(_compiler_files()),
+            [(name, _version(name)) for name in _LIBRARIES.get(made, ())],
+            [(e.name, e.value, _hash_of_files(_plugin_files(e))) for e in plugins],
+            str(Path.cwd()),
+            str(project.root),
+            list(map(str, project.sources)),
+            (
+                [str(project.output), *map(str, project.emitted_systems)]
+                if project.emitted_systems
+                else []
+            ),
+            list(map(str, project.include)),
+            _searched(project),
+            project.define,
+            project.ignore_case_clashes,
+            project.prelude,
+            project.encoding,
+            [problem.message for problem in project.problems],
+            list(map(str, project.tecs_path)),
+            project.node_id,
+            [
+                (
+                    *(a.name, a.source, a.target, a.mapping, a.constants),
+                    *(list(a.units.items()), str(a.span)),
+                )
+                for a in project.adapters
+            ],
+            [
+                project.package,
+                project.skeleton_package,
+                project.target,
+                project.small,
+                project.representation,
+                project.extensibility,
+                project.ros2.interfaces,
+                project.numeric,
+                project.tecs_corba,
+                project.components,
+                project.skeleton_path,
+            ],
+            json.dumps(project.plugins, default=str, sort_keys=True),
+            [(n, str(p), hash_of(p)) for n, p in sorted(project.templates.items())],
+        ]
+        return sha256(json.dumps(content).encode()).hexdigest()
+
+    def kept(self, key: str, make: Callable[[], Compilation]) -> Compilation:
+        """Return the entry of a key; else the result of `make`, stored unless it has errors."""
+        with stages.stage("cache"):
+            found = self.load(key)
+            stages.note("miss" if found is None else "hit")
+        if found is None:
+            found = make()
+            if not found.failed:
+                with stages.stage("store in cache"):
+                    self.store(key, found)
+        return found
+
+    def load(self, key: str) -> Compilation | None:
+        """Return the entry of a key, if it exists and its dependencies are unchanged."""
+        file = self._file(key)
+        try:
+            if not (_is_own(self._folder) and _is_own(file) and file.is_file()):
+                return None
+            with open_file(file) as stream:
+                if not _is_owned(os.fstat(stream.fileno())):  # exchanged meanwhile
+                    return None
+                content = stream.read(_MAX_BYTES + 1)
+            digest, _, payload = content.partition(b"\n")
+            if digest != sha256(payload).hexdigest().encode():
+                return None
+            entry = msgspec.json.decode(payload, type=_Entry)
+        except (OSError, ValueError):
+            return None
+        dependencies = entry["dependencies"]
+        if any(hash_of(Path(path)) != digest for path, digest in dependencies.items()):
+            return None
+        with contextlib.suppress(OSError):
+            os.utime(file)  # for `_trim`
+        return Compilation(
+            artifacts=tuple(Artifact(*artifact) for artifact in entry["artifacts"]),
+            inputs=entry["inputs"],
+            diagnostics=tuple(map(_diagnostic, entry["diagnostics"])),
+            dependencies=dependencies,
+            sources=entry["sources"],
+            components=ComponentTypes(*entry["components"]),
+        )
+
+    def store(self, key: str, run: Compilation) -> None:
+        """Store a run without errors, unless the folder is read-only or another user's."""
+        entry = {
+            "artifacts": [[a.path, a.text, a.origin, a.owner] for a in run.artifacts],
+            "inputs": dict(run.inputs),
+            "diagnostics": [_diagnostic_entry(d) for d in run.diagnostics],
+            "dependencies": dict(run.dependencies),
+            "sources": {
+                f: t for f, t in run.sources.items() if f in _files_in_diagnostics(run)
+            },
+            "components": [
+                dict(run.components.factories),
+                dict(run.components.languages),
+            ],
+        }
+        payload = json.dumps(entry).encode()
+        file = self._file(key)
+        temporary = file.with_name(f"{key}.{os.getpid()}.tmp")
+        with contextlib.suppress(OSError):
+            self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            if not _is_own(self._folder, sole_writer=False):
+                return
+            self._folder.chmod(0o700)
+            temporary.touch(mode=0o600)
+            temporary.write_bytes(
+                sha256(payload).hexdigest().encode() + b"\n" + payload
+            )
+            temporary.replace(file)
+            self._trim()
+
+    def _file(self, key: str) -> Path:
+        return self._folder / f"{key}.json"
+
+    def _trim(self) -> None:
+        """Remove the least recently used entries, and leftovers of killed runs."""
+        found = []
+        for file in self._folder.iterdir():
+            if not _ENTRY.fullmatch(file.name):
+                continue
+            with contextlib.suppress(FileNotFoundError):
+                status = file.stat()
+                found.append((status.st_mtime_ns, status.st_size, file))
+        size = 0
+        for number, (_, bytes_, file) in enumerate(sorted(found, reverse=True)):
+            size += bytes_
+            if number >= _MAX_ENTRIES or size > _MAX_BYTES:
+                file.unlink(missing_ok=True)
+
+
+def user_folder() -> Path:
+    """Return the user's folder of caches: `RTGEN_CACHE_DIR`, or the system's cache folder."""
+    folder = os.environ.get("RTGEN_CACHE_DIR")
+    if not folder:
+        from platformdirs import user_cache_dir
+
+        folder = user_cache_dir("rtgen", appauthor=False)
+    return Path(folder).absolute()
+
+
+def default() -> Cache:
+    """Return the user's cache."""
+    return Cache(user_folder() / "runs")
+
+
+def _is_own(path: Path, *, sole_writer: bool = True) -> bool:
+    """Return whether only this user can write to a path, or set a link there. Raises OSError."""
+    if sys.platform == "win32":  # user profiles are private
+        return True
+    is_ours = path.lstat().st_uid == os.geteuid()
+    return is_ours and _is_owned(path.stat(), sole_writer=sole_writer)
+
+
+def _is_owned(status: os.stat_result, *, sole_writer: bool = True) -> bool:
+    if sys.platform == "win32":
+        return True
+    shared = sole_writer and status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+    return status.st_uid == os.geteuid() and not shared
+
+
+def _files_in_diagnostics(run: Compilation) -> set[str]:
+    """Return the files with lines that diagnostics show."""
+    spans = [d.span for d in run.diagnostics]
+    spans += [related.span for d in run.diagnostics for related in d.related]
+    return {span.file for span in spans if span is not None}
+
+
+def _version(library: str) -> str:
+    spec = find_spec(library)
+    if spec is not None and spec.origin is not None:
+        beside = Path(spec.origin).parents[1].glob(f"{library}-*.dist-info")
+        names = sorted(folder.name for folder in beside)
+        if names:
+            return " ".join(names)
+    from importlib import metadata
+
+    return metadata.version(library)
+
+
+def hash_of(path: Path) -> str | None:
+    """Return the SHA-256 of a dependency; None for a file that is missing or cannot be read."""
+    try:
+        return sha256(read_start(path, MAX_BYTES + 1)).hexdigest()
+    except OSError:
+        return None
+
+
+def _hash_of_files(files: Iterator[Path]) -> str:
+    digest = sha256()
+    for file in files:
+        data = file.read_bytes()
+        digest.update(b"%s\0%d\0" % (os.fsencode(file.name), len(data)))
+        digest.update(data)
+    return digest.hexdigest()
+
+
+def _compiler_files() -> Iterator[Path]:
+    """Yield the files of rtgen that affect the output."""
+    beside = _PACKAGE.parent.parent / "grammars"
+    packed = _PACKAGE / "grammars"
+    for folder in (*_COMPILER, packed if packed.is_dir() else beside):
+        yield from _files_below(folder, skip=frozenset({"__pycache__"}))
+
+
+def _plugin_files(entry: metadata.EntryPoint) -> Iterator[Path]:
+    """Yield the files of a plug-in's package."""
+    spec = find_spec(entry.module.partition(".")[0])
+    if spec is not None:
+        for folder in spec.submodule_search_locations or ():
+            below = _files_below(Path(folder), skip=frozenset({"__pycache__"}))
+            yield from (file for file in below if is_file(file))
+        if spec.origin and not spec.submodule_search_locations:
+            yield Path(spec.origin)
+
+
+def _files_below(folder: Path, skip: frozenset[str] = frozenset()) -> Iterator[Path]:
+    for parent, folders, files in os.walk(folder):
+        folders[:] = sorted(f for f in folders if f not in skip)
+        yield from (Path(parent, name) for name in sorted(files))
+
+
+def _diagnostic_entry(d: Diagnostic) -> list[object]:
+    related = [[_span_entry(r.span), r.label] for r in d.related]
+    return [d.code, d.severity, d.message, _span_entry(d.span), related, d.hint]
+
+
+def _diagnostic(entry: _Finding) -> Diagnostic:
+    code, severity, message, span, related, hint = entry
+    return Diagnostic(
+        code,
+        severity,
+        message,
+        None if span is None else Span(*span),
+        tuple(Related(Span(*place), label) for place, label in related),
+        hint,
+    )
+
+
+def _span_entry(span: Span | None) -> list[object] | None:
+    return (
+        None
+        if span is None
+        else [span.file, span.line, span.column, span.end_line, span.end_column]
+    )

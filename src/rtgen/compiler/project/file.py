@@ -1,0 +1,477 @@
+"""Reads and validates `rtgen.toml`, with the place of every key."""
+
+from __future__ import annotations
+
+import keyword
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+from rtgen.compiler.diagnostics import Diagnostic, InputError, Span, ToolError
+from rtgen.compiler.kit.toml_text import TomlError, parse
+from rtgen.compiler.project.rules import (
+    FILE_UNREADABLE,
+    PATH_MISSING,
+    UNKNOWN_KEY,
+    WRONG_TYPE,
+)
+from rtgen.facts import file_names, ros_names
+from rtgen.facts.decoded_text import NAMES
+from rtgen.facts.encodings import decode
+from rtgen.facts.files import UnreadableError, read_file
+from rtgen.facts.numeric import FORMS
+from rtgen.facts.ros_marshaling import parse as parse_marshaling
+from rtgen.facts.ros_qos import PROFILES
+
+_HEADER = re.compile(r"\s*\[\s*([^\[\]]+?)\s*\]")
+_MAX_BYTES = 1024 * 1024
+_KEY = re.compile(r"\s*(\"[^\"]*\"|'[^']*'|[\w-]+)\s*=")
+_MACRO = re.compile(r"[A-Za-z_]\w*", re.ASCII)
+
+Check = Callable[[Any], str | None]
+"""Function that returns the error in a value, or None."""
+
+
+def is_macro(name: str) -> bool:
+    """Return whether the name is a valid macro name."""
+    return _MACRO.fullmatch(name) is not None
+
+
+def _text(value: Any) -> str | None:
+    return None if isinstance(value, str) and value else "must be a string"
+
+
+def _texts(value: Any) -> str | None:
+    fine = isinstance(value, list) and all(
+        isinstance(item, str) and item for item in value
+    )
+    return None if fine else "must be a list of strings"
+
+
+def _path(value: Any) -> str | None:
+    if problem := _text(value):
+        return problem
+    wrong = file_names.problem(value)
+    return f"must be a path that a file can have: this {wrong}" if wrong else None
+
+
+def _paths(value: Any) -> str | None:
+    if problem := _texts(value):
+        return problem
+    wrong = next(filter(None, map(file_names.problem, value)), None)
+    return f"must be paths that files can have: one {wrong}" if wrong else None
+
+
+def _flag(value: Any) -> str | None:
+    return None if isinstance(value, bool) else "must be true or false"
+
+
+def macros(value: list[str] | dict[str, str | int]) -> dict[str, str]:
+    """Parse macros `NAME` or `NAME=VALUE` as in `-D`, or a table of them."""
+    if isinstance(value, dict):
+        return {name: str(item) for name, item in value.items()}
+    pairs = (text.partition("=") for text in value)
+    return {name: body if equals else "1" for name, equals, body in pairs}
+
+
+def _macros(value: Any) -> str | None:
+    fine = _texts(value) is None or (
+        isinstance(value, dict) and all(type(v) in (str, int) for v in value.values())
+    )
+    if not fine:
+        return "must be a list of 'NAME=VALUE', or a table of names to values"
+    value = macros(value)
+    wrong = next((name for name in value if not is_macro(name)), None)
+    return None if wrong is None else f"holds {wrong!r}, which is not an identifier"
+
+
+def _patterns(value: Any) -> str | None:
+    fine = isinstance(value, dict) and all(_texts(v) is None for v in value.values())
+    return None if fine else "must be a table of patterns of files to lists of codes"
+
+
+def _one_of(*known: str) -> Check:
+    def check(value: Any) -> str | None:
+        fine = isinstance(value, str) and value in known
+        return None if fine else "must be one of " + ", ".join(map(repr, known))
+
+    return check
+
+
+def _number(least: int, greatest: int) -> Check:
+    def check(value: Any) -> str | None:
+        is_number = isinstance(value, int) and not isinstance(value, bool)
+        fine = is_number and least <= value <= greatest
+        return None if fine else f"must be a number from {least} to {greatest}"
+
+    return check
+
+
+_room = _number(1, 65535)
+
+
+def _factory(value: Any) -> str | None:
+    module, colon, name = value.partition(":") if isinstance(value, str) else ("",) * 3
+    parts = [*module.split("."), *name.split(".")]
+    fine = colon and all(
+        part.isascii() and part.isidentifier() and not keyword.iskeyword(part)
+        for part in parts
+    )
+    return None if fine else "must be 'module:attribute'"
+
+
+def _adapter(value: Any) -> str | None:
+    fine = isinstance(value, dict) and {"from", "to"} <= set(value) <= {
+        *("from", "to", "map", "set", "units")
+    }
+    if fine:
+        pairs, constants, units = (
+            value.get(key, {}) for key in ("map", "set", "units")
+        )
+        fine = all(isinstance(each, dict) for each in (pairs, constants, units))
+        fine = fine and all(
+            isinstance(v, str) for v in (value["from"], value["to"], *pairs.values())
+        )
+        fine = fine and all(map(_is_constant, constants.values()))
+        fine = fine and all(map(_is_pair, units.values()))
+    form = (
+        'from = "TYPE", to = "TYPE", map = { "MEMBER" = "MEMBER" }, '
+        'set = { "MEMBER" = VALUE }, units = { "MEMBER" = ["UNIT", "UNIT"] }'
+    )
+    return None if fine else f"must be a table: {form}"
+
+
+def _is_pair(value: Any) -> bool:
+    """Return whether the value is a list of two texts."""
+    return isinstance(value, list) and [type(each) for each in value] == [str, str]
+
+
+def _is_constant(value: Any) -> bool:
+    """Return whether the value is a text, a number, a boolean or a list of texts."""
+    if isinstance(value, list):
+        return all(isinstance(each, str) for each in value)
+    return isinstance(value, bool | int | float | str)
+
+
+def _ros_name(value: Any) -> str | None:
+    problem = (
+        "" if not isinstance(value, str) else ros_names.violation(value.strip("/"))
+    )
+    if value == "/" or problem is None:
+        return None
+    return f"must be a name of ROS 2, which {problem or 'is a string'}"
+
+
+class _Problem(str):
+    """An error in an entry of a table, with the key of the entry."""
+
+    entry: str
+
+    def __new__(cls, text: str, entry: str) -> _Problem:
+        made = super().__new__(cls, text)
+        made.entry = entry
+        return made
+
+
+def _ros_topics(value: Any) -> str | None:
+    """Check topics by port; each is a name, or a table with a profile."""
+    if not isinstance(value, dict):
+        return "must be a table of INSTANCE.PORT to topics"
+    for port, entry in value.items():
+        if port.count(".") != 1:
+            return _Problem(f"holds {port!r}, which is not INSTANCE.PORT", port)
+        table = {"topic": entry} if isinstance(entry, str) else entry
+        fine = isinstance(table, dict) and {"topic"} <= set(table) <= {
+            *("topic", "qos", "marshaling_type")
+        }
+        if not fine or not isinstance(table["topic"], str):
+            return _Problem(
+                f"holds {port!r}, which must be 'NAME' or {{ topic = 'NAME', qos = 'PROFILE' }}",
+                port,
+            )
+        if why := ros_names.violation(table["topic"]):
+            return _Problem(
+                f"gives {port!r} the topic {table['topic']!r}; a name of ROS 2 {why}",
+                port,
+            )
+        marshaling = table.get("marshaling_type", "ros2:std_msgs/String")
+        if not isinstance(marshaling, str) or parse_marshaling(marshaling) is None:
+            return _Problem(
+                f"gives {port!r} the marshaling_type {marshaling!r}, "
+                "which is not ros2:PACKAGE/TYPE",
+                port,
+            )
+        if table.get("qos", "default") not in PROFILES:
+            return _Problem(
+                f"gives {port!r} the qos {table['qos']!r}; known: {', '.join(PROFILES)}",
+                port,
+            )
+    return None
+
+
+def _ros_names(dots: int, form: str, what: str, value: Any) -> str | None:
+    """Check services by operation, or actions by port."""
+    if not isinstance(value, dict):
+        return f"must be a table of {form} to {what}s"
+    for key, name in value.items():
+        if key.count(".") != dots:
+            return _Problem(f"holds {key!r}, which is not {form}", key)
+        if not isinstance(name, str):
+            return _Problem(f"holds {key!r}, which must be 'NAME'", key)
+        if why := ros_names.violation(name):
+            return _Problem(
+                f"gives {key!r} the {what} {name!r}; a name of ROS 2 {why}", key
+            )
+    return None
+
+
+def _table(value: Any) -> str | None:
+    return None if isinstance(value, dict) else "must be a table of a plug-in's options"
+
+
+_BREAKS = ("wire", "source", "stored", "compatible")
+
+
+def _breaks(value: Any) -> str | None:
+    fine = isinstance(value, list) and all(v in _BREAKS for v in value)
+    return None if fine else "must be a list of " + ", ".join(map(repr, _BREAKS))
+
+
+def _allowances(value: Any) -> str | None:
+    """Check the allowed breaks: tables of texts."""
+    fine = isinstance(value, list) and all(
+        isinstance(each, dict)
+        and {"code", "reason"} <= each.keys() <= {"code", "reason", "name", "path"}
+        and all(isinstance(text, str) and text for text in each.values())
+        for each in value
+    )
+    form = 'code = "DIF...", reason = "TEXT", and perhaps name = "PATTERN", path = "PATTERN"'
+    return None if fine else f"must be tables: {form}"
+
+
+SCHEMA: dict[str, dict[str, Check] | Check] = {
+    "sources": {
+        "paths": _paths,
+        "include": _paths,
+        "define": _macros,
+        "ignore_case_clashes": _flag,
+        "prelude": _one_of("kernel", "none"),
+        "encoding": _one_of(*NAMES),
+        "kcode": _one_of(*NAMES),
+    },
+    "idl": {"case": _one_of("strict", "dds")},
+    "output": {
+        "dir": _path,
+        "skeletons": _path,
+        "package": _text,
+        "target": _one_of("embedded", "openrtm", "small", "typescript"),
+        "representation": _one_of("cdr", "xcdr2"),
+        "extensibility": _one_of("final", "appendable", "mutable"),
+    },
+    "python": {"numeric": _one_of(*FORMS)},
+    "tecs": {"corba": _flag},
+    "small": {"sequence": _room, "string": _room, "buffer": _room},
+    "components": _factory,
+    "adapter": _adapter,
+    "ros2": {
+        "node": _ros_name,
+        "namespace": _ros_name,
+        "domain": _number(0, 232),
+        "interface": _text,
+        "zenoh": _path,
+        "interfaces": _flag,
+        "managed_nodes": _flag,
+        "topics": _ros_topics,
+        "services": partial(_ros_names, 2, "INSTANCE.PORT.OPERATION", "service"),
+        "actions": partial(_ros_names, 1, "INSTANCE.PORT", "action"),
+    },
+    "templates": {"path": _path},
+    "diff": {"use": _breaks, "allow": _allowances},
+    "fmt": {"line-length": _number(20, 1000), "indent": _number(1, 16)},
+    "lint": {"ignore": _texts, "select": _texts, "per-file-ignores": _patterns},
+    "plugin": _table,
+}
+"""The keys of each section, or the check for the values of a section with free keys."""
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """The validated content of an rtgen.toml, with its text and the doubts about that."""
+
+    name: str
+    source: str
+    content: dict[str, Any]
+    problems: tuple[Diagnostic, ...] = ()
+
+    def text(self, section: str, key: str, default: str) -> str:
+        """Return a string, or the default."""
+        value: str = self.content.get(section, {}).get(key, default)
+        return value
+
+    def texts(self, section: str, key: str) -> list[str]:
+        """Return a list of strings, empty if missing."""
+        value: list[str] = self.content.get(section, {}).get(key, [])
+        return value
+
+    def number(self, section: str, key: str, default: int) -> int:
+        """Return a number, or the default."""
+        value: int = self.content.get(section, {}).get(key, default)
+        return value
+
+    def flag(self, section: str, key: str) -> bool:
+        """Return a boolean, false if missing."""
+        value: bool = self.content.get(section, {}).get(key, False)
+        return value
+
+    def table(self, section: str) -> dict[str, str]:
+        """Return a section with its values as texts, empty if missing."""
+        value = self.content.get(section, {})
+        return {name: str(item) for name, item in value.items()}
+
+    def tables(self, section: str) -> dict[str, dict[str, Any]]:
+        """Return the tables in a section by name, empty if missing."""
+        value: dict[str, dict[str, Any]] = self.content.get(section, {})
+        return value
+
+    def macros(self) -> dict[str, str]:
+        """Return the macros of `[sources] define`."""
+        return macros(self.content.get("sources", {}).get("define", []))
+
+    def span(
+        self, section: str, key: str | None = None, item: str | None = None
+    ) -> Span:
+        """Return the place of a section, of a key in it, or of a string in the key's value."""
+        current = ""
+        lines = self.source.split("\n")
+        for number, line in enumerate(lines, start=1):
+            if header := _HEADER.match(line):
+                current = header[1].replace('"', "")
+                if key is None and current.split(".")[0].strip() == section:
+                    return self._span(number, header.start(1), header[1])
+                if key is not None and current == f"{section}.{key}":
+                    return self._span(number, header.start(1), header[1])
+            elif match := _KEY.match(line):
+                found = match[1].strip("\"'")
+                if (current, found) == (section, key):
+                    if item is not None:
+                        return self._item(number, item) or self._span(
+                            number, match.start(1), match[1]
+                        )
+                    return self._span(number, match.start(1), match[1])
+                if not current and found == section:
+                    return self._span(number, match.start(1), match[1])
+        return self._span(1, 0, "")
+
+    def table_span(self, section: str, key: str, number: int) -> Span:
+        """Return the place of `[[section.key]]`, by number; of the section if written otherwise."""
+        header = re.compile(rf"\s*\[\[\s*({section}\s*\.\s*{key})\s*\]\]")
+        found = (
+            self._span(line, match.start(1), match[1])
+            for line, text in enumerate(self.source.split("\n"), start=1)
+            if (match := header.match(text))
+        )
+        return next(islice(found, number, None), None) or self.span(section, key)
+
+    def _item(self, start: int, item: str) -> Span | None:
+        for number, line in enumerate(
+            self.source.split("\n")[start - 1 :], start=start
+        ):
+            if (
+                number > start
+                and _HEADER.match(line)
+                and "=" not in line
+                and '"' not in line
+            ):
+                return None
+            for quote in "\"'":
+                column = line.find(quote + item + quote)
+                if column >= 0:
+                    return self._span(number, column, f"'{item}'")
+        return None
+
+    def _span(self, line: int, start: int, text: str) -> Span:
+        return Span(self.name, line, start + 1, line, start + 1 + max(len(text), 1))
+
+    def check_paths(self, root: Path) -> Iterator[Diagnostic]:
+        """Yield diagnostics for missing paths of `[sources]`."""
+        for key in ("paths", "include"):
+            for path in self.texts("sources", key):
+                if not (root / path).exists():
+                    yield PATH_MISSING.at(
+                        self.span("sources", key, path), f"no file or folder {path!r}"
+                    )
+
+
+def read(file: Path, name: str) -> Settings:
+    """Read and validate the file; `name` is its displayed path. Raises InputError."""
+    try:
+        data = read_file(file, _MAX_BYTES)
+    except UnreadableError as error:
+        raise ToolError(f"cannot read {name}: {error}") from error
+    decoded = decode(data, standard=True)
+    try:
+        content = parse(decoded.normal, name)
+    except TomlError as error:
+        raise InputError([FILE_UNREADABLE.at(error.span, str(error))]) from None
+    problems: Sequence[Diagnostic] = ()
+    if decoded.encoding != "utf8" or decoded.doubt is not None:
+        # Front ends are imported only if they are needed.
+        from rtgen.compiler.frontends.kit import characters
+
+        problems = characters.read(data, name, standard="TOML").problems
+    settings = Settings(name, decoded.normal, content, tuple(problems))
+    findings = [*_check(settings)]
+    if findings:
+        raise InputError(findings)
+    return settings
+
+
+def _check(settings: Settings) -> Iterator[Diagnostic]:
+    for section, content in settings.content.items():
+        schema = SCHEMA.get(section)
+        if schema is None:
+            yield UNKNOWN_KEY.at(
+                settings.span(section),
+                f"unknown section {section!r}",
+                hint=_did_you_mean(section, SCHEMA),
+            )
+        elif not isinstance(content, dict):
+            yield WRONG_TYPE.at(
+                settings.span(section), f"{section!r} must be a section"
+            )
+        else:
+            for key, value in content.items():
+                yield from _check_key(settings, section, key, value, schema)
+
+
+def _check_key(
+    settings: Settings,
+    section: str,
+    key: str,
+    value: Any,
+    schema: dict[str, Check] | Check,
+) -> Iterator[Diagnostic]:
+    check = schema.get(key) if isinstance(schema, dict) else schema
+    if check is None:
+        assert isinstance(schema, dict)
+        yield UNKNOWN_KEY.at(
+            settings.span(section, key),
+            f"unknown key {key!r} in [{section}]",
+            hint=_did_you_mean(key, schema),
+        )
+    elif (problem := check(value)) is not None:
+        span = settings.span(section, key)
+        if isinstance(problem, _Problem):
+            span = settings.span(f"{section}.{key}", problem.entry)
+        yield WRONG_TYPE.at(span, f"{key!r} in [{section}] {problem}")
+
+
+def _did_you_mean(name: str, known: dict[str, Any]) -> str:
+    from difflib import get_close_matches
+
+    close = get_close_matches(name, known, n=1)
+    return f"did you mean {close[0]!r}?" if close else "known: " + ", ".join(known)

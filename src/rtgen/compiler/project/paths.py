@@ -1,0 +1,80 @@
+"""Paths of a project: how they are shown, and the search for its files."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from rtgen.compiler.project.kinds import FILE_NAME, is_definition, is_generated
+from rtgen.facts.files import is_file
+
+
+def find(folder: Path) -> Path | None:
+    """Return the nearest rtgen.toml in the absolute folder or above it."""
+    for parent in (folder, *folder.parents):
+        file = parent / FILE_NAME
+        if is_file(file):
+            return file
+    return None
+
+
+def shown_path(path: Path, folder: Path | None = None) -> Path:
+    """Return the path relative to the folder, by default the working folder (absolute on another
+    drive).
+    """
+    try:
+        return Path(os.path.relpath(path, folder))
+    except ValueError:
+        return path
+
+
+def shown(path: Path) -> str:
+    """Return the path as displayed in messages."""
+    return shown_path(path).as_posix()
+
+
+def tecs_path() -> tuple[Path, ...]:
+    """Return the folder that TECSPATH names, and its subfolders."""
+    name = os.environ.get("TECSPATH")
+    if not name or not Path(name).is_dir():
+        return ()
+    folder = Path(name).absolute()
+    return (folder, *sorted(p for p in folder.iterdir() if p.is_dir()))
+
+
+def normal(path: Path) -> Path:
+    """Return the path without `..` and repeated separators; links are not followed."""
+    return Path(os.path.normpath(path))
+
+
+def files(paths: Iterable[Path], skip: Path) -> Iterator[Path]:
+    """Yield the definition files given, and those below the given folders, sorted and unique."""
+    seen: set[Path] = set()
+    for path in paths:
+        found = below(path, skip) if path.is_dir() else [path]
+        for file in found:
+            key = normal(file.absolute())
+            if key not in seen:
+                seen.add(key)
+                yield file
+
+
+def below(folder: Path, skip: Path) -> list[Path]:
+    """Return the definition files below a folder, sorted, without hidden folders and `skip`."""
+    found = []
+    for parent, folders, files in os.walk(folder):
+        here = Path(parent)
+        folders[:] = [
+            f
+            for f in folders
+            if not f.startswith(".") and normal((here / f).absolute()) != skip
+        ]
+        found += [
+            here / f
+            for f in files
+            if not f.startswith(".")
+            and is_definition(here / f)
+            and not is_generated(here / f)
+        ]
+    return sorted(found, key=lambda p: p.parts)

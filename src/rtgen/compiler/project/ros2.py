@@ -1,0 +1,118 @@
+"""`[ros2]` of rtgen.toml: the node that a system becomes, and the ports that are topics."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rtgen.compiler.diagnostics import Span
+from rtgen.facts.ros_marshaling import parse
+from rtgen.facts.ros_qos import PROFILES, Profile
+
+if TYPE_CHECKING:
+    from rtgen.compiler.project.file import Settings
+
+
+class TopicEntry(msgspec.Struct, frozen=True, kw_only=True):
+    """A port (`INSTANCE.PORT`) with its topic; `span` is None if a connection specifies the topic.
+
+    `message` is that of `marshaling_type` (`std_msgs/msg/Float32`); None for the port's own type.
+    """
+
+    instance: str
+    port: str
+    topic: str
+    profile: Profile
+    span: Span | None
+    message: str | None = None
+
+
+class ServiceEntry(msgspec.Struct, frozen=True, kw_only=True):
+    """An operation (`INSTANCE.PORT.OPERATION`) with its service."""
+
+    instance: str
+    port: str
+    operation: str
+    service: str
+    span: Span
+
+
+class ActionEntry(msgspec.Struct, frozen=True, kw_only=True):
+    """A service port (`INSTANCE.PORT`) with its action."""
+
+    instance: str
+    port: str
+    action: str
+    span: Span
+
+
+class Ros2Settings(msgspec.Struct, frozen=True, kw_only=True):
+    """`[ros2]`. None: name of the system, ROS_DOMAIN_ID, loopback, rmw_zenoh's configuration.
+
+    `zenoh` is the path of a Zenoh configuration, relative to the project; `interfaces`: write ROS 2
+    interface files; `managed_nodes`: each component is a node with the services of life cycle and
+    parameters.
+    """
+
+    node: str | None = None
+    namespace: str = "/"
+    domain: int | None = None
+    interface: str | None = None
+    zenoh: str | None = None
+    interfaces: bool = False
+    managed_nodes: bool = True
+    topics: tuple[TopicEntry, ...] = ()
+    services: tuple[ServiceEntry, ...] = ()
+    actions: tuple[ActionEntry, ...] = ()
+
+
+def ros2_settings(settings: Settings) -> Ros2Settings:
+    """Return the section of a validated rtgen.toml."""
+    section = settings.content.get("ros2", {})
+    rest = {
+        key: value
+        for key, value in section.items()
+        if key not in ("topics", "services", "actions")
+    }
+    if "namespace" in rest:
+        rest["namespace"] = "/" + rest["namespace"].strip("/")
+    topics = []
+    for key, value in section.get("topics", {}).items():
+        instance, _, port = key.partition(".")
+        table = {"topic": value} if isinstance(value, str) else value
+        topics.append(
+            TopicEntry(
+                instance=instance,
+                port=port,
+                topic=table["topic"],
+                profile=PROFILES[table.get("qos", "default")],
+                span=settings.span("ros2.topics", key),
+                message=parse(table.get("marshaling_type", "")),
+            )
+        )
+    services = []
+    for key, name in section.get("services", {}).items():
+        instance, port, operation = key.split(".")
+        services.append(
+            ServiceEntry(
+                instance=instance,
+                port=port,
+                operation=operation,
+                service=name,
+                span=settings.span("ros2.services", key),
+            )
+        )
+    actions = []
+    for key, name in section.get("actions", {}).items():
+        instance, port = key.split(".")
+        span = settings.span("ros2.actions", key)
+        actions.append(
+            ActionEntry(instance=instance, port=port, action=name, span=span)
+        )
+    return Ros2Settings(
+        **rest,
+        topics=tuple(topics),
+        services=tuple(services),
+        actions=tuple(actions),
+    )

@@ -1,0 +1,161 @@
+"""Reads and validates the systems among a project's sources, with the `.conf` files beside them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from hashlib import sha256
+from pathlib import Path
+
+from msgspec.structs import replace
+
+from rtgen.compiler.diagnostics import Diagnostic, has_errors
+from rtgen.compiler.frontends import Dependency, FrontendResult, key_of
+from rtgen.compiler.frontends.profiles import profile_tree, rts_profile
+from rtgen.compiler.kit import stages
+from rtgen.compiler.model import Model, System, SystemComponent
+from rtgen.compiler.model.system_links import known_components
+from rtgen.compiler.systems.checks import check, check_properties
+from rtgen.compiler.typemap.openrtm_ports import ports_of, with_definition_names
+from rtgen.facts.encodings import decode, digest
+from rtgen.facts.files import read_start
+
+_MAX_CONF_BYTES = 1024 * 1024
+
+
+@dataclass(slots=True)
+class Systems:
+    """Result of reading; fields as in `frontends.FrontendResult`."""
+
+    systems: list[System] = field(default_factory=list)
+    diagnostics: list[Diagnostic] = field(default_factory=list)
+    sources: dict[str, str] = field(default_factory=dict)
+    dependencies: list[Dependency] = field(default_factory=list)
+
+
+def read(
+    paths: Sequence[Path], *, root: Path, output: Path, encoding: str = "auto"
+) -> Systems:
+    """Read systems, each with `<Type>.conf` and `<Instance>.conf` of its folder.
+
+    `output` is the output folder of the project, `encoding` that of files that are not UTF-8.
+    """
+    found = Systems()
+    for path in paths:
+        file = path.as_posix()
+        stages.file(file)
+        data = profile_tree.read(path, file, found.diagnostics.append)
+        if data is None:
+            found.dependencies.append(Dependency(path, None))
+            continue
+        found.dependencies.append(Dependency(path, sha256(data).hexdigest()))
+        result = rts_profile.load_bytes(data, file, encoding)
+        found.diagnostics += result.diagnostics
+        found.sources |= result.sources
+        if result.system is not None:
+            system = result.system
+            components = [
+                _with_conf(component, path.parent, found, encoding)
+                for component in system.components
+            ]
+            found.systems.append(
+                replace(
+                    system,
+                    components=tuple(components),
+                    key=key_of(path, root),
+                    sha256=digest(data),
+                    folder=_relative_folder(output, path.parent),
+                )
+            )
+    return found
+
+
+def _relative_folder(start: Path, folder: Path) -> str:
+    """Return the relative path of a folder; empty on another drive."""
+    try:
+        return Path(os.path.relpath(folder, start)).as_posix()
+    except ValueError:
+        return ""
+
+
+def read_file(
+    path: Path, encoding: str = "auto"
+) -> tuple[System | None, Sequence[Diagnostic], Mapping[str, str]]:
+    """Read an RtsProfile: the system (None if it has errors), the diagnostics, and the sources."""
+    return rts_profile.load(path, display=path.as_posix(), encoding=encoding)
+
+
+def added(
+    result: FrontendResult,
+    paths: Sequence[Path],
+    *,
+    root: Path,
+    output: Path,
+    encoding: str = "auto",
+) -> FrontendResult:
+    """Return the result with systems, validated against its definitions; see `read`."""
+    with stages.stage("systems"):
+        found = read(paths, root=root, output=output, encoding=encoding)
+        named, diagnostics = against(found.systems, result)
+    return replace(
+        result,
+        model=replace(result.model, systems=tuple(named)),
+        diagnostics=(*result.diagnostics, *found.diagnostics, *diagnostics),
+        sources={**result.sources, **found.sources},
+        dependencies=(*result.dependencies, *found.dependencies),
+    )
+
+
+def against(
+    systems: Sequence[System], definitions: FrontendResult
+) -> tuple[Sequence[System], list[Diagnostic]]:
+    """Return the systems with the definitions' port names, and their diagnostics."""
+    if has_errors(definitions.diagnostics):
+        found = [d for each in systems for d in check_properties(each)]
+        return systems, found
+    model = definitions.model
+    models = [model, *(package.model for package in model.packages)]
+    named = as_defined(systems, models)
+    return named, list(checked(named, models))
+
+
+def as_defined(systems: Iterable[System], models: Iterable[Model]) -> list[System]:
+    """Return the systems with the definitions' port names in place of OpenRTM's."""
+    known = known_components(models)
+    return [
+        with_definition_names(
+            system,
+            {
+                c.instance: ports_of(known[c.type].component)
+                for c in system.components
+                if c.type in known
+            },
+        )
+        for system in systems
+    ]
+
+
+def checked(systems: Iterable[System], models: Iterable[Model]) -> Iterator[Diagnostic]:
+    """Yield diagnostics about systems whose components are defined in models."""
+    known = known_components(models)
+    for system in systems:
+        yield from check(system, known)
+
+
+def _with_conf(
+    c: SystemComponent, folder: Path, found: Systems, encoding: str
+) -> SystemComponent:
+    texts = []
+    for name in dict.fromkeys((c.type, c.instance)):
+        path = folder / f"{name}.conf"
+        if path.parent != folder:
+            continue
+        try:
+            data = read_start(path, _MAX_CONF_BYTES)
+        except OSError:
+            found.dependencies.append(Dependency(path, None))
+            continue
+        found.dependencies.append(Dependency(path, sha256(data).hexdigest()))
+        texts.append(decode(data, encoding, standard=True).normal)
+    return replace(c, conf="\n".join(texts))

@@ -1,0 +1,136 @@
+"""Compares the units of two data ports that a connector joins (codes RTC0593 to RTC0596)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rtgen.compiler.diagnostics import Diagnostic, Related, Rule, Severity, rules_of
+from rtgen.compiler.model import Connection, Model, NamedType, Port, Struct
+from rtgen.compiler.typemap.member_units import Leaf, is_real, leaves
+
+DIMENSIONS_DIFFER = Rule("RTC0593", "ports of different dimensions", Severity.ERROR)
+UNIT_MISSING = Rule("RTC0594", "unit at one end of a connector only", Severity.NOTE)
+SCALES_DIFFER = Rule("RTC0595", "ports of different scales", Severity.WARNING)
+MAY_DIFFER = Rule("RTC0596", "units that may not fit", Severity.WARNING)
+
+RULES = rules_of(globals())
+
+
+def check(
+    connection: Connection, source: Port, target: Port, model: Model
+) -> Iterator[Diagnostic]:
+    """Yield diagnostics about the units of two ports of one type; `model` has that type."""
+    sent, wanted = (" ".join(port.unit.split()) for port in (source, target))
+    if sent == wanted:
+        return
+    silent = (not sent, not wanted)
+    sent, wanted = sent or _defined(source, model), wanted or _defined(target, model)
+    related = [
+        Related(port.span, f"{end}: {_shown(text, is_silent)}")
+        for end, port, text, is_silent in (
+            (connection.source, source, sent, silent[0]),
+            (connection.target, target, wanted, silent[1]),
+        )
+    ]
+    is_vague = any(silent) and sent.count(",") != wanted.count(",")
+    if not sent or not wanted or is_vague:
+        end = connection.source if silent[0] else connection.target
+        unit = wanted if silent[0] else sent
+        message = f"{end} does not say its unit, the other end has {unit}"
+        hint = f'write @unit("{unit}") at the port'
+        yield UNIT_MISSING.at(connection.span, message, related=related, hint=hint)
+        return
+    rule, hint = _compared(sent, wanted, source, model)
+    if rule is not None:
+        message = (
+            f"{connection.source} gives {sent}, {connection.target} takes {wanted}"
+        )
+        yield rule.at(connection.span, message, related=related, hint=hint)
+
+
+def _shown(unit: str, is_silent: bool) -> str:
+    if not unit:
+        return "no unit"
+    return f"{unit}, by its type" if is_silent else unit
+
+
+def _defined(port: Port, model: Model) -> str:
+    """Return the units of a port without one: those of its type, if each real number has one."""
+    units = [leaf.unit for leaf in _reals(port, model)]
+    known = [unit for unit in units if unit and _is_unit(unit)]
+    return ", ".join(dict.fromkeys(known)) if len(known) == len(units) else ""
+
+
+def _is_unit(text: str) -> bool:
+    from rtgen.compiler.kit.units import UnitError, parse
+
+    try:
+        parse(text)
+    except UnitError:
+        return False
+    return True
+
+
+def _compared(
+    sent: str, wanted: str, source: Port, model: Model
+) -> tuple[Rule | None, str]:
+    """Return the rule violated by two different texts of units, if any, with a hint."""
+    from rtgen.compiler.kit.units import Relation, UnitError, parse_list, relation
+
+    texts = [[part.strip() for part in text.split(",")] for text in (sent, wanted)]
+    try:
+        units = [parse_list(text) for text in (sent, wanted)]
+    except UnitError as error:
+        return MAY_DIFFER, f"correct @unit: {error}"
+    if len(units[0]) != len(units[1]):
+        return MAY_DIFFER, "name one unit for each member at both ports"
+    related = [relation(*pair) for pair in zip(*units, strict=True)]
+    if Relation.DIFFERENT in related:
+        return DIMENSIONS_DIFFER, "connect another port, or correct @unit"
+    if Relation.ANGLE in related:
+        return MAY_DIFFER, "say at both ports whether it is an angle: rad/s, or Hz"
+    scaled = [
+        pair
+        for pair, each in zip(zip(*texts, strict=True), related, strict=True)
+        if each is Relation.SCALED
+    ]
+    return (SCALES_DIFFER, _adapter(source, model, scaled)) if scaled else (None, "")
+
+
+def _adapter(source: Port, model: Model, scaled: list[tuple[str, str]]) -> str:
+    """Return a hint with an adapter that converts, if there can be one."""
+    reals = [leaf for leaf in _reals(source, model) if not leaf.optional]
+    if not reals:
+        return "correct @unit, or convert in a component: an adapter converts no such member"
+    type_ = model.unalias(source.type)
+    name = "::".join(type_.name) if isinstance(type_, NamedType) else str(type_)
+    units = ", ".join(
+        f'"{path}" = ["{sent}", "{wanted}"]'
+        for place, (sent, wanted) in enumerate(scaled)
+        for path in _paths(reals, sent) or (f"MEMBER{place or ''}",)
+    )
+    return (
+        f'connect through an adapter of rtgen.toml, [adapter.NAME] with from = "{name}", '
+        f'to = "{name}", units = {{ {units} }}; or correct @unit'
+    )
+
+
+def _reals(port: Port, model: Model) -> list[Leaf]:
+    """Return the real numbers of a port's type."""
+    type_ = model.unalias(port.type)
+    struct = model.find(type_.name) if isinstance(type_, NamedType) else None
+    members = leaves(model, struct) if isinstance(struct, Struct) else ()
+    return [leaf for leaf in members if is_real(model, leaf.type)]
+
+
+def _paths(reals: list[Leaf], unit: str) -> list[str]:
+    """Return the paths of the members in a unit: those of its dimension, or the only one."""
+    from rtgen.compiler.kit.units import Relation, parse, relation
+
+    found = []
+    for leaf in reals:
+        if not leaf.unit or not _is_unit(leaf.unit):
+            continue
+        if relation(parse(leaf.unit), parse(unit)) in (Relation.EQUAL, Relation.SCALED):
+            found.append(leaf)
+    return [".".join(leaf.path) for leaf in found or (reals if len(reals) == 1 else ())]

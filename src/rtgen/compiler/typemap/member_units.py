@@ -1,0 +1,92 @@
+"""Members and parameters with the units that their definitions state."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Final, NamedTuple
+
+from rtgen.compiler.model import (
+    ArrayType,
+    Documented,
+    Model,
+    NamedType,
+    Operation,
+    PrimitiveType,
+    SequenceType,
+    Struct,
+    Type,
+)
+from rtgen.facts.primitives import FLOAT_LIMITS
+
+_BRACKETS: Final = re.compile(r"\[((?:[^,\[\]]|\[[^,\[\]]*\])+)\]")
+
+
+class Leaf(NamedTuple):
+    """A member that is not a struct; `unit` is None if its definition states none.
+
+    `optional` says whether the member, or a struct around it, may be absent.
+    """
+
+    path: tuple[str, ...]
+    type: Type
+    unit: str | None
+    optional: bool
+
+
+def annotated_unit(entry: Documented) -> str | None:
+    """Return the unit that `@unit` states for a member or parameter."""
+    annotation = entry.annotation("unit")
+    return None if annotation is None else str(dict(annotation.arguments)["value"])
+
+
+def unit_of(entry: Documented) -> str | None:
+    """Return the unit of a member or parameter: that of `@unit`, or the only one in its comment."""
+    annotated = annotated_unit(entry)
+    if annotated is not None:
+        return annotated
+    units = _BRACKETS.findall(entry.doc)
+    return units[0] if len(units) == 1 else None
+
+
+def with_unit(doc: str, unit: str) -> str:
+    """Return a comment with the unit in its first line, before the full stop."""
+    first, newline, rest = doc.strip().partition("\n")
+    if unit:
+        stop = "." if first.endswith(".") else ""
+        first = f"{first.removesuffix('.')} [{unit}]{stop}".strip()
+    return first + newline + rest
+
+
+def operation_text(operation: Operation) -> str:
+    """Return the comment of an operation, and a line for each parameter with a comment or unit."""
+    described = [
+        f"{p.name}: {text}"
+        for p in operation.parameters
+        if (text := " ".join(with_unit(p.doc, annotated_unit(p) or "").split()))
+    ]
+    parts = (operation.doc.strip(), "\n".join(described))
+    return "\n\n".join(filter(None, parts)) if described else operation.doc
+
+
+def leaves(
+    model: Model, struct: Struct, path: tuple[str, ...] = (), *, optional: bool = False
+) -> Iterator[Leaf]:
+    """Yield the members of a struct and of the structs in it, inherited ones first."""
+    if struct.base is not None and isinstance(base := model.find(struct.base), Struct):
+        yield from leaves(model, base, path, optional=optional)
+    for member in struct.members:
+        type_ = model.unalias(member.type)
+        inner = model.find(type_.name) if isinstance(type_, NamedType) else None
+        absent = optional or member.optional
+        if isinstance(inner, Struct):
+            yield from leaves(model, inner, (*path, member.name), optional=absent)
+        else:
+            yield Leaf((*path, member.name), type_, unit_of(member), absent)
+
+
+def is_real(model: Model, type_: Type) -> bool:
+    """Return whether it is a real number, or sequences or arrays of real numbers."""
+    if isinstance(type_, SequenceType | ArrayType):
+        return is_real(model, model.unalias(type_.element))
+    return isinstance(type_, PrimitiveType) and type_.kind in FLOAT_LIMITS

@@ -1,0 +1,159 @@
+"""Decodes and parses a module, in any encoding, in Python 2 or 3."""
+
+from __future__ import annotations
+
+import ast
+import re
+import tokenize
+import warnings
+from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+from io import BytesIO
+from pathlib import Path
+from threading import Lock
+from typing import Any
+
+from rtgen.compiler.diagnostics import Diagnostic, Span
+from rtgen.facts.decoded_text import with_line_feeds
+from rtgen.facts.encodings import decode, labelled
+from rtgen.facts.files import UnreadableError, read_file
+from rtgen.openrtm.python_modules import rules
+
+_MAX_BYTES = 4 * 1024 * 1024
+_FIXES = (
+    *("except", "exec", "ne", "numliterals", "print", "raise", "repr"),
+    *("tuple_params", "unicode"),
+)
+"""fissix fixers for Python 2: only syntax; names are kept, because nothing is executed."""
+
+_MAX_CONVERTED = 300_000
+"""Maximum length of a module that is converted, which takes seconds."""
+
+_PARSE_ATTEMPTS = 20
+"""CPython counts the depth of the trees of all threads together, and raises SystemError if another
+thread parses at the same time, as the traceback module does.
+"""
+
+_CONVERTING = Lock()
+"""Held while the converter is used: it has a state."""
+
+_NOT_PYTHON_3 = "this is not Python 3"
+_DEEP = "too many"
+_INDENT = re.compile(r"^[ \t]+", re.MULTILINE)
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A module's text and tree; no tree if there are errors."""
+
+    path: Path
+    text: str
+    tree: ast.Module | None
+    diagnostics: tuple[Diagnostic, ...]
+
+    @property
+    def file(self) -> str:
+        """The displayed path."""
+        return self.path.as_posix()
+
+
+def read_source(path: Path) -> Source:
+    """Read the text and tree of a file; errors are among the diagnostics."""
+    file = path.as_posix()
+    start = Span(file, 1, 1, 1, 2)
+    try:
+        text, assumed = _decoded(read_file(path, _MAX_BYTES))
+    except (UnreadableError, ValueError) as error:
+        found = rules.UNREADABLE.at(start, f"{file} cannot be read: {error}")
+        return Source(path, "", None, (found,))
+    diagnostics: list[Diagnostic] = []
+    if assumed is not None:
+        message = (
+            f"the file is not in the encoding that it declares; {assumed} is taken"
+        )
+        diagnostics.append(rules.ASSUMED.at(start, message))
+    tree, wrong = _parsed(text, file)
+    if wrong is not None and (changed := _python_3(text, wrong.message)) is not None:
+        tree, _ = _parsed(changed, file)
+        if tree is not None:
+            message = "this is Python 2; its syntax is converted to read it"
+            if _parsed(_without_tabs(text), file)[0] is not None:
+                message = "tabs and spaces are mixed; a tab is read as eight columns"
+            return Source(
+                path,
+                changed,
+                tree,
+                (*diagnostics, rules.ASSUMED.at(wrong.span, message)),
+            )
+    if wrong is not None:
+        return Source(path, text, None, (*diagnostics, wrong))
+    return Source(path, text, tree, tuple(diagnostics))
+
+
+def _decoded(data: bytes) -> tuple[str, str | None]:
+    """Return the text, and the name of the encoding if it had to be guessed.
+
+    PEP 263: a comment in the first two lines declares the encoding, which is UTF-8 without it.
+    """
+    try:
+        declared, _ = tokenize.detect_encoding(BytesIO(data).readline)
+        return with_line_feeds(labelled(data, declared)), None
+    except (LookupError, SyntaxError, UnicodeDecodeError):
+        read = decode(data)
+        return read.normal, read.title
+
+
+def _tree(text: str, file: str) -> ast.Module:
+    for _ in range(_PARSE_ATTEMPTS - 1):
+        try:
+            return ast.parse(text, file)
+        except SystemError:
+            continue
+    return ast.parse(text, file)
+
+
+def _parsed(text: str, file: str) -> tuple[ast.Module | None, Diagnostic | None]:
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return _tree(text, file), None
+    except SyntaxError as error:
+        line, column = error.lineno or 1, max(error.offset or 1, 1)
+        span = Span(file, line, column, line, column + 1)
+        message = f"{_NOT_PYTHON_3}: {error.msg}"
+        hint = "modules of Python 2 need the extra: pip install 'rtgen[python2]'"
+        return None, rules.UNREADABLE.at(span, message, hint=hint)
+    except (ValueError, RecursionError, MemoryError, SystemError) as error:
+        span = Span(file, 1, 1, 1, 2)
+        return None, rules.UNREADABLE.at(span, f"{file} cannot be read: {error}")
+
+
+def _python_3(text: str, problem: str) -> str | None:
+    """Convert the text to Python 3; None if that fails."""
+    if len(text) > _MAX_CONVERTED or _NOT_PYTHON_3 not in problem or _DEEP in problem:
+        return None
+    try:
+        converter = _converter(import_module("fissix.refactor"))
+        errors = import_module("fissix.pgen2.parse").ParseError
+        tokens = import_module("fissix.pgen2.tokenize").TokenError
+    except ImportError:
+        return None
+    text = _without_tabs(text)
+    try:
+        with _CONVERTING:
+            return str(converter.refactor_string(f"{text}\n", "module"))
+    except (errors, tokens, IndentationError, RecursionError, ValueError, KeyError):
+        # KeyError: a character that starts no token of Python
+        return None
+
+
+def _without_tabs(text: str) -> str:
+    """Return the text with indentation in spaces: Python 2 expands a tab to eight columns."""
+    return _INDENT.sub(lambda found: found[0].expandtabs(8), text)
+
+
+@cache
+def _converter(refactor: Any) -> Any:
+    """Return fissix's converter; its patterns take longer to compile than a module to convert."""
+    return refactor.RefactoringTool([f"fissix.fixes.fix_{name}" for name in _FIXES])

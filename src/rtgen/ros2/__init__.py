@@ -1,0 +1,1 @@
+"""The world of ROS 2: interfaces read, printed and generated."""

@@ -1,4 +1,0 @@
-"""The types of the IDL files that come with rtgen: `rtc`, `canopen`; generated, never edited.
-
-`tests/unit/types/test_library.py --update-golden` renews them.
-"""

@@ -1,0 +1,1 @@
+"""Tools beside the compiler: each is used from Python, and by a command."""

@@ -1,0 +1,1 @@
+"""CAN buses: reading, decoding and sending frames."""

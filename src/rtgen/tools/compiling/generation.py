@@ -1,0 +1,78 @@
+"""One run of `rtgen generate`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import msgspec
+from msgspec.structs import replace
+
+from rtgen.compiler.project import Project, behaviours, cache, shown
+from rtgen.compiler.project import output as writer
+from rtgen.tools.compiling.cached import build
+from rtgen.tools.compiling.definitions import Definitions, project_of
+from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.exits import BAD_INPUT, OK
+
+
+class Request(msgspec.Struct, frozen=True, kw_only=True):
+    """The options of the command line."""
+
+    definitions: Definitions
+    output: str | None
+    node_id: int | None
+    target: str | None
+    representation: str | None
+    cached: bool
+    only_diff: bool
+
+    def project(self) -> Project:
+        """Return the project as it is now. Raises InputError, and ToolError for a target."""
+        # The project's tree contains the output of all its sources, in every run.
+        alone = self.output is not None
+        project = project_of(
+            self.definitions,
+            self.output,
+            add=not alone,
+            node_id=self.node_id,
+            target=self.target,
+        )
+        if self.representation is not None:
+            project = replace(project, representation=self.representation)
+        return project
+
+
+def generate_once(console: Console, request: Request) -> tuple[int, Iterable[Path]]:
+    """Return the exit code, and the paths of the files that the run searched for."""
+    project = request.project()
+    run = build(project, cache.default() if request.cached else None)
+    looked_for = map(Path, run.dependencies)
+    if run.failed:
+        console.findings(run.diagnostics, run.sources)
+        return BAD_INPUT, looked_for
+    if request.only_diff:
+        from rtgen.tools.compiling.diffs import diff
+
+        planned = writer.plan(project, run)
+        write_out(diff((*planned.changes, *planned.skeletons)))
+        console.findings(run.diagnostics, run.sources)
+        return OK, looked_for
+    done = writer.write(project, run)
+    found = [*run.diagnostics, *behaviours.check(project, run.artifacts)]
+    console.findings(found, run.sources)
+    console.say(_summary(project, done))
+    return OK, looked_for
+
+
+def _summary(project: Project, done: writer.Plan) -> str:
+    written = sum(c.new is not None for c in done.changes)
+    removed = len(done.changes) - written
+    text = f"{shown(project.output)}: {written} written, {removed} removed, {done.unchanged} same"
+    if done.skeletons:
+        text += (
+            f"; skeletons created: {', '.join(shown(c.path) for c in done.skeletons)}"
+        )
+    if done.strays:
+        text += f"; not rtgen's: {', '.join(map(shown, done.strays))}"
+    return text

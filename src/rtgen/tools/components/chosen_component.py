@@ -1,0 +1,32 @@
+"""Selects the component of a definition for a command."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rtgen.compiler.diagnostics import InputError
+from rtgen.compiler.model import Component, Model
+from rtgen.compiler.project import is_component_profile
+
+
+def chosen(model: Model, file: str, name: str | None) -> Component:
+    """Return the component of a file, by its name if there are several. Raises InputError."""
+    from rtgen.compiler.project.rules import WHICH_COMPONENT
+
+    files = {source.name for source in model.files if source.main}
+    if is_component_profile(Path(file)):
+        files = {Path(file).as_posix()}
+    known = [d for d in model.declarations if isinstance(d, Component)]
+    known = [d for d in known if d.file in files]
+    wanted = [d for d in known if name in (None, d.name[-1], d.scoped)]
+    if len(wanted) == 1:
+        return wanted[0]
+    names = ", ".join(d.scoped for d in known)
+    if not known:
+        message, hint = f"{file} defines no component", None
+    elif name is None:
+        message, hint = f"{file} defines {len(known)} components", "--component NAME"
+    else:
+        message, hint = f"{file} defines no component {name}", None
+    hint = f"{hint + ': ' if hint else 'it has '}{names}" if known else None
+    raise InputError([WHICH_COMPONENT.at(None, message, hint=hint)])

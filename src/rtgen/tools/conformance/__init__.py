@@ -1,0 +1,1 @@
+"""Tests of devices, boards and components against their definitions."""

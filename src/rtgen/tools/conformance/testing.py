@@ -1,0 +1,99 @@
+"""Tests a node, a board or a component against the definition in a file, by the file's kind."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rtgen.compiler.diagnostics import ToolError
+from rtgen.facts.idl_files import IDL_SUFFIXES
+from rtgen.tools.can.access import BusAccess
+from rtgen.tools.conformance.check import Permission
+from rtgen.tools.kit.exits import Refusal
+from rtgen.tools.rpc.signatures import Peer, Wire
+
+if TYPE_CHECKING:
+    from rtgen.tools.conformance.report import Report
+
+DESCRIPTIONS = (".eds", ".dcf")
+_BOARDS = (".cdl",)
+_COMPONENTS = (*IDL_SUFFIXES, ".xml", ".yaml", ".yml")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Subject:
+    """What is tested, where it is, and what a test may do; times in seconds.
+
+    `access` and `node_id` are of a node; `signature`, `functions`, `wire`, `baud` and `stall` of a
+    board; `component` and `include` of a component; `connect` is the address of the latter two.
+    """
+
+    connect: str = ""
+    access: BusAccess
+    node_id: int | None
+    signature: str | None
+    functions: Sequence[str]
+    wire: Wire
+    baud: int
+    stall: float | None
+    component: str | None
+    include: tuple[str, ...]
+    timeout: float
+    boot: float
+    permissions: Collection[Permission]
+
+
+def require_kind(file: Path) -> bool:
+    """Return whether a file defines a node, which is on a bus. Raises Refusal for other files."""
+    suffix = file.suffix.lower()
+    if suffix not in (*DESCRIPTIONS, *_BOARDS, *_COMPONENTS):
+        raise Refusal(
+            f"{file} is not an EDS, a DCF, a CDL file or the definition of a component"
+        )
+    return suffix in DESCRIPTIONS
+
+
+def tested(file: Path, subject: Subject) -> Report:
+    """Return the report of all checks. Raises InputError, Refusal, ToolError."""
+    timeout, permissions = subject.timeout, subject.permissions
+    if require_kind(file):
+        from rtgen.tools.conformance.canopen import testing as nodes
+
+        return nodes.tested(
+            file,
+            subject.node_id,
+            subject.access,
+            timeout=timeout,
+            boot=subject.boot,
+            permissions=permissions,
+        )
+    if file.suffix.lower() in _BOARDS:
+        from rtgen.tools.conformance.board import testing as boards
+
+        return boards.tested(
+            file,
+            subject.connect,
+            subject.signature,
+            subject.functions,
+            Peer(subject.wire, timeout),
+            baud=subject.baud,
+            stall=subject.stall,
+            permissions=permissions,
+        )
+    try:
+        from rtgen.tools.conformance.rtc import testing as components
+    except ImportError as error:
+        raise ToolError(
+            "a test of a component needs omniORBpy, which is not installed",
+            hint="pip install 'rtgen[corba]'",
+        ) from error
+    return components.tested(
+        file,
+        subject.connect,
+        subject.component,
+        subject.include,
+        timeout=timeout,
+        permissions=permissions,
+    )

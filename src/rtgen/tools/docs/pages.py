@@ -1,0 +1,79 @@
+"""A page under construction, and helpers shared by all pages."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from rtgen.compiler.backends.kit.quoting.markdown import (
+    Markdown,
+    code,
+    paragraphs,
+    table,
+    text,
+)
+from rtgen.compiler.diagnostics import Span
+from rtgen.compiler.layouts.representations import Representations
+from rtgen.compiler.model import Extensibility, Model, System
+from rtgen.tools.docs.places import Places
+
+
+@dataclass(frozen=True, slots=True)
+class File:
+    """A file of the site: its path in the folder, and its text."""
+
+    path: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Content:
+    """The documented content: a model after all lowerings, its systems, and default encodings."""
+
+    title: str
+    model: Model
+    systems: tuple[System, ...]
+    places: Places
+    keys: dict[str, str]
+    xcdr2: bool
+    extensibility: Extensibility
+
+    def representations(self, *, xcdr2: bool) -> Representations:
+        """Return the representations of types; those without annotation are CDR or XCDR2."""
+        return Representations(self.model, xcdr2, self.extensibility)
+
+    def source(self, file: str, span: Span) -> Markdown:
+        """Return the file and line of a definition, relative to the project."""
+        return code(f"{self.keys.get(file, file)}:{span.line}")
+
+
+@dataclass(slots=True)
+class Page:
+    """The lines of a page; `path` is without suffix."""
+
+    path: str
+    title: str
+    blocks: list[str] = field(default_factory=list)
+
+    def add(self, *blocks: str) -> None:
+        """Append blocks, except empty ones."""
+        self.blocks += [block for block in blocks if block]
+
+    def heading(self, level: int, label: object, anchor: str = "") -> None:
+        """Append a heading."""
+        end = f" {{#{anchor}}}" if anchor else ""
+        self.blocks.append(f"{'#' * level} {text(label)}{end}")
+
+    def description(self, value: str) -> None:
+        """Append a description."""
+        self.add(paragraphs(value))
+
+    def table(self, head: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
+        """Append a table, if it has rows."""
+        self.add(table(head, rows))
+
+    @property
+    def file(self) -> File:
+        """The page as a file."""
+        body = "\n\n".join([f"# {text(self.title)}", *self.blocks])
+        return File(f"{self.path}.md", f"{body}\n")

@@ -1,0 +1,88 @@
+"""Pages of systems: the wiring as a picture whose boxes are links; instances, connections."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rtgen.compiler.backends.kit.quoting.markdown import Markdown, code, text
+from rtgen.compiler.backends.wiring import render, view_of
+from rtgen.compiler.model import Component, System
+from rtgen.tools.docs.pages import Content, File, Page
+from rtgen.tools.docs.places import Kind
+
+
+def listed(content: Content) -> None:
+    """Assign pages to systems."""
+    for system in content.systems:
+        content.places.page(Kind.SYSTEM, system.file, system.name)
+
+
+def pages(
+    content: Content, components: list[Component]
+) -> Iterator[tuple[str, Page, File]]:
+    """Yield the name, the page and the picture of each system."""
+    for system in content.systems:
+        page = Page(content.places.page(Kind.SYSTEM, system.file), system.name)
+        picture = _picture(content, page, system, components)
+        _add(content, page, system, picture)
+        yield system.name, page, picture
+
+
+def _picture(
+    content: Content, page: Page, system: System, components: list[Component]
+) -> File:
+    views = {c.name[-1]: view_of(c) for c in components}
+    ways = {
+        each.type: url
+        for each in system.components
+        if (url := content.places.url(Kind.COMPONENT, each.type, page.path))
+    }
+    drawn = render(system, views, (), content.model.buses, links=ways)
+    return File(f"{page.path}.svg", drawn)
+
+
+def _add(content: Content, page: Page, system: System, picture: File) -> None:
+    page.description(system.abstract)
+    page.add(f"Defined in {code(content.keys.get(system.file, system.file))}.")
+    page.heading(2, "Wiring")
+    name = picture.path.rpartition("/")[2]
+    label = text(f"Wiring of {system.name}")
+    page.add(
+        f'<div class="wiring"><object type="image/svg+xml" data="{name}" aria-label="{label}">'
+        f"</object></div>",
+        f"[The picture alone]({name})",
+    )
+    page.heading(2, "Components")
+    page.table(
+        ("instance", "component", "rate", "configuration set"),
+        [
+            (
+                code(c.instance),
+                content.places.link(Kind.COMPONENT, c.type, page.path),
+                "" if c.rate is None else f"{c.rate:g} Hz",
+                code(c.active_set),
+            )
+            for c in system.components
+        ],
+    )
+    values = [
+        (code(c.instance), code(set_id), code(name), code(value))
+        for c in system.components
+        for set_id, pairs in c.parameter_sets
+        for name, value in pairs
+    ]
+    if values:
+        page.heading(2, "Values")
+        page.table(("instance", "set", "parameter", "value"), values)
+    page.heading(2, "Connections")
+    page.table(
+        ("from", "to", "properties"),
+        [
+            (
+                code(str(each.source)),
+                code(str(each.target)),
+                Markdown("<br>".join(code(f"{k}={v}") for k, v in each.properties)),
+            )
+            for each in system.connections
+        ],
+    )

@@ -1,0 +1,254 @@
+"""Pages of types and interfaces: one for each module, with the wire layout of each struct."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rtgen.compiler.backends.kit.idl_text.literals import default_text
+from rtgen.compiler.backends.kit.quoting.markdown import Markdown, code, text
+from rtgen.compiler.layouts.offsets import MemberPlace, layout
+from rtgen.compiler.model import (
+    VOID,
+    Bitmask,
+    Bitset,
+    Case,
+    Component,
+    Const,
+    Declaration,
+    Enum,
+    ExceptionDecl,
+    Home,
+    InitialValue,
+    Interface,
+    Member,
+    Operation,
+    PortKind,
+    Struct,
+    Typedef,
+    Union,
+    ValueBox,
+    Valuetype,
+)
+from rtgen.compiler.model.initial import default_of
+from rtgen.tools.docs.pages import Content, Page
+from rtgen.tools.docs.places import Kind
+
+GLOBAL = "global scope"
+
+_WORDS: dict[type[Declaration], str] = {
+    Struct: "struct",
+    ExceptionDecl: "exception",
+    Union: "union",
+    Enum: "enum",
+    Bitset: "bitset",
+    Bitmask: "bitmask",
+    Typedef: "typedef",
+    Const: "const",
+    Interface: "interface",
+    Valuetype: "valuetype",
+    ValueBox: "boxed value",
+}
+
+
+def listed(content: Content) -> dict[str, list[Declaration]]:
+    """Return the declarations documented by pages of types, by module, and assign anchors."""
+    found: dict[str, list[Declaration]] = {}
+    for declaration in content.model.declarations:
+        if not isinstance(declaration, Component | Home):
+            module = "::".join(declaration.name[:-1]) or GLOBAL
+            found.setdefault(module, []).append(declaration)
+    for module, declarations in found.items():
+        page = content.places.page(Kind.TYPE, f"module {module}", module)
+        for declaration in declarations:
+            content.places.section(Kind.TYPE, declaration.scoped, page)
+    return found
+
+
+def pages(
+    content: Content, modules: dict[str, list[Declaration]]
+) -> Iterator[tuple[str, Page]]:
+    """Yield the name and the page of each module."""
+    for module, declarations in modules.items():
+        path = content.places.page(Kind.TYPE, f"module {module}")
+        page = Page(path, module if module == GLOBAL else f"Module {module}")
+        for declaration in declarations:
+            _add(content, page, declaration)
+        yield module, page
+
+
+def _add(content: Content, page: Page, d: Declaration) -> None:
+    anchor = content.places.url(Kind.TYPE, d.scoped, page.path).partition("#")[2]
+    page.heading(2, f"{_WORDS.get(type(d), 'native')} {d.name[-1]}", anchor)
+    page.description(d.doc)
+    facts = [("defined in", content.source(d.file, d.span))]
+    if d.repository_id:
+        facts.append(("repository id", code(d.repository_id)))
+    page.add(", ".join(f"{name} {value}" for name, value in facts))
+    match d:
+        case Struct():
+            _add_struct(content, page, d)
+        case ExceptionDecl():
+            rows = [
+                (
+                    code(m.name),
+                    content.places.type(m.type, page.path),
+                    _described(content, m),
+                )
+                for m in d.members
+            ]
+            page.table(("member", "type", "description"), rows)
+        case Union():
+            _add_union(content, page, d)
+        case Enum() | Bitmask():
+            number = "value" if isinstance(d, Enum) else "bit"
+            rows = [(code(m.name), text(m.value), m.doc) for m in d.members]
+            page.table(("name", number, "description"), rows)
+            if isinstance(d, Enum) and d.initial is not d.members[0]:
+                page.add(f"Values start with {code(d.initial.name)}.")
+        case Bitset():
+            rows = [
+                (code(m.name or ""), text(m.bits), _with_default(m.doc, m.initial))
+                for m in d.members
+            ]
+            page.table(("field", "bits", "description"), rows)
+        case Typedef() | ValueBox():
+            other = content.places.type(d.type, page.path)
+            own = d.initial if isinstance(d, Typedef) else None
+            default = default_of(content.model, d.type, own)
+            said = (
+                "" if default is None else f" Default: {code(default_text(default))}."
+            )
+            page.add(f"Another name of {other}.{said}")
+        case Const():
+            value = getattr(d.value, "name", None)
+            shown = "::".join(value) if isinstance(value, tuple) else repr(d.value)
+            page.add(f"{content.places.type(d.type, page.path)}: {code(shown)}")
+        case Interface() | Valuetype():
+            _add_interface(content, page, d)
+
+
+def _add_struct(content: Content, page: Page, struct: Struct) -> None:
+    plain, compact = (
+        layout(content.model, struct, content.representations(xcdr2=xcdr2))
+        for xcdr2 in (False, True)
+    )
+    rows = []
+    for place, other in zip(plain.members, compact.members, strict=True):
+        member = place.member
+        unit = member.annotation("unit")
+        flags = [w for w in ("key", "optional", "external") if getattr(member, w)]
+        rows.append(
+            (
+                code(member.name),
+                content.places.type(member.type, page.path),
+                "" if unit is None else text(unit.get() or ""),
+                *_octets(place),
+                *_octets(other),
+                text(" ".join([*flags, _described(content, member)]).strip()),
+            )
+        )
+    head = ("member", "type", "unit", "CDR offset", "CDR size")
+    page.table((*head, "XCDR2 offset", "XCDR2 size", "description"), rows)
+    sizes = [
+        f"{name} {'depends on the values' if size is None else f'{size} octets'}"
+        for name, size in (("CDR", plain.size), ("XCDR2", compact.size))
+    ]
+    kind = content.representations(xcdr2=False).extensibility(struct)
+    base = ""
+    if struct.base is not None:
+        name = "::".join(struct.base)
+        base = f" Members of {content.places.link(Kind.TYPE, name, page.path)} first."
+    page.add(f"Size: {', '.join(sizes)}. Extensibility: {kind}.{base}")
+
+
+def _described(content: Content, entry: Member | Case) -> str:
+    """Return the description of a member or branch, with its default."""
+    if isinstance(entry, Member) and entry.optional:
+        return entry.doc
+    default = default_of(content.model, entry.type, entry.initial)
+    return _with_default(entry.doc, default)
+
+
+def _with_default(doc: str, default: InitialValue | None) -> str:
+    if default is None:
+        return doc
+    return f"{doc} Default: {default_text(default)}.".strip()
+
+
+def _octets(place: MemberPlace) -> list[object]:
+    """Return offset and size; `...` if they depend on values."""
+    return ["..." if n is None else n for n in (place.offset, place.size)]
+
+
+def _add_union(content: Content, page: Page, union: Union) -> None:
+    switch = content.places.type(union.switch, page.path)
+    page.add(f"The discriminator, {switch}, comes first; then the branch of its value.")
+    rows = []
+    for case in union.cases:
+        labels = [
+            (
+                "::".join(name)
+                if isinstance(name := getattr(x, "name", None), tuple)
+                else repr(x)
+            )
+            for x in case.labels
+        ]
+        shown = ", ".join([*labels, *(["default"] if case.default else [])])
+        type_ = content.places.type(case.type, page.path)
+        rows.append((code(shown), code(case.name), type_, _described(content, case)))
+    page.table(("label", "branch", "type", "description"), rows)
+
+
+def _add_interface(
+    content: Content, page: Page, interface: Interface | Valuetype
+) -> None:
+    places, here = content.places, page.path
+    if interface.bases:
+        names = (places.link(Kind.TYPE, "::".join(b), here) for b in interface.bases)
+        page.add(f"Derives from {', '.join(names)}.")
+    attributes = [
+        (code(a.name), places.type(a.type, here), "readonly" * a.readonly, a.doc)
+        for a in interface.attributes
+    ]
+    page.table(("attribute", "type", "access", "description"), attributes)
+    operations = [_operation(content, here, each) for each in interface.operations]
+    page.table(
+        ("operation", "returns", "parameters", "raises", "description"), operations
+    )
+    for kind, verb in (
+        (PortKind.PROVIDER, "Provided by"),
+        (PortKind.CONSUMER, "Called by"),
+    ):
+        users = _components(content, interface, kind)
+        if users:
+            links = (places.link(Kind.COMPONENT, name, here) for name in users)
+            page.add(f"{verb} {', '.join(links)}.")
+
+
+def _operation(content: Content, here: str, o: Operation) -> tuple[object, ...]:
+    places = content.places
+    parameters = [
+        f"{p.direction} {places.type(p.type, here)} {code(p.name)}"
+        for p in o.parameters
+    ]
+    raises = (places.link(Kind.TYPE, "::".join(name), here) for name in o.raises)
+    returns = "oneway" if o.oneway else ""
+    if o.returns != VOID:
+        returns = places.type(o.returns, here)
+    return (
+        code(o.name),
+        returns,
+        Markdown("<br>".join(parameters)),
+        Markdown(", ".join(raises)),
+        o.doc,
+    )
+
+
+def _components(content: Content, d: Declaration, kind: PortKind) -> list[str]:
+    """Return the components with a port of a kind for an interface."""
+    return [
+        c.name[-1]
+        for c in content.model.declarations
+        if isinstance(c, Component)
+        if any(p.kind is kind and str(p.type) == d.scoped for p in c.ports)
+    ]

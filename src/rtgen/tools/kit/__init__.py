@@ -1,0 +1,1 @@
+"""What all tools use: the console, exit codes, signals."""

@@ -1,0 +1,123 @@
+"""The console of a command: standard error for diagnostics and messages, standard output."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections import Counter
+from collections.abc import Mapping, Sequence
+
+import msgspec
+
+from rtgen.compiler.diagnostics import Diagnostic
+from rtgen.compiler.diagnostics.printable import printable
+
+_DOCUMENTS = ("json", "sarif")
+_MAX_DEVIATIONS = 3
+"""Deviations of a description of a device that are printed one by one."""
+
+
+class Console(msgspec.Struct, frozen=True):
+    """Standard error with the options for it: form of diagnostics, colour, quiet, verbose."""
+
+    form: str
+    colour: bool
+    quiet: bool
+    verbose: bool = False
+    _held: list[Sequence[Diagnostic]] = []
+
+    def findings(
+        self,
+        diagnostics: Sequence[Diagnostic],
+        sources: Mapping[str, str] | None = None,
+        *,
+        fold: bool = True,
+    ) -> None:
+        """Print diagnostics; forms with a single document (JSON, SARIF) are printed by `close`.
+
+        A document is printed even without diagnostics. `fold`: the deviations of a description of a
+        device are printed as one line, for people.
+        """
+        if self.form in _DOCUMENTS:
+            self._held.append(diagnostics)
+        elif diagnostics:
+            from rtgen.compiler.diagnostics.report import report, summary
+
+            folded: Mapping[str, int] = {}
+            if fold and self.form == "text":
+                diagnostics, folded = _folded(diagnostics)
+            text = report(diagnostics, sources or {}, self.form, colour=self.colour)
+            sys.stderr.write(text)
+            for file, number in folded.items():
+                self.say(
+                    f"{file}: {number} deviations are tolerated; rtgen lint shows them"
+                )
+            if diagnostics and self.form == "text" and not self.quiet:
+                sys.stderr.write(f"{summary(diagnostics)}\n")
+
+    def close(self) -> None:
+        """Print the document of all diagnostics so far, if the form has one."""
+        if self._held:
+            from rtgen.compiler.diagnostics.report import report
+
+            found = [d for diagnostics in self._held for d in diagnostics]
+            self._held.clear()
+            sys.stderr.write(report(found, {}, self.form))
+
+    def say(self, text: str) -> None:
+        """Print a line for people, unless quiet or in a machine-readable form."""
+        if text and not self.quiet and self.form == "text":
+            sys.stderr.write(printable(f"{text}\n", "\n\t"))
+
+
+def _folded(
+    diagnostics: Sequence[Diagnostic],
+) -> tuple[Sequence[Diagnostic], Mapping[str, int]]:
+    """Leave out the deviations of files that have many; return the rest, and their numbers."""
+    if not any(d.code.startswith("EDS") for d in diagnostics):
+        return diagnostics, {}
+    from rtgen.compiler.diagnostics import in_order
+    from rtgen.compiler.frontends.eds.rules import DEVIATIONS
+
+    numbers = Counter(
+        d.span.file for d in in_order(diagnostics) if d.span and d.code in DEVIATIONS
+    )
+    folded = {file: n for file, n in sorted(numbers.items()) if n > _MAX_DEVIATIONS}
+    rest = [
+        d
+        for d in diagnostics
+        if not (d.code in DEVIATIONS and d.span and d.span.file in folded)
+    ]
+    return rest, folded
+
+
+def for_output(text: str) -> str:
+    """Return a text for standard output; on a terminal, control characters are shown as U+FFFD."""
+    return printable(text, "\n\t") if sys.stdout.isatty() else text
+
+
+def write_out(text: str | bytes) -> None:
+    """Write text to standard output in UTF-8, regardless of the locale, or octets unchanged.
+
+    On a terminal, control characters are shown as U+FFFD. A closed pipe does not change the exit
+    code.
+    """
+    try:
+        sys.stdout.flush()
+        if isinstance(text, str):
+            text = for_output(text).encode("utf-8", "backslashreplace")
+        sys.stdout.buffer.write(text)
+        sys.stdout.buffer.flush()
+    except BrokenPipeError:
+        discard_unread()
+
+
+def discard_unread() -> None:
+    """Discard output still buffered for a reader that has gone, so that exit is silent."""
+    from rtgen.runtime.failures import has_lost_its_reader
+
+    for stream in (sys.stdout, sys.stderr):
+        if has_lost_its_reader(stream):
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, stream.fileno())
+            os.close(nowhere)

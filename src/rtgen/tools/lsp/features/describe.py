@@ -1,0 +1,426 @@
+"""Describes definitions in Markdown: type, wire layout, unit, limits, documentation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from struct import calcsize
+
+from rtgen.compiler.backends.kit.idl_text.literals import default_text
+from rtgen.compiler.inspection import tecs as tecs_text
+from rtgen.compiler.layouts import offsets
+from rtgen.compiler.layouts.representations import Representations
+from rtgen.compiler.layouts.tdr import Node, TransferError, is_fixed, kinds
+from rtgen.compiler.layouts.tdr_messages import layout_of
+from rtgen.compiler.model import (
+    Attribute,
+    Case,
+    Component,
+    ConfigurationParameter,
+    Const,
+    Declaration,
+    Documented,
+    Enum,
+    Enumerator,
+    ExceptionDecl,
+    Interface,
+    Member,
+    Model,
+    Operation,
+    Parameter,
+    Port,
+    ScopedName,
+    Struct,
+    Type,
+    Typedef,
+    Union,
+    Valuetype,
+)
+from rtgen.compiler.model.canopen import Device, Object, Variable
+from rtgen.compiler.model.initial import default_of
+from rtgen.compiler.model.tecs import Signature, TecsDeclaration, TecsUnit
+from rtgen.tools.lsp.analysis import Analysis
+from rtgen.tools.lsp.indexing.cdl import file_and_name
+from rtgen.tools.lsp.indexing.devices import object_of
+from rtgen.tools.lsp.indexing.index import path_of
+
+_MAX_ROWS = 40
+
+
+def described(analysis: Analysis, key: str) -> str | None:
+    """Return the description of a key's definition; None if it is not in the model."""
+    language, _, name = key.partition(" ")
+    match language:
+        case "idl":
+            return idl(analysis, tuple(name.split("::")))
+        case "cdl":
+            return _cdl(analysis.model, key)
+        case "eds":
+            return _eds(analysis.model, key)
+        case "file":
+            return f"`{name}`"
+    definition = analysis.index.definition(key)
+    if definition is None:
+        return None
+    detail = f": {definition.detail}" if definition.detail else ""
+    return _code("idl", f"{definition.kind} {definition.name}{detail}")
+
+
+# IDL
+
+
+def representations_of(analysis: Analysis) -> Representations:
+    """Return the data representations of the project's types."""
+    project = analysis.project
+    return Representations(
+        analysis.model, project.representation == "xcdr2", project.extensibility
+    )
+
+
+def find(model: Model, name: ScopedName) -> Declaration | None:
+    """Return a declaration by its scoped name."""
+    try:
+        return model.find(name)
+    except KeyError:
+        return None
+
+
+def idl(analysis: Analysis, name: ScopedName) -> str | None:
+    """Return the description of an IDL declaration, or of a part of one."""
+    model = analysis.model
+    declaration = find(model, name)
+    if declaration is not None:
+        return _declaration(analysis, declaration)
+    for length in (len(name) - 1, len(name) - 2):
+        holder = find(model, name[:length]) if length > 0 else None
+        if holder is not None:
+            return _part(analysis, holder, name[length:])
+    enum = next(
+        (
+            d
+            for d in model.declarations
+            if isinstance(d, Enum)
+            and d.name[:-1] == name[:-1]
+            and any(m.name == name[-1] for m in d.members)
+        ),
+        None,
+    )
+    if enum is not None:
+        return _part(analysis, enum, name[-1:])
+    return _code("idl", f"module {'::'.join(name)}")
+
+
+def _declaration(analysis: Analysis, d: Declaration) -> str:
+    model = analysis.model
+    lines = [_head(d)]
+    match d:
+        case Struct():
+            return _joined(_code("idl", *lines), _layout(analysis, d), d.doc)
+        case Typedef(type=type_):
+            lines.append(f"// {_resolved(model, type_)}")
+        case Enum(members=members):
+            lines += [f"  {m.name} = {m.value}" for m in members[:_MAX_ROWS]]
+        case Component():
+            lines += [f"  {p.kind} {p.type} {p.name}" for p in d.ports]
+            lines += [f"  parameter {c.type} {c.name}" for c in d.configuration]
+        case Interface(operations=operations) | Valuetype(operations=operations):
+            lines += [f"  {_operation(o)}" for o in operations[:_MAX_ROWS]]
+        case ExceptionDecl(members=parts):
+            lines += [f"  {m.type} {m.name}" for m in parts[:_MAX_ROWS]]
+        case Union(cases=cases):
+            lines += [f"  {c.type} {c.name}" for c in cases[:_MAX_ROWS]]
+    return _joined(_code("idl", *lines), d.doc)
+
+
+def _head(d: Declaration) -> str:
+    match d:
+        case ExceptionDecl():
+            return f"exception {d.scoped}"
+        case Typedef(type=type_):
+            return f"typedef {type_} {d.scoped}"
+        case Const(type=type_, value=value):
+            return f"const {type_} {d.scoped} = {value}"
+        case Struct(base=base) if base is not None:
+            return f"struct {d.scoped} : {'::'.join(base)}"
+        case Union(switch=switch):
+            return f"union {d.scoped} switch ({switch})"
+        case Interface(bases=bases) if bases:
+            return f"interface {d.scoped} : {', '.join('::'.join(b) for b in bases)}"
+    return f"{type(d).__name__.lower()} {d.scoped}"
+
+
+def _operation(o: Operation) -> str:
+    parameters = ", ".join(
+        f"{p.direction.value} {p.type} {p.name}" for p in o.parameters
+    )
+    return f"{'oneway ' * o.oneway}{o.returns} {o.name}({parameters})"
+
+
+def parts_of(d: Declaration) -> Iterator[tuple[str, Documented]]:
+    """Yield the named parts of a declaration."""
+    match d:
+        case Struct(members=members) | ExceptionDecl(members=members):
+            yield from ((m.name, m) for m in members)
+        case Union(cases=cases):
+            yield from ((c.name, c) for c in cases)
+        case Enum(members=enumerators):
+            yield from ((e.name, e) for e in enumerators)
+        case Interface(operations=operations, attributes=attributes):
+            yield from ((o.name, o) for o in operations)
+            yield from ((a.name, a) for a in attributes)
+        case Valuetype(operations=operations, attributes=attributes, state=state):
+            yield from ((o.name, o) for o in operations)
+            yield from ((a.name, a) for a in attributes)
+            yield from ((s.name, s) for s in state)
+        case Component(ports=ports, configuration=configuration):
+            yield from ((p.identifier, p) for p in ports)
+            yield from ((c.identifier, c) for c in configuration)
+
+
+def _part(analysis: Analysis, holder: Declaration, way: ScopedName) -> str | None:
+    found = dict(parts_of(holder)).get(way[0])
+    if found is None:
+        return None
+    if len(way) == 2 and isinstance(found, Operation):
+        found = next((p for p in found.parameters if p.name == way[1]), None)
+    scope = holder.scoped
+    notes: list[str] = []
+    match found:
+        case Member(name=name, type=type_):
+            head = f"{type_} {scope}::{name}"
+            notes.append(_member_note(analysis, holder, found))
+            notes.append(_default_note(analysis.model, found))
+        case Case(name=name, type=type_):
+            head = f"{type_} {scope}::{name}"
+            notes.append(_default_note(analysis.model, found))
+        case Attribute(name=name, type=type_):
+            head = f"{type_} {scope}::{name}"
+        case Enumerator(name=name, value=value):
+            head = f"{name} = {value}  // {scope}"
+        case Operation():
+            head = _operation(found)
+        case Parameter(name=name, type=type_, direction=direction):
+            head = f"{direction.value} {type_} {name}"
+        case Port(name=name, type=type_, kind=kind, unit=unit):
+            head = f"{kind} {type_} {name}"
+            notes.append(f"unit: {unit}" if unit else "")
+        case ConfigurationParameter(name=name, type=type_):
+            head = f"{type_} {name}"
+            notes += _parameter_notes(found)
+        case _:
+            return None
+    lines = [head]
+    if isinstance(found, Member | Case | Attribute | Parameter | Port):
+        resolved = _resolved(analysis.model, found.type)
+        if resolved != str(found.type):
+            lines.append(f"// {resolved}")
+        annotation = found.annotation("unit")
+        if annotation is not None and not isinstance(found, Port):
+            notes.append(f"unit: {annotation.get()}")
+    return _joined(_code("idl", *lines), *notes, found.doc)
+
+
+def _parameter_notes(parameter: ConfigurationParameter) -> list[str]:
+    values = (
+        ("default", parameter.default),
+        ("least", parameter.minimum),
+        ("most", parameter.maximum),
+        ("unit", parameter.unit or None),
+        ("constraint", parameter.constraint or None),
+    )
+    return [f"{name}: {value}" for name, value in values if value is not None]
+
+
+def _resolved(model: Model, type_: Type) -> str:
+    """Return the type with typedefs resolved."""
+    try:
+        return str(model.unalias(type_))
+    except KeyError:
+        return str(type_)
+
+
+def _member_note(analysis: Analysis, holder: Declaration, member: Member) -> str:
+    if not isinstance(holder, Struct):
+        return ""
+    for place in layout_of_struct(analysis, holder):
+        if place.member is member:
+            return place_text(place)
+    return ""
+
+
+def _default_note(model: Model, entry: Member | Case) -> str:
+    """Return the value with which a member or branch starts, if the definition gives one."""
+    found = default_of(model, entry.type, entry.initial)
+    return "" if found is None else f"default: {default_text(found)}"
+
+
+def place_text(place: offsets.MemberPlace) -> str:
+    """Return the place of a member: `offset 8, 4 octets`."""
+    size = "variable" if place.size is None else _octets(place.size)
+    return size if place.offset is None else f"offset {place.offset}, {size}"
+
+
+def _octets(count: int) -> str:
+    return f"{count} octet{'s' * (count != 1)}"
+
+
+def layout_of_struct(
+    analysis: Analysis, struct: Struct
+) -> tuple[offsets.MemberPlace, ...]:
+    """Return the places of a struct's members; none if a type is missing, or nested too deeply."""
+    made = _laid_out(analysis, struct)
+    return () if made is None else made.members
+
+
+def _laid_out(analysis: Analysis, struct: Struct) -> offsets.StructLayout | None:
+    try:
+        return offsets.layout(analysis.model, struct, representations_of(analysis))
+    except (KeyError, RecursionError):
+        return None
+
+
+def _layout(analysis: Analysis, struct: Struct) -> str:
+    made = _laid_out(analysis, struct)
+    if made is None or not made.members:
+        return ""
+    rows = ["| offset | size | member | type |", "|--:|--:|---|---|"]
+    for place in made.members[:_MAX_ROWS]:
+        offset = "" if place.offset is None else place.offset
+        size = "" if place.size is None else place.size
+        type_ = str(place.member.type).replace("|", "\\|")
+        rows.append(f"| {offset} | {size} | {place.member.name} | `{type_}` |")
+    if len(made.members) > _MAX_ROWS:
+        rows.append(f"| | | {len(made.members) - _MAX_ROWS} more | |")
+    size = "variable" if made.size is None else _octets(made.size)
+    return "\n".join([*rows, "", f"{'XCDR2' if made.xcdr2 else 'CDR'}: {size}"])
+
+
+# CDL
+
+
+def _cdl(model: Model, key: str) -> str | None:
+    file, name = file_and_name(key)
+    for length in (len(name), len(name) - 1, len(name) - 2):
+        for unit in model.tecs:
+            for d in unit.declarations:
+                if d.name == name[:length] and path_of(d.file) == file:
+                    return _tecs(unit, d, name[length:])
+    return None
+
+
+def _tecs(unit: TecsUnit, d: TecsDeclaration, way: ScopedName) -> str:
+    if isinstance(d, Signature) and way:
+        function = next((f for f in d.functions if f.name == way[0]), None)
+        if function is not None:
+            text = f"{function.returns} {function.name}"
+            parameters = ", ".join(
+                f"[{p.direction.value}] {p.type} {p.name}" for p in function.parameters
+            )
+            note = f"function id {function.id}"
+            return _joined(
+                _code("cdl", f"{text}({parameters})"),
+                note,
+                _message(unit, d, function.name),
+                function.doc,
+            )
+    lines = list(tecs_text.lines(d))
+    if way:
+        lines = [line for line in lines if way[-1] in line] or lines[:1]
+    return _joined(_code("cdl", *lines[:_MAX_ROWS]), d.doc)
+
+
+def _message(unit: TecsUnit, signature: Signature, name: str) -> str:
+    """Return the layout of an OpaqueRPC request: its values and their octets."""
+    try:
+        made = layout_of(unit, signature)
+    except TransferError as error:
+        return f"OpaqueRPC cannot carry it: {error}"
+    function = next(f for f in made.functions if f.function.name == name)
+    rows = [
+        f"| {item.name} | {item.direction.value} | {_size(item.node)} |"
+        for item in function.items
+        if item.direction is not None
+    ]
+    if not rows:
+        return ""
+    return "\n".join(["| argument | direction | TDR |", "|---|---|---|", *rows])
+
+
+def _size(node: Node) -> str:
+    if not is_fixed(node):
+        return "variable"
+    return _octets(sum(calcsize(f"<{text}") * times for text, times in kinds(node)))
+
+
+# CANopen
+
+
+def _eds(model: Model, key: str) -> str | None:
+    file, index, subindex = object_of(key)
+    devices = [*model.devices, *(k.device for b in model.buses for k in b.kinds)]
+    for device in devices:
+        if path_of(device.file) == file:
+            entry = next((o for o in device.objects if o.index == index), None)
+            if entry is not None:
+                return _entry(device, entry, subindex)
+    return None
+
+
+def _entry(device: Device, entry: Object, subindex: int | None) -> str:
+    if subindex is None and len(entry.variables) > 1:
+        rows = [
+            f"| {v.subindex} | {v.name} | {_type(v)} | {v.access} |"
+            for v in entry.variables[:_MAX_ROWS]
+        ]
+        head = f"**{entry.index:04X}h {entry.name}** ({entry.type.name})"
+        table = ["| sub | name | type | access |", "|--:|---|---|---|", *rows]
+        return _joined(head, "\n".join(table), _mappings(device, entry.index, None))
+    variable = device.find(entry.index, subindex or 0)
+    if variable is None:
+        return f"**{entry.index:04X}h {entry.name}**"
+    facts = [f"{_type(variable)}, {variable.access}"]
+    values = (
+        ("default", variable.default),
+        ("value", variable.value),
+        ("low", variable.low),
+        ("high", variable.high),
+        ("unit", variable.unit or None),
+        ("factor", variable.factor),
+    )
+    facts += [f"{name}: {value!s}" for name, value in values if value is not None]
+    sub = "" if subindex is None else f":{subindex}"
+    head = f"**{entry.index:04X}h{sub} {variable.name}**"
+    return _joined(
+        head,
+        "  \n".join(facts),
+        variable.description,
+        _mappings(device, entry.index, subindex or 0),
+    )
+
+
+def _type(variable: Variable) -> str:
+    name = getattr(variable.data_type, "name", f"type {variable.data_type:04X}h")
+    bits = variable.bits
+    return f"{name}, {bits} bits" if bits is not None else str(name)
+
+
+def _mappings(device: Device, index: int, subindex: int | None) -> str:
+    """Return the PDOs that map an object, with its bit offset."""
+    rows = []
+    for pdo in device.pdos:
+        offset = 0
+        for entry in pdo.entries:
+            if entry.index == index and subindex in (None, entry.subindex):
+                rows.append(
+                    f"{pdo.direction.value.upper()} {pdo.number}: bit {offset},"
+                    f" {entry.bits} bits"
+                )
+            offset += entry.bits
+    return "  \n".join(rows)
+
+
+def _code(language: str, *lines: str) -> str:
+    return "\n".join([f"```{language}", *lines, "```"])
+
+
+def _joined(*parts: str) -> str:
+    return "\n\n".join(part for part in parts if part)

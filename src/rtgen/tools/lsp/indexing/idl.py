@@ -1,0 +1,140 @@
+"""Names of IDL, from the tables of name resolution."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+from rtgen.compiler.diagnostics import Span
+from rtgen.compiler.frontends.idl.names import scopes
+from rtgen.compiler.frontends.idl.names.scopes import Entity
+from rtgen.compiler.frontends.idl.names.tables import Tables
+from rtgen.compiler.frontends.idl.syntax import tree
+from rtgen.compiler.frontends.idl.text.unit import Inclusion, Unit
+from rtgen.compiler.model import ScopedName
+from rtgen.tools.lsp.indexing.index import Collector, Kind, path_of
+
+_KINDS = {
+    scopes.Kind.MODULE: Kind.MODULE,
+    scopes.Kind.STRUCT: Kind.STRUCT,
+    scopes.Kind.UNION: Kind.UNION,
+    scopes.Kind.EXCEPTION: Kind.EXCEPTION,
+    scopes.Kind.ENUM: Kind.ENUM,
+    scopes.Kind.ENUMERATOR: Kind.ENUMERATOR,
+    scopes.Kind.BITSET: Kind.STRUCT,
+    scopes.Kind.BITMASK: Kind.BITS,
+    scopes.Kind.TYPEDEF: Kind.TYPEDEF,
+    scopes.Kind.CONST: Kind.CONSTANT,
+    scopes.Kind.NATIVE: Kind.TYPEDEF,
+    scopes.Kind.INTERFACE: Kind.INTERFACE,
+    scopes.Kind.VALUETYPE: Kind.STRUCT,
+    scopes.Kind.VALUE_BOX: Kind.TYPEDEF,
+    scopes.Kind.COMPONENT: Kind.COMPONENT,
+    scopes.Kind.HOME: Kind.COMPONENT,
+    scopes.Kind.OPERATION: Kind.OPERATION,
+    scopes.Kind.ATTRIBUTE: Kind.ATTRIBUTE,
+    scopes.Kind.MEMBER: Kind.MEMBER,
+    scopes.Kind.PARAMETER: Kind.PARAMETER,
+    scopes.Kind.PORT: Kind.PORT,
+    scopes.Kind.UNUSED: Kind.MODULE,
+}
+_MAX_DETAIL = 80
+
+
+def key_of(name: ScopedName) -> str:
+    """Return the key of a scoped name of IDL."""
+    return "idl " + "::".join(name)
+
+
+class IdlNames:
+    """Adds the names of translation units; a file included by several units is added once."""
+
+    def __init__(self, collector: Collector) -> None:
+        self._collector = collector
+        self._known: set[tuple[str, str]] = set()
+
+    def add(self, tables: Tables) -> None:
+        """Add the names of a translation unit."""
+        entities = list(tables.entities.items())
+        references = list(tables.references.items())
+        marks = [*tables.marks, (None, len(entities), len(references))]
+        here: set[tuple[str, str]] = set()
+        for (unit, first, begin), (_, last, end) in pairwise(marks):
+            assert unit is not None
+            identity = unit.source.name, unit.text
+            if identity in self._known:
+                continue
+            if identity not in here:
+                self._includes(unit)
+            here.add(identity)
+            for name, entity in entities[first:last]:
+                self._entity(name, entity, unit, tables.openings.get(name))
+            for reference, found in references[begin:end]:
+                if isinstance(found, Entity):
+                    self._reference(reference, found, unit)
+        self._known |= here
+
+    def _includes(self, unit: Unit) -> None:
+        for event in unit.events:
+            if isinstance(event, Inclusion):
+                path = path_of(event.unit.source.name)
+                self._collector.refer(f"file {path}", event.span)
+
+    def _entity(
+        self, name: tree.Name, entity: Entity, unit: Unit, opening: tree.Body | None
+    ) -> None:
+        span = unit.span(name.start, name.end)
+        key = key_of(entity.path)
+        here = (name.start, unit) == (entity.start, entity.unit)
+        if not here and opening is None:
+            self._collector.refer(key, span)  # a forward declaration
+            return
+        extent = _extent(entity, unit) if here else None
+        if opening is not None:
+            extent = unit.span(name.start, opening.end + 1)
+        self._collector.define(
+            key,
+            entity.name,
+            _KINDS[entity.kind],
+            span,
+            extent,
+            container=key_of(entity.path[:-1]) if entity.path[:-1] else "",
+            detail=_detail(entity, unit),
+        )
+
+    def _reference(self, name: tree.ScopedName, found: Entity, unit: Unit) -> None:
+        for part, entity in _parts(name, found):
+            key = key_of(entity.path)
+            self._collector.refer(key, unit.span(part.start, part.end))
+
+
+def _parts(name: tree.ScopedName, found: Entity) -> Iterator[tuple[tree.Name, Entity]]:
+    """Yield the parts of a scoped name with their entities, the last one first."""
+    entity: Entity | None = found
+    for part in reversed(name.parts):
+        if entity is None or entity.name != part.text:
+            return
+        yield part, entity
+        entity = entity.scope.entity
+
+
+def _extent(entity: Entity, unit: Unit) -> Span | None:
+    """Return the span of a whole definition."""
+    node = entity.item
+    if node is not None:
+        return unit.span(node.start, node.end)
+    if isinstance(entity.node, tree.Enumerator | tree.PortItem | tree.Declarator):
+        return unit.span(entity.node.start, entity.node.end)
+    return None
+
+
+def _detail(entity: Entity, unit: Unit) -> str:
+    """Return the type of a member, parameter, typedef or port, as written."""
+    node: object = entity.type_node
+    if isinstance(entity.node, tree.PortItem | tree.Operation):
+        node = entity.node.type
+    if node is None or isinstance(node, tree.Struct | tree.Union | tree.Enum):
+        return ""
+    start, end = getattr(node, "start", 0), getattr(node, "end", 0)
+    text = " ".join(unit.text[start:end].split())
+    return text if len(text) <= _MAX_DETAIL else text[:_MAX_DETAIL] + "..."

@@ -1,0 +1,200 @@
+"""Events of a recording or of a log, in the form of a log's lines.
+
+`rtgen run --log` writes JSON lines, `--record` MCAP. Both are read as dictionaries: `t` [ns since
+the start], `event`, and further keys of the event; samples have `instance`, `port`, `value`.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from io import TextIOWrapper
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from rtgen.facts.files import open_file, read_start
+from rtgen.runtime.cdr import CdrError
+from rtgen.runtime.system.json_printers import plain
+from rtgen.tools.recording.errors import RecordingError
+from rtgen.tools.recording.mcap_reader import MAGIC, Channel, McapFile, Message
+from rtgen.tools.recording.recorder import METADATA
+from rtgen.tools.recording.schema_types import decoder, type_of
+from rtgen.tools.recording.schemas import ENCODINGS, Schema
+
+Event: TypeAlias = dict[str, Any]
+
+_MAX_LINE = 1 << 26
+
+
+@dataclass(slots=True)
+class Decoders:
+    """Decoders of messages, one for each schema."""
+
+    _types: dict[Schema, Any] = field(default_factory=dict)
+    _known: dict[Channel, Callable[[bytes], Any]] = field(default_factory=dict)
+
+    def value(self, message: Message) -> Any:
+        """Return the content of a message as JSON. Raises RecordingError."""
+        channel = message.channel
+        decode = self._known.get(channel)
+        if decode is None:
+            decode = self._known[channel] = self._decoder(channel)
+        try:
+            return decode(message.data)
+        except (CdrError, ValueError) as error:
+            raise RecordingError(f"{channel.topic}: {error}") from error
+        except RecursionError:
+            raise RecordingError(
+                f"{channel.topic}: a value is nested too deep"
+            ) from None
+
+    def _decoder(self, channel: Channel) -> Callable[[bytes], Any]:
+        if channel.encoding == "json":
+            return json.loads
+        if channel.encoding != "cdr" or channel.schema.encoding not in ENCODINGS:
+            schema = channel.schema.encoding or "no schema"
+            raise RecordingError(
+                f"{channel.topic}: no decoder for {channel.encoding} with {schema}",
+                hint=f"rtgen reads cdr with {' or '.join(ENCODINGS)}, and json",
+            )
+        type_ = self._types.get(channel.schema)
+        if type_ is None:
+            type_ = self._types[channel.schema] = type_of(channel.schema)
+        decode = decoder(channel.schema)
+        return lambda data: plain(decode(type_, data))
+
+
+class Log:
+    """A file recorded by `rtgen run`, in either form."""
+
+    def __init__(self, path: str | Path) -> None:
+        """Open a file. Raises RecordingError if it is unreadable or in neither form."""
+        self.path = Path(path)
+        try:
+            head = read_start(self.path, len(MAGIC))
+        except OSError as error:
+            raise RecordingError(f"cannot read {path}: {error.strerror}") from error
+        if self.path.suffix.lower() == ".mcap" and head != MAGIC:
+            what = "is empty" if not head else "is not MCAP, as its suffix says"
+            raise RecordingError(
+                f"{path} {what}", hint="rtgen run --record FILE.mcap writes a recording"
+            )
+        self.mcap = McapFile(path) if head == MAGIC else None
+        self._is_cut = False
+        self.units: dict[tuple[str, str], str] = {}
+        """Units of ports by instance and port, for samples read so far."""
+        if self.mcap is None and head[:1] not in (b"{", b""):
+            raise RecordingError(
+                f"{path} is not a recording: neither MCAP nor JSON lines",
+                hint="rtgen run --record FILE.mcap or --log FILE writes one",
+            )
+
+    @property
+    def start(self) -> int:
+        """The clock's time at the start [ns]: 0 in simulated time."""
+        described = {} if self.mcap is None else self.mcap.metadata.get(METADATA, {})
+        text = described.get("start", "0")
+        return int(text) if text.isascii() and text.isdecimal() else 0
+
+    def losses(self) -> list[str]:
+        """Return what could not be read of the file, in words, after all events were read."""
+        if self.mcap is not None:
+            return self.mcap.losses()
+        return ["cut off in its last line"] if self._is_cut else []
+
+    def events(
+        self, wanted: Callable[[Mapping[str, str]], bool] = lambda entry: True
+    ) -> Iterator[Event]:
+        """Yield all events in order; `wanted` is called with `event`, `instance` and `port`."""
+        if self.mcap is None:
+            return (event for event in self._lines() if wanted(event))
+        return self._decoded(self.mcap, wanted)
+
+    def heads(self) -> Iterator[Event]:
+        """Yield each event without its content; samples of MCAP with the name of their `type`."""
+        if self.mcap is None:
+            yield from self._lines()
+            return
+        start = self.start
+        known: dict[Channel, Event] = {}
+        for message in self.mcap.messages():
+            channel = message.channel
+            if channel not in known:
+                known[channel] = _head(channel) | {"type": channel.schema.name}
+            yield known[channel] | {"t": message.time - start}
+
+    def _decoded(
+        self, file: McapFile, wanted: Callable[[Mapping[str, str]], bool]
+    ) -> Iterator[Event]:
+        decoders = Decoders()
+        start = self.start
+        heads: dict[Channel, Event | None] = {}
+        for message in file.messages():
+            channel = message.channel
+            if channel not in heads:
+                head = _head(channel)
+                heads[channel] = head if wanted(head) or _is_shared(head) else None
+                address = channel.get("instance"), channel.get("port")
+                self.units[address] = channel.get("unit")
+            found = heads[channel]
+            if found is not None:
+                value = decoders.value(message)
+                inside = {"value": value} if found["event"] == "sample" else value
+                if not isinstance(inside, dict):
+                    raise RecordingError(f"{channel.topic}: a message is not an object")
+                event = {"t": message.time - start, **found, **_written(inside)}
+                if not _is_shared(found) or wanted(event):
+                    yield event
+
+    def _lines(self) -> Iterator[Event]:
+        with TextIOWrapper(open_file(self.path), "utf-8", "replace") as stream:
+            for number, line in enumerate(
+                iter(lambda: stream.readline(_MAX_LINE), ""), 1
+            ):
+                try:
+                    event = json.loads(line)
+                except ValueError as error:
+                    if not line.endswith("\n"):
+                        self._is_cut = True  # the writer was killed
+                        return
+                    message = f"{self.path}:{number}: no JSON: {error}"
+                    raise RecordingError(message) from error
+                except RecursionError:
+                    message = f"{self.path}:{number}: a value is nested too deep"
+                    raise RecordingError(message) from None
+                if not (
+                    isinstance(event, dict)
+                    and isinstance(event.get("t"), int)
+                    and isinstance(event.get("event"), str)
+                ):
+                    raise RecordingError(f"{self.path}:{number}: no line of a log")
+                yield event
+
+
+def _head(channel: Channel) -> Event:
+    """Return the part of an event that its channel determines.
+
+    Channels of other writers are samples of a topic.
+    """
+    kind = channel.get("kind")
+    if not kind:
+        return {"event": "sample", "instance": "", "port": channel.topic}
+    known = {
+        "sample": ("instance", "port"),
+        "frame": ("bus",),
+        "call": ("instance",),
+    }
+    return {"event": kind, **{key: channel.get(key) for key in known.get(kind, ())}}
+
+
+def _is_shared(head: Event) -> bool:
+    """Return whether the events of a channel contain their instances."""
+    return "instance" not in head and "bus" not in head
+
+
+def _written(inside: Event) -> Event:
+    """Return an event as in a log: with a reason only if it is not empty."""
+    if inside.get("reason") == "":
+        return {key: value for key, value in inside.items() if key != "reason"}
+    return inside

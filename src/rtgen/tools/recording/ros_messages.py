@@ -1,0 +1,191 @@
+"""Schemas of ROS 2 messages: the text of the .msg, and of all messages in it.
+
+MCAP's registry calls such a schema `ros2msg`: the message first, then each other one after a line
+of 80 `=` and a line `MSG: package/Name`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Final
+
+from rtgen.compiler.diagnostics import Span, in_order
+from rtgen.compiler.frontends.kit.findings import Findings
+from rtgen.compiler.model import Declaration, Model, ScopedName
+from rtgen.facts.ros import is_interface
+from rtgen.ros2.rosidl.interfaces import Message
+from rtgen.ros2.rosidl.lowering import FILLER, declarations
+from rtgen.ros2.rosidl.syntax import (
+    FIELD_NAME,
+    MESSAGE_NAME,
+    PACKAGE_NAME,
+    PRIMITIVES,
+    parts_of,
+)
+from rtgen.runtime.marshalling.descriptors import (
+    ArrayDescriptor,
+    Descriptor,
+    PrimitiveDescriptor,
+    SequenceDescriptor,
+    StringDescriptor,
+    StructDescriptor,
+    plain,
+)
+from rtgen.tools.recording.errors import SchemaError
+
+ENCODING: Final = "ros2msg"
+"""The name of the schema encoding in MCAP's registry."""
+
+_MAX_DEPTH: Final = 64
+_SEPARATOR: Final = "=" * 80
+_HEAD: Final = re.compile(r"MSG: *(\S+) *")
+_NAMES: Final[dict[str, str]] = {
+    kind: name for name, kind in reversed(PRIMITIVES.items()) if name != "char"
+}
+_NO_SPAN: Final = Span("", 1, 1, 1, 1)
+
+
+class _NoMessageError(Exception):
+    """A type that a message cannot contain."""
+
+
+def message_text(descriptor: StructDescriptor) -> str | None:
+    """Return the text of a message and of those in it; None if it is no ROS 2 message.
+
+    Messages are structs with rosidl's naming (`std_msgs::msg::Header`) whose members interface
+    files can declare, except strings of 16-bit characters, which Foxglove's reader of messages
+    lacks.
+    """
+    found: dict[str, str] = {}
+    try:
+        _add(descriptor, found)
+    except _NoMessageError:
+        return None
+    (_, first), *others = found.items()
+    rest = (f"{_SEPARATOR}\nMSG: {name}\n{text}" for name, text in others)
+    return "".join((first, *rest))
+
+
+def message_name(scoped_name: str) -> str:
+    """Return `std_msgs::msg::Header` in ROS 2's notation, `std_msgs/msg/Header`."""
+    return scoped_name.replace("::", "/")
+
+
+def _add(descriptor: Descriptor, found: dict[str, str]) -> str:
+    """Append a message to those found before; return its name as a type."""
+    if (
+        not isinstance(descriptor, StructDescriptor)
+        or descriptor.extensibility != "final"
+        or descriptor.representation == 2
+        or descriptor.opaque
+    ):
+        raise _NoMessageError
+    words = descriptor.name.split("::")
+    if len(words) != 3 or _scoped("/".join(words)) is None:
+        raise _NoMessageError
+    name = "/".join(words)
+    if words[1] == "msg":
+        name = f"{words[0]}/{words[2]}"
+    if name not in found:
+        found[name] = ""
+        lines = []
+        for member in descriptor.members:
+            is_field = FIELD_NAME.fullmatch(member.name)
+            if not is_field or member.optional or member.external:
+                raise _NoMessageError
+            if member.name != FILLER:
+                lines.append(f"{_type(member.type, found)} {member.name}\n")
+        found[name] = "".join(lines)
+    return name
+
+
+def _type(descriptor: Descriptor, found: dict[str, str]) -> str:
+    match plain(descriptor):
+        case SequenceDescriptor(element, bound):
+            most = "" if bound is None else f"<={bound}"
+            return f"{_element(element, found)}[{most}]"
+        case ArrayDescriptor(element, (size,)):
+            return f"{_element(element, found)}[{size}]"
+        case other:
+            return _element(other, found)
+
+
+def _element(descriptor: Descriptor, found: dict[str, str]) -> str:
+    match plain(descriptor):
+        case PrimitiveDescriptor(name) if name in _NAMES:
+            return _NAMES[name]
+        case StringDescriptor(False, bound):
+            return "string" if bound is None else f"string<={bound}"
+        case other:
+            return _add(other, found)
+
+
+def message_model(name: str, text: str) -> Model:
+    """Return the declarations of a schema. Raises SchemaError."""
+    findings = Findings()
+    messages: list[Message] = []
+    for number, section in enumerate(re.split(r"^={80}\n", text, flags=re.MULTILINE)):
+        found, section_name = section, name
+        if number:
+            head, _, found = section.partition("\n")
+            match = _HEAD.fullmatch(head)
+            if match is None:
+                raise SchemaError(f"{name}: expected `MSG: package/Name` in the schema")
+            section_name = match[1]
+        scoped_name = _scoped(section_name)
+        if scoped_name is None:
+            raise SchemaError(f"{section_name} is not a message of ROS 2")
+        parts = parts_of(found, name, findings)
+        if len(parts) != 1:
+            raise SchemaError(f"{section_name}: the schema is not of one message")
+        messages.append(Message(scoped_name, parts[0], _NO_SPAN))
+    if findings.errors:
+        first = in_order(findings.diagnostics)[0]
+        line = 0 if first.span is None else first.span.line
+        raise SchemaError(f"{name}: line {line} of a message: {first.message}")
+    return Model(declarations=tuple(_declarations(messages)))
+
+
+def _scoped(text: str, package: str = "") -> ScopedName | None:
+    """Return the scoped name of `Name`, `package/Name` or `package/msg/Name`; else None."""
+    words = text.split("/")
+    if len(words) == 1:
+        words.insert(0, package)
+    if len(words) == 2:
+        words.insert(1, "msg")
+    if not is_interface(words) or not PACKAGE_NAME.fullmatch(words[0]):
+        return None
+    # Requests, goals and so on are named after their interface.
+    name = words[2] if words[1] == "msg" else words[2].partition("_")[0]
+    return tuple(words) if MESSAGE_NAME.fullmatch(name) else None
+
+
+def _declarations(messages: list[Message]) -> Iterator[Declaration]:
+    known: dict[ScopedName, Message] = {message.name: message for message in messages}
+    levels: dict[ScopedName, int] = {}
+
+    def level(name: ScopedName, inside: int) -> int:
+        """Return the nesting depth of a message."""
+        if inside > _MAX_DEPTH:
+            raise SchemaError(
+                f"{'/'.join(name)} contains itself, or over {_MAX_DEPTH} levels of messages"
+            )
+        if name not in levels:
+            if name not in known:
+                raise SchemaError(f"the schema declares no {'/'.join(name)[:80]}")
+            fields = known[name].part.fields
+            inner = [
+                _scoped(f.type.base, name[0]) or (f.type.base,)
+                for f in fields
+                if f.type.is_message
+            ]
+            levels[name] = 1 + max(
+                (level(each, inside + 1) for each in inner), default=0
+            )
+        return levels[name]
+
+    for message in known.values():
+        if level(message.name, 1) > _MAX_DEPTH:
+            raise SchemaError(f"over {_MAX_DEPTH} levels of messages")
+        yield from declarations(message, "")

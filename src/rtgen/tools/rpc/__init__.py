@@ -1,0 +1,1 @@
+"""Calls of TECS boards: values as JSON, octets, simulated boards."""

@@ -1,0 +1,23 @@
+"""Channels to boards, by address."""
+
+from __future__ import annotations
+
+from rtgen.runtime.opaque_rpc import SerialChannel, TcpChannel
+from rtgen.tools.rpc.signatures import Peer, refused
+
+
+def channel_of(
+    address: str = "", *, serial: str | None, baud: int, peer: Peer
+) -> TcpChannel | SerialChannel:
+    """Return the channel to a serial device or to HOST:PORT. Raises ClickException."""
+    if serial:
+        return SerialChannel(serial, baud, peer.timeout)
+    return TcpChannel(*host_and_port(address), timeout=peer.timeout)
+
+
+def host_and_port(text: str) -> tuple[str, int]:
+    """Split HOST:PORT. Raises ClickException."""
+    host, _, port = text.rpartition(":")
+    if not host or not port.isdecimal() or not 0 < int(port) < 65536:
+        raise refused(f"{text!r} is not HOST:PORT")
+    return host.removeprefix("[").removesuffix("]"), int(port)

@@ -1,0 +1,129 @@
+"""Signatures and functions of CDL files by name, and values from text."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+from rtgen.compiler.diagnostics import InputError, has_errors
+from rtgen.compiler.layouts.tdr import TransferError
+from rtgen.compiler.model.tecs import Signature, TecsUnit
+from rtgen.facts.encodings import decode
+from rtgen.facts.files import UnreadableError, read_file
+from rtgen.runtime.opaque_rpc import REPLY_LIMIT, ReplyOrder, Tdr
+from rtgen.tools.kit.exits import Refusal
+from rtgen.tools.rpc.codecs import Function, Service
+from rtgen.tools.rpc.values import Json
+
+
+@dataclass(frozen=True, slots=True)
+class Wire:
+    """Data representation and order of replies of the other end."""
+
+    tdr: Tdr
+    reply: ReplyOrder
+
+
+@dataclass(frozen=True, slots=True)
+class Peer:
+    """The options for the other end; `timeout` in seconds."""
+
+    wire: Wire
+    timeout: float
+
+
+def read_unit(path: Path, include: tuple[str, ...] = ()) -> TecsUnit:
+    """Read the declarations of a CDL file; only errors are reported. Raises InputError."""
+    from rtgen.compiler.frontends import cdl
+    from rtgen.compiler.project import load
+
+    project = load()
+    folders = [*map(Path, include), *project.include, *project.tecs_path]
+    result = cdl.load(
+        [path],
+        root=project.root,
+        include=folders,
+        define=dict(project.define),
+        encoding=project.encoding,
+    )
+    if has_errors(result.diagnostics):
+        raise InputError(list(result.diagnostics))
+    return result.model.tecs[0]
+
+
+def signatures_of(unit: TecsUnit) -> list[Signature]:
+    """Return the signatures of a unit."""
+    return [d for d in unit.declarations if isinstance(d, Signature)]
+
+
+def service_of(
+    unit: TecsUnit, name: str, wire: Wire, limit: int = REPLY_LIMIT
+) -> Service:
+    """Find the service of a signature by name. Raises Refusal.
+
+    `limit`: maximum octets of arrays and texts in a request that is read.
+    """
+    signatures = {d.scoped: d for d in signatures_of(unit)}
+    signature = signatures.get(name.removeprefix("::"))
+    if signature is None:
+        raise _unknown("signature", name, list(signatures))
+    try:
+        return Service(unit, signature, wire.tdr, wire.reply, limit)
+    except TransferError as error:
+        raise refused(f"{error.span.file}:{error.span.line}: {error}") from error
+
+
+def function_of(unit: TecsUnit, name: str, wire: Wire) -> Function:
+    """Find the function `SIG.FUNC`. Raises Refusal."""
+    signature, dot, function = name.rpartition(".")
+    if not dot:
+        raise refused(f"{name!r}: name the function as SIGNATURE.FUNCTION")
+    service = service_of(unit, signature, wire)
+    if function not in service.functions:
+        raise _unknown("function", function, list(service.functions))
+    return service.functions[function]
+
+
+def parsed(text: str) -> Json:
+    """Parse JSON from the command line. Raises Refusal."""
+    try:
+        value: Json = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise refused(f"{text[:40]!r} is not JSON: {error}") from error
+    return value
+
+
+def printed(value: Json) -> str:
+    """Format JSON as one line with a newline."""
+    return f"{json.dumps(value)}\n"
+
+
+def content(path: Path) -> str:
+    """Read a text. Raises Refusal."""
+    try:
+        return decode(read_file(path), standard=True).normal
+    except UnreadableError as error:
+        raise refused(f"cannot read {path}: {error}") from error
+
+
+def octets(text: str) -> bytes:
+    """Parse hex digits. Raises Refusal."""
+    try:
+        return bytes.fromhex(text)
+    except ValueError as error:
+        digits = "hex digits, two for each octet"
+        raise refused(f"{text[:40]!r} is not hex: write {digits}") from error
+
+
+def _unknown(what: str, name: str, known: list[str]) -> Refusal:
+    from difflib import get_close_matches
+
+    close = get_close_matches(name, known, n=1)
+    hint = f"did you mean {close[0]!r}?" if close else f"known: {', '.join(known)}"
+    return refused(f"no {what} {name!r}; {hint}")
+
+
+def refused(message: str) -> Refusal:
+    """Return the exception for invalid input."""
+    return Refusal(message)

@@ -1,0 +1,66 @@
+"""What rtgen ctl prints of components, as text and as JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rtgen.runtime.distribution.control import State
+    from rtgen.runtime.distribution.descriptions import Description, Interface
+
+
+def condition_text(wanted: Sequence[str], states: Mapping[str, State]) -> str:
+    """Return the condition of a system, in the words of `rtgen run --supervise`."""
+    lost = ", ".join(name for name in wanted if name not in states)
+    failed = ", ".join(
+        name
+        for name in wanted
+        if name in states and state_name(states[name]) == "ERROR"
+    )
+    parts = [f"without {lost}"] * bool(lost) + [f"{failed} in ERROR"] * bool(failed)
+    return ", ".join(["degraded", *parts]) if parts else "complete"
+
+
+def state_name(state: State) -> str:
+    return state.state.removesuffix("_STATE")
+
+
+def state_text(state: State | None) -> str:
+    if state is None:
+        return "lost"
+    return (
+        f"{state_name(state)} ({state.reason})" if state.reason else state_name(state)
+    )
+
+
+def state_json(instance: str, state: State | None) -> dict[str, Any]:
+    if state is None:
+        return {"instance": instance, "state": None}
+    return {
+        "instance": instance,
+        "state": state_name(state),
+        "reason": state.reason,
+        "ticks": state.ticks,
+        "overruns": state.overruns,
+    }
+
+
+def interface_json(interface: Interface) -> dict[str, str]:
+    return {
+        "port": interface.port,
+        "instance": interface.instance,
+        "interface": interface.name,
+    }
+
+
+def port_lines(described: Description) -> Iterator[str]:
+    for kind, ports in (("in", described.in_ports), ("out", described.out_ports)):
+        for name, port in ports.items():
+            yield f"{kind} {name}: {port.type}"
+    for kind, found in (
+        ("provides", described.providers),
+        ("requires", described.consumers),
+    ):
+        for each in found:
+            yield f"{kind} {each.port}.{each.instance}: {each.name}"

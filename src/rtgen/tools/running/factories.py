@@ -1,0 +1,113 @@
+"""Finds the factories of component types: in the project first, then in installed packages."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping
+from difflib import get_close_matches
+from importlib import import_module, metadata
+from types import ModuleType
+
+from rtgen.compiler.diagnostics import ToolError
+from rtgen.compiler.project import Project, output, shown
+from rtgen.runtime import Component
+from rtgen.runtime.failures import ends_run
+from rtgen.runtime.system.watchdog import calling
+
+GROUP = "rtgen.components"
+
+Factory = Callable[[str], Component]
+
+
+class Factories:
+    """The factories of component types by name.
+
+    Precedence: `[components]` of rtgen.toml, the manifest of the project's output folder,
+    installed entry points.
+    """
+
+    def __init__(self, project: Project) -> None:
+        generated = output.component_types(project.output)
+        installed = {e.name: e.value for e in metadata.entry_points(group=GROUP)}
+        self._targets: dict[str, str] = {
+            **installed,
+            **generated.factories,
+            **dict(project.components),
+        }
+        self.foreign: dict[str, str] = {
+            name: language
+            for name, language in generated.languages.items()
+            if name not in dict(project.components) and name not in installed
+        }
+        """Languages of the types that other programs run, according to their profiles."""
+        self._folders = project.import_folders
+        for folder in reversed(self._folders):
+            if folder.is_dir() and str(folder) not in sys.path:
+                sys.path.insert(0, str(folder))
+
+    @property
+    def types(self) -> Mapping[str, str]:
+        """Every known type with its `module:attribute`."""
+        return self._targets
+
+    def hint(self, type_name: str) -> str:
+        """Return a hint for an unknown type."""
+        close = get_close_matches(type_name, self._targets, n=1)
+        if close:
+            return f"did you mean {close[0]!r}?"
+        return "name its factory in [components] of rtgen.toml, or install its package"
+
+    def __contains__(self, type_name: str) -> bool:
+        return type_name in self._targets
+
+    def __getitem__(self, type_name: str) -> Factory:
+        """Return the factory of a known type.
+
+        Raises FactoryImportError if its module cannot be imported, ToolError if it is not callable.
+        """
+        target = self._targets[type_name]
+        module, _, attribute = target.partition(":")
+        try:
+            factory: object = calling(type_name, "import", import_module, module)
+            for part in attribute.split("."):
+                factory = getattr(factory, part)
+        except BaseException as error:
+            if ends_run(error):
+                raise
+            message = f"{target}, the factory of {type_name}, cannot be imported"
+            hint = self._hidden(module) or _advice(error, module)
+            raise FactoryImportError(message, hint) from error
+        if not callable(factory):
+            raise ToolError(f"the factory {target} of {type_name} cannot be called")
+        return factory
+
+    def _hidden(self, module: str) -> str | None:
+        """Return a hint about a module of the project that another one of its name hides."""
+        name = module.partition(".")[0]
+        loaded = sys.modules.get(name)
+        if loaded is None:
+            return None
+        place = getattr(loaded, "__file__", None)
+        for folder in self._folders:
+            for file in (folder / f"{name}.py", folder / name / "__init__.py"):
+                if file.is_file() and (place is None or not file.samefile(place)):
+                    other = f"{place} is" if place else "Python has one"
+                    return f"{shown(file)} is hidden: {other} called {name}, too"
+        return None
+
+
+class FactoryImportError(ToolError):
+    """The module of a component cannot be imported; its cause is the original exception."""
+
+
+def _advice(error: BaseException, module: str) -> str | None:
+    """Return a hint for a failed import."""
+    match error:
+        case ModuleNotFoundError(name=str(missing)):
+            if module == missing or module.startswith(f"{missing}."):
+                return "is its package installed, and `rtgen generate` done?"
+            return f"is {missing.partition('.')[0]} installed in this environment?"
+        case AttributeError(name=str(name), obj=ModuleType() as found):
+            close = get_close_matches(name, vars(found), n=1)
+            return f"did you mean {close[0]}?" if close else None
+    return None

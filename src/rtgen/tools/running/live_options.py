@@ -1,0 +1,40 @@
+"""Options of commands that show a running system."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from dataclasses import dataclass
+
+from rtgen import runtime
+from rtgen.compiler.diagnostics import ToolError
+from rtgen.tools.kit.console import Console
+from rtgen.tools.kit.exits import Refusal
+from rtgen.tools.running.pace import pace
+
+
+@dataclass(frozen=True, slots=True)
+class LiveOptions:
+    """Address for clients of a live view, and the pace of simulated time."""
+
+    place: tuple[str, int] | None
+    rate: float | None
+
+    def begin(
+        self, files: ExitStack, running: runtime.System, console: Console, name: str
+    ) -> None:
+        """Show a system until `files` is closed, at its pace. Raises ToolError."""
+        simulated = isinstance(running.clock, runtime.SimulatedClock)
+        if self.rate is not None and not simulated:
+            raise Refusal("--rate goes with --clock sim")
+        if self.place is not None:
+            from rtgen.tools.recording.errors import RecordingError
+            from rtgen.tools.recording.live_view import LiveView
+
+            try:
+                view = LiveView(running, name, *self.place)
+            except RecordingError as error:
+                raise ToolError(str(error), hint=error.hint) from error
+            files.callback(view.close)
+            console.say(f"Foxglove: {view.address}")
+        if self.rate is not None:
+            pace(running, self.rate)

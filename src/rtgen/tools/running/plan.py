@@ -1,0 +1,210 @@
+"""What a run of a system consists of, from its files and the options of `rtgen run`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from importlib.util import find_spec
+from pathlib import Path
+
+from rtgen.compiler.diagnostics import InputError, ToolError, has_errors, in_order
+from rtgen.compiler.model import System
+from rtgen.compiler.project import Project, load_around
+from rtgen.compiler.systems import timeline
+from rtgen.compiler.systems.checks import check_properties
+from rtgen.compiler.systems.measures import Measure
+from rtgen.compiler.systems.reading import read_file
+from rtgen.compiler.systems.rules import CONDITION
+from rtgen.compiler.systems.timeline import Condition, SetParameter, Step
+from rtgen.runtime.services.transports import ForeignComponent
+from rtgen.tools.kit.console import Console
+from rtgen.tools.kit.exits import BAD_INPUT, ReportedError
+from rtgen.tools.running import foreign, partition
+from rtgen.tools.running.curves import divided
+from rtgen.tools.running.factories import Factories
+from rtgen.tools.running.failures import FailureOptions
+from rtgen.tools.running.live_options import LiveOptions
+from rtgen.tools.running.recording_options import RecordingOptions
+from rtgen.tools.running.trajectory import check_picture
+from rtgen.tools.running.transports import TransportOptions
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunOptions:
+    """The options of `rtgen run`, as its help describes them."""
+
+    system: str
+    simulated: bool
+    until: str | None = None
+    settings: tuple[str, ...] = ()
+    timeline_file: str | None = None
+    table: tuple[str, ...] = ()
+    picture: tuple[str, ...] = ()
+    log: str | None = None
+    checkpoints: str | None = None
+    check_values: str
+    recording: RecordingOptions
+    ros2: str | None = None
+    live: LiveOptions
+    carrying: TransportOptions
+    shown_failures: FailureOptions
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """A run before it begins.
+
+    `values` are the parameters of `--set`; `outside` are the instances that rtgen does not run,
+    `awaited` those of other processes.
+    """
+
+    options: RunOptions
+    profile: System
+    steps: Sequence[Step]
+    measures: Sequence[Measure]
+    condition: Condition
+    values: Sequence[SetParameter]
+    project: Project
+    factories: Factories
+    outside: frozenset[str]
+    awaited: Sequence[ForeignComponent] = ()
+
+    @property
+    def folder(self) -> Path | None:
+        """The folder of an experiment, whose results have default files."""
+        path = Path(self.options.system)
+        return path if path.is_dir() else None
+
+    def of_this_process(self) -> Plan:
+        """Return the part of the system that this process runs. Raises InputError, Refusal."""
+        carrying = self.options.carrying
+        if carrying.only is None and not self.outside:
+            return self
+        here = partition.named(carrying.only, self.profile, self.outside)
+        data = carrying.joins_data
+        partition.require_here(self.values, here)
+        asked = self.options.until is not None
+        return replace(
+            self,
+            awaited=foreign.awaited(self.profile, self.outside, here),
+            condition=partition.condition_here(self.condition, here, asked=asked),
+            steps=partition.steps_here(self.steps, self.profile, here, data=data),
+            measures=partition.measures_here(self.measures, here),
+            profile=partition.share(self.profile, here, data=data),
+        )
+
+
+def planned(options: RunOptions, console: Console) -> Plan:
+    """Return the plan of a whole system. Raises ReportedError, InputError, Refusal, ToolError."""
+    carrying, simulated = options.carrying, options.simulated
+    carrying.check(simulated=simulated)
+    profile = read_system(options.system, console)
+    course = timeline.of_system(Path(options.system), options.timeline_file, profile)
+    console.findings(course.skipped)
+    project = load_around(Path(options.system))
+    factories = Factories(project)
+    languages = factories.foreign
+    plan = Plan(
+        options=options,
+        profile=profile,
+        steps=course.steps,
+        measures=course.measures,
+        condition=_condition(options.until, profile),
+        values=[timeline.assignment(text, profile) for text in options.settings],
+        project=project,
+        factories=factories,
+        outside=frozenset(foreign.named(profile, carrying.foreign, languages)),
+    )
+    if plan.outside:
+        foreign.require_reachable(
+            profile, plan.outside, carrying, languages, simulated=simulated
+        )
+    return plan
+
+
+def read_system(path: str | Path, console: Console) -> System:
+    """Read a system, or that of a folder, and report its findings. Raises ReportedError."""
+    file = Path(path)
+    file = file / "system.xml" if file.is_dir() else file
+    profile, diagnostics, sources = read_file(file)
+    more = () if profile is None else check_properties(profile)
+    findings = [*diagnostics, *more]
+    console.findings(in_order(findings), sources)
+    if profile is None or has_errors(findings):
+        raise ReportedError(BAD_INPUT)
+    return profile
+
+
+def _condition(until: str | None, profile: System) -> Condition:
+    text = dict(profile.properties).get("rtgen.run.until") if until is None else until
+    return Condition() if text is None else timeline.condition(text, profile, None)
+
+
+@dataclass(slots=True)
+class Outputs:
+    """The files of a run's results, and the values of ports in them; None: no such file."""
+
+    csv: str | None
+    plot: str | None
+    in_table: tuple[str, ...]
+    in_picture: tuple[str, ...]
+
+    @classmethod
+    def of(cls, plan: Plan) -> Outputs:
+        """Return those that the options name. Raises Refusal, ToolError."""
+        options, profile = plan.options, plan.profile
+        csv, in_table = divided(options.table, "--csv", profile)
+        plot, in_picture = divided(options.picture, "--plot", profile)
+        csv = csv or (_result(profile, ".csv") if in_table else None)
+        plot = plot or (_result(profile, ".svg") if in_picture else None)
+        check_picture(plot)
+        if plan.condition == Condition() and options.simulated:
+            hint = "--until SECONDS, or --until INSTANCE=STATE"
+            raise InputError(
+                [CONDITION.at(None, "a run in simulated time needs an end", hint=hint)]
+            )
+        return cls(csv, plot, in_table, in_picture)
+
+    @property
+    def has_trajectory(self) -> bool:
+        """Whether a file contains poses, not values of ports."""
+        return bool(
+            (self.csv and not self.in_table) or (self.plot and not self.in_picture)
+        )
+
+    @property
+    def has_values(self) -> bool:
+        """Whether a file contains values of ports."""
+        return bool(self.in_table or self.in_picture)
+
+    @property
+    def text(self) -> str:
+        """The message that names the files."""
+        return f"results: {', '.join(filter(None, (self.csv, self.plot)))}"
+
+    def add_defaults(self, folder: Path, console: Console) -> None:
+        """Name the files of an experiment's results. Raises ToolError."""
+        name = folder.resolve().name
+        results = _results_of(name)
+        self.csv = self.csv or str(results / f"{name}.csv")
+        if self.plot is None:
+            if find_spec("matplotlib") is not None:
+                self.plot = str(results / f"{name}.svg")
+            else:
+                console.say("no picture without matplotlib: pip install 'rtgen[plot]'")
+        console.say(self.text)
+
+
+def _result(profile: System, ending: str) -> str:
+    """Return the default file for values."""
+    return str(_results_of(profile.name) / f"values{ending}")
+
+
+def _results_of(name: str) -> Path:
+    """Return the folder for results, created if missing. Raises ToolError."""
+    results = Path("build") / name
+    try:
+        results.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ToolError(f"cannot make {results}: {error.strerror}") from error
+    return results

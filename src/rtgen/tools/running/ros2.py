@@ -1,0 +1,321 @@
+"""The option `--ros2` of `rtgen run`: connects ports to topics of ROS 2 (`[ros2.topics]`)."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rtgen import runtime
+from rtgen.compiler.diagnostics import Diagnostic, InputError, ToolError
+from rtgen.compiler.kit.resources import ros_file
+from rtgen.compiler.project import Project
+from rtgen.compiler.project.ros2 import Ros2Settings, ServiceEntry, TopicEntry
+from rtgen.compiler.systems.rules import ROS_TOPIC
+from rtgen.facts import ros_names
+from rtgen.facts.connector_properties import MARSHALING
+from rtgen.facts.connector_properties import ROS_TOPIC as TOPIC
+from rtgen.facts.ros import is_interface
+from rtgen.facts.ros_marshaling import DEFAULT_TOPIC, messages_for, parse
+from rtgen.facts.ros_qos import PROFILES
+from rtgen.tools.kit.exits import Refusal
+from rtgen.tools.running.engines import INTERFACE_HINT
+
+if TYPE_CHECKING:
+    from rtgen.runtime.ros2.marshaling import Marshaling
+    from rtgen.runtime.ros2.network import RosNetwork, RosNode
+    from rtgen.runtime.ros2.ports import Joint
+    from rtgen.runtime.ros2.services import EventJoint, ServiceJoint
+
+_DOMAIN = "ROS_DOMAIN_ID"
+_LAST_DOMAIN = 232
+
+
+def join(
+    kind: str | None,
+    files: ExitStack,
+    running: runtime.System,
+    project: Project,
+    name: str,
+    *,
+    simulated: bool,
+) -> None:
+    """Connect ports to topics until `files` is closed. `name` is that of the system."""
+    if kind is None:
+        return
+    if simulated:
+        raise Refusal("--ros2 needs --clock real: nodes share no simulated time")
+    settings = project.ros2
+    from rtgen.runtime.ros2.managed import INTERFACES, ManagedNodes
+    from rtgen.runtime.ros2.network import Ros2Error, RosNode
+    from rtgen.runtime.ros2.ports import RosPorts
+    from rtgen.runtime.ros2.services import RosServices
+
+    node = RosNode(
+        settings.node or _node_name(name),
+        settings.namespace,
+        _domain() if settings.domain is None else settings.domain,
+    )
+    nodes = _nodes(running) if settings.managed_nodes else {}
+    joints = _joints(settings, running, node, nodes)
+    services = _service_joints(settings, running, node, nodes)
+    try:
+        network = _network(kind, node, settings, project)
+        running.closing.at_halt(network.end_calls)
+        files.callback(RosPorts(network, joints).close)
+        files.callback(RosServices(network, services).close)
+        if nodes:
+            classes = message_classes(*INTERFACES)
+            space = settings.namespace
+            managed = ManagedNodes(network, running, nodes, classes, space)
+            files.callback(managed.close)
+    except Ros2Error as error:
+        raise ToolError(str(error)) from error
+
+
+def _node_name(system: str) -> str:
+    """Convert the name of a system to a ROS name."""
+    words = "".join(c if c.isascii() and c.isalnum() else " " for c in system).split()
+    name = "_".join(words) or "rtgen"
+    return f"rtgen_{name}" if name[0].isdigit() else name
+
+
+def _nodes(running: runtime.System) -> dict[str, str]:
+    """Return the nodes of components, by instance. Raises InputError for duplicate names."""
+    nodes: dict[str, str] = {}
+    for instance in running.instances:
+        name = _node_name(instance)
+        if name in nodes.values():
+            other = next(each for each in nodes if nodes[each] == name)
+            message = f"{other} and {instance} would both be the node {name!r}"
+            hint = "rename one, or [ros2] managed_nodes = false in rtgen.toml"
+            raise InputError([ROS_TOPIC.at(None, message, hint=hint)])
+        nodes[instance] = name
+    return nodes
+
+
+def _domain() -> int:
+    text = os.environ.get(_DOMAIN, "") or "0"
+    if not (text.isascii() and text.isdecimal() and int(text) <= _LAST_DOMAIN):
+        raise ToolError(f"{_DOMAIN} is {text!r}, no number from 0 to {_LAST_DOMAIN}")
+    return int(text)
+
+
+def _joints(
+    settings: Ros2Settings,
+    running: runtime.System,
+    node: RosNode,
+    nodes: Mapping[str, str],
+) -> list[Joint]:
+    """Return the ports with their topics. Raises InputError for all invalid ones."""
+    from rtgen.runtime.ros2.ports import Joint
+
+    entries = [*settings.topics, *_connected(running)]
+    if not (entries or settings.services or settings.actions or nodes):
+        hint = (
+            '[ros2.topics] "INSTANCE.PORT" = "TOPIC" in rtgen.toml, or [ros2.services]'
+        )
+        raise InputError([ROS_TOPIC.at(None, "no port is a topic", hint=hint)])
+    found: list[Diagnostic] = []
+    joints = []
+    for entry in entries:
+        problem = next(_problems(entry, running), None)
+        if problem is not None:
+            found.append(ROS_TOPIC.at(entry.span, problem))
+            continue
+        port = _ports(running, entry.instance)[entry.port]
+        topic = node.qualified(entry.topic)
+        marshaled = _marshaled(entry, running)
+        shown = nodes.get(entry.instance, "")
+        joints.append(Joint(port, topic, entry.profile, marshaled, shown))
+    if found:
+        raise InputError(found)
+    return joints
+
+
+def _connected(running: runtime.System) -> Iterator[TopicEntry]:
+    """Yield both ends of connections with `marshaling_type=ros2:...`, and disconnect them."""
+    from rtgen.runtime.ports.data_ports import DataConnector
+
+    seen = set()
+    for connector in running.connectors:
+        if not isinstance(connector, DataConnector):
+            continue
+        message = parse(connector.properties.get(MARSHALING, ""))
+        if message is None:
+            continue
+        topic = connector.properties.get(TOPIC, DEFAULT_TOPIC)
+        for port in (connector.source, connector.target):
+            if (port.owner, port.name, topic, message) not in seen:
+                seen.add((port.owner, port.name, topic, message))
+                yield TopicEntry(
+                    instance=port.owner,
+                    port=port.name,
+                    topic=topic,
+                    profile=PROFILES["default"],
+                    span=None,
+                    message=message,
+                )
+        running.disconnect(connector)
+
+
+def _problems(entry: TopicEntry, running: runtime.System) -> Iterator[str]:
+    """Yield why a port cannot be a topic."""
+    if entry.instance not in running.instances:
+        known = ", ".join(running.instances)
+        yield f"there is no component {entry.instance!r}; known: {known}"
+        return
+    ports = _ports(running, entry.instance)
+    if entry.port not in ports:
+        known = ", ".join(ports)
+        yield f"{entry.instance} has no data port {entry.port!r}; known: {known}"
+        return
+    if why := ros_names.violation(entry.topic):
+        yield f"the topic {entry.topic!r} of {entry.instance}.{entry.port} {why}"
+    name = str(ports[entry.port].type._descriptor_.name)
+    possible = messages_for(name)
+    if entry.message is not None:
+        if entry.message not in possible:
+            known = ", ".join(each.replace("/msg/", "/") for each in possible) or "none"
+            yield (
+                f"{entry.instance}.{entry.port} carries {name}, which cannot go as "
+                f"{entry.message}; known: {known}"
+            )
+    elif not is_interface(name.split("::")):
+        also = " or give it a marshaling_type" if possible else ""
+        yield (
+            f"{entry.instance}.{entry.port} carries {name}, which is not a message of ROS 2; "
+            f"join it to an adapter{also}"
+        )
+
+
+def _service_joints(
+    settings: Ros2Settings,
+    running: runtime.System,
+    node: RosNode,
+    nodes: Mapping[str, str],
+) -> list[ServiceJoint | EventJoint]:
+    """Return the operations with their services, including those of actions.
+
+    Raises InputError for all invalid ones.
+    """
+    from rtgen.runtime.ros2.actions import joints_of
+    from rtgen.runtime.ros2.managed import EVENT_INFO
+    from rtgen.runtime.ros2.network import RosService
+    from rtgen.runtime.ros2.services import ServiceJoint, messages_of
+    from rtgen.runtime.services.servants import ServiceError
+
+    if not (settings.services or settings.actions):
+        return []
+    info = message_classes(EVENT_INFO)[EVENT_INFO]
+    found: list[Diagnostic] = []
+    joints: list[ServiceJoint | EventJoint] = []
+    for entry in settings.services:
+        try:
+            port = _service_port(entry, running)
+            messages = messages_of(port.interface, entry.operation)
+        except (LookupError, ServiceError) as error:
+            problem = str(error.args[0])
+            found.append(ROS_TOPIC.at(entry.span, problem))
+            continue
+        shown = nodes.get(entry.instance, "")
+        name = node.qualified(entry.service)
+        service = RosService(name, *messages, info, shown)
+        joints.append(ServiceJoint(port, entry.operation, service))
+    for action in settings.actions:
+        shown = nodes.get(action.instance, "")
+        name = node.qualified(action.action)
+        try:
+            component = _component(action.instance, running)
+            joints += joints_of(component, action.port, name, info, shown)
+        except (LookupError, ServiceError) as error:
+            found.append(ROS_TOPIC.at(action.span, str(error.args[0])))
+    if found:
+        raise InputError(found)
+    return joints
+
+
+def _component(instance: str, running: runtime.System) -> runtime.Component:
+    """Return the component of an entry. Raises LookupError."""
+    if instance not in running.instances:
+        known = ", ".join(running.instances)
+        raise LookupError(f"there is no component {instance!r}; known: {known}")
+    return running.component(instance)
+
+
+def _service_port(entry: ServiceEntry, running: runtime.System) -> Any:
+    """Return the provider, or the unconnected consumer. Raises LookupError with the reason."""
+    from rtgen.runtime.services.servants import operations_of
+
+    component = _component(entry.instance, running)
+    both: list[Any] = [*component.providers.values(), *component.consumers.values()]
+    found = [port for port in both if port.port == entry.port]
+    if not found:
+        known = ", ".join(dict.fromkeys(port.port for port in both)) or "none"
+        raise LookupError(
+            f"{entry.instance} has no service port {entry.port!r}; known: {known}"
+        )
+    having = (p for p in found if entry.operation in operations_of(p.interface))
+    port = next(having, found[0])
+    if getattr(port, "connected", False):
+        raise LookupError(f"{entry.instance}.{entry.port} is connected in the system")
+    return port
+
+
+def _marshaled(entry: TopicEntry, running: runtime.System) -> Marshaling | None:
+    from rtgen.runtime.ros2.marshaling import marshaling
+
+    if entry.message is None:
+        return None
+    component = running.component(entry.instance)
+    port = _ports(running, entry.instance)[entry.port]
+    message = message_classes(entry.message)[entry.message]
+    return marshaling(port.type, message, component.stamp)
+
+
+def message_classes(*interfaces: str) -> dict[str, Any]:
+    """Return the classes of interfaces that ship with rtgen, and of contained ones, by name."""
+    from rtgen.ros2.rosidl import load
+    from rtgen.tools.recording.schema_types import message_classes
+
+    files = [ros_file(f"{name}.{name.split('/')[1]}") for name in interfaces]
+    return message_classes(load(files, root=files[0].parents[2]).model)
+
+
+def _ports(running: runtime.System, instance: str) -> dict[str, Any]:
+    component = running.component(instance)
+    return {**component.in_ports, **component.out_ports}
+
+
+def _network(
+    kind: str, node: RosNode, settings: Ros2Settings, project: Project
+) -> RosNetwork:
+    """Return the network. Raises ToolError, Ros2Error."""
+    try:
+        if kind == "dds":
+            return _dds(node, settings.interface)
+        from rtgen.runtime.ros2.zenoh import ZenohNetwork
+    except ImportError as error:
+        needed = {"dds": "cyclonedds", "zenoh": "eclipse-zenoh"}[kind]
+        message = f"--ros2 {kind} needs {needed}, which is not installed"
+        raise ToolError(message, hint=f"pip install 'rtgen[{kind}]'") from error
+    config = settings.zenoh
+    return ZenohNetwork(
+        node, config=None if config is None else Path(project.root, config)
+    )
+
+
+def _dds(node: RosNode, interface: str | None) -> RosNetwork:
+    """Return the network of DDS. Raises ToolError, Ros2Error, ImportError."""
+    from rtgen.runtime.ros2.dds import DdsNetwork
+    from rtgen.runtime.ros2.network import Ros2Error
+
+    try:
+        return DdsNetwork(node, interface=interface)
+    except Ros2Error as error:
+        if interface is None:
+            raise
+        message = f"[ros2] interface: Cyclone DDS does not start with {interface!r}"
+        raise ToolError(message, hint=INTERFACE_HINT) from error

@@ -1,0 +1,170 @@
+"""The report at the end of a run on standard output: a table of components, then the results."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Container, Iterable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from rtgen.compiler.systems.measures import Result
+from rtgen.tools.running.trajectory import Pose
+
+_MEASURES = ("measure", "from", "until", "least", "greatest", "allowed", "kept")
+_NEVER = 1e9
+_HEADER = ("instance", "state", "ticks", "overruns", "lost")
+
+
+class Tolerance(NamedTuple):
+    """Largest distance from the goal at the end of a run [m, rad]."""
+
+    distance: float
+    turn: float = math.inf
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A component at the end of a run.
+
+    `notes` give the cause of ERROR, the awaited provider, and lost samples with their causes. Ticks
+    and overruns of a component of another process are not known (None).
+    """
+
+    instance: str
+    state: str
+    ticks: int | None
+    overruns: int | None
+    lost: int
+    notes: Sequence[str] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """The result of a run.
+
+    `time` is the time since the start [s], `wall` the wall time of a run in simulated time [s]
+    (None in real time). `poses` are the final poses of the robots by name; `goal` is that of a
+    single robot, which must be within `tolerance` if given.
+    """
+
+    rows: Sequence[Row]
+    goal: Pose | None
+    poses: Sequence[tuple[str, Pose]]
+    time: float
+    wall: float | None
+    measured: Sequence[Result] = ()
+    tolerance: Tolerance | None = None
+    links: Sequence[str] = ()
+    """What has happened to connections to other processes."""
+    end: tuple[str, str] | None = None
+    """`met` or `not met`, and the condition, for a run that waited for a state."""
+
+    @property
+    def errors(self) -> tuple[float, float] | None:
+        """Distance [m] and angle [rad] from goal to pose; None if either is unknown."""
+        if self.goal is None or len(self.poses) != 1:
+            return None
+        [(_, pose)] = self.poses
+        goal = self.goal
+        distance = math.hypot(goal[0] - pose[0], goal[1] - pose[1])
+        return distance, abs(math.remainder(goal[2] - pose[2], math.tau))
+
+    @property
+    def missed(self) -> str:
+        """Why the final pose violates the tolerance; empty if it does not."""
+        if self.tolerance is None:
+            return ""
+        if self.errors is None:
+            return "no goal, or no pose, to judge the end by"
+        distance, turn = self.errors
+        if not distance <= self.tolerance.distance:
+            return (
+                f"{distance:.3f} m from the goal, allowed {self.tolerance.distance:g} m"
+            )
+        if not turn <= self.tolerance.turn:
+            return f"{turn:.3f} rad off the goal's heading, allowed {self.tolerance.turn:g} rad"
+        return ""
+
+
+def summary(outcome: Outcome) -> str:
+    """Return the report as text."""
+    cells = [
+        (r.instance, r.state, *map(_count, (r.ticks, r.overruns, r.lost)))
+        for r in outcome.rows
+    ]
+    lines = [*table(_HEADER, cells, texts=(0, 1)), ""]
+    results = [*_results(outcome)]
+    width = max(len(name) for name, _ in results)
+    lines += [f"{name:<{width}}  {value}" for name, value in results]
+    if outcome.measured:
+        lines += ["", *table(_MEASURES, map(_measured, outcome.measured), (0, 5, 6))]
+    reasons = [note for row in outcome.rows for note in row.notes]
+    reasons += outcome.links
+    if outcome.missed:
+        reasons.append(f"the goal is not reached: {outcome.missed}")
+    if reasons:
+        lines += ["", *reasons]
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _count(number: int | None) -> str:
+    return "-" if number is None else str(number)
+
+
+def table(
+    header: tuple[str, ...], rows: Iterable[tuple[str, ...]], texts: Container[int]
+) -> list[str]:
+    """Return a text table; the columns in `texts` are aligned left, the others right."""
+    cells = [header, *rows]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    return [
+        "  ".join(
+            text.ljust(width) if column in texts else text.rjust(width)
+            for column, (text, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in cells
+    ]
+
+
+def _measured(result: Result) -> tuple[str, ...]:
+    measure = result.measure
+    low, high = result.seen or (math.nan, math.nan)
+    most = "" if measure.most >= _NEVER else f"{measure.most:g}"
+    least = f"{measure.least:g}" if measure.least > 0.0 or not most else "0"
+    return (
+        measure.name,
+        f"{measure.begin:g}",
+        "end" if measure.end >= _NEVER else f"{measure.end:g}",
+        f"{low:.3f}",
+        f"{high:.3f}",
+        f"{least} .. {most}".rstrip(),
+        "yes" if result.kept else "NO",
+    )
+
+
+def _results(outcome: Outcome) -> list[tuple[str, str]]:
+    goal = outcome.goal
+    results = []
+    if goal is not None:
+        results.append(("goal", _pose(goal)))
+    alone = len(outcome.poses) == 1
+    for name, pose in outcome.poses:
+        results.append(("final pose" if alone else f"final pose {name}", _pose(pose)))
+    if outcome.errors is not None:
+        distance, turn = outcome.errors
+        results.append(("position error [m]", f"{distance:.6f}"))
+        results.append(("heading error [rad]", f"{turn:.6f}"))
+    if outcome.wall is None:
+        results.append(("elapsed [s]", f"{outcome.time:.3f}"))
+    else:
+        ratio = outcome.time / outcome.wall if outcome.wall > 0.0 else math.inf
+        results.append(("simulated [s]", f"{outcome.time:.3f}"))
+        results.append(("wall [s]", f"{outcome.wall:.3f}"))
+        results.append(("ratio", f"{ratio:.1f}"))
+    if outcome.end is not None:
+        results.append(outcome.end)
+    return results
+
+
+def _pose(pose: Pose) -> str:
+    return "({:.4f}, {:.4f}, {:.4f})".format(*pose)

@@ -1,0 +1,90 @@
+"""Names for the parts of a starter, in their forms."""
+
+from __future__ import annotations
+
+import builtins
+import keyword
+import re
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+
+from rtgen.compiler.diagnostics import InputError
+from rtgen.compiler.typemap.idl_keywords import escaped
+from rtgen.compiler.typemap.python.names import module_name
+from rtgen.facts import python_modules
+from rtgen.facts.file_names import is_device
+from rtgen.tools.scaffold.rules import UNUSABLE_NAME
+
+MAX_LENGTH = 64
+_FORM = re.compile(r"[A-Za-z][A-Za-z0-9]*([_-][A-Za-z0-9]+)*")
+_RESERVED = frozenset({"components", "generated", "rtc", "tecs"})
+_FORM_HINT = "use ASCII letters, digits, '_' and '-', beginning with a letter"
+_OTHER_HINT = "choose another name"
+
+
+@dataclass(frozen=True, slots=True)
+class Names:
+    """A name as given, as a class (`LeftDrive`) and as a module (`left_drive`)."""
+
+    given: str
+    type: str
+    module: str
+
+
+def names(given: str, *, inner: bool = False) -> Names:
+    """Return the forms of a name; an `inner` one is that of a package in another one.
+
+    Raises InputError for one that is invalid in a language.
+    """
+    if not _FORM.fullmatch(given):
+        form = "is not a name that files, IDL and Python can have"
+        raise _unusable(given, form, _FORM_HINT)
+    fault = _fault(given, inner)
+    if fault is not None:
+        raise _unusable(given, fault)
+    return _forms(given)
+
+
+def project_names(given: str) -> tuple[str, Names]:
+    """Return the package of a project `acme.rover`, and the forms of its last part.
+
+    Raises InputError as `names` does.
+    """
+    first, *inner = given.split(".")
+    parts = [names(first), *(names(part, inner=True) for part in inner)]
+    package = ".".join(part.module for part in parts)
+    return package, replace(parts[-1], given=given)
+
+
+def require_free(name: Names, used: Collection[str]) -> None:
+    """Raise InputError for a class that is one of those `used` by the files with its name."""
+    if name.type in used:
+        raise _unusable(name.given, "is a class that the new test imports")
+
+
+def _unusable(given: str, fault: str, hint: str = _OTHER_HINT) -> InputError:
+    return InputError([UNUSABLE_NAME.at(None, f"{given!r} {fault}", hint=hint)])
+
+
+def _forms(given: str) -> Names:
+    words = re.split("[_-]", given)
+    type_ = "".join(word[:1].upper() + word[1:] for word in words)
+    return Names(given, type_, module_name("_".join(words)))
+
+
+def _fault(given: str, inner: bool) -> str | None:
+    if len(given) > MAX_LENGTH:
+        return f"is longer than {MAX_LENGTH} characters"
+    made = _forms(given)
+    if keyword.iskeyword(made.module.rstrip("_")) or hasattr(builtins, made.type):
+        return "is a keyword or a built-in name of Python"
+    if escaped(made.type) != made.type or escaped(given) != given:
+        return "is a keyword of IDL"
+    owner = None if inner else python_modules.owner(made.module)
+    if owner:
+        return f"is a module of {owner}, which it would hide"
+    if is_device(made.module.rstrip("_")):
+        return "is a device of Windows, and no file can be called so there"
+    if made.module in _RESERVED:
+        return "is a package that rtgen generates"
+    return None

@@ -1,0 +1,13 @@
+"""The rules of `rtgen new` (codes NEW...)."""
+
+from __future__ import annotations
+
+from rtgen.compiler.diagnostics import Rule, Severity, rules_of
+
+UNUSABLE_NAME = Rule("NEW0001", "name that cannot be used", Severity.ERROR)
+EXISTS = Rule("NEW0002", "file that exists already", Severity.ERROR)
+NO_PROJECT = Rule("NEW0003", "no project to add to", Severity.ERROR)
+NO_COMPONENT = Rule("NEW0004", "system without such a component", Severity.ERROR)
+NO_TEMPLATES = Rule("NEW0005", "no folder for templates", Severity.ERROR)
+
+RULES = rules_of(globals())

@@ -1,0 +1,143 @@
+"""Makes a system of components whose ports are connected by their types."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from difflib import get_close_matches
+
+from rtgen.compiler.diagnostics import InputError, Span
+from rtgen.compiler.model import (
+    Activation,
+    Component,
+    Connection,
+    Model,
+    NamedType,
+    Port,
+    PortKind,
+    PortReference,
+    System,
+    SystemComponent,
+)
+from rtgen.tools.scaffold.rules import NO_COMPONENT
+
+_NO_SPAN = Span("", 1, 1, 1, 1)
+_Placed = tuple[str, Component]
+
+
+def system_of(
+    name: str, model: Model, wanted: Sequence[str]
+) -> tuple[System, list[str]]:
+    """Return a system with an instance of each component in `wanted`, and what is ambiguous in it.
+
+    If `wanted` is empty: of each component whose behaviour requires neither bus nor board.
+
+    Data flows in this order: an InPort is connected to the nearest preceding OutPort of its type, a
+    consumer to the nearest provider of its interface. Components that play devices are connected by
+    their buses alone. Raises InputError for a name that is not a
+    component of the model.
+    """
+    known = {d.name[-1]: d for d in model.declarations if isinstance(d, Component)}
+    if not wanted:
+        wanted = [n for n, c in known.items() if not (c.runtime_base or c.factory)]
+    if not wanted:
+        hint = "rtgen new component NAME makes one"
+        raise InputError([NO_COMPONENT.at(None, "there are no components", hint=hint)])
+    for each in wanted:
+        if each not in known:
+            close = get_close_matches(each, known, n=1)
+            hint = f"did you mean {close[0]}?" if close else f"there are: {[*known]}"
+            message = f"no definition has a component {each}"
+            raise InputError([NO_COMPONENT.at(None, message, hint=hint)])
+    numbers: Counter[str] = Counter()
+    placed: list[_Placed] = []
+    for each in wanted:
+        placed.append((f"{each}{numbers[each]}", known[each]))
+        numbers[each] += 1
+    ambiguous: list[str] = []
+    system = System(
+        name=name,
+        id=f"RTSystem:rtgen:{name}:1.0.0",
+        file="",
+        abstract=f"The system {name}",
+        components=tuple(
+            SystemComponent(
+                instance=instance,
+                type=component.name[-1],
+                id=component.profile_id,
+                path_uri=f"localhost/{instance}.rtc",
+                span=_NO_SPAN,
+                rate=component.rate,
+            )
+            for instance, component in placed
+        ),
+        connections=tuple(_connections(model, placed, ambiguous)),
+        activation=tuple(
+            Activation(instance=instance, sequence=number)
+            for number, (instance, _) in enumerate(placed, 1)
+        ),
+    )
+    return system, ambiguous
+
+
+def _connections(
+    model: Model, placed: Sequence[_Placed], ambiguous: list[str]
+) -> Iterator[Connection]:
+    placed = [one for one in placed if not one[1].is_device]
+    for number, (instance, component) in enumerate(placed):
+        before, after = placed[:number][::-1], placed[number + 1 :]
+        for port in component.ports:
+            if port.kind is PortKind.INPORT:
+                ends = _fitting(model, before, PortKind.OUTPORT, port)
+                if ends:
+                    type_ = _repository_id(model, port)
+                    yield _connection(ends[0], (instance, port), data_type=type_)
+            elif port.kind is PortKind.CONSUMER:
+                ends = _fitting(model, [*before, *after], PortKind.PROVIDER, port)
+                if ends:
+                    yield _connection((instance, port), ends[0])
+            else:
+                continue
+            if len(ends) > 1:
+                first, *others = (f"{owner}.{end.name}" for owner, end in ends)
+                ambiguous.append(
+                    f"{instance}.{port.name} is connected to {first}, the nearest; "
+                    f"{', '.join(others)} would fit, too"
+                )
+
+
+def _fitting(
+    model: Model, others: Sequence[_Placed], kind: PortKind, port: Port
+) -> list[tuple[str, Port]]:
+    """Return the ports of a kind and of the type of `port`, with their instances."""
+    wanted = model.unalias(port.type)
+    return [
+        (instance, other)
+        for instance, component in others
+        for other in component.ports
+        if other.kind is kind and model.unalias(other.type) == wanted
+    ]
+
+
+def _repository_id(model: Model, port: Port) -> str:
+    type_ = model.unalias(port.type)
+    assert isinstance(type_, NamedType), "checked when the definition was read"
+    return model.find(type_.name).repository_id
+
+
+def _connection(
+    source: tuple[str, Port], target: tuple[str, Port], data_type: str = ""
+) -> Connection:
+    """Return a connection of data ports, or of service ports if there is no data type."""
+    ends = [
+        PortReference(instance=instance, port=port.name if data_type else port.port)
+        for instance, port in (source, target)
+    ]
+    return Connection(
+        name="_".join(map(str, ends)),
+        source=ends[0],
+        target=ends[1],
+        service=not data_type,
+        span=_NO_SPAN,
+        properties=(("dataport.data_type", data_type),) if data_type else (),
+    )

@@ -1,0 +1,177 @@
+"""Starts the server of `rtgen ui`: a session of systems, or of recordings, and its page."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass
+from functools import partial
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rtgen import runtime
+from rtgen.compiler.diagnostics import ToolError
+from rtgen.compiler.project.rules import NO_PAGE
+from rtgen.tools.kit.console import Console
+from rtgen.tools.kit.exits import Refusal
+from rtgen.tools.kit.signals import terminable
+from rtgen.tools.running.recording_options import RecordingOptions
+from rtgen.ui.bus_description import BusDescriber
+from rtgen.ui.project_systems import CommandProject
+
+if TYPE_CHECKING:
+    from rtgen.runtime.corba.transport import NamedCorba
+    from rtgen.ui.recorded import Recorded
+    from rtgen.ui.serving import Server
+    from rtgen.ui.session import Session
+
+_LOOPBACK = "127.0.0.1"
+_LIBRARIES = ("starlette", "uvicorn", "websockets")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UiOptions:
+    """The options of `rtgen ui`, as its help describes them; port 0 is any free one."""
+
+    systems: tuple[str, ...]
+    simulated: bool
+    port: int
+    buses: tuple[str, ...]
+    name_servers: tuple[str, ...]
+    transport: str
+    check_values: str
+    recording: RecordingOptions
+    playing: bool
+
+    @property
+    def recordings(self) -> list[str]:
+        """The recordings among the systems."""
+        return [each for each in self.systems if Path(each).suffix.lower() == ".mcap"]
+
+
+def served(
+    options: UiOptions, console: Console, ready: Callable[[Server], None]
+) -> None:
+    """Serve until a signal; `ready` is called when pages can connect.
+
+    Raises InputError, Refusal, ToolError.
+    """
+    _require_libraries(options, console)
+    from rtgen.ui.serving import Server
+    from rtgen.ui.stored_tokens import tokens_of
+
+    buses: dict[str, Path] = {}
+    for each in options.buses:
+        channel, _, file = each.rpartition("=")
+        buses[channel] = Path(file)
+    for path in buses.values():
+        BusDescriber(path)  # raises InputError before anything runs
+    closing = ExitStack()
+    tokens = tokens_of(options.port) if options.port else None
+    if len(options.recordings) == len(options.systems) and options.systems:
+        session: Session | Recorded = _recorded(options, console, buses)
+        server = Server(session, _LOOPBACK, options.port, tokens=tokens)
+    else:
+        session = _running(options, console, buses, closing)
+        server = Server(session, _LOOPBACK, options.port, tokens=tokens)
+        if options.playing:
+            session.runner.submit(session.runner.play)
+    # uvicorn raises a signal again after it has ended: the run must end in order, too.
+    with closing, terminable():
+        asyncio.run(server.run(partial(ready, server)))
+
+
+def _require_libraries(options: UiOptions, console: Console) -> None:
+    missing = [name for name in _LIBRARIES if find_spec(name) is None]
+    if missing:
+        raise ToolError(
+            f"not installed: {', '.join(missing)}; rtgen ui needs them",
+            hint="pip install 'rtgen[ui]'",
+        )
+    from rtgen.ui.server import PAGE
+
+    if not (PAGE / "index.html").is_file():
+        message = "this installation of rtgen has no page to show in a browser"
+        hint = "run `make page` in the checkout of rtgen, then install rtgen again"
+        console.findings([NO_PAGE.at(None, message, hint=hint)])
+    if options.name_servers and find_spec("omniORB") is None:
+        raise ToolError(
+            "--nameserver needs omniORBpy, which is not installed",
+            hint="pip install 'rtgen[corba]'",
+        )
+
+
+def _recorded(
+    options: UiOptions, console: Console, buses: Mapping[str, Path]
+) -> Recorded:
+    """Return the session of one recording, or two that are compared."""
+    from rtgen.ui.recorded import Recorded
+
+    _check_number(options, 2)
+    if options.name_servers or options.recording.file is not None:
+        raise Refusal(
+            "a recording is shown without --nameserver and --record: no system runs"
+        )
+    project = CommandProject(console, [], dict(buses))
+    session = Recorded(options.recordings, project.describer, project.codec)
+    if session.left_out:
+        console.say(
+            f"the recording is too large: shown from {session.history.first:.3f} s on"
+        )
+    return session
+
+
+def _running(
+    options: UiOptions, console: Console, buses: Mapping[str, Path], closing: ExitStack
+) -> Session:
+    """Return the session of the first system. Raises InputError, Refusal, ToolError."""
+    from rtgen.ui.session import Session
+
+    _check_number(options, 1)
+    systems = [each for each in options.systems if each not in options.recordings]
+    simulated = options.simulated and bool(systems)
+    transport = None
+    if options.transport == "corba":
+        if not options.name_servers or simulated or len(systems) > 1:
+            raise Refusal(
+                "--transport corba needs --nameserver, --clock real and one system"
+            )
+        transport = _corba(options.name_servers[0], closing)
+    project = CommandProject(
+        console,
+        systems,
+        dict(buses),
+        transport,
+        options.recording,
+        options.check_values,
+    )
+    clock = runtime.SimulatedClock if simulated else runtime.RealClock
+    own = None if transport is None else transport.rt_objects
+    beside = next(iter(options.recordings), "")
+    file = next(iter(project.systems), "")
+    try:
+        return Session(project, file, clock, options.name_servers, own, beside)
+    except runtime.TransportError as error:
+        raise ToolError(str(error)) from error
+
+
+def _check_number(options: UiOptions, most: int) -> None:
+    if len(options.recordings) > most:
+        raise Refusal(
+            "a recording can be compared with one system or one other recording"
+        )
+
+
+def _corba(name_server: str, closing: ExitStack) -> NamedCorba:
+    """Open the transport of a system whose components are found by a naming service.
+
+    Raises ToolError.
+    """
+    from rtgen.runtime.corba.transport import NamedCorba
+
+    try:
+        return closing.enter_context(NamedCorba(name_server=name_server))
+    except runtime.TransportError as error:
+        raise ToolError(str(error), hint="start omniNames there") from error

@@ -1,0 +1,298 @@
+"""The project of the systems that `rtgen ui` runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rtgen import runtime
+from rtgen.compiler.diagnostics import (
+    Diagnostic,
+    InputError,
+    Severity,
+    ToolError,
+    has_errors,
+    in_order,
+)
+from rtgen.compiler.frontends.profiles import profile_tree, rts_profile
+from rtgen.compiler.model import System, SystemComponent
+from rtgen.compiler.project import is_bus_file, is_system, load_around, shown
+from rtgen.compiler.systems import timeline
+from rtgen.compiler.systems.checks import check_properties
+from rtgen.compiler.systems.rules import MEASURE, NOTICE
+from rtgen.compiler.systems.timeline import Timeline
+from rtgen.runtime.failures import Failure, log
+from rtgen.runtime.marshalling.descriptors import DataType
+from rtgen.runtime.rtc.profiles import ComponentProfile
+from rtgen.runtime.services.servants import Servant
+from rtgen.tools.components.known_types import KnownTypes
+from rtgen.tools.kit.console import Console
+from rtgen.tools.running.assembly import add_component, assemble
+from rtgen.tools.running.factories import Factories, FactoryImportError
+from rtgen.tools.running.failures import FailureOptions, FailureReport
+from rtgen.tools.running.foreign import named
+from rtgen.tools.running.partition import alone, steps_here
+from rtgen.tools.running.recording_options import RecordingOptions
+from rtgen.ui.documents.storing import OtherContentError, store
+from rtgen.ui.errors import FILE, QUESTION, CommandError
+
+if TYPE_CHECKING:
+    from rtgen.runtime.corba.transport import NamedCorba
+    from rtgen.runtime.opaque_rpc.codecs import Codec
+    from rtgen.ui.bus_description import BusDescriber
+    from rtgen.ui.project import Known, Opened, RunWatcher
+
+_SUFFIXES = (".xml", ".yaml", ".yml")
+
+
+class CommandProject:
+    """The project of the systems on the command line; see `rtgen.ui.project.Project`."""
+
+    def __init__(
+        self,
+        console: Console,
+        files: Sequence[str],
+        buses: Mapping[str, Path] | None = None,
+        transport: NamedCorba | None = None,
+        recording: RecordingOptions | None = None,
+        check_values: str = "first",
+    ) -> None:
+        self._console = console
+        self._recording = recording or RecordingOptions(None, None)
+        self._check_values = check_values
+        self._runs = 0
+        self._buses = buses or {}
+        self._transport = transport
+        self._files = [*files]
+        self._plans: dict[str, Timeline] = {}
+        """The timelines of systems as opened, by their files."""
+        self._project = load_around(Path(files[0]) if files else Path.cwd())
+        self._factories = Factories(self._project)
+        self._types = KnownTypes(self._project)
+
+    @property
+    def systems(self) -> Sequence[str]:
+        """The systems on the command line."""
+        return self._files
+
+    def read(self, file: str) -> Opened:
+        """Return the system of a file or folder; without one, a system without components."""
+        from rtgen.ui.documents.document import Document
+        from rtgen.ui.project import Opened
+
+        if not file:
+            return Opened(Document.new("").system(()), None)
+        path = _path_of(file)
+        shown = path.as_posix()
+        sink = profile_tree.sink()
+        data = profile_tree.read(path, shown, sink.report)
+        result = rts_profile.SystemResult(None, sink.diagnostics, {})
+        if data is not None:
+            result = rts_profile.load_bytes(data, shown)
+        profile, found, sources = result
+        found = (*found, *(check_properties(profile) if profile is not None else ()))
+        if profile is None or data is None or has_errors(found):
+            raise InputError(in_order(found))
+        self._console.findings(in_order(found), sources)
+        plan = _timeline(profile)
+        self._console.findings(plan.skipped)
+        self._plans[profile.file] = plan
+        return Opened(profile, Document(shown, data))
+
+    def write(self, file: str, data: bytes, own: Known, *, replace: bool) -> str:
+        """Write a system, below the working folder or beside a system of the command line.
+
+        Only a file that describes a system is replaced.
+        """
+        path = _path_of(file).resolve()
+        roots = [Path.cwd(), *(Path(each).resolve().parent for each in self._files)]
+        inside = any(path.is_relative_to(root.resolve()) for root in roots)
+        if path.suffix.lower() not in _SUFFIXES or not inside:
+            raise CommandError(
+                FILE,
+                f"{file} is not an XML or YAML file of the project",
+                f"a name that ends in {', '.join(_SUFFIXES)}, beside the system",
+            )
+        if path.exists() and not is_system(path):
+            raise CommandError(FILE, f"{file} exists and is not a system")
+        is_own = own.file != "" and _path_of(own.file).resolve() == path
+        known = own.data if is_own else None
+        try:
+            backup = store(path, data, known, replace=replace)
+        except OtherContentError as error:
+            hint = "its content stays in a file beside it if it is replaced"
+            raise CommandError(QUESTION, f"{file}: {error}", hint) from error
+        except OSError as error:
+            message = f"cannot write {file}: {error.strerror}"
+            raise CommandError(FILE, message) from error
+        return "" if backup is None else shown(backup)
+
+    def refusals(self, profile: System) -> Sequence[str]:
+        """Return the errors that `rtgen run` would report before the start."""
+        from rtgen.ui.texts import placed
+
+        found = [d for d in check_properties(profile) if d.severity is Severity.ERROR]
+        try:
+            poses = _listed(profile, "rtgen.run.pose")
+            for name in [*poses, *_listed(profile, "rtgen.run.goal")]:
+                timeline.require_instance(name.partition(".")[0], profile, None)
+            if until := dict(profile.properties).get("rtgen.run.until"):
+                timeline.condition(until, profile, None)
+            found += (
+                MEASURE.at(each.span, f"{name!r} is not a pose of the system")
+                for each in _timeline(profile).measures
+                for name in each.observables
+                if name not in poses
+            )
+        except InputError as error:
+            found += error.diagnostics
+        return [placed(each) for each in found]
+
+    def assemble(
+        self, profile: System, clock: runtime.Clock, watcher: RunWatcher
+    ) -> runtime.System:
+        """Return a system with the timeline of its file as opened.
+
+        Nothing is activated before time passes. Foreign components and their connections are
+        omitted.
+        """
+        simulated = isinstance(clock, runtime.SimulatedClock)
+        report = FailureReport(self._console, FailureOptions(), simulated=simulated)
+        steps = self._plans.get(profile.file, Timeline()).steps
+        if outside := named(profile, None, self._factories.foreign):
+            here = {c.instance for c in profile.components} - outside
+            steps = steps_here(steps, profile, here, data=True)
+            profile = alone(profile, here)
+
+        def skipped(finding: Diagnostic) -> None:
+            report.notice(finding)
+            watcher.skipped(finding)
+
+        system = assemble(
+            profile,
+            self._factories,
+            clock,
+            (),
+            steps,
+            self._transport,
+            report=report,
+            skipped=skipped,
+            check_values=self._check_values,
+        )
+
+        def on_failure(failure: Failure) -> None:
+            report(failure)
+            watcher.failed(failure)
+
+        system.on_failure = on_failure
+        return system
+
+    def report_end(self, reason: str) -> None:
+        """Print that a run has ended by an error, and why."""
+        report = FailureReport(self._console, FailureOptions())
+        report.notice(NOTICE.at(None, reason))
+
+    def add(
+        self, system: runtime.System, component: SystemComponent, folder: Path
+    ) -> None:
+        """Add a component whose type has a factory."""
+        report = FailureReport(self._console, FailureOptions())
+        add_component(system, component, self._factories, folder, report)
+
+    def record(self, system: runtime.System) -> Callable[[], None]:
+        """Record a run; each has a file of its own: `FILE.mcap`, `FILE-2.mcap`, ..."""
+        self._runs += 1
+        options = self._recording
+        if options.file is not None and self._runs > 1:
+            path = Path(options.file)
+            file = path.with_name(f"{path.stem}-{self._runs}{path.suffix}")
+            options = replace(options, file=str(file))
+        files = ExitStack()
+        recorder = options.begin(files, system)
+
+        def end() -> None:
+            if recorder is not None:
+                recorder.end(through=True)
+            options.tell(self._console, recorder)
+            files.close()
+
+        return end
+
+    def describer(self, bus: str, network: str) -> BusDescriber:
+        """Return the description of a bus.
+
+        That is the file for its channel, else the default one, else the one of its network in the
+        project.
+        """
+        from rtgen.ui.bus_description import BusDescriber
+
+        named = self._buses.get(bus, self._buses.get(""))
+        if named is None and network:
+            for path in filter(is_bus_file, self._project.sources):
+                try:
+                    found = BusDescriber(path)
+                except InputError:
+                    continue  # `rtgen lint` reports its errors
+                if found.network == network:
+                    return found
+        return BusDescriber(named)
+
+    def data_type(self, name: str) -> type[DataType] | None:
+        """Return a type declared by the project or by OpenRTM."""
+        return self._types.data_type(name)
+
+    def interface(self, name: str) -> type[Servant] | None:
+        """Return an interface declared by the project."""
+        return self._types.interface(name)
+
+    def codec(self, type_: str) -> Codec | None:
+        """Return the codec of a marshaller type; None for another type, which is not created."""
+        from rtgen.ui import boards
+
+        if type_ not in self._factories:
+            return None
+        try:
+            factory = self._factories[type_]
+        except ToolError as error:
+            log.warning("calls to boards have no values: %s", error)
+            return None
+        if not boards.is_marshaller(factory):
+            return None
+        component = factory(type_)
+        component.on_initialize()
+        return boards.codec_of(component)
+
+    def palette(self) -> Sequence[ComponentProfile]:
+        """Return the types whose factories are importable classes."""
+        found = []
+        for name in sorted(self._factories.types):
+            try:
+                profile = getattr(self._factories[name], "profile", None)
+            except (FactoryImportError, ToolError):
+                continue  # `rtgen run` reports it if a system needs the type.
+            if isinstance(profile, ComponentProfile):
+                found.append(msgspec.structs.replace(profile, type_name=name))
+        return found
+
+
+def _path_of(file: str) -> Path:
+    """Return the path of a system's file, also of one in a folder."""
+    path = Path(file)
+    return path / "system.xml" if file and path.is_dir() else path
+
+
+def _timeline(profile: System) -> Timeline:
+    """Return the timeline beside a system of a folder."""
+    path = Path(profile.file)
+    folder = path.parent if path.name == "system.xml" else path
+    return timeline.of_system(folder, None, profile)
+
+
+def _listed(profile: System, property_: str) -> list[str]:
+    text = dict(profile.properties).get(property_, "")
+    return [name.strip() for name in text.split(",") if name.strip()]

@@ -1,0 +1,85 @@
+"""The pages of `rtgen explain`."""
+
+from __future__ import annotations
+
+import ast
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+from rtgen_sources import sources
+
+from rtgen.cli import run
+from rtgen.compiler import diagnostics
+from rtgen.compiler.diagnostics import Rule, Severity
+from rtgen.compiler.diagnostics.explain import MODULES, rules
+
+FOLDER = Path(diagnostics.__file__).parent
+
+
+def test_every_module_with_rules_is_known() -> None:
+    """Rules that one module collects from its neighbours count as known."""
+    having = set()
+    for path, file in sources().items():
+        for node in ast.parse(file.read_text(encoding="utf-8")).body:
+            targets = node.targets if isinstance(node, ast.Assign) else []
+            targets = [node.target] if isinstance(node, ast.AnnAssign) else targets
+            if any(isinstance(t, ast.Name) and t.id == "RULES" for t in targets):
+                name = f"rtgen/{path}".removesuffix(".py").replace("/", ".")
+                having.add(name.removesuffix(".__init__"))
+    known = set(rules())
+    for name in having - set(MODULES):
+        module = __import__(name, fromlist=["RULES"])
+        assert {rule.code for rule in module.RULES} <= known, name
+
+
+def test_codes_titles_and_stories_are_whole() -> None:
+    for code, rule in rules().items():
+        assert re.fullmatch(r"[A-Z]{2,4}\d{4}", code)
+        assert rule.title
+        assert len(rule.explanation.split()) > 4, code
+
+
+def test_every_page_belongs_to_a_rule() -> None:
+    pages = {file.stem for file in (FOLDER / "pages").iterdir()}
+    assert pages == {code for code, rule in rules().items() if rule.text is None}
+
+
+def test_every_hint_belongs_to_a_rule() -> None:
+    hints = tomllib.loads((FOLDER / "hints.toml").read_text("utf-8"))
+    assert hints.keys() <= rules().keys()
+
+
+def test_a_rule_of_a_plug_in_brings_its_text() -> None:
+    assert (
+        Rule("ACME0001", "a title", Severity.ERROR, "A text.").explanation == "A text."
+    )
+    assert Rule("ACME0001", "a title", Severity.ERROR).explanation == ""
+
+
+def test_every_story_of_definitions_has_an_example() -> None:
+    for code, rule in rules().items():
+        if code.startswith(("IDL", "LINT")):
+            assert rule.explanation.count("```") >= 2, code
+            assert rule.explanation.count("```") % 2 == 0, code
+        assert max(map(len, rule.explanation.splitlines())) <= 100, code
+
+
+def test_the_list_of_codes(capfd: pytest.CaptureFixture[str]) -> None:
+    assert run(["explain"]) == 0
+    lines = capfd.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == sorted(rules())
+
+
+def test_a_story(capfd: pytest.CaptureFixture[str]) -> None:
+    assert run(["explain", "prj0101"]) == 0
+    assert capfd.readouterr().out.startswith("# PRJ0101: two files of one name\n\n")
+
+
+def test_an_unknown_code(capfd: pytest.CaptureFixture[str]) -> None:
+    assert run(["explain", "PRJ01O1"]) == 2
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert "did you mean" in err
+    assert "PRJ0101" in err
