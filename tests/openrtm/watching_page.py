@@ -39,7 +39,7 @@ class Page:
         message = ui.ClientMessage(request=1, asked=command)
         self._results.clear()
         self.session.runner.submit(
-            lambda: self._commands.carry_out(self._outbox, message)
+            lambda: self._commands.execute(self._outbox, message)
         )
         until(lambda: self._follow() or self._results, PATIENCE)
         [result] = self._results

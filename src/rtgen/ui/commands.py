@@ -102,14 +102,14 @@ class Commands:
             kinds.COMMAND_SPEED: self._speed,
             kinds.COMMAND_SEEK: self._seek,
             kinds.COMMAND_OPEN: self._open,
-            kinds.COMMAND_BESIDE: self._keep,
+            kinds.COMMAND_BESIDE: self._compare_with_this_run,
             kinds.COMMAND_INJECT: self._inject,
             kinds.COMMAND_SEND_FRAME: lambda frame: session.buses.send(frame),
             kinds.COMMAND_NMT: lambda command: session.buses.manage(command),
             kinds.COMMAND_SDO_WRITE: lambda value: session.buses.write(value),
         }
         self._injector = calls.Injector()
-        self._outside = RemoteCommands(session)
+        self._remote_commands = RemoteCommands(session)
 
     def is_urgent(self, page: Outbox, message: ui.ClientMessage) -> bool:
         """Return whether a command can be carried out at once, in any thread.
@@ -123,27 +123,27 @@ class Commands:
             and not runner.is_simulated
         )
 
-    def carry_out(self, page: Outbox, message: ui.ClientMessage) -> None:
+    def execute(self, page: Outbox, message: ui.ClientMessage) -> None:
         """Execute a command and send the page its result.
 
         A command for components of other processes runs concurrently with the system.
         """
         result = ui.Result(request=message.request, done=True)
-        carry_out = partial(self._carry_out, page, message.asked, result)
-        self._answer(page, result, carry_out)
+        action = partial(self._dispatch, page, message.asked, result)
+        self._answer(page, result, action)
 
     def _answer(
         self,
         page: Outbox,
         result: ui.Result,
-        carry_out: Callable[[], Action | None],
+        action: Callable[[], Action | None],
     ) -> None:
         """Execute an action, and report to the page whether it succeeded.
 
         The action may return another one, for the thread that calls other processes.
         """
         try:
-            elsewhere = carry_out()
+            elsewhere = action()
             if elsewhere is not None:
                 watcher = self._session.watcher
                 answer = partial(self._answer, page, result, elsewhere)
@@ -165,13 +165,13 @@ class Commands:
             result.message = f"{type(error).__name__}: {error}"
         page.put(ui.Event.of_outcome(result))
 
-    def _carry_out(
+    def _dispatch(
         self, page: Outbox, command: ui.Command, result: ui.Result
     ) -> Action | None:
         kind = command.discriminator
         value: Any = command.value
         _require_right(page, command)
-        elsewhere = self._outside.action(command, result)
+        elsewhere = self._remote_commands.action(command, result)
         if elsewhere is not None:
             return elsewhere
         if kind is CommandKind.COMMAND_WATCH:
@@ -216,13 +216,13 @@ class Commands:
             if remote.port(address) is None:
                 raise CommandError(UNKNOWN, f"{here[0]} has no port {here[1]!r}")
             across = [
-                ui.Fit(port=there, refused=self._across(there, address))
+                ui.Fit(port=there, refused=self._remote_obstacle(there, address))
                 for there in within
             ]
             return [*remote.fits(address), *across]
         self._session.require_port(*here)
         found = [
-            ui.Fit(port=there, refused=self._across(address, there))
+            ui.Fit(port=there, refused=self._remote_obstacle(address, there))
             for there in remote.ports()
         ]
         for there in within:
@@ -231,7 +231,7 @@ class Commands:
                 found.append(ui.Fit(port=there, refused=why))
         return found
 
-    def _across(self, here: ui.PortAddress, there: ui.PortAddress) -> str:
+    def _remote_obstacle(self, here: ui.PortAddress, there: ui.PortAddress) -> str:
         """Return why a port of the system does not fit one of another process; empty if it does."""
         session = self._session
         if session.own is None:
@@ -258,7 +258,7 @@ class Commands:
 
     def _cut(self, name: str) -> None:
         session = self._session
-        again = self._again(name)
+        again = self._reconnect_action(name)
         ends = ends_of(session.system.connector(name))
         self._edit(
             f"cut {name}",
@@ -267,7 +267,7 @@ class Commands:
             session.changes.cut(name, ends),
         )
 
-    def _again(self, name: str) -> Callable[[], object]:
+    def _reconnect_action(self, name: str) -> Callable[[], object]:
         """Return an action that makes an existing connection again."""
         session = self._session
         connector = session.system.connector(name)
@@ -345,7 +345,7 @@ class Commands:
         component = saving.component_now(session, name)
         place = session.places.get(name)
         again = [
-            self._again(each.name)
+            self._reconnect_action(each.name)
             for each in session.connectors
             if name in instances_of(each)
         ]
@@ -546,7 +546,7 @@ class Commands:
             session.runner.play()
         self._publish_time()
 
-    def _keep(self, kept: bool) -> None:
+    def _compare_with_this_run(self, kept: bool) -> None:
         self._require_simulated()
         self._session.keep(kept=kept)
 

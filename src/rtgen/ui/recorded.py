@@ -107,7 +107,7 @@ class Recorded:
         """Return False: nothing runs."""
         return False
 
-    def carry_out(self, page: Outbox, message: ui.ClientMessage) -> None:
+    def execute(self, page: Outbox, message: ui.ClientMessage) -> None:
         """Execute a command and send the page its result."""
         result = ui.Result(request=message.request, done=True)
         value: Any = message.asked.value

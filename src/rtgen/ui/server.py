@@ -283,12 +283,12 @@ class _Page:
         except CdrError as error:
             return partial(self.outbox.put, _failure(0, BAD_MESSAGE, str(error)))
         if self.client.is_idle and self.commands.is_urgent(self.outbox, message):
-            self.commands.carry_out(self.outbox, message)
+            self.commands.execute(self.outbox, message)
             return None
 
         def carry_out() -> None:
             if not self.outbox.closed:
-                self.commands.carry_out(self.outbox, message)
+                self.commands.execute(self.outbox, message)
 
         return carry_out
 

@@ -179,7 +179,7 @@ def test_a_cut_counts_the_sample_that_was_refused_too() -> None:
     system.disconnect("c")
     assert port.lost == 3
     system.run(until_ns=2 * MS)
-    assert not system.component("writer")._chores
+    assert not system.component("writer")._deferred_calls
 
 
 def test_the_newest_replaces_the_one_that_was_refused() -> None:

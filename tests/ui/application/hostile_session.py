@@ -270,7 +270,7 @@ class Hostile(Recorded):
             )
             page.statistics([ui.Statistics(shown.instance, 1, 2, 3, text, text)])
 
-    def carry_out(self, page: Outbox, message: ui.ClientMessage) -> None:
+    def execute(self, page: Outbox, message: ui.ClientMessage) -> None:
         """Answer a command; what would change the system is refused."""
         result = ui.Result(request=message.request, done=True)
         value: Any = message.asked.value

@@ -14,7 +14,7 @@ from patience import PATIENCE
 from ui_bench import GOAL
 
 from rtgen.cli import run
-from rtgen.cli import ui as command
+from rtgen.ui import launch
 
 
 def test_what_cannot_be_opened_is_reported(
@@ -50,7 +50,7 @@ def test_a_port_that_is_taken_is_reported(capfd: pytest.CaptureFixture[str]) -> 
 def test_what_is_not_installed_is_named(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(command, "find_spec", lambda name: None)
+    monkeypatch.setattr(launch, "find_spec", lambda name: None)
     assert run(["ui", str(GOAL), "--no-open"]) == 3
     assert "pip install 'rtgen[ui]'" in capfd.readouterr().err
 
@@ -78,7 +78,7 @@ def test_naming_services_need_omniorb(
     def found(name: str) -> object:
         return None if name == "omniORB" else name
 
-    monkeypatch.setattr(command, "find_spec", found)
+    monkeypatch.setattr(launch, "find_spec", found)
     assert run(["ui", "--no-open", "--nameserver", "127.0.0.1"]) == 3
     assert "pip install 'rtgen[corba]'" in capfd.readouterr().err
 

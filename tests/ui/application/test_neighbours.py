@@ -131,9 +131,7 @@ class Watcher:
         asked = getattr(ui.Command, f"of_{branch}")(value)
         message = ui.ClientMessage(request=self._number, asked=asked)
         number = self._number
-        self.session.runner.submit(
-            lambda: self._commands.carry_out(self.outbox, message)
-        )
+        self.session.runner.submit(lambda: self._commands.execute(self.outbox, message))
         self.until(lambda: number in self.results)
         return self.results[number]
 

@@ -54,7 +54,7 @@ class Page:
         asked = getattr(ui.Command, f"of_{branch}")(value)
         message = ui.ClientMessage(request=self._number, asked=asked)
         octets = message.to_cdr()
-        self._bench.commands.carry_out(self.outbox, ui.ClientMessage.from_cdr(octets))
+        self._bench.commands.execute(self.outbox, ui.ClientMessage.from_cdr(octets))
         self.seen = self.events()
         [result] = [e.outcome for e in self.seen if e.discriminator is RESULT]
         assert result.request == self._number

@@ -173,7 +173,7 @@ class _Run:
                 if isinstance(transport, ForeignTransport)
                 else None
             )
-            end.of(self._running.end_run, before_exit)
+            end.on_signal(self._running.end_run, before_exit)
             return _run(self._running, plan.condition, report, simulated=simulated)
 
     def outcome(self, met: bool, wall: float) -> Outcome:

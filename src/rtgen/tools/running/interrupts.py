@@ -41,7 +41,7 @@ class Ending:
         """Whether a signal has ended the run."""
         return self._asked
 
-    def of(
+    def on_signal(
         self,
         end_run: Callable[[BaseException], None],
         before_exit: Callable[[], None] | None = None,
@@ -63,9 +63,11 @@ class Ending:
             raise KeyboardInterrupt
         self._asked = True
         self._end_run(KeyboardInterrupt())
-        threading.Thread(target=self._hurry, name="rtgen ending", daemon=True).start()
+        threading.Thread(
+            target=self._enforce_end, name="rtgen ending", daemon=True
+        ).start()
 
-    def _hurry(self) -> None:
+    def _enforce_end(self) -> None:
         main = threading.main_thread().ident
         seen: dict[int, Since] = {}
         interrupted: Call | None = None

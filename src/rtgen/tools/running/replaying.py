@@ -99,7 +99,7 @@ def replayed(file: Path, options: ReplayOptions, console: Console) -> int:
         recorder = options.recording.begin(files, running)
         if options.rate is not None:
             pace(running, options.rate)
-        end.of(running.end_run)
+        end.on_signal(running.end_run)
         begun = time.perf_counter()
         unfinished = _is_interrupted(player, options.until, end)
         if unfinished:

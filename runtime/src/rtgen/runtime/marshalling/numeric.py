@@ -25,7 +25,7 @@ _N = TypeVar("_N", int, float)
 Order: TypeAlias = Literal["<", ">"]
 """A byte order in the notation of `struct`."""
 
-_SWAPPED_BY_NUMPY = 2500
+_NUMPY_SWAP_THRESHOLD = 2500
 _ALLOCATED_ANEW = 100_000
 """From about this number of octets, the C library maps memory again for each allocation."""
 
@@ -99,7 +99,7 @@ def is_swapped(order: Order) -> bool:
 
 def _numpy_for(count: int) -> Any:
     """Return numpy for that many numbers, if it is already imported: it swaps faster."""
-    numpy = sys.modules.get("numpy") if count >= _SWAPPED_BY_NUMPY else None
+    numpy = sys.modules.get("numpy") if count >= _NUMPY_SWAP_THRESHOLD else None
     return numpy if hasattr(numpy, "frombuffer") else None  # not while it is imported
 
 
@@ -120,7 +120,7 @@ def _swap(numpy: Any, made: Any, numbers: Any, size: int) -> None:
     numpy.frombuffer(made, words)[...] = numpy.frombuffer(numbers, swapped)
 
 
-def _filled(made: NumericArray[Any], count: int) -> NumericArray[Any]:
+def _zeros(made: NumericArray[Any], count: int) -> NumericArray[Any]:
     """Fill an empty array, which is faster than copying octets into it."""
     made.append(0)
     made *= count
@@ -131,7 +131,7 @@ def _swapped(
     last: LastArrays[NumericArray[Any]], numpy: Any, octets: Any, code: str, count: int
 ) -> NumericArray[Any]:
     """Return an array of that many numbers, each swapped; numpy may be None."""
-    made = last.unused(code, count) or _filled(NumericArray(code), count)
+    made = last.unused(code, count) or _zeros(NumericArray(code), count)
     _swap(numpy, made, octets, made.itemsize)
     last.keep(made)
     return made
@@ -165,7 +165,7 @@ def swapped_octets(numbers: Any) -> bytes | memoryview:
         return memoryview(_swapped(_LAST_ENCODED, numpy, numbers, code, count))
     made = bytearray(count * size)
     _swap(numpy, made, numbers, size)
-    return kept(memoryview(made))
+    return octets_or_view(memoryview(made))
 
 
 def buffer_of(
@@ -198,7 +198,7 @@ def buffer_of(
     return view
 
 
-def kept(view: memoryview) -> bytes | memoryview:
+def octets_or_view(view: memoryview) -> bytes | memoryview:
     """Return the octets of a view; if they are many and contiguous, the view itself."""
     return view if view.nbytes >= LARGE and view.c_contiguous else view.tobytes()
 
@@ -206,7 +206,7 @@ def kept(view: memoryview) -> bytes | memoryview:
 def octets_of(view: memoryview, order: Order) -> Buffer:
     """Return the numbers of a buffer in a byte order; many may be a view."""
     if _ORDERS.get(view.format[0], False) == _SWAPPED[order]:
-        return kept(view)
+        return octets_or_view(view)
     if view.ndim != 1:
         return swapped_octets(array(_WORDS[view.itemsize], view.tobytes()))
     return swapped_octets(view)

@@ -27,7 +27,7 @@ from rtgen.runtime.marshalling.layouts.nodes import (
     minimum_size,
 )
 from rtgen.runtime.marshalling.layouts.trees import tree_of
-from rtgen.runtime.marshalling.numeric import Order, kept
+from rtgen.runtime.marshalling.numeric import Order, octets_or_view
 
 _NATIVE: Order = "<" if sys.byteorder == "little" else ">"
 
@@ -101,7 +101,7 @@ def octets(node: Records, order: Order) -> Callable[[_Records], Buffer]:
         else:
             made = numpy.zeros(len(records), there)
             _assign(made, records)
-        return kept(made.view(numpy.uint8).data[:excess])
+        return octets_or_view(made.view(numpy.uint8).data[:excess])
 
     return packed
 

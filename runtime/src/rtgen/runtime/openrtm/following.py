@@ -106,7 +106,7 @@ class Follower:
         self._reported = failure
 
     def _work(self, ec_id: int, participant: Participant) -> None:
-        with self._behaviour._turn:
+        with self._behaviour._lock:
             if self._state(ec_id) is INACTIVE_STATE:
                 participant.carry_out_requests()
                 participant.finish()
@@ -126,7 +126,7 @@ class Follower:
 
     def _has_work(self, ec_id: int, participant: Participant) -> bool:
         if self._state(ec_id) is INACTIVE_STATE and (
-            participant._requests or participant._chores
+            participant._requests or participant._deferred_calls
         ):
             return True
         return self._step(ec_id, participant) is not None

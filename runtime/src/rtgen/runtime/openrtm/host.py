@@ -159,7 +159,7 @@ class Host:
     def on_initialize(self) -> Any:
         """`onInitialize`, after all ports and parameters are bound: CREATED to INACTIVE."""
         behaviour = self.behaviour
-        behaviour._do_chores()
+        behaviour._run_deferred_calls()
         behaviour._last_code = RTC_OK
         return self._code(behaviour.initialize() is not RTC_OK)
 
@@ -170,7 +170,7 @@ class Host:
         behaviour = self._behaviour
         if behaviour is None or not behaviour.is_alive():
             return self._codes.RTC_OK
-        with behaviour._turn:
+        with behaviour._lock:
             behaviour._last_code = RTC_OK
             return self._code(behaviour.exit() is not RTC_OK)
 
@@ -274,7 +274,7 @@ class Host:
         None for a behaviour that has ended: OpenRTM stops the context of a component later.
         """
         behaviour = self.behaviour
-        with behaviour._turn:
+        with behaviour._lock:
             behaviour._last_code = RTC_OK
             yield self._participant(ec_id) if behaviour.is_alive() else None
 

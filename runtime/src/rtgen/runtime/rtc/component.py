@@ -93,7 +93,7 @@ class Component:
         """Providers by service port and instance, as `consumers`."""
         self.consumers: dict[tuple[str, str], Consumer[Any]] = {}
         self._check = CheckValues.FIRST
-        self._chores: deque[Callable[[], None]] = deque()
+        self._deferred_calls: deque[Callable[[], None]] = deque()
         self.configuration_sets = ConfigurationSets(
             self.instance_name, self._at_end_of_cycle
         )
@@ -112,7 +112,7 @@ class Component:
         self._condition = ""
         self._active_contexts = 0
         self._contexts: dict[int, ExecutionContextOperations] = {}
-        self._turn = threading.RLock()
+        self._lock = threading.RLock()
         for declaration in self._declarations.values():
             declaration.add_to(self)
 
@@ -393,13 +393,13 @@ class Component:
         for port in self.in_ports.values():
             port._protect(clock.guard())
 
-    def _at_end_of_cycle(self, chore: Callable[[], None]) -> None:
-        self._chores.append(chore)
+    def _at_end_of_cycle(self, call: Callable[[], None]) -> None:
+        self._deferred_calls.append(call)
 
-    def _do_chores(self) -> None:
-        chores = self._chores
-        for _ in range(len(chores)):
-            chores.popleft()()
+    def _run_deferred_calls(self) -> None:
+        calls = self._deferred_calls
+        for _ in range(len(calls)):
+            calls.popleft()()
 
     def _failed(
         self, callback: str, what: str, error: BaseException | None = None

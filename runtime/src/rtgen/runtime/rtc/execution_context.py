@@ -144,7 +144,7 @@ class ExecutionContext:
     def between_ticks(self) -> None:
         """Do the work requested by `wake`; called by the scheduler, never during a tick."""
         for participant in self._participants:
-            with participant.component._turn:
+            with participant.component._lock:
                 participant.arrive()
 
     def is_running(self) -> bool:
@@ -277,7 +277,7 @@ class ExecutionContext:
             self._running = False
             if not self._driver.stopped(self):
                 return False
-        with component._turn:
+        with component._lock:
             if participant.state is ACTIVE_STATE:
                 participant.carry_out(Request.DEACTIVATE)
             if was_running or self._running:
@@ -319,15 +319,15 @@ class ExecutionContext:
     def _cycle_of_all(self) -> None:
         going_on = []
         for participant in self._participants:
-            with participant.component._turn:
+            with participant.component._lock:
                 if not participant.carry_out_requests():
                     going_on.append(participant)
         for phase in (Participant.execute, Participant.update):
             for participant in going_on:
-                with participant.component._turn:
+                with participant.component._lock:
                     phase(participant)
         for participant in self._participants:
-            with participant.component._turn:
+            with participant.component._lock:
                 participant.finish()
 
 

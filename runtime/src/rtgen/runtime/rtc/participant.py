@@ -44,7 +44,7 @@ class Participant:
     """A component in a context: its state there, and the requests for the next tick."""
 
     __slots__ = (
-        "_chores",
+        "_deferred_calls",
         "_failure",
         "_requests",
         "_updates",
@@ -70,7 +70,7 @@ class Participant:
         """The component that must be activated before this one; empty if none."""
         self._requests: deque[Request] = deque()
         self._failure = ""
-        self._chores = component._chores
+        self._deferred_calls = component._deferred_calls
         own = getattr(component.on_state_update, "__func__", None)
         self._updates = own is not Component.on_state_update
 
@@ -112,8 +112,8 @@ class Participant:
                         self.update()
             elif self.state is ERROR_STATE:
                 succeeds(self.component, "on_error", self.handle)
-        if self._chores:
-            self.component._do_chores()
+        if self._deferred_calls:
+            self.component._run_deferred_calls()
 
     def carry_out_requests(self) -> bool:
         """Execute the first phase of a tick; return True if it led to ERROR, which ends the
@@ -158,8 +158,8 @@ class Participant:
 
     def finish(self) -> None:
         """End a tick: deliver deferred samples, apply configuration changes."""
-        if self._chores:
-            self.component._do_chores()
+        if self._deferred_calls:
+            self.component._run_deferred_calls()
 
     def carry_out(self, request: Request) -> None:
         """Carry out a legal request; ignore one that has become illegal."""

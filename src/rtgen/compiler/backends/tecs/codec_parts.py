@@ -37,7 +37,8 @@ _RESERVED = frozenset((*IMPORTED_NAMES, *_LOCALS, *dir(builtins)))
 class Attributes:
     """The attributes of a generated class: compiled runs, arrays, texts, structs.
 
-    `classes` are those of structs. `records` collects the classes that write and read structs.
+    `classes` are the names of struct classes, which local names avoid. `records` collects the
+    classes that write and read structs.
     """
 
     def __init__(self, classes: Iterable[str]) -> None:

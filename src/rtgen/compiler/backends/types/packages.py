@@ -31,15 +31,16 @@ _CHECKING = Import("typing", "TYPE_CHECKING", "TYPE_CHECKING")
 class Package(msgspec.Struct):
     """The names that an IDL module exports, and the files that declare them.
 
-    `name` is the absolute name of its package. `imports` are names of other modules, `own` those
-    that the package defines under another name, `enumerators` the values of exported enums.
+    `name` is the absolute name of its package. `imports` are re-exported names, `aliases`
+    (public, local) names that the package itself defines, `enumerators` the values of exported
+    enums.
     """
 
     scope: ScopedName
     name: str
     files: list[str] = []
     imports: list[Import] = []
-    own: list[tuple[str, str]] = []
+    aliases: list[tuple[str, str]] = []
     enumerators: list[tuple[str, str, str]] = []
     defines: bool = False
 
@@ -51,13 +52,13 @@ class Package(msgspec.Struct):
             return f"The IDL module `{scoped}`."
         return "Definitions in the global scope of IDL."
 
-    def add(self, home: str, local: str, public: str) -> None:
-        if home != self.name:
-            self.imports.append(Import(home, local, public, exported=True))
+    def add(self, module: str, local: str, public: str) -> None:
+        if module != self.name:
+            self.imports.append(Import(module, local, public, exported=True))
             return
         self.defines = True
         if local != public:
-            self.own.append((public, local))
+            self.aliases.append((public, local))
 
 
 def packages(
@@ -83,20 +84,20 @@ def _fill(
     package: Package, names: PythonNames, declaration: Declaration, codec: bool
 ) -> None:
     name = declaration.name
-    home, local = names.implementation(name)
+    module, local = names.implementation(name)
     public = names.attribute(name)
     if declaration.file not in package.files:
         package.files.append(declaration.file)
-    package.add(home, local, public)
+    package.add(module, local, public)
     suffixes = ["Stub", "Skeleton"] if isinstance(declaration, Interface) else []
     for suffix in suffixes + ["Codec"] * codec:
         package.add(
-            home, names.companion(name, suffix), names.public_companion(name, suffix)
+            module, names.companion(name, suffix), names.public_companion(name, suffix)
         )
     if isinstance(declaration, Enum):
         for member, attribute in names.enumerators(declaration).items():
-            outside = names.attribute((*name[:-1], member))
-            package.enumerators.append((outside, public, attribute))
+            exported_name = names.attribute((*name[:-1], member))
+            package.enumerators.append((exported_name, public, attribute))
 
 
 def package_body(
@@ -109,11 +110,11 @@ def package_body(
     """
     lazy = bool(package.imports) and (options.lazy or package.defines)
     imported = {each.local for each in package.imports}
-    names = imported.union(outside for outside, _, _ in package.enumerators)
+    names = imported.union(exported_name for exported_name, _, _ in package.enumerators)
     final = "_Final" if "Final" in names else "Final"
     constants = [
-        f"{outside}: {final} = {enum}.{member}"
-        for outside, enum, member in package.enumerators
+        f"{exported_name}: {final} = {enum}.{member}"
+        for exported_name, enum, member in package.enumerators
         if not (lazy and enum in imported)
     ]
     imports = [Import("typing", "Final", final)] * bool(constants)
@@ -121,7 +122,7 @@ def package_body(
     listed = ", ".join(map(string_literal, sorted(names)))
     exported = f"__all__ = [{listed}]" if names and not package.defines else ""
     blocks = [
-        "\n".join(f"{public} = {local}" for public, local in package.own),
+        "\n".join(f"{public} = {local}" for public, local in package.aliases),
         "\n".join(constants),
         _lazy(package, options, path, exported) if lazy else exported,
     ]
@@ -136,18 +137,20 @@ def _lazy(package: Package, options: Options, path: str, exported: str) -> str:
         homes.setdefault(each.module, []).append(f"{each.name}{renamed}")
     enums = {each.local: each for each in package.imports}
     constants = []
-    for outside, enum, member in package.enumerators:
+    for exported_name, enum, member in package.enumerators:
         if enum in enums:
-            home = homes[enums[enum].module]
-            home.append(f"{enums[enum].name}.{member} as {outside}")
-            constants.append(f"{outside} = {enum}.{member}")
-    shown = (
+            entries = homes[enums[enum].module]
+            entries.append(f"{enums[enum].name}.{member} as {exported_name}")
+            constants.append(f"{exported_name} = {enum}.{member}")
+    type_checking_imports = (
         Import(each.module, each.name, each.local, exported=package.defines)
         for each in package.imports
     )
     return render(
         "types/lazy_names.py.j2",
-        imports=list(chain(*import_blocks(shown, options.package, path))),
+        imports=list(
+            chain(*import_blocks(type_checking_imports, options.package, path))
+        ),
         constants=constants,
         homes=", ".join(
             f"{string_literal(relative_name(module, options.package, path))}: "

@@ -27,7 +27,7 @@ from rtgen.compiler.model import (
 from rtgen.facts.primitives import INTEGER_RANGES
 
 PRIMITIVES = {kind: PrimitiveType(kind) for kind in Primitive}
-"""An example value for each basic type."""
+"""The one `PrimitiveType` of each kind; shared, since they are frozen."""
 
 _OTHER_SWITCHES = (Primitive.BOOLEAN, Primitive.CHAR, Primitive.WCHAR)
 
@@ -39,14 +39,14 @@ class Types:
         self.tables = tables
         self.constants = Constants(self, report)
         self._report = report
-        self._known: dict[tree.TypeNode, Type | None] = {}
+        self._types_of_nodes: dict[tree.TypeNode, Type | None] = {}
         self._named: dict[Entity, NamedType] = {}
         self._aliases: dict[ScopedName, Entity] = {}
         self._enums: dict[ScopedName, Entity] = {}
         self._owners: dict[ScopedName, ScopedName] = {}
-        self._arrays: dict[Entity, Type | None] = {}
+        self._types_of_entities: dict[Entity, Type | None] = {}
         self._depth = 0
-        self._plain: dict[ScopedName, Type | None] = {}
+        self._unaliased: dict[ScopedName, Type | None] = {}
         self._entities: dict[ScopedName, Entity] = {}
         for entity in sorted(
             tables.declared, key=lambda e: (e.clashes, e.node is None)
@@ -89,13 +89,13 @@ class Types:
 
     def of_entity(self, entity: Entity) -> Type | None:
         """Return the type of a typedef, member or parameter: its type node with its dimensions."""
-        if entity not in self._arrays:
+        if entity not in self._types_of_entities:
             assert entity.type_node is not None
             type_ = self.of_node(entity.type_node, entity.unit)
             if entity.declarator is not None and entity.declarator.dimensions:
                 type_ = self._array(type_, entity.declarator, entity.unit)
-            self._arrays[entity] = type_
-        return self._arrays[entity]
+            self._types_of_entities[entity] = type_
+        return self._types_of_entities[entity]
 
     def _array(
         self, type_: Type | None, declarator: tree.Declarator, unit: Unit
@@ -112,8 +112,8 @@ class Types:
         """Return the type with typedefs resolved; None for a typedef cycle."""
         passed: dict[ScopedName, None] = {}
         while isinstance(type_, NamedType) and type_.name in self._aliases:
-            if type_.name in self._plain:
-                type_ = self._plain[type_.name]
+            if type_.name in self._unaliased:
+                type_ = self._unaliased[type_.name]
                 break
             if type_.name in passed:
                 type_ = None
@@ -121,7 +121,7 @@ class Types:
             passed[type_.name] = None
             type_ = self.of_entity(self._aliases[type_.name])
         for name in passed:
-            self._plain[name] = type_
+            self._unaliased[name] = type_
         return type_
 
     def can_switch(self, type_: Type) -> bool:
@@ -137,13 +137,13 @@ class Types:
         """Return the type of a node."""
         if type(node) is tree.BasicType:
             return PRIMITIVES[node.kind]
-        if node not in self._known:
+        if node not in self._types_of_nodes:
             self._depth += 1
-            self._known[node] = (
+            self._types_of_nodes[node] = (
                 self._make(node, unit) if self._depth <= MAX_NESTING else None
             )
             self._depth -= 1
-        return self._known[node]
+        return self._types_of_nodes[node]
 
     def _make(self, node: tree.TypeNode, unit: Unit) -> Type | None:
         match node:
