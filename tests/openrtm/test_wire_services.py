@@ -220,6 +220,28 @@ def test_exceptions_of_the_definition(side: Any) -> None:
     )
 
 
+def test_exceptions_that_derive_from_one_of_the_definition(near: Any) -> None:
+    types = near.types
+
+    class Torn(types.Broken):  # type: ignore[misc]
+        pass
+
+    class Tearing(type(probe(types, []))):  # type: ignore[misc]
+        def many(self, a: list[Any]) -> Any:
+            raise Torn("torn", types.Pose(), 1)
+
+        def level(self) -> int:
+            raise Torn("torn", types.Pose(), 1)
+
+    reference = wire().objects_of(types.Probe).to(Tearing())
+    stub = wire().stub(types.Probe, lambda: reference)
+    with pytest.raises(types.Broken) as caught:
+        stub.many([])
+    assert type(caught.value) is types.Broken
+    with pytest.raises(UnknownException):
+        stub.level()
+
+
 def test_other_errors(side: Any, capfd: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(UnknownException, match="fail: UNKNOWN"):
         side.stub.fail()

@@ -161,7 +161,10 @@ class Remote:
         except CORBA.SystemException as error:
             raise caught(operation, error) from error
         except CORBA.UserException as error:
-            raise known.caught[type(error)](error) from error
+            convert = known.caught.get(type(error))
+            if convert is None:
+                raise
+            raise convert(error) from error
 
 
 def stub(interface: type[_S], reference: Reference) -> _S:
