@@ -19,6 +19,8 @@ from pages import (
     matches,
 )
 
+LONG = frozenset({"experiments", "reference-build"})
+"""Pages with runs of whole systems, which tests/reference runs, too."""
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 HEADING = re.compile(r"^#+ +(.*)$", re.MULTILINE)
 
@@ -26,7 +28,11 @@ HEADING = re.compile(r"^#+ +(.*)$", re.MULTILINE)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "page",
-    [page for page in PAGES if page.stem not in RUN_ELSEWHERE],
+    [
+        pytest.param(page, marks=pytest.mark.nightly if page.stem in LONG else ())
+        for page in PAGES
+        if page.stem not in RUN_ELSEWHERE
+    ],
     ids=lambda page: page.relative_to(ROOT).with_suffix("").as_posix(),
 )
 def test_a_page_shows_what_happens(page: Path, tmp_path: Path) -> None:

@@ -195,7 +195,7 @@ def test_a_drive_stops_by_itself_when_the_manager_is_lost() -> None:
             assert system.observable(f"{side}Drive0.speed")[0] == 0.0
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_two_runs_with_a_lost_drive_give_the_same_bytes() -> None:
     logs = []
     for _ in range(2):

@@ -191,7 +191,9 @@ def test_b2_has_the_system_of_b1() -> None:
     assert one == other
 
 
-@pytest.mark.parametrize("name", [*SHORT, "one_to_four"])
+@pytest.mark.parametrize(
+    "name", [*SHORT, pytest.param("one_to_four", marks=pytest.mark.nightly)]
+)
 def test_an_experiment_repeats_bit_for_bit(name: str) -> None:
     first = first_run(name)
     second = perform(EXPERIMENTS / name)

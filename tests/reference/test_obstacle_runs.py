@@ -183,10 +183,11 @@ def test_a_post_close_ahead_is_turned_from_and_passed(
     ("posts", "start", "goal"),
     [
         # The gap between the second post and the wall is narrower than it looks from afar.
-        (
+        pytest.param(
             [(2.134, -0.543, 0.149), (4.576, -0.543, 0.240)],
             Pose(0.0, 0.0, 0.0),
             (7.0, -0.0786),
+            marks=pytest.mark.nightly,
         ),
         # The base arrives with its heading towards the closed side.
         ([(2.75, 0.739, 0.191)], Pose(0.0, 0.893, -0.973), (4.955, 0.61)),
