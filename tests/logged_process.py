@@ -5,11 +5,10 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from patience import PATIENCE
+from patience import PATIENCE, until
 
 
 class LoggedProcess:
@@ -45,12 +44,8 @@ class LoggedProcess:
 
     def wait_for(self, condition: Callable[[], object]) -> None:
         """Wait for a condition, while the process runs or when it ends."""
-        deadline = time.monotonic() + PATIENCE
-        while not condition():
-            if not self.runs:
-                assert condition(), self.text
-            assert time.monotonic() < deadline, self.text
-            time.sleep(0.02)
+        until(lambda: condition() or not self.runs, shown=lambda: self.text)
+        assert condition(), self.text
 
     def says(self, text: str, times: int = 1) -> None:
         """Wait until the output has a text that many times."""

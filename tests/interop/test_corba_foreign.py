@@ -8,7 +8,6 @@ from __future__ import annotations
 import importlib
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from decimal import Decimal
@@ -19,7 +18,7 @@ import programs
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from patience import PATIENCE
+from patience import until
 
 pytest.importorskip("omniORB", reason="omniORBpy is not installed")
 sys.path.insert(0, str(Path(__file__).parents[1] / "compiler" / "types"))
@@ -276,9 +275,7 @@ def test_objects_attributes_and_the_rest(chain: Chain) -> None:
     nothing = stub.same(None, foreign.Branch())
     assert (nothing[0], nothing[2]) == (None, foreign.Branch())
     stub.note("oneway", foreign.HIGH)
-    deadline = time.monotonic() + PATIENCE
-    while not chain.servant.noted and time.monotonic() < deadline:
-        time.sleep(0.001)
+    until(lambda: chain.servant.noted)
     assert chain.servant.noted == [("oneway", foreign.HIGH)]
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator
 from itertools import count
 
@@ -17,7 +16,7 @@ from canopen.objectdictionary import (
     ODVariable,
 )
 from msgspec.structs import replace
-from patience import PATIENCE
+from patience import until
 
 from rtgen.runtime import RealClock
 from rtgen.runtime.canopen.bus.links import open_link
@@ -112,10 +111,7 @@ class Bench:
         return self.manager.nodes[node_id]
 
     def until(self, condition: Callable[[], bool]) -> None:
-        end = time.monotonic() + PATIENCE
-        while not condition():
-            assert time.monotonic() < end, self.manager.reports()
-            time.sleep(0.005)
+        until(condition, shown=self.manager.reports)
 
     def start(self) -> None:
         self.manager.start()

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import itertools
-import time
 from collections.abc import Callable
 from typing import Any
 
 import middleware
-from patience import PATIENCE
+from patience import until
 
 NUMBERS = itertools.count()
 CALLBACKS = (
@@ -16,14 +15,6 @@ CALLBACKS = (
     *("onDeactivated", "onExecute", "onStateUpdate", "onRateChanged"),
     *("onAborting", "onError", "onReset"),
 )
-
-
-def until(condition: Callable[[], object], seconds: float = PATIENCE) -> None:
-    """Wait for an effect of another thread."""
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "it did not happen"
-        time.sleep(0.002)
 
 
 def resolved(rtm: Any, naming_service: str, name: str, process: Any = None) -> Any:

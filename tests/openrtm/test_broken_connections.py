@@ -11,8 +11,7 @@ import devices
 import pytest
 from devices import Processes
 from logged_process import LoggedProcess
-from openrtm_lab import until
-from patience import PATIENCE
+from patience import until
 from watching_page import Page
 
 from rtgen.runtime.corba.naming import Naming
@@ -140,7 +139,7 @@ def _cut_on_a_page(orb: Orb, processes: Processes) -> None:
             names = page.session.remote.connections
             return [each for each in names if "/Base0.measured_" in each]
 
-        until(found, PATIENCE)
+        until(found)
         [name] = found()
         page.done("connection", name)
     finally:

@@ -20,7 +20,8 @@ import middleware
 import openrtm_peers as peers
 import pytest
 from conformance import BEHAVIOURS, OTHERS, component_of, make_project
-from openrtm_lab import Lab, resolved, until
+from openrtm_lab import Lab, resolved
+from patience import until
 from specimens import COUNT, specimen
 
 from rtgen.facts.openrtm_ports import known_name

@@ -13,8 +13,7 @@ import cpp_build
 import middleware
 import pytest
 from logged_process import LoggedProcess
-from openrtm_lab import until
-from patience import PATIENCE
+from patience import until
 from watching_page import Page
 
 from refrobots.iis import TimedPose2D, TimedState
@@ -218,14 +217,14 @@ def test_a_foreign_component_provides_a_service(
         *("run", "calc.xml", *options, "--log", "log.jsonl"), folder=tmp_path, path=path
     )
     log = tmp_path / "log.jsonl"
-    until(lambda: log.exists() and '"number": 5' in log.read_text(), PATIENCE)
+    until(lambda: log.exists() and '"number": 5' in log.read_text())
     adder.end(signal.SIGKILL)
     ours.says("Counter0 is lost")
     again = launch("adder", formats="%h.host_cxt/%n.rtc")
     again.says("ready")
     ours.says("Counter0 is there again")
     size = log.stat().st_size
-    until(lambda: '"error": ""' in log.read_text()[size:], PATIENCE)
+    until(lambda: '"error": ""' in log.read_text()[size:])
     assert ours.end() == 0
 
 
@@ -252,11 +251,11 @@ def test_a_page_shows_and_steers_it(
 
     assert (now().type, now().current) == ("PositionInput", ui.State.STATE_INACTIVE)
     page.done("setting", ui.SetParameter(name, "", "01_x", "0.5"))
-    until(lambda: values()["01_x"] == "0.5", PATIENCE)
+    until(lambda: values()["01_x"] == "0.5")
     page.done("undone", True)
-    until(lambda: values()["01_x"] == "0", PATIENCE)
+    until(lambda: values()["01_x"] == "0")
     page.done("redone", True)
-    until(lambda: values()["01_x"] == "0.5", PATIENCE)
+    until(lambda: values()["01_x"] == "0.5")
     [channel] = [
         each
         for each in page.session.whole().channels
@@ -266,11 +265,11 @@ def test_a_page_shows_and_steers_it(
     watcher = page.session.watcher
     assert watcher is not None
     found = watcher._found[name]
-    until(lambda: found.ports["positon"].connector_profiles, PATIENCE)
+    until(lambda: found.ports["positon"].connector_profiles)
     page.done("activated", [name])
-    until(lambda: now().current is ui.State.STATE_ACTIVE, PATIENCE)
+    until(lambda: now().current is ui.State.STATE_ACTIVE)
     operator.says("sent")
-    until(lambda: page._follow() or page.samples, PATIENCE)
+    until(lambda: page._follow() or page.samples)
     pose = xcdr.deserialize(TimedPose2D, page.samples[0])
     assert pose.data.position.x == 0.5
     status = TimedState(data=0)

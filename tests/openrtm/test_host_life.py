@@ -11,7 +11,8 @@ from typing import Any
 import middleware
 import pytest
 from hosting import Relay
-from openrtm_lab import Lab, until
+from openrtm_lab import Lab
+from patience import until
 
 from rtgen.runtime import BAD_PARAMETER, RTC_ERROR, RTC_OK, ReturnCode_t
 from rtgen.runtime.rtc.life_cycle import Request

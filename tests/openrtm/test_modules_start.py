@@ -12,7 +12,8 @@ import middleware
 import openrtm_peers as peers
 import pytest
 from conformance import component_of
-from openrtm_lab import Lab, resolved, until
+from openrtm_lab import Lab, resolved
+from patience import until
 
 ROOT = Path(__file__).parents[2]
 REASONS = {

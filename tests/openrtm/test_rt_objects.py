@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from openrtm_lab import Lab, resolved, until
-from patience import PATIENCE
+from openrtm_lab import Lab, resolved
+from patience import PATIENCE, until
 
 
 class Process:

@@ -15,8 +15,7 @@ from pathlib import Path
 import middleware
 import pytest
 from logged_process import LoggedProcess
-from openrtm_lab import until
-from patience import PATIENCE
+from patience import PATIENCE, until
 
 pytestmark = [
     pytest.mark.skipif(

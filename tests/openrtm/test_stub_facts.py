@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from openrtm_lab import Lab, answers, until
+from openrtm_lab import Lab, answers
+from patience import until
 
 
 def test_a_component_begins_inactive_in_a_running_context(lab: Lab) -> None:

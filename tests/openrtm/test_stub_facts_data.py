@@ -7,7 +7,8 @@ import time
 from typing import Any
 
 import pytest
-from openrtm_lab import Lab, until
+from openrtm_lab import Lab
+from patience import until
 
 
 def long(value: int) -> Any:

@@ -10,7 +10,8 @@ from typing import Any
 
 import middleware
 import pytest
-from openrtm_lab import Lab, resolved, until
+from openrtm_lab import Lab, resolved
+from patience import until
 
 MODULE = Path(__file__).parent / "modules" / "Doubler.py"
 

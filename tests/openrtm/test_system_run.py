@@ -16,7 +16,8 @@ from typing import Any
 import middleware
 import openrtm_peers as peers
 import pytest
-from openrtm_lab import Lab, until
+from openrtm_lab import Lab
+from patience import until
 
 from rtgen.cli import run
 

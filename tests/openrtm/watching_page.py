@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from openrtm_lab import until
-from patience import PATIENCE
+from patience import until
 
 from rtgen.runtime import RealClock
 from rtgen.tools.kit.console import Console
@@ -41,7 +40,7 @@ class Page:
         self.session.runner.submit(
             lambda: self._commands.execute(self._outbox, message)
         )
-        until(lambda: self._follow() or self._results, PATIENCE)
+        until(lambda: self._follow() or self._results)
         [result] = self._results
         return result
 
@@ -61,6 +60,6 @@ class Page:
             components = self.session.remote.components
             return [each for each in components if each.endswith(end)]
 
-        until(names, PATIENCE)
+        until(names)
         components = self.session.remote.components
         return components[names()[0]]

@@ -9,7 +9,6 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from itertools import pairwise
@@ -282,7 +281,6 @@ def test_a_board_in_another_process_stops_and_goes_on(way: Any, tmp_path: Path) 
             line.mend()
             assert system.run(60 * SECOND, at_end)
             assert system.observable("RefHardRh3Tecs0.calls")[1] >= 1
-        time.sleep(0.2)
         report = board.end()
     kinds = [event["kind"] for event in board.events()]
     assert kinds[:3] == ["DRIVING", "WATCHDOG", "DRIVING"]

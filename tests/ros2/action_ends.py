@@ -10,7 +10,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
-from test_networks import await_
+from patience import until
 
 from rtgen.cli import run as rtgen
 from rtgen.runtime import RTC_OK, RealClock, System
@@ -112,7 +112,7 @@ def component(stack: ExitStack, go: ModuleType, name: str) -> Any:
     made = base(f"{name}0")
     system.add(made, 200.0)
     assert system.activate(made.instance_name) == RTC_OK
-    await_(lambda: system.run(system.time + 10_000_000) or made.is_active)
+    until(lambda: system.run(system.time + 10_000_000) or made.is_active)
     return made
 
 

@@ -16,9 +16,9 @@ from uuid import uuid4
 
 import media
 import pytest
+from patience import until
 from rclpy_node import Node, node
 from ros2_peers import DISTRIBUTIONS, Installation, installation
-from test_networks import await_
 
 from rtgen.cli import run as rtgen
 from rtgen.runtime import RTC_OK, Component, RealClock, SimulatedClock, System
@@ -178,7 +178,7 @@ def test_a_server_on_fast_dds_is_sent_no_request(
         assert f"{name}: the server in node /far/peer is not called" in str(
             raised.value
         )
-    await_(lambda: warnings(name))
+    until(lambda: warnings(name))
     assert len(warnings(name)) == 1
     # What the node answers afterwards has come behind anything that it was sent before.
     peer.do("call", name, BASICS, SENT, 20.0)
@@ -206,7 +206,7 @@ def test_a_server_that_speaks_the_form_is_not_called_beside_one_that_does_not(
             return "/far/peer" in str(error)
         return False
 
-    await_(refused)
+    until(refused)
     number = len(executed)
     # Its answer comes behind anything that it was sent before.
     peer.do("call", name, BASICS, SENT, 20.0)
@@ -232,7 +232,7 @@ def test_a_client_on_fast_dds_executes_nothing(
     for _ in range(2):
         peer.do("call", name, BASICS, {**SENT, "string_value": text}, 0.5)
         assert peer.event("called") == [name, None]
-    await_(lambda: warnings(name))
+    until(lambda: warnings(name))
     [warning] = warnings(name)
     assert "the client in node /far/peer gets no response" in warning
     assert WAY_OUT in warning
@@ -269,7 +269,7 @@ def test_actions(
     for each in (counter, asker):
         system.add(each, 100.0)
         assert system.activate(each.instance_name) == RTC_OK
-    await_(lambda: system.run(system.time + 10_000_000) or counter.is_active)
+    until(lambda: system.run(system.time + 10_000_000) or counter.is_active)
     info = message_classes(EVENT_INFO)[EVENT_INFO]
     own, other = (f"/{word}_{uuid4().hex}" for word in ("own", "other"))
     joints = [
@@ -290,7 +290,7 @@ def test_actions(
         asker.goals.send_goal(request)
     with pytest.raises(ServiceError, match=WAY_OUT):
         asker.goals.get_result(calls.test_msgs.action.Fibonacci_GetResult_Request(uuid))
-    await_(lambda: warnings(own) and warnings(other))
+    until(lambda: warnings(own) and warnings(other))
     assert len(warnings(own)) == len(warnings(other)) == 1
     assert not executed
     assert not [event for event in peer.events if event[0] == "goal"]
@@ -320,7 +320,7 @@ def test_managed_nodes(
     parameters = f"{place}/list_parameters", "rcl_interfaces/srv/ListParameters"
     peer.do("call", *parameters, {"depth": 5}, 0.5)
     assert peer.event("called")[1] is None
-    await_(lambda: warnings(change[0]) and warnings(parameters[0]))
+    until(lambda: warnings(change[0]) and warnings(parameters[0]))
     assert len(warnings(place)) == 2
     assert not component.is_active
     assert system.activate(name) == RTC_OK
@@ -329,7 +329,7 @@ def test_managed_nodes(
         system.run(system.time + 10_000_000)
         return any(event[0] == "message" for event in peer.events)
 
-    await_(told)
+    until(told)
     assert peer.event("message")[1]["goal_state"]["label"] == "active"
 
 
@@ -340,4 +340,4 @@ def test_a_node_sees_the_nodes_of_components(
         peer.do("nodes")
         return "/lab/node" in peer.event("nodes")[0]
 
-    await_(seen)
+    until(seen)

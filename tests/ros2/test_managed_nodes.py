@@ -15,7 +15,8 @@ from enum import IntEnum
 from typing import Any, ClassVar
 
 import pytest
-from test_networks import DOMAIN, await_, participant, reliable, zenoh_pair
+from patience import until
+from test_networks import DOMAIN, participant, reliable, zenoh_pair
 
 from rtgen.facts.ros_qos import PROFILES
 from rtgen.runtime import (
@@ -269,11 +270,11 @@ class DdsPeer(Peer):
         )
         writer = DataWriter(self._participant, one, reliable("clientid"))
         reader = DataReader(self._participant, other, reliable("clientid"))
-        await_(writer.get_matched_subscriptions)
-        await_(reader.get_matched_publications)
+        until(writer.get_matched_subscriptions)
+        until(reader.get_matched_publications)
         members = members or {"structure_needs_at_least_one_member": 0}
         writer.write(types[0](rmw_client=7, rmw_sequence=1, **members))
-        [found] = await_(lambda: reader.take(8))
+        [found] = until(lambda: reader.take(8))
         assert (found.rmw_client, found.rmw_sequence) == (7, 1)
         return found
 
@@ -285,7 +286,7 @@ class DdsPeer(Peer):
         every = Qos(Policy.History.KeepAll, base=reliable())
         topic_ = Topic(self._participant, f"rt{topic}", type_)
         reader = DataReader(self._participant, topic_, every)
-        await_(reader.get_matched_publications)
+        until(reader.get_matched_publications)
         return lambda: list(reader.take(64))
 
 
@@ -308,7 +309,7 @@ class ZenohPeer(Peer):
             target = zenoh.QueryTarget.ALL
             return [r.ok for r in self._session.get(key, target=target, **options)]
 
-        [sample] = await_(replies)
+        [sample] = until(replies)
         response = type_(f"{service}_Response", reply)
         return response.deserialize(sample.payload.to_bytes())
 
@@ -391,7 +392,7 @@ def test_the_life_cycle(shown: tuple[System, Peer]) -> None:
     assert state() == (2, "inactive")
     system.configure("Valve-0", "gain", "9.0")
     assert change(3, "")
-    await_(lambda: state() == (15, "errorprocessing"))
+    until(lambda: state() == (15, "errorprocessing"))
     system.configure("Valve-0", "gain", "1.0")
     assert change(60, "reset")
     assert state() == (2, "inactive")
@@ -400,7 +401,7 @@ def test_the_life_cycle(shown: tuple[System, Peer]) -> None:
     graph = peer.call("get_transition_graph").available_transitions
     assert len(states(graph)) == len(TRANSITIONS)
     came: list[Any] = []
-    await_(lambda: len(came) >= 5 or came.extend(events()))  # type: ignore[func-returns-value]
+    until(lambda: len(came) >= 5 or came.extend(events()))  # type: ignore[func-returns-value]
     assert states(came) == [
         (3, "activate", "inactive", "active"),
         (4, "deactivate", "active", "inactive"),
@@ -449,7 +450,7 @@ def test_parameters(shown: tuple[System, Peer]) -> None:
     assert [result.successful for result in results] == [True, False]
     assert results[1].reason == "parameter 'loop.steps' is of type integer, not string"
     came: list[Any] = []
-    await_(lambda: came or came.extend(events()))  # type: ignore[func-returns-value]
+    until(lambda: came or came.extend(events()))  # type: ignore[func-returns-value]
     [changed] = came[0].changed_parameters
     assert came[0].node == NODE
     assert (changed.name, changed.value.double_value) == ("gain", 2.5)
@@ -477,7 +478,7 @@ def test_both_nodes_are_in_the_graph_of_zenoh(stack: ExitStack) -> None:
         return sorted(str(reply.ok.key_expr) for reply in found if reply.ok)
 
     # A node each; 11 services and two publishers.
-    found = await_(lambda: tokens() if len(tokens()) == 15 else [])
+    found = until(lambda: tokens() if len(tokens()) == 15 else [])
     kinds = [token.split("/")[5:] for token in found]
     assert ["NN", "%", "%robot", "node"] in kinds
     assert ["NN", "%", "%robot", "Valve0"] in kinds
@@ -525,7 +526,7 @@ def test_a_transition_that_is_not_made_in_time(stack: ExitStack) -> None:
         target=lambda: found.append(waiting.change_state(request))
     )
     thread.start()
-    await_(lambda: waiting._changes)
+    until(lambda: waiting._changes)
     waiting.close()
     thread.join()
     assert found == [{"success": False}]

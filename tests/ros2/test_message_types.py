@@ -11,10 +11,10 @@ from typing import Any
 
 import media
 import pytest
+from patience import until
 from rclpy_node import Node, node
 from ros2_peers import DISTRIBUTIONS, Installation, installation
 from seeds import seed
-from test_networks import await_
 
 from rtgen.facts.primitives import FLOAT_LIMITS, INTEGER_RANGES
 from rtgen.facts.ros_qos import PROFILES
@@ -158,7 +158,7 @@ def test_every_message_both_ways(peer: Node, classes: dict[str, Any]) -> None:
                 assert event[2] == told(sent[name]), name
         return not left and all(came.values())
 
-    await_(exchanged)
+    until(exchanged)
     for name, class_ in classes.items():
         assert decoded(class_, came[name][0]) == sent[name], name
     network.close()
@@ -200,7 +200,7 @@ def test_serialized_messages_are_received(peer: Node, classes: dict[str, Any]) -
             time.sleep(0.1)
             return came  # noqa: B023
 
-        await_(received)
+        until(received)
         assert len(came[0]) > len(encoded(sent))
         assert decoded(class_, came[0]) == sent
     network.close()

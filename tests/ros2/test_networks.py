@@ -6,14 +6,14 @@ Names, types and hashes of the other side are written by hand as ROS 2 has them.
 from __future__ import annotations
 
 import socket
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack
 from types import ModuleType
 from typing import Any
 
 import media
 import pytest
+from patience import until
 
 from rtgen.facts.ros_qos import PROFILES, History, Profile
 from rtgen.facts.ros_zenoh import parse_attachment
@@ -27,15 +27,6 @@ zenoh = pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")
 FLOAT32 = "RIHS01_7170d3d8f841f7be3172ce5f4f59f3a4d7f63b0447e8b33327601ad64d83d6e2"
 DOMAIN = media.own_domain()
 WAIT = 20.0
-
-
-def await_(condition: Callable[[], Any]) -> Any:
-    """Return the value of a condition once it is true."""
-    deadline = time.monotonic() + WAIT
-    while not (found := condition()) and time.monotonic() < deadline:
-        time.sleep(0.01)
-    assert found
-    return found
 
 
 @pytest.fixture
@@ -96,12 +87,12 @@ def test_dds(messages: dict[str, ModuleType], stack: ExitStack) -> None:
     part = participant()
     reader = DataReader(part, Topic(part, "rt/robot/speed", type_), reliable())
     writer = DataWriter(part, Topic(part, "rt/robot/goal", type_), reliable())
-    await_(reader.get_matched_publications)
-    await_(writer.get_matched_subscriptions)
+    until(reader.get_matched_publications)
+    until(writer.get_matched_subscriptions)
     out.write(messages["std_msgs"].Float32(2.5))
-    assert await_(lambda: reader.take(8))[0].data == 2.5
+    assert until(lambda: reader.take(8))[0].data == 2.5
     writer.write(type_(data=-4.0))
-    await_(in_.is_new)
+    until(in_.is_new)
     assert in_.read() == messages["std_msgs"].Float32(-4.0)
 
 
@@ -141,7 +132,7 @@ def test_dds_shows_the_hash_and_the_node(
         found = [p for p in publications.take(64) if p.topic_name == "rt/robot/speed"]
         return found[0] if found else None
 
-    found = await_(speed)
+    found = until(speed)
     assert found.type_name == "std_msgs::msg::dds_::Float32_"
     assert bytes(found.qos[Policy.Userdata].data) == f"typehash={FLOAT32};".encode()
     participants = BuiltinDataReader(part, BuiltinTopicDcpsParticipant)
@@ -157,7 +148,7 @@ def test_dds_shows_the_hash_and_the_node(
             if node.reader_gid_seq and node.writer_gid_seq
         ]
 
-    shown = await_(node)[0]
+    shown = until(node)[0]
     assert (shown.node_namespace, shown.node_name) == ("/robot", "node")
     assert bytes(shown.writer_gid_seq[0].data) == found.key.bytes
 
@@ -189,7 +180,7 @@ def test_a_session_of_zenoh_that_finds_nobody_is_reported(
 
     found, _, _ = zenoh_pair(stack)
     stack.callback(found.close)
-    await_(found._session.info.peers_zid)
+    until(found._session.info.peers_zid)
     found._tell_if_alone()
     assert not caplog.messages
     monkeypatch.setattr(networks, "_REPORT_AFTER", 0.05)
@@ -215,7 +206,7 @@ def test_zenoh(messages: dict[str, ModuleType], stack: ExitStack) -> None:
         out.write(messages["std_msgs"].Float32(2.5))
         return bool(came)
 
-    await_(written)
+    until(written)
     sample = came[0]
     assert sample.payload.to_bytes() == b"\x00\x01\x00\x00\x00\x00\x20\x40"
     attachment = parse_attachment(sample.attachment.to_bytes())
@@ -226,7 +217,7 @@ def test_zenoh(messages: dict[str, ModuleType], stack: ExitStack) -> None:
         publisher.put(b"\x00\x01\x00\x00\x00\x00\x80\xc0")
         return in_.is_new()
 
-    await_(arrived)
+    until(arrived)
     assert in_.read() == messages["std_msgs"].Float32(-4.0)
 
 
@@ -248,7 +239,7 @@ def test_zenoh_shows_its_tokens(
         replies = plain.liveliness().get(f"@ros2_lv/{DOMAIN}/**")
         return {str(reply.ok.key_expr) for reply in replies if reply.ok is not None}
 
-    assert await_(lambda: tokens() if len(tokens()) == 3 else None) == expected
+    assert until(lambda: tokens() if len(tokens()) == 3 else None) == expected
 
 
 @pytest.mark.parametrize("kind", ["dds", "zenoh"])
@@ -271,7 +262,7 @@ def test_late_subscriptions_get_the_last_message(
     one.publisher(topic, PROFILES["map"])(b"\x00\x01\x00\x00" + type_(7.0).to_cdr(True))
     came: list[bytes] = []
     two.subscribe(topic, PROFILES["map"], came.append)
-    assert await_(lambda: came)[0][4:] == type_(7.0).to_cdr(True)
+    assert until(lambda: came)[0][4:] == type_(7.0).to_cdr(True)
 
 
 def test_other_types_are_refused(messages: dict[str, ModuleType]) -> None:
@@ -297,7 +288,7 @@ def test_garbage_is_counted(messages: dict[str, ModuleType], stack: ExitStack) -
         publisher.put(b"\x00\x01\x00\x00\x01")
         return reader.invalid > 0
 
-    await_(refused)
+    until(refused)
     assert not in_.is_new()
 
 
@@ -323,7 +314,7 @@ def test_a_reader_that_takes_nothing_does_not_stop_the_writer(
         Policy.History.KeepAll, Policy.ResourceLimits(1, -1, -1), base=reliable()
     )
     reader = DataReader(part, Topic(part, "rt/robot/slow", class_), full)
-    await_(reader.get_matched_publications)
+    until(reader.get_matched_publications)
     octets = b"\x00\x01\x00\x00" + topic.type("x" * 200_000).to_cdr(True)
 
     def fill() -> None:

@@ -23,8 +23,9 @@ from action_ends import (
     joined,
     servant,
 )
+from patience import until
 from test_managed_nodes import HEAD, Time, sequence, type_
-from test_networks import DOMAIN, await_, participant, reliable
+from test_networks import DOMAIN, participant, reliable
 
 from rtgen.runtime.ros2.actions import joints_of
 from rtgen.runtime.ros2.managed import EVENT_INFO
@@ -123,8 +124,8 @@ class Peer:
         one, other, request, _ = self.service(name)
         writer = DataWriter(self.part, one, reliable("clientid"))
         reader = DataReader(self.part, other, reliable("clientid"))
-        await_(writer.get_matched_subscriptions)
-        await_(reader.get_matched_publications)
+        until(writer.get_matched_subscriptions)
+        until(reader.get_matched_publications)
 
         def send(**members: Any) -> Any:
             writer.write(request(rmw_client=7, rmw_sequence=1, **members))
@@ -140,13 +141,13 @@ class Peer:
         qos = Qos(Policy.History.KeepAll, *more, base=reliable())
         topic = self.topic(f"rt{self.action}/_action/{name}", type_of)
         reader = DataReader(self.part, topic, qos)
-        await_(reader.get_matched_publications)
+        until(reader.get_matched_publications)
         return reader
 
 
 def taken(reader: Any, number: int) -> list[Any]:
     found: list[Any] = []
-    await_(lambda: len(found) >= number or found.extend(reader.take(8)))  # type: ignore[func-returns-value]
+    until(lambda: len(found) >= number or found.extend(reader.take(8)))  # type: ignore[func-returns-value]
     return found
 
 
@@ -160,7 +161,7 @@ def test_a_client_of_cyclonedds(go: ModuleType, stack: ExitStack) -> None:
     peer = Peer(name)
     feedback = peer.reader("feedback", FeedbackMessage)
     send_goal, cancel, get_result = map(peer.requests, SERVICES)
-    [accepted] = await_(send_goal(goal_id=UUID(ONE), goal=Goal(3.0)))
+    [accepted] = until(send_goal(goal_id=UUID(ONE), goal=Goal(3.0)))
     assert accepted.accepted
     found = taken(feedback, 2)
     assert [message.feedback.left for message in found] == [6.0, 3.0]
@@ -171,12 +172,12 @@ def test_a_client_of_cyclonedds(go: ModuleType, stack: ExitStack) -> None:
     assert (list(last.goal_info.goal_id.uuid), last.status) == (ONE, EXECUTING)
     result = get_result(goal_id=UUID(ONE))
     info = GoalInfo(UUID(ONE), Time(0, 0))
-    [cancelled] = await_(cancel(goal_info=info))
+    [cancelled] = until(cancel(goal_info=info))
     assert list(cancelled.goals_canceling[0].goal_id.uuid) == ONE
-    [ended] = await_(result)
+    [ended] = until(result)
     assert (ended.status, ended.result.done) == (CANCELED, False)
     result = get_result(goal_id=UUID(ONE))
-    assert await_(result)[0].status == CANCELED
+    assert until(result)[0].status == CANCELED
 
 
 class Server:
@@ -198,7 +199,7 @@ class Server:
     def answer(self, name: str, **members: Any) -> Any:
         """Take a request, reply to it, and return it."""
         reader, writer, reply = self.ends[name]
-        [request] = await_(lambda: reader.take(8))
+        [request] = until(lambda: reader.take(8))
         client, sequence_ = request.rmw_client, request.rmw_sequence
         writer.write(reply(rmw_client=client, rmw_sequence=sequence_, **members))
         return request
@@ -227,7 +228,7 @@ def test_a_server_of_cyclonedds(go: ModuleType, stack: ExitStack) -> None:
     name = f"/go_{uuid4().hex}"
     joined(stack, dds_network(), asker, name)
     server = Server(Peer(name))
-    await_(server.feedback.get_matched_subscriptions)
+    until(server.feedback.get_matched_subscriptions)
     uuid = go.unique_identifier_msgs.msg.UUID(bytes(ONE))
     done: list[Any] = []
 
@@ -247,10 +248,10 @@ def test_a_server_of_cyclonedds(go: ModuleType, stack: ExitStack) -> None:
     assert (list(goal.goal_id.uuid), goal.goal.x) == (ONE, 2.0)
     for number in range(20):
         server.feedback.write(FeedbackMessage(UUID(ONE), Left(float(number))))
-        await_(lambda: len(came) > number)  # noqa: B023
+        until(lambda: len(came) > number)  # noqa: B023
     server.answer("get_result", status=SUCCEEDED, result=Outcome(True))
     # The server disappears while a call waits, which nothing else would end.
-    await_(lambda: server.ends["get_result"][0].take(8))
+    until(lambda: server.ends["get_result"][0].take(8))
     server.close()
     thread.join()
     assert done == [

@@ -24,7 +24,8 @@ from action_ends import (
     joined,
     servant,
 )
-from test_networks import DOMAIN, await_, zenoh_pair
+from patience import until
+from test_networks import DOMAIN, zenoh_pair
 
 from rtgen.runtime.services.servants import CommunicationFailure, ObjectNotExist
 
@@ -65,7 +66,7 @@ class Peer:
         self._kinds = kinds
         self._action = action
         self._numbers = iter(range(1, 100))
-        self.keys = {name: await_(lambda n=name: self._key(n)) for name in TYPES}
+        self.keys = {name: until(lambda n=name: self._key(n)) for name in TYPES}
 
     def _key(self, name: str) -> str | None:
         """Return the key expression of a part of the action, from its token in the graph."""
@@ -115,7 +116,7 @@ def test_a_client_of_zenoh(go: ModuleType, stack: ExitStack) -> None:
     stack.callback(reading.undeclare)
     goal = struct.pack("<16sd", UUID, 3.0)
     assert peer.request("send_goal", goal)() == struct.pack("<?3xiI", True, 0, 0)
-    await_(lambda: len(feedback) == 2)
+    until(lambda: len(feedback) == 2)
     assert [FEEDBACK.unpack(o[4:]) for o in feedback] == [(UUID, 6.0), (UUID, 3.0)]
     # A late subscription gets the last status, as by rcl_action's profile.
     status: list[bytes] = []
@@ -126,14 +127,14 @@ def test_a_client_of_zenoh(go: ModuleType, stack: ExitStack) -> None:
         history=zenoh.ext.HistoryConfig(detect_late_publishers=True, max_samples=1),
     )
     stack.callback(late.undeclare)
-    await_(lambda: status)
+    until(lambda: status)
     assert STATUS.unpack(status[0][4:]) == (1, UUID, 0, 0, EXECUTING)
     result = peer.request("get_result", UUID)
     cancelled = peer.request("cancel_goal", CANCEL.pack(UUID, 0, 0))()
     assert CANCELING.unpack(cancelled) == (0, 1, UUID, 0, 0)
     assert RESULT.unpack(result()) == (CANCELED, False)
     assert RESULT.unpack(peer.request("get_result", UUID)()) == (CANCELED, False)
-    await_(lambda: STATUS.unpack(status[-1][4:])[-1] == CANCELED)
+    until(lambda: STATUS.unpack(status[-1][4:])[-1] == CANCELED)
 
 
 class Server:
@@ -153,7 +154,7 @@ class Server:
 
     def answer(self, name: str, body: bytes) -> bytes:
         """Receive a request and reply to it; return the body of the request."""
-        await_(lambda: self.queries[name])
+        until(lambda: self.queries[name])
         with self.queries[name].pop() as query:
             octets: bytes = query.payload.to_bytes()
             attachment = query.attachment.to_bytes()
@@ -199,7 +200,7 @@ def test_a_server_of_zenoh(go: ModuleType, stack: ExitStack) -> None:
             return None  # The server is still unknown.
 
     def ask() -> None:
-        done.append(await_(sent).accepted)
+        done.append(until(sent).accepted)
         result = asker.goals.get_result(action.Go_GetResult_Request(uuid))
         done.append((result.status, result.result.done))
         try:
@@ -213,10 +214,10 @@ def test_a_server_of_zenoh(go: ModuleType, stack: ExitStack) -> None:
     assert struct.unpack("<16sd", goal) == (UUID, 2.0)
     for number in range(20):
         server.feedback.put(HEAD + FEEDBACK.pack(UUID, float(number)))
-        await_(lambda: len(came) > number)  # noqa: B023
+        until(lambda: len(came) > number)  # noqa: B023
     assert server.answer("get_result", RESULT.pack(SUCCEEDED, True)) == UUID
     # The server disappears while a call waits, which nothing else would end.
-    await_(lambda: server.queries["get_result"])
+    until(lambda: server.queries["get_result"])
     server.close()
     thread.join()
     assert done == [

@@ -16,13 +16,13 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from pathlib import Path
 from queue import Queue
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 from uuid import uuid4
 
 import pytest
-from patience import PATIENCE
-from test_networks import DOMAIN, await_, participant, reliable, zenoh_pair
+from patience import PATIENCE, until
+from test_networks import DOMAIN, participant, reliable, zenoh_pair
 
 from rtgen.cli import run as rtgen
 from rtgen.compiler.kit.resources import ros_file
@@ -178,15 +178,15 @@ def test_a_client_of_cyclonedds_calls(lamp: ModuleType, stack: ExitStack) -> Non
     part = participant()
     writer = DataWriter(part, Topic(part, REQUEST[0], request), reliable("clientid"))
     reader = DataReader(part, Topic(part, REPLY[0], reply), reliable("clientid"))
-    await_(writer.get_matched_subscriptions)
-    await_(reader.get_matched_publications)
+    until(writer.get_matched_subscriptions)
+    until(reader.get_matched_publications)
     for number, on in enumerate((True, False)):
         writer.write(request(CLIENT, SEQUENCE + number, on))
-        [found] = await_(lambda: reader.take(8))
+        [found] = until(lambda: reader.take(8))
         assert (found.rmw_client, found.rmw_sequence) == (CLIENT, SEQUENCE + number)
         assert (found.success, found.message) == (on, "done")
     publications = BuiltinDataReader(part, BuiltinTopicDcpsPublication)
-    own = await_(lambda: [p for p in publications.take(64) if p.topic_name == REPLY[0]])
+    own = until(lambda: [p for p in publications.take(64) if p.topic_name == REPLY[0]])
     assert own[0].type_name == REPLY[1]
     data = bytes(own[0].qos[Policy.Userdata].data)
     assert data.startswith(b"serviceid=")
@@ -206,7 +206,7 @@ def test_a_server_of_cyclonedds_is_called(lamp: ModuleType, stack: ExitStack) ->
 
     def answer() -> None:
         for _ in range(2):
-            for each in await_(lambda: reader.take(1)):
+            for each in until(lambda: reader.take(1)):
                 # One for another client, then that of the caller.
                 for client in (each.rmw_client ^ 1, each.rmw_client):
                     text = "mine" if client == each.rmw_client else "other"
@@ -239,14 +239,14 @@ def test_a_client_without_the_header_is_not_served(
     )
     reader = DataReader(part, Topic(part, REPLY[0], reply), known)
     for each in (writer, other):
-        await_(each.get_matched_subscriptions)
-    await_(reader.get_matched_publications)
+        until(each.get_matched_subscriptions)
+    until(reader.get_matched_publications)
     for number in range(3):
         writer.write(request(CLIENT, number, True))
-    await_(lambda: caplog.messages)
+    until(lambda: caplog.messages)
     # One that says it is served, behind anything that has come before.
     other.write(request(CLIENT, SEQUENCE, True))
-    [found] = await_(lambda: reader.take(8))
+    [found] = until(lambda: reader.take(8))
     assert found.rmw_sequence == SEQUENCE
     [message] = [m for m in caplog.messages if m.startswith(f"/lab/{NAME}: the client")]
     assert f"in DDS entity {writer.guid.bytes.hex()} gets no response" in message
@@ -272,9 +272,9 @@ def test_a_server_without_the_header_is_not_called(
     served = DataReader(part, topic, reliable("serviceid"))
     other = DataReader(part, topic, reliable())
     writer = DataWriter(part, Topic(part, REPLY[0], reply), reliable("serviceid"))
-    await_(served.get_matched_publications)
-    await_(other.get_matched_publications)
-    await_(writer.get_matched_subscriptions)
+    until(served.get_matched_publications)
+    until(other.get_matched_publications)
+    until(writer.get_matched_subscriptions)
     for _ in range(3):
         with pytest.raises(ServiceError, match="is not called: its middleware"):
             consumer.set(lamp.std_srvs.srv.SetBool_Request(True))
@@ -317,7 +317,7 @@ def test_a_client_of_zenoh_calls(lamp: ModuleType, stack: ExitStack) -> None:
             if r.ok
         ]
 
-    [sample] = await_(replies)
+    [sample] = until(replies)
     assert sample.payload.to_bytes() == b"\x00\x01\x00\x00" + DONE
     sequence, _, size, of = struct.unpack("<qqB16s", sample.attachment.to_bytes())
     assert (sequence, size, of) == (SEQUENCE, 16, gid)
@@ -332,7 +332,7 @@ def test_garbage_has_no_reply(lamp: ModuleType, stack: ExitStack) -> None:
     network, plain, _ = zenoh_pair(stack)
     joined(stack, network, lamp, provides=True, wait=1.0)
     key = zenoh_key(lamp)
-    await_(lambda: [t for t in plain.liveliness().get("@ros2_lv/**") if t.ok])
+    until(lambda: [t for t in plain.liveliness().get("@ros2_lv/**") if t.ok])
     attachment = struct.pack("<qqB16s", 1, 5, 16, bytes(16))
     for payload, more in (
         (b"\x00\x01\x00\x00\x01", None),
@@ -367,7 +367,7 @@ def test_a_server_of_zenoh_is_called(lamp: ModuleType, stack: ExitStack) -> None
         except ServiceError:
             return None
 
-    response = await_(called)
+    response = until(called)
     assert (response.success, response.message) == (True, "done")
     assert came[-1][0] == b"\x00\x01\x00\x00\x01"
     sequence, _, size, _ = struct.unpack("<qqB16s", came[-1][1])
@@ -641,20 +641,28 @@ def test_a_reply_waits_for_the_reader_of_its_client(
     from cyclonedds.sub import DataReader
     from cyclonedds.topic import Topic
 
+    waits = threading.Event()
+
+    def sleep(seconds: float) -> None:
+        waits.set()
+        time.sleep(seconds)
+
+    clock = SimpleNamespace(monotonic=time.monotonic, sleep=sleep)
+    monkeypatch.setattr(dds_services, "time", clock)
     monkeypatch.setattr(dds_services, "_READER_TIMEOUT", PATIENCE)
     joined(stack, dds_network(), lamp, provides=True, wait=1.0)
     request, reply = dds_classes()
     part, other = participant(), participant()
     first = DataReader(other, Topic(other, REPLY[0], reply), reliable())
-    await_(first.get_matched_publications)
+    until(first.get_matched_publications)
     own = reliable("clientid")
     writer = DataWriter(part, Topic(part, REQUEST[0], request), own)
-    await_(writer.get_matched_subscriptions)
+    until(writer.get_matched_subscriptions)
     writer.write(request(CLIENT, SEQUENCE, True))
-    # rmw_cyclonedds creates it first, but discovery keeps no order. Time for an early reply:
-    time.sleep(0.2)
+    # rmw_cyclonedds creates it first, but discovery keeps no order.
+    assert waits.wait(PATIENCE)
     reader = DataReader(part, Topic(part, REPLY[0], reply), own)
-    [found] = await_(lambda: reader.take(8))
+    [found] = until(lambda: reader.take(8))
     assert (found.rmw_client, found.rmw_sequence) == (CLIENT, SEQUENCE)
 
 

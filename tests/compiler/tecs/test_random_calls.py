@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from random import Random
-from time import monotonic, sleep
 from typing import Any
 
 import pytest
+from patience import until
 from random_signatures import Call, plain, sample
 from seeds import budget, seed
 from services import Generated
@@ -37,9 +37,7 @@ class Answers:
 
     def wait_for(self, calls: int) -> None:
         """Wait until this many calls were executed: oneway functions have no reply."""
-        end = monotonic() + LONG
-        while len(self.called) < calls and monotonic() < end:
-            sleep(0.001)
+        until(lambda: len(self.called) >= calls)
 
     def target(self, generated: Generated) -> Any:
         """Return a target with this implementation."""

@@ -36,14 +36,6 @@ def listeners(channel: str) -> int:
     return len(channels.get(channel, ()))
 
 
-def eventually(condition: Callable[[], bool]) -> None:
-    """Wait until a condition holds."""
-    end = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < end, "it did not come"
-        time.sleep(0.005)
-
-
 @contextmanager
 def meanwhile(action: Callable[[], None]) -> Iterator[None]:
     """Run an action in a thread during the block; its exception is raised at the end."""

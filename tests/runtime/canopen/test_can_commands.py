@@ -10,19 +10,11 @@ from pathlib import Path
 
 import can
 import pytest
-from can_commands import (
-    bus,
-    command,
-    eventually,
-    listeners,
-    meanwhile,
-    messages,
-    received,
-    texts,
-)
+from can_commands import bus, command, listeners, meanwhile, messages, received, texts
 from can_nodes import SPECS, nodes
 from device_bench import DEVICE, NODE_ID, number_of
 from json_schemas import valid
+from patience import until
 
 from rtgen.cli import run
 from rtgen.runtime.canopen.bus.links import open_link
@@ -314,7 +306,7 @@ def test_sdo_refusals(capfd: pytest.CaptureFixture[str]) -> None:
 
 def test_sdo_warns_of_a_manager(capfd: pytest.CaptureFixture[str]) -> None:
     def beat() -> None:
-        eventually(lambda: listeners("managed") >= 3)
+        until(lambda: listeners("managed") >= 3)
         peer.send(messages("77F#05")[0])
 
     with nodes("managed", PAIR), bus("managed") as peer, meanwhile(beat):
@@ -491,7 +483,7 @@ def test_plot_live_and_refusals(
     target = str(tmp_path / "p.csv")
 
     def send() -> None:
-        eventually(lambda: listeners("plot") >= 2)
+        until(lambda: listeners("plot") >= 2)
         peer.send(messages("482#01000000")[0])
 
     base = ["plot", "palette.Angle_reference", "--bus", LINKED]

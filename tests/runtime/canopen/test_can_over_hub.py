@@ -11,11 +11,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from can_commands import eventually
 from can_nodes import SPECS, nodes
 from hub_process import HubProcess
 from json_schemas import valid
-from patience import PATIENCE
+from patience import PATIENCE, until
 
 from rtgen.cli import run
 
@@ -95,7 +94,7 @@ def test_a_record_of_a_network_shows_what_was_live(
             assert run([*sdo, "read", "palette", "1018:2"]) == 0
             # A frame after the last answer, until both have received it.
             with hub.raw() as end:
-                eventually(lambda: end.sendall(MARK) or " 7E0#" in path.read_text())
+                until(lambda: end.sendall(MARK) or " 7E0#" in path.read_text())
             while '"7E0"' not in lines[-1]:
                 lines.append(monitor.stdout.readline())
             live = frames("".join(lines))

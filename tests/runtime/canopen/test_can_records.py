@@ -19,7 +19,6 @@ import pytest
 from can_commands import (
     bus,
     command,
-    eventually,
     listeners,
     meanwhile,
     messages,
@@ -28,7 +27,7 @@ from can_commands import (
     texts,
 )
 from json_schemas import valid
-from patience import PATIENCE
+from patience import PATIENCE, until
 from rich.console import Console as Terminal
 
 from rtgen.cli import run
@@ -64,7 +63,7 @@ def untimed(found: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def sent_when(channel: str, count: int, peer: can.BusABC) -> None:
-    eventually(lambda: listeners(channel) >= count)
+    until(lambda: listeners(channel) >= count)
     for message in messages(*TRAFFIC):
         peer.send(message)
 

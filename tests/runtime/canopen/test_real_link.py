@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import socket
 import threading
-import time
 from collections.abc import Callable, Iterable, Iterator
 from itertools import count
 
@@ -174,7 +173,12 @@ def test_timers(channel: str, peer: can.BusABC) -> None:
         producer.deadline = None
         link.refresh(producer)
         polls = len(producer.polls)
-    time.sleep(0.03)
+    other = Recorder(2)
+    other.period = 5_000_000
+    other.deadline = link.now()
+    link.attach(other)
+    until(link, lambda: len(other.polls) == 6)
+    link.detach(other)
     assert len(producer.polls) == polls
     assert producer.polls == sorted(producer.polls)
     # A distant timer is set to an earlier time.

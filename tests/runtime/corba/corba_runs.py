@@ -13,7 +13,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
-from patience import PATIENCE
+from patience import PATIENCE, until
 
 from rtgen import runtime
 from rtgen.runtime.corba.transport import NamedCorba
@@ -22,15 +22,6 @@ ROOT = Path(__file__).parents[3]
 BOARD = ROOT / "specs" / "tecs" / "rh3_board.xml"
 NAVIGATION = ROOT / "specs" / "navigation" / "rh3_goal.xml"
 REAL = ["--clock", "real", "--transport", "corba"]
-
-
-def wait_for(condition: Callable[[], object]) -> Any:
-    """Return the value of a condition, once it is true."""
-    deadline = time.monotonic() + PATIENCE
-    while not (found := condition()):
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
-    return found
 
 
 class Run:
@@ -83,7 +74,7 @@ class Run:
 
     def until(self, condition: Callable[[], object]) -> None:
         """Wait until a condition holds, which the process fulfils."""
-        wait_for(lambda: self.process.poll() is not None or condition())
+        until(lambda: self.process.poll() is not None or condition())
         assert condition(), self.error_text()
 
     def samples(self) -> list[dict[str, Any]]:

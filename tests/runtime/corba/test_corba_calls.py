@@ -9,14 +9,14 @@ from pathlib import Path
 
 import pytest
 from msgspec.structs import replace
-from patience import PATIENCE
+from patience import PATIENCE, until
 
 pytest.importorskip("omniORB", reason="omniORBpy is not installed")
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "compiler" / "types"))
 
 import emitted
-from corba_runs import Here, Run, answers, wait_for
+from corba_runs import Here, Run, answers
 
 from rtgen import runtime
 from rtgen.compiler import model
@@ -109,7 +109,7 @@ def test_who_is_missing_is_named(here: Here, serving: Callable[[], Run]) -> None
     here.connect()
     assert here.transport.missing == ["Counter0"]
     serving()
-    wait_for(lambda: not here.transport.missing)
+    until(lambda: not here.transport.missing)
 
 
 def test_only_ports_that_are_there_reach_other_processes(here: Here) -> None:
@@ -168,7 +168,7 @@ def test_a_call_takes_no_longer_than_the_time_out_and_is_sent_once(
     assert here.adder.add(2, 3) == 5
     with pytest.raises(runtime.CallTimeout):
         here.adder.nap(2.0)
-    wait_for(lambda: answers(here) and here.adder.naps == 1)
+    until(lambda: answers(here) and here.adder.naps == 1)
     here.adder.nap(0.0)
     assert here.adder.naps == 2
 

@@ -12,13 +12,13 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
-from patience import PATIENCE
+from patience import PATIENCE, until
 
 pytest.importorskip("omniORB", reason="omniORBpy is not installed")
 
 
 import omniORB
-from corba_runs import REAL, Here, Run, wait_for
+from corba_runs import REAL, Here, Run
 from omniORB import CORBA
 
 from rtgen import runtime
@@ -71,7 +71,7 @@ def test_a_process_that_is_killed_and_started_again(
         except runtime.CommunicationFailure:
             return False
 
-    wait_for(answered)
+    until(answered)
 
 
 def test_calls_go_on_without_the_naming_service(
@@ -130,8 +130,7 @@ def test_nobody_serves_what_is_called(start: Callable[..., Run]) -> None:
 @pytest.mark.slow
 def test_ctrl_c_while_waiting(start: Callable[..., Run]) -> None:
     caller = start("--only", "Caller0")
-    caller.wait_for("naming service")
-    time.sleep(0.3)
+    caller.wait_for("waiting for other processes")
     caller.process.send_signal(signal.SIGINT)
     assert caller.code() == 130, caller.error_text()
 
@@ -233,7 +232,7 @@ def test_a_naming_service_ends_with_its_process_though_that_is_killed() -> None:
             return True
         return False
 
-    wait_for(is_gone)
+    until(is_gone)
 
 
 def test_a_missing_package_is_reported_with_its_extra(

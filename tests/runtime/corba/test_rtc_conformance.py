@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from patience import until
 
 pytest.importorskip("omniORB", reason="omniORBpy is not installed")
 
-from corba_runs import NAVIGATION, ROOT, Run, wait_for
+from corba_runs import NAVIGATION, ROOT, Run
 from gauge_component import PATIENCE, Bench, definition, failed, serving
 from json_schemas import valid
 from omniORB import CORBA
@@ -133,10 +134,10 @@ def test_a_participant_in_the_context_of_another_component(
 def in_error(bench: Bench) -> Iterator[None]:
     """Put the component in ERROR meanwhile."""
     assert bench.context.fail_component(bench.gauge, "by the test") is RTC_OK
-    wait_for(lambda: bench.state == "ERROR_STATE")
+    until(lambda: bench.state == "ERROR_STATE")
     yield
     assert bench.context.reset_component(bench.gauge) is RTC_OK
-    wait_for(lambda: bench.state == "INACTIVE_STATE")
+    until(lambda: bench.state == "INACTIVE_STATE")
 
 
 def test_a_component_in_error_stays_there(
@@ -158,10 +159,10 @@ def test_a_component_in_error_stays_there(
 def active(bench: Bench) -> Iterator[None]:
     """Put the component in ACTIVE meanwhile."""
     assert bench.context.activate_component(bench.gauge) is RTC_OK
-    wait_for(lambda: bench.state == "ACTIVE_STATE")
+    until(lambda: bench.state == "ACTIVE_STATE")
     yield
     assert bench.context.deactivate_component(bench.gauge) is RTC_OK
-    wait_for(lambda: bench.state == "INACTIVE_STATE")
+    until(lambda: bench.state == "INACTIVE_STATE")
 
 
 def test_an_active_component_is_active_again(active: None, bench: Bench) -> None:

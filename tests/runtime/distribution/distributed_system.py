@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import threading
-import time
-from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Any
 
-from patience import PATIENCE
+from patience import PATIENCE, until
 
 from refrobots._idl.basic_data_type import Time, TimedDouble
 from rtgen import runtime
@@ -22,15 +20,6 @@ from rtgen.runtime.opaque_rpc.interface import OpaqueRpc, OpaqueRpcFailed
 def sample(number: float) -> TimedDouble:
     """Return a sample with a number."""
     return TimedDouble(Time(1, 2), number)
-
-
-def wait_for(condition: Callable[[], object]) -> Any:
-    """Return the value of a condition, once it is true."""
-    deadline = time.monotonic() + PATIENCE
-    while not (found := condition()):
-        assert time.monotonic() < deadline
-        time.sleep(0.005)
-    return found
 
 
 class Servant(OpaqueRpc):
@@ -106,7 +95,7 @@ class Node(runtime.Component):
 
 def arrived(node: Node, numbers: list[float]) -> None:
     """Wait until a component has received these numbers, and check that it received no others."""
-    wait_for(lambda: len(node.take()) >= len(numbers))
+    until(lambda: len(node.take()) >= len(numbers))
     assert node.take() == numbers
 
 

@@ -10,7 +10,7 @@ from collections import deque
 from pathlib import Path
 
 from fault_table import bound
-from patience import PATIENCE
+from patience import until
 
 from rtgen.runtime.timing.clocks import SECOND
 
@@ -103,11 +103,11 @@ class Run:
 
     def wait_for(self, text: str) -> None:
         """Wait until standard error has a text."""
-        deadline = time.monotonic() + PATIENCE
-        while text not in self.errors:
-            assert self.process.poll() is None, self.errors
-            assert time.monotonic() < deadline, self.errors
-            time.sleep(0.05)
+        until(
+            lambda: text in self.errors or self.process.poll() is not None,
+            shown=lambda: self.errors,
+        )
+        assert text in self.errors, self.errors
 
     def kill(self) -> None:
         """Kill the process."""

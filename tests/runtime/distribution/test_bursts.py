@@ -13,8 +13,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from distributed_system import wait_for
-from patience import PATIENCE
+from patience import PATIENCE, until
 
 pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
 
@@ -147,7 +146,7 @@ def test_the_end_of_a_burst_arrives(reliability: str) -> None:
                 publisher.publish(payloads[0])
                 return reader.says("begin")
 
-            wait_for(has_begun)
+            until(has_begun)
             for payload in payloads[1:]:
                 publisher.publish(payload)
             if reliability == "reliable":

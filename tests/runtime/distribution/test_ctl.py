@@ -9,8 +9,9 @@ from pathlib import Path
 
 import media
 import pytest
-from distributed_system import Process, wait_for
+from distributed_system import Process
 from json_schemas import valid
+from patience import until
 
 from rtgen import runtime
 from rtgen.cli import run as rtgen
@@ -108,7 +109,7 @@ def test_the_condition_of_the_system_is_stated(
     assert condition("a", "b", "c") == "degraded, without a, c"
     node.node("b").fails = True
     assert ctl("activate", "b", "--wait", "20")[0] in (0, 1)
-    wait_for(lambda: node.system.state("b") is runtime.LifeCycleState.ERROR_STATE)
+    until(lambda: node.system.state("b") is runtime.LifeCycleState.ERROR_STATE)
     assert condition("b") == "degraded, b in ERROR"
     assert condition("b", "c") == "degraded, without c, b in ERROR"
     assert "condition" not in ctl("list", "--wait", "20")[2]
@@ -122,7 +123,7 @@ def test_components_are_steered(node: Process, ctl: Ctl) -> None:
     assert code == 1
     assert "b refuses: PRECONDITION_NOT_MET; it is ACTIVE" in text
     node.node("b").fails = True
-    wait_for(lambda: state("b") is runtime.LifeCycleState.ERROR_STATE)
+    until(lambda: state("b") is runtime.LifeCycleState.ERROR_STATE)
     assert "ERROR (it is to fail)" in ctl("list", "--wait", "20")[1]
     node.node("b").fails = False
     assert ctl("reset", "b", "--wait", "20")[0] == 0
@@ -134,7 +135,7 @@ def test_components_are_steered(node: Process, ctl: Ctl) -> None:
 def test_parameters_are_read_and_set(node: Process, ctl: Ctl) -> None:
     assert ctl("get", "b", "--wait", "20")[:2] == (0, "b.gain = 1.0\n")
     assert ctl("set", "b.gain=2.5", "--wait", "20")[0] == 0
-    wait_for(lambda: node.node("b").config.gain == 2.5)
+    until(lambda: node.node("b").config.gain == 2.5)
     text = ctl("get", "b.gain", "--json", "--wait", "20")[1]
     assert valid(text, "ctl.schema.json", "get") == {"b": {"gain": "2.5"}}
     code, _, text = ctl("set", "b.gain=high", "--wait", "20")
@@ -143,7 +144,7 @@ def test_parameters_are_read_and_set(node: Process, ctl: Ctl) -> None:
     assert ctl("get", "b.speed", "--wait", "20")[0] == 1
     assert ctl("set", "b.gain=4", "--in", "fast", "--wait", "20")[0] == 0
     assert ctl("use", "b", "fast", "--wait", "20")[0] == 0
-    wait_for(lambda: node.node("b").config.gain == 4.0)
+    until(lambda: node.node("b").config.gain == 4.0)
     code, _, text = ctl("use", "b", "slow", "--wait", "20")
     assert code == 1
     assert text == "Error: b has no configuration set 'slow'; known: default, fast\n"

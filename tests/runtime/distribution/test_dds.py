@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from distributed_system import Process, arrived, sample, wait_for
-from patience import PATIENCE
+from distributed_system import Process, arrived, sample
+from patience import PATIENCE, until
 from seeds import cases
 
 pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
@@ -169,9 +169,9 @@ def test_a_program_of_cyclonedds_reads_and_drives_a_component(
         )
     )
     stack.callback(peer.kill)
-    wait_for(lambda: node.take() or peer.poll() is not None)
+    until(lambda: node.take() or peer.poll() is not None)
     topic = process.transport._published["a"].topics["out"]
-    wait_for(lambda: topic.open().matched or peer.poll() is not None)
+    until(lambda: topic.open().matched or peer.poll() is not None)
     for number in range(5):
         node.out.write(sample(number))
     output, _ = peer.communicate(timeout=PATIENCE)
@@ -236,7 +236,7 @@ def test_a_program_of_cyclonedds_serves_a_client(
         except runtime.ObjectNotExist:
             return None
 
-    assert wait_for(found) == b"yx3"
+    assert until(found) == b"yx3"
     with pytest.raises(OpaqueRpcFailed) as failure:
         service.invoke("begin", (b"", 9))
     assert (failure.value.code, failure.value.reason) == (9, "empty")
@@ -254,10 +254,10 @@ def test_big_samples(stack: ExitStack, partition: str) -> None:
     got: list[Sample] = []
     there.subscribe(topic, Qos(), got.append)
     publisher = here.publisher(topic, Qos())
-    wait_for(lambda: publisher.matched)
+    until(lambda: publisher.matched)
     value = rtc.TimedOctetSeq(data=os.urandom(10_000_000))
     publisher.publish(encoder(rtc.TimedOctetSeq)(value))
-    wait_for(lambda: got)
+    until(lambda: got)
     assert xcdr.deserialize(rtc.TimedOctetSeq, got[0].octets) == value
 
 
@@ -276,7 +276,7 @@ def test_a_slow_reader_holds_up_a_writer_that_keeps_all(
     qos = Qos(depth=None, patience=0.01)
     there.subscribe(topic, qos, on_sample)
     publisher = here.publisher(topic, qos)
-    wait_for(lambda: publisher.matched)
+    until(lambda: publisher.matched)
     octets = encoder(rtc.TimedOctetSeq)(rtc.TimedOctetSeq(data=bytes(1000)))
 
     def has_room() -> bool:
@@ -290,7 +290,7 @@ def test_a_slow_reader_holds_up_a_writer_that_keeps_all(
     while has_room():
         sent += 1
     go_on.set()
-    wait_for(lambda: len(got) == sent)
+    until(lambda: len(got) == sent)
     assert [one.sequence for one in got] == [*range(1, sent + 1)]
 
 
@@ -301,9 +301,9 @@ def test_partitions_are_systems(stack: ExitStack, partition: str) -> None:
     mine = medium(stack, partition)
     mine.subscribe(Topic("t", rtc.TimedLong), Qos(), got.append)
     publisher = here.publisher(Topic("t", rtc.TimedLong), Qos())
-    wait_for(lambda: publisher.matched)
+    until(lambda: publisher.matched)
     publisher.publish(encoder(rtc.TimedLong)(rtc.TimedLong()))
-    wait_for(lambda: got)
+    until(lambda: got)
     assert len(got) == 1
 
 
@@ -314,7 +314,7 @@ def test_garbage_on_a_topic_is_counted(
     other = medium(stack, partition)
     # The same topic, with octets that are no sample of the type.
     publisher = other.publisher(Topic("a/in/in", rtc.TimedDouble), Qos())
-    wait_for(lambda: publisher.matched)
+    until(lambda: publisher.matched)
     with pytest.raises(MediumError):
         publisher.publish(b"\0\1\0\0")
     publisher.publish(encoder(rtc.TimedDouble)(rtc.TimedDouble(data=4.0)))
@@ -333,7 +333,7 @@ def test_garbage_at_the_ports_of_a_domain_harms_nobody(
     for process in (a, b):
         process.ready()
     out, node = a.node("a").out, b.node("b")
-    wait_for(lambda: out.write(sample(-1)) is not None and node.take())
+    until(lambda: out.write(sample(-1)) is not None and node.take())
     # DDSI-RTPS 2.5, 9.6.1.1: the ports of participants for discovery and samples.
     ports = [7410 + 250 * DOMAIN + offset for offset in range(20)]
     sender = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
@@ -343,7 +343,7 @@ def test_garbage_at_the_ports_of_a_domain_harms_nobody(
             with suppress(ConnectionError):  # nobody listens at that port
                 sender.sendto(strange(drawn), ("127.0.0.1", drawn.choice(ports)))
         out.write(sample(number))
-        wait_for(lambda number=number: node.take()[-1] == number)
+        until(lambda number=number: node.take()[-1] == number)
     arrived = [each for each in node.received if each >= 0]
     assert arrived == [*map(float, range(number + 1))]
     assert connector.lost == connector.arrivals.invalid == 0
@@ -388,7 +388,7 @@ def test_readers_come_and_go_while_a_publisher_looks(
     looking.start()
     for _ in range(40):
         opened = [there.subscribe(topic, Qos(), lambda _: None) for _ in range(10)]
-        wait_for(lambda: publisher.matched)
+        until(lambda: publisher.matched)
         for each in opened:
             each.close()
     over.set()
@@ -523,9 +523,9 @@ def test_a_process_that_stands_still_is_lost_after_the_lease_of_a_connection(
     stack.callback(run.kill)
     seen: list[bool] = []
     watcher.watch("PositionInput0/", lambda _, present: seen.append(present))
-    wait_for(lambda: seen)
+    until(lambda: seen)
     run.process.send_signal(signal.SIGSTOP)
-    wait_for(lambda: len(seen) > 1)
+    until(lambda: len(seen) > 1)
     assert seen == [True, False]
 
 
@@ -581,11 +581,11 @@ def test_rh3_in_three_processes_survives_the_loss_of_one(
         (console, "PositionInput0"),
     ):
         run.wait_for(f"{instance} ACTIVE")
-    wait_for(lambda: wheels.turn)
+    until(lambda: wheels.turn)
     way.kill()
     robot.wait_for("PathFollower0 is lost")
     console.wait_for("Navigation0 is lost")
-    wait_for(lambda: len(wheels.after_bound()) >= 50)
+    until(lambda: len(wheels.after_bound()) >= 50)
     assert len(set(wheels.after_bound())) == 1
     again = start(WAY)
     again.wait_for("PathFollower0 ACTIVE")

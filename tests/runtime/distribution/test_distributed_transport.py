@@ -8,8 +8,8 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from distributed_system import Process, Servant, arrived, sample, wait_for
-from patience import PATIENCE
+from distributed_system import Process, Servant, arrived, sample
+from patience import PATIENCE, until
 
 from rtgen import runtime
 from rtgen.runtime.cdr import CdrError
@@ -69,7 +69,7 @@ def test_full_buffers_are_those_of_the_receiving_end(
     connector = connect(*pair, buffer__length="2", buffer__write__full_policy=policy)
     for number in range(5):
         pair[0].node("a").out.write(sample(number))
-    wait_for(lambda: connector.lost == 3)
+    until(lambda: connector.lost == 3)
     kept = {"overwrite": [3.0, 4.0], "do_nothing": [0.0, 1.0]}[policy]
     assert pair[1].node("b").take() == kept
 
@@ -82,7 +82,7 @@ def test_missed_deadlines_are_in_the_report_of_a_run(
     assert not list(losses(node, runtime.ACTIVE_STATE))
     pair[0].node("a").out.write(sample(1))
     arrived(node, [1])
-    wait_for(lambda: connector.missed_deadlines > 1)
+    until(lambda: connector.missed_deadlines > 1)
     [line] = losses(node, runtime.ACTIVE_STATE)
     assert line.startswith("b.in: no sample of a.out within 0.01 s, ")
     assert line.endswith(" times: dataport.qos.deadline")
@@ -139,10 +139,10 @@ def test_programs_without_rtgen_read_and_write_ports(
     read: list[Sample] = []
     medium.subscribe(out_topic("a", "out", type_), Qos(durable=True), read.append)
     node.out.write(sample(3))
-    wait_for(lambda: read)
+    until(lambda: read)
     assert [deserialize(type_, each.octets) for each in read] == [sample(3)]
     writer = medium.publisher(in_topic("a", "in", type_), Qos())
-    wait_for(lambda: writer.matched)
+    until(lambda: writer.matched)
     writer.publish(encoder(type_)(sample(4)))
     arrived(node, [4])
 
@@ -220,7 +220,7 @@ def test_a_client_of_a_base_calls_a_provider_of_a_derived_interface(
             except runtime.ObjectNotExist:
                 return None
 
-        assert wait_for(found) == b"abab"
+        assert until(found) == b"abab"
         calls.close()
 
 
@@ -259,7 +259,7 @@ def test_a_call_that_takes_too_long_times_out(start: Start, network: Any) -> Non
     there.activate("b")
     with Process(network.medium(), "a", timeout=0.01) as here:
         here.connect("a.taken", "b.given")
-        wait_for(lambda: here.transport.peers.description("b"))
+        until(lambda: here.transport.peers.description("b"))
         here.ready()
         rpc = here.node("a").consumer.object
         with pytest.raises(runtime.CallTimeout):
@@ -282,12 +282,12 @@ def test_a_process_that_dies_fails_the_call_and_is_found_again(
 
     caller = threading.Thread(target=call)
     caller.start()
-    wait_for(lambda: there.node("b").servant.held.is_set())
+    until(lambda: there.node("b").servant.held.is_set())
     there.medium.close()
     caller.join()
     assert [type(error) for error in raised] == [runtime.CommunicationFailure]
     there.node("b").servant.wait.set()
-    wait_for(lambda: here.transport.peers.is_lost("b"))
+    until(lambda: here.transport.peers.is_lost("b"))
     with pytest.raises(runtime.ObjectNotExist):
         rpc.end()
     again = start("b")
@@ -302,7 +302,7 @@ def test_requests_are_carried_out_once(
     medium = network.medium()
     seen: list[str] = []
     medium.watch("b/", lambda name, present: seen.append(name))
-    wait_for(lambda: seen)
+    until(lambda: seen)
     types = interface_types(OpaqueRpc)
     client = medium.client("b/given/rpc", types)
     end = types.operations["end"]
@@ -320,7 +320,7 @@ def test_requests_are_carried_out_once(
     assert reply.header.related_request_id == request.header.request_id
     assert reply.header.remote_ex.name == "REMOTE_EX_UNKNOWN_OPERATION"
     servant = called[1].node("b").servant
-    wait_for(lambda: servant.calls)
+    until(lambda: servant.calls)
     assert servant.calls == ["end"]
 
 
@@ -335,7 +335,7 @@ def test_a_lost_process_is_a_lost_connection(
     out = here.node("a").out
     assert out.write(sample(1)) is runtime.PORT_OK
     there.medium.close()
-    wait_for(lambda: here.transport.peers.is_lost("b"))
+    until(lambda: here.transport.peers.is_lost("b"))
     assert out.write(sample(2)) is runtime.PortStatus.CONNECTION_LOST
     again = start("b")
     again.connect("a.out", "b.in")
@@ -357,7 +357,7 @@ def test_a_lost_process_fails_who_needs_it_once_until_it_is_back(
     here.ready()
     here.activate("a")
     there.medium.close()
-    wait_for(lambda: state("a") is runtime.LifeCycleState.ERROR_STATE)
+    until(lambda: state("a") is runtime.LifeCycleState.ERROR_STATE)
     assert "b is lost" in here.system.statistics("a").reason
     ticks = here.system.statistics("a").ticks
     again = start("b")
@@ -367,12 +367,12 @@ def test_a_lost_process_fails_who_needs_it_once_until_it_is_back(
     assert here.system.statistics("a").ticks == ticks
     assert sum(text.startswith("a: ") for text in caplog.messages) == 1
     here.system.reset("a")
-    wait_for(lambda: state("a") is runtime.LifeCycleState.INACTIVE_STATE)
+    until(lambda: state("a") is runtime.LifeCycleState.INACTIVE_STATE)
     here.activate("a")
     assert here.node("a").out.write(sample(3)) is runtime.PORT_OK
     arrived(again.node("b"), [3])
     again.medium.close()
-    wait_for(lambda: state("a") is runtime.LifeCycleState.ERROR_STATE)
+    until(lambda: state("a") is runtime.LifeCycleState.ERROR_STATE)
 
 
 def test_a_lost_process_fails_nobody_who_can_do_without_it(
@@ -384,9 +384,9 @@ def test_a_lost_process_fails_nobody_who_can_do_without_it(
     here.ready()
     here.activate("a")
     there.medium.close()
-    wait_for(lambda: here.transport.peers.is_lost("b"))
+    until(lambda: here.transport.peers.is_lost("b"))
     before = here.system.statistics("a").ticks
-    wait_for(lambda: here.system.statistics("a").ticks > before + 2)
+    until(lambda: here.system.statistics("a").ticks > before + 2)
     assert here.system.state("a") is runtime.LifeCycleState.ACTIVE_STATE
 
 
@@ -399,7 +399,7 @@ def test_who_is_missing_is_named(start: Start) -> None:
 
 def test_two_processes_do_not_run_one_instance(start: Start) -> None:
     here, _ = start("a"), start("a")
-    wait_for(lambda: here.transport.peers.is_elsewhere("a"))
+    until(lambda: here.transport.peers.is_elsewhere("a"))
     with pytest.raises(runtime.TransportError, match="runs a, too"):
         here.transport.await_others(0)
 

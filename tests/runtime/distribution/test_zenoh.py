@@ -19,8 +19,8 @@ from typing import Any
 
 import media
 import pytest
-from distributed_system import Process, sample, wait_for
-from patience import PATIENCE
+from distributed_system import Process, sample
+from patience import PATIENCE, until
 from seeds import cases
 
 pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")
@@ -82,10 +82,10 @@ def test_a_program_of_eclipse_zenoh_reads_and_drives_a_component(
     )
     writer = program.declare_publisher("plain/topic/a/in/in/RTC::TimedDouble")
     node.out.write(sample(-1))
-    wait_for(lambda: node.out.write(sample(-1)) is not None and read)
+    until(lambda: node.out.write(sample(-1)) is not None and read)
     for number in range(500):
         node.out.write(sample(number))
-    wait_for(lambda: TIMED_DOUBLE.unpack(read[-1])[2] == 499)
+    until(lambda: TIMED_DOUBLE.unpack(read[-1])[2] == 499)
     values = [TIMED_DOUBLE.unpack(octets) for octets in read]
     assert {octets[:4] for octets in read} == {HEADER}
     assert [v for v in values if v[2] >= 0] == [(1, 2, n) for n in range(500)]
@@ -94,7 +94,7 @@ def test_a_program_of_eclipse_zenoh_reads_and_drives_a_component(
         writer.put(HEADER + TIMED_DOUBLE.pack(3, 4, 7.5)[4:])
         return node.inward.is_new()
 
-    wait_for(driven)
+    until(driven)
     value = node.inward.read()
     assert (value.tm.sec, value.tm.nsec, value.data) == (3, 4, 7.5)
     subscriber.undeclare()
@@ -119,7 +119,7 @@ def test_a_program_of_eclipse_zenoh_counts_what_it_misses(
         program, "plain/topic/a/out/out/RTC::TimedDouble", on_sample
     )
     subscriber.sample_miss_listener(lambda miss: misses.append(miss.nb))
-    wait_for(lambda: publisher.matched)
+    until(lambda: publisher.matched)
     sent = 0
 
     def send(octets: bytes = b"") -> None:
@@ -131,10 +131,10 @@ def test_a_program_of_eclipse_zenoh_counts_what_it_misses(
         for _ in range(1000):
             send(bytes(50_000))
 
-    wait_for(lambda: send() or numbers)
-    wait_for(lambda: flood() or misses)  # Zenoh drops samples when its queues are full
+    until(lambda: send() or numbers)
+    until(lambda: flood() or misses)  # Zenoh drops samples when its queues are full
     flooded = sent
-    wait_for(lambda: send() or numbers[-1] >= flooded)
+    until(lambda: send() or numbers[-1] >= flooded)
     subscriber.undeclare()
     assert sum(misses) == numbers[-1] - numbers[0] + 1 - len(numbers)
 
@@ -163,7 +163,7 @@ def test_the_window_opens_for_any_identity_and_beyond_the_highest_number(
         return False  # The subscription was still unknown.
 
     with pytest.raises(PublishTimeoutError, match="t: a subscription is 64 samples"):
-        wait_for(flood)
+        until(flood)
 
 
 @pytest.mark.parametrize(
@@ -196,14 +196,14 @@ def test_garbage_is_counted_and_harms_nobody(
             program.put(key, octets, attachment=octets[:24])
         return connector.arrivals.invalid
 
-    wait_for(send_all)
+    until(send_all)
     for key in ("plain/service/b/control", "plain/service/b/given/rpc"):
         for reply in program.get(key, payload=octets, timeout=0.3):
             assert reply.ok is None or reply.ok.payload.to_bytes()
     token = program.liveliness().declare_token("plain/presence/strange")
     for number in range(5):
         a.node("a").out.write(sample(number))
-    wait_for(lambda: b.node("b").take()[-1:] == [4.0])
+    until(lambda: b.node("b").take()[-1:] == [4.0])
     assert b.node("b").received == [0.0, 1.0, 2.0, 3.0, 4.0]
     assert connector.lost == connector.arrivals.invalid
     assert not [name for name in b.transport.peers.instances if name not in "ab"]
@@ -232,19 +232,19 @@ def test_a_router_that_is_started_again_is_found(
     a.transport.peers.listeners.append(
         lambda instance, presence: reports.append((instance, presence))
     )
-    wait_for(lambda: a.transport.peers.is_lost("b") and b.transport.peers.is_lost("a"))
+    until(lambda: a.transport.peers.is_lost("b") and b.transport.peers.is_lost("a"))
     with media.router(locator):
-        wait_for(lambda: a.transport.peers.is_elsewhere("b"))
-        wait_for(lambda: "a" in a.transport.peers.instances)
+        until(lambda: a.transport.peers.is_elsewhere("b"))
+        until(lambda: "a" in a.transport.peers.instances)
         node, other = a.node("a"), b.node("b")
         numbers = iter(range(1, 100_000))
-        wait_for(
+        until(
             lambda: (node.out.write(sample(next(numbers))) and other.take())
             or other.take()
         )
         assert other.received == sorted(set(other.received))
         assert connector.arrivals.doubles == 0
-        wait_for(lambda: ("b", Presence.BACK) in reports)
+        until(lambda: ("b", Presence.BACK) in reports)
         assert {instance for instance, _ in reports} == {"b"}
         b.close()
         a.close()
@@ -269,9 +269,9 @@ def test_routers_of_robots_join_at_a_site(stack: ExitStack, locator: str) -> Non
             robot.node("a").out.write(sample(float(name[-1])))
         return site.node("b").take()
 
-    wait_for(arrives)
+    until(arrives)
     assert set(site.node("b").take()) == {1.0}
-    wait_for(lambda: site.transport.peers.is_elsewhere("a"))
+    until(lambda: site.transport.peers.is_elsewhere("a"))
     description = site.transport.peers.description("a")
     assert description is not None
     assert list(description.out_ports) == ["out"]
@@ -284,8 +284,8 @@ def test_routers_of_robots_join_at_a_site(stack: ExitStack, locator: str) -> Non
         robots["site/robot1"].node("a").out.write(sample(3.0))
         return c.node("c").take()
 
-    wait_for(goes_on)
-    wait_for(lambda: site.transport.peers.is_lost("a"))
+    until(goes_on)
+    until(lambda: site.transport.peers.is_lost("a"))
 
 
 @pytest.mark.parametrize(
@@ -315,7 +315,7 @@ def test_a_session_that_does_not_open_is_reported(
     opened = object()
 
     def slow(_: object) -> object:
-        wait_for(lambda: caplog.messages)
+        until(lambda: caplog.messages)
         return opened
 
     monkeypatch.setattr(session.zenoh, "open", slow)
@@ -336,7 +336,7 @@ def test_locators_replace_those_of_the_file(tmp_path: Path, locator: str) -> Non
         open_session(Endpoints(file, listen=(locator,))),
         plain_session(locator) as session,
     ):
-        wait_for(lambda: session.info.peers_zid())
+        until(lambda: session.info.peers_zid())
 
 
 def test_processes_of_one_machine_meet_without_options(
@@ -354,12 +354,12 @@ def test_processes_of_one_machine_meet_without_options(
     third.watch("", lambda name, present: seen.append((name, present)))
     second.announce("second")
     first.announce("first")
-    wait_for(lambda: len(seen) == 2)
+    until(lambda: len(seen) == 2)
     # The first one listened at the meeting place: the others continue, and are found.
     first.close()
-    wait_for(lambda: ("first", False) in seen)
+    until(lambda: ("first", False) in seen)
     joined().announce("fourth")
-    wait_for(lambda: ("fourth", True) in seen)
+    until(lambda: ("fourth", True) in seen)
     assert ("second", False) not in seen
 
 
@@ -430,7 +430,7 @@ def test_files_of_zenoh_encrypt_and_keep_strangers_out(
         medium.watch("", lambda name, _, who=who: seen.append((who, name)))
     for medium, name in ((others[0], "a"), (others[1], "b"), (members[1], "c")):
         medium.announce(name)
-    wait_for(lambda: len(seen) == 2)
+    until(lambda: len(seen) == 2)
     # Announcements of a stranger are visible to the stranger alone.
     assert sorted(seen) == [("member", "c"), ("stranger", "a")]
 
@@ -514,7 +514,7 @@ def test_garbage_at_the_port_harms_nobody(stack: ExitStack, locator: str) -> Non
     for process in (a, b):
         process.ready()
     out, node = a.node("a").out, b.node("b")
-    wait_for(lambda: out.write(sample(-1)) is not None and node.take())
+    until(lambda: out.write(sample(-1)) is not None and node.take())
     host, _, port = locator.removeprefix("tcp/").rpartition(":")
     greeting = recorded_greeting()
     for number, case in enumerate(cases(60)):
@@ -533,7 +533,7 @@ def test_garbage_at_the_port_harms_nobody(stack: ExitStack, locator: str) -> Non
             with nullcontext() if drawn.random() < 0.3 else strange:
                 strange.sendall(octets)
         out.write(sample(number))
-        wait_for(lambda number=number: node.take()[-1] == number)
+        until(lambda number=number: node.take()[-1] == number)
     arrived = [each for each in node.received if each >= 0]
     assert arrived == [*map(float, range(number + 1))]
     assert connector.lost == connector.arrivals.doubles == 0
@@ -613,9 +613,9 @@ def test_a_process_that_stands_still_is_lost_after_the_lease_of_a_connection(
     stack.callback(run.kill)
     seen: list[bool] = []
     watcher.watch("PositionInput0/", lambda _, present: seen.append(present))
-    wait_for(lambda: seen)
+    until(lambda: seen)
     run.process.send_signal(signal.SIGSTOP)
-    wait_for(lambda: len(seen) > 1)
+    until(lambda: len(seen) > 1)
     assert seen == [True, False]
 
 
@@ -629,8 +629,8 @@ def test_a_peer_connects_to_another_one_that_appears_later_and_returns(
     for count in (1, 2):
         with closing(ZenohMedium("s", Endpoints(listen=(locator,)))) as late:
             late.announce("late")
-            wait_for(lambda count=count: seen.count(True) == count)
-        wait_for(lambda count=count: seen.count(False) == count)
+            until(lambda count=count: seen.count(True) == count)
+        until(lambda count=count: seen.count(False) == count)
 
 
 @pytest.fixture
@@ -673,11 +673,11 @@ def test_rh3_in_three_processes_behind_a_router_survives_the_loss_of_one(
         (console, "PositionInput0"),
     ):
         run.wait_for(f"{instance} ACTIVE")
-    wait_for(lambda: wheels.turn)
+    until(lambda: wheels.turn)
     way.kill()
     robot.wait_for("PathFollower0 is lost")
     console.wait_for("Navigation0 is lost")
-    wait_for(lambda: len(wheels.after_bound()) >= 50)
+    until(lambda: len(wheels.after_bound()) >= 50)
     assert len(set(wheels.after_bound())) == 1
     again = start(WAY)
     again.wait_for("PathFollower0 ACTIVE")

@@ -221,18 +221,19 @@ def test_a_connection_that_was_closed_meanwhile_is_made_anew() -> None:
 
 
 def test_bytes_that_came_meanwhile_are_no_reply() -> None:
-    said = threading.Event()
+    answered, said = threading.Event(), threading.Event()
 
     def babble(connection: socket.socket) -> None:
         receive(connection, 10)
         connection.sendall(reply(1))
-        time.sleep(PAUSE / 2)
+        answered.wait(LONG)
         connection.sendall(reply(111))
         said.set()
         rest(connection)
 
     with scripted(babble, "answer") as server, channel_to(server) as channel:
         assert call(channel, 1) == reply(1)
+        answered.set()
         assert said.wait(LONG)
         time.sleep(PAUSE)
         assert call(channel, 2) == reply(2)

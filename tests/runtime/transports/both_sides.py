@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 import media
-from far_side import FAR, NEAR, TIMEOUT, Side, sample, wait_for
-from patience import PATIENCE
+from far_side import FAR, NEAR, TIMEOUT, Side, sample
+from patience import PATIENCE, until
 
 from rtgen import runtime
 
@@ -108,7 +108,7 @@ class Pair:
             found.extend(number for number, _ in self.taken(port))
             return len(found) >= count
 
-        wait_for(are_there)
+        until(are_there)
         return found
 
 

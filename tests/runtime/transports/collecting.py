@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import struct
-import time
-from collections.abc import Callable
 from itertools import count
-from typing import Any
 
-from patience import PATIENCE
+from patience import until
 
 from refrobots._idl.basic_data_type import TimedOctetSeq
 from rtgen.runtime.distribution.medium import Publisher, Sample, Topic
@@ -32,15 +29,6 @@ class Changes(list[tuple[str, bool]]):
 
     def on_change(self, name: str, present: bool) -> None:
         self.append((name, present))
-
-
-def wait_for(condition: Callable[[], Any]) -> Any:
-    """Return the value of a condition, once it is true."""
-    deadline = time.monotonic() + PATIENCE
-    while not (found := condition()):
-        assert time.monotonic() < deadline
-        time.sleep(0.002)
-    return found
 
 
 def payload(number: int, size: int = 4) -> bytes:
@@ -73,4 +61,4 @@ class Sender:
             self.send(next(following))
             return all(any(number_of(s) >= number for s in each) for each in readers)
 
-        wait_for(all_have)
+        until(all_have)

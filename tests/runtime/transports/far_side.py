@@ -14,7 +14,6 @@ import signal
 import struct
 import sys
 import threading
-import time
 from collections.abc import Callable, Collection
 from contextlib import ExitStack
 from types import TracebackType
@@ -47,15 +46,6 @@ OUT_PORTS = sorted({source for source, _ in DATA})
 def sample(number: int, octets: bytes = b"") -> TimedOctetSeq:
     """Return a sample with a number and octets."""
     return TimedOctetSeq(Time(number, 0), octets)
-
-
-def wait_for(condition: Callable[[], object]) -> Any:
-    """Return the value of a condition, once it is true."""
-    deadline = time.monotonic() + PATIENCE
-    while not (found := condition()):
-        assert time.monotonic() < deadline
-        time.sleep(0.005)
-    return found
 
 
 class Turns(requests.Pace):

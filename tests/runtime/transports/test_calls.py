@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 
 import pytest
-from collecting import wait_for
+from patience import until
 
 from rtgen.runtime.distribution.medium import (
     Medium,
@@ -48,7 +48,7 @@ def served(client: OctetsClient, octets: bytes = b"probe") -> bytes:
         except NotServedError:
             return None
 
-    reply: bytes = wait_for(attempt)
+    reply: bytes = until(attempt)
     return reply
 
 
@@ -120,7 +120,7 @@ def test_a_reply_that_takes_too_long(join: Join) -> None:
     client, other = OctetsClient(here, "s/held"), OctetsClient(here, "s/quick")
     served(other)
     with pytest.raises(ReplyTimeoutError):
-        wait_for(partial(_until_served, client, 0.3))
+        until(partial(_until_served, client, 0.3))
     # A late reply has no effect, and does not disturb the next call.
     for reply in held.held:
         reply(b"late")
@@ -134,12 +134,12 @@ def test_a_server_that_ends_meanwhile(join: Join) -> None:
     serve_octets(there, "s/op", server.on_request)
     client = OctetsClient(here, "s/op")
     closing = threading.Thread(
-        target=lambda: (wait_for(lambda: server.held), there.close())
+        target=lambda: (until(lambda: server.held), there.close())
     )
     closing.start()
     # An engine that does not detect the loss ends the call in time.
     with pytest.raises((PeerLostError, ReplyTimeoutError)):
-        wait_for(partial(_until_served, client, 5.0))
+        until(partial(_until_served, client, 5.0))
     closing.join()
     assert len(server.requests) == 1
 
@@ -152,7 +152,7 @@ def test_a_server_that_ends_meanwhile(join: Join) -> None:
             return False
         return False
 
-    wait_for(is_missing)
+    until(is_missing)
 
 
 def test_a_server_that_comes_again_is_found(join: Join) -> None:
@@ -163,7 +163,7 @@ def test_a_server_that_comes_again_is_found(join: Join) -> None:
         assert served(client, b"abc") == b"cba"
         token.close()
         token.close()
-        wait_for(partial(_is_missing, client))
+        until(partial(_is_missing, client))
 
 
 def test_one_of_two_servers_carries_a_call_out(join: Join) -> None:
@@ -185,11 +185,11 @@ def test_a_client_that_is_closed_ends_its_calls(join: Join) -> None:
     serve_octets(there, "s/op", server.on_request)
     client = OctetsClient(here, "s/op")
     closing = threading.Thread(
-        target=lambda: (wait_for(lambda: server.held), client.close())
+        target=lambda: (until(lambda: server.held), client.close())
     )
     closing.start()
     with pytest.raises(PeerLostError):
-        wait_for(partial(_until_served, client, 30.0))
+        until(partial(_until_served, client, 30.0))
     closing.join()
     with pytest.raises(MediumError):
         client.call(b"", 1)

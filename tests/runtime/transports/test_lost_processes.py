@@ -11,8 +11,8 @@ from pathlib import Path
 import media
 import pytest
 from both_sides import FarProcess, Pair, near_side
-from far_side import NEAR, STEPS, wait_for
-from patience import PATIENCE
+from far_side import NEAR, STEPS
+from patience import PATIENCE, until
 
 from rtgen import runtime
 
@@ -76,9 +76,9 @@ class Mortal:
                 self.pair.ask("echo x", 1)
             statuses |= self.write()
             self._read()
-        wait_for(lambda: LOST in statuses or statuses.update(self.write()))
+        until(lambda: LOST in statuses or statuses.update(self.write()))
         ticks = self._ticks
-        wait_for(lambda: self._ticks > ticks + 2)
+        until(lambda: self._ticks > ticks + 2)
         state = self.pair.near.system.state(NEAR)
         assert state is runtime.LifeCycleState.ACTIVE_STATE
 
@@ -94,10 +94,10 @@ class Mortal:
 
     def flows(self) -> None:
         """Wait until calls and samples pass in both directions again; none arrives twice."""
-        wait_for(self.pair.answers)
+        until(self.pair.answers)
         self._take()
-        wait_for(self._reaches)
-        wait_for(self._is_reached)
+        until(self._reaches)
+        until(self._is_reached)
         for numbers in (*self._taken.values(), *self._came.values()):
             assert numbers == sorted(set(numbers))
 
@@ -154,7 +154,7 @@ def test_a_process_stands_still_is_killed_and_is_started_again(mortal: Mortal) -
 
     caller = threading.Thread(target=call)
     caller.start()
-    wait_for(lambda: mortal.pair.ask("counted holds") == b"1")
+    until(lambda: mortal.pair.ask("counted holds") == b"1")
     mortal.far.kill()
     caller.join()
     assert isinstance(raised[0], runtime.CommunicationFailure)

@@ -14,7 +14,8 @@ from pathlib import Path
 
 import media
 import pytest
-from collecting import TOPIC, Changes, Samples, Sender, wait_for
+from collecting import TOPIC, Changes, Samples, Sender
+from patience import until
 
 from rtgen.runtime.distribution.medium import (
     Medium,
@@ -90,12 +91,12 @@ def test_a_publisher_is_killed_and_comes_again(
     medium.watch("peer", seen.on_change)
     for round_ in (1, 2):
         peer = start("publish", "announce")
-        wait_for(lambda round_=round_: len({s.source for s in got}) == round_)
-        wait_for(lambda: seen and seen[-1] == ("peer/1", True))
+        until(lambda round_=round_: len({s.source for s in got}) == round_)
+        until(lambda: seen and seen[-1] == ("peer/1", True))
         before = len(got)
-        wait_for(lambda before=before: len(got) > before + 20)
+        until(lambda before=before: len(got) > before + 20)
         peer.kill()
-        wait_for(lambda: seen[-1] == ("peer/1", False))
+        until(lambda: seen[-1] == ("peer/1", False))
     octets = [(sample.source, sample.octets) for sample in got]
     assert len(set(octets)) == len(octets)
     assert seen == [("peer/1", True), ("peer/1", False)] * 2
@@ -107,7 +108,7 @@ def test_a_reader_that_is_killed_holds_nobody_up(
     medium = join()
     publisher = medium.publisher(TOPIC, Qos(depth=None, patience=30))
     peer = start("subscribe")
-    wait_for(lambda: publisher.matched)
+    until(lambda: publisher.matched)
     sender = Sender(publisher)
     for number in range(100):
         sender.send(number)
@@ -118,7 +119,7 @@ def test_a_reader_that_is_killed_holds_nobody_up(
     sender.reach(1000, got)
     for number in range(5000, 5500):
         sender.send(number)
-    wait_for(lambda: len(got) >= 500)
+    until(lambda: len(got) >= 500)
 
 
 def test_a_publisher_is_frozen_and_goes_on(
@@ -129,13 +130,13 @@ def test_a_publisher_is_frozen_and_goes_on(
     medium.subscribe(TOPIC, Qos(), got.on_sample)
     medium.watch("peer", seen.on_change)
     peer = start("publish", "announce")
-    wait_for(lambda: len(got) > 20 and seen == [("peer/1", True)])
+    until(lambda: len(got) > 20 and seen == [("peer/1", True)])
     peer.freeze()
-    wait_for(lambda: seen[-1] == ("peer/1", False))
+    until(lambda: seen[-1] == ("peer/1", False))
     before = len(got)
     peer.thaw()
-    wait_for(lambda: seen[-1] == ("peer/1", True))
-    wait_for(lambda: len(got) > before + 20)
+    until(lambda: seen[-1] == ("peer/1", True))
+    until(lambda: len(got) > before + 20)
     octets = [(sample.source, sample.octets) for sample in got]
     assert len(set(octets)) == len(octets)
 
@@ -145,13 +146,13 @@ def test_a_server_is_frozen_during_a_call_and_goes_on(
 ) -> None:
     client = OctetsClient(join(), "s/op")
     peer = start("serve")
-    assert wait_for(partial(_attempt, client)) == b"request"
+    assert until(partial(_attempt, client)) == b"request"
     peer.freeze()
     with pytest.raises((PeerLostError, ReplyTimeoutError)):
         client.call(b"frozen", 1.0)
     peer.thaw()
     # The late reply answers no later call.
-    assert wait_for(partial(_again, client)) == b"request"
+    assert until(partial(_again, client)) == b"request"
 
 
 def test_a_server_is_killed_before_during_and_after_a_call(
@@ -163,14 +164,14 @@ def test_a_server_is_killed_before_during_and_after_a_call(
         killing = _thread(lambda: (during.expect("request"), during.kill()))
         stack.callback(killing.join)
         with pytest.raises((PeerLostError, ReplyTimeoutError)):
-            wait_for(partial(_attempt, client))
-    wait_for(lambda: _is_missing(client))
+            until(partial(_attempt, client))
+    until(lambda: _is_missing(client))
     after = start("serve")
-    assert wait_for(partial(_attempt, client)) == b"request"
+    assert until(partial(_attempt, client)) == b"request"
     after.kill()
-    wait_for(lambda: _is_missing(client))
+    until(lambda: _is_missing(client))
     start("serve")
-    assert wait_for(partial(_attempt, client)) == b"request"
+    assert until(partial(_attempt, client)) == b"request"
 
 
 def _thread(work: Callable[[], object]) -> threading.Thread:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from collecting import Changes, wait_for
+from collecting import Changes
+from patience import until
 
 from rtgen.runtime.distribution.medium import Medium
 
@@ -16,15 +17,15 @@ def test_changes_are_reported_to_those_who_watch(join: Join) -> None:
     early, late, other = Changes(), Changes(), Changes()
     here.watch("robot/", early.on_change)
     token = there.announce("robot/arm")
-    wait_for(lambda: early)
+    until(lambda: early)
     join().watch("rob", late.on_change)
     here.watch("robot/arm/x", other.on_change)
-    wait_for(lambda: late)
+    until(lambda: late)
     token.close()
     token.close()
-    wait_for(lambda: len(early) == len(late) == 2)
+    until(lambda: len(early) == len(late) == 2)
     again = there.announce("robot/arm")
-    wait_for(lambda: len(early) == 3)
+    until(lambda: len(early) == 3)
     wanted = [("robot/arm", True), ("robot/arm", False), ("robot/arm", True)]
     assert early == wanted
     assert not other
@@ -37,15 +38,15 @@ def test_a_name_ends_with_the_last_that_announced_it(join: Join) -> None:
     watcher.watch("", seen.on_change)
     one.watch("", own.on_change)
     first, second = one.announce("a/b"), two.announce("a/b")
-    wait_for(lambda: seen and own)
+    until(lambda: seen and own)
     mark = two.announce("mark")
-    wait_for(lambda: ("mark", True) in seen and ("mark", True) in own)
+    until(lambda: ("mark", True) in seen and ("mark", True) in own)
     first.close()
     mark.close()
-    wait_for(lambda: ("mark", False) in seen and ("mark", False) in own)
+    until(lambda: ("mark", False) in seen and ("mark", False) in own)
     assert ("a/b", False) not in seen
     second.close()
-    wait_for(lambda: ("a/b", False) in seen and ("a/b", False) in own)
+    until(lambda: ("a/b", False) in seen and ("a/b", False) in own)
     assert seen.count(("a/b", True)) == own.count(("a/b", True)) == 1
 
 
@@ -55,10 +56,10 @@ def test_what_a_medium_announced_ends_with_it(join: Join) -> None:
     watcher.watch("x", seen.on_change)
     other.announce("x/1")
     other.announce("x/2")
-    wait_for(lambda: len(seen) == 2)
+    until(lambda: len(seen) == 2)
     other.close()
     other.close()
-    wait_for(lambda: len(seen) == 4)
+    until(lambda: len(seen) == 4)
     assert sorted(seen[2:]) == [("x/1", False), ("x/2", False)]
 
 
@@ -69,7 +70,7 @@ def test_a_watch_that_is_closed_reports_nothing(join: Join) -> None:
     here.watch("", seen.on_change)
     watch.close()
     there.announce("x")
-    wait_for(lambda: seen)
+    until(lambda: seen)
     assert not closed
 
 
@@ -79,5 +80,5 @@ def test_systems_do_not_see_each_other(join: Join) -> None:
     here.watch("", seen.on_change)
     elsewhere.announce("stranger")
     there.announce("member")
-    wait_for(lambda: seen)
+    until(lambda: seen)
     assert seen == [("member", True)]

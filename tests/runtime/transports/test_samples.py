@@ -9,8 +9,8 @@ from itertools import pairwise
 
 import media
 import pytest
-from collecting import TOPIC, Samples, Sender, number_of, payload, wait_for
-from patience import PATIENCE
+from collecting import TOPIC, Samples, Sender, number_of, payload
+from patience import PATIENCE, until
 
 from refrobots._idl.basic_data_type import TimedLong
 from rtgen.runtime.distribution.medium import (
@@ -33,14 +33,14 @@ def test_every_subscription_gets_all_samples_in_order(join: Join) -> None:
     for medium, samples in zip((here, there, third), got, strict=True):
         medium.subscribe(TOPIC, Qos(depth=None), samples.on_sample)
     publisher = here.publisher(TOPIC, Qos(depth=None))
-    wait_for(lambda: publisher.matched)
+    until(lambda: publisher.matched)
     sender = Sender(publisher)
     # The first known subscription may be that of the same medium.
     sender.reach(1, *got)
     for number in range(1_000_000, 1_002_000):
         sender.send(number)
     for samples in got:
-        wait_for(lambda samples=samples: number_of(samples[-1]) == 1_001_999)
+        until(lambda samples=samples: number_of(samples[-1]) == 1_001_999)
         found = [n for n in map(number_of, samples) if n >= 1_000_000]
         assert found == list(range(1_000_000, 1_002_000))
 
@@ -53,7 +53,7 @@ def test_two_publishers_are_told_apart_and_each_keeps_its_order(join: Join) -> N
         medium.publisher(TOPIC, Qos(depth=None)) for medium in (first, second)
     ]
     for publisher in publishers:
-        wait_for(lambda publisher=publisher: publisher.matched)
+        until(lambda publisher=publisher: publisher.matched)
 
     def send(publisher_index: int) -> None:
         for number in range(1, 501):
@@ -66,7 +66,7 @@ def test_two_publishers_are_told_apart_and_each_keeps_its_order(join: Join) -> N
         thread.start()
     for thread in threads:
         thread.join()
-    wait_for(lambda: len(got) == 1000)
+    until(lambda: len(got) == 1000)
     assert len({sample.source for sample in got}) == 2
     for index in (0, 1):
         mine = [number_of(s) for s in got if number_of(s) // 1000 == index]
@@ -88,18 +88,18 @@ def test_a_gap_in_the_numbers_shows_what_was_lost(
 
     there.subscribe(TOPIC, Qos(depth=4), on_sample)
     publisher = here.publisher(TOPIC, Qos(depth=4))
-    wait_for(lambda: publisher.matched)
+    until(lambda: publisher.matched)
     sender = Sender(publisher)
 
     def send(size: int = 4) -> None:
         sender.send(sender.sent + 1, size)
 
-    wait_for(lambda: send() or got)
+    until(lambda: send() or got)
     for _ in range(1000):
         send(50_000)
     flooded = sender.sent
     go.set()
-    wait_for(lambda: send() or number_of(got[-1]) > flooded)
+    until(lambda: send() or number_of(got[-1]) > flooded)
     assert None not in got.sequences
     gaps = [(b - a) % SEQUENCES for a, b in pairwise(got.sequences)]
     assert gaps == [b - a for a, b in pairwise(map(number_of, got))]
@@ -116,12 +116,12 @@ def test_other_names_types_and_systems_are_not_received(join: Join) -> None:
         elsewhere.publisher(TOPIC, Qos()),
     ]
     publisher = here.publisher(TOPIC, Qos())
-    wait_for(lambda: publisher.matched)
+    until(lambda: publisher.matched)
     assert not any(stranger.matched for stranger in strangers)
     for stranger in strangers:
         stranger.publish(payload(1))
     publisher.publish(payload(2))
-    wait_for(lambda: got)
+    until(lambda: got)
     assert [number_of(sample) for sample in got] == [2]
 
 
@@ -135,7 +135,7 @@ def test_a_late_joiner_gets_the_last_samples_once(join: Join, kept: int) -> None
     late, volatile = Samples(), Samples()
     join().subscribe(TOPIC, Qos(durable=True, depth=kept), late.on_sample)
     join().subscribe(TOPIC, Qos(), volatile.on_sample)
-    wait_for(lambda: len(late) >= kept)
+    until(lambda: len(late) >= kept)
     sender.reach(11, late, volatile)
     wanted = [*range(11 - kept, 11)]
     assert [number_of(s) for s in late if number_of(s) < 11] == wanted
@@ -149,7 +149,7 @@ def test_a_durable_subscription_finds_a_publisher_that_comes_later(join: Join) -
     publisher = here.publisher(TOPIC, Qos(durable=True, depth=4))
     for number in range(1, 5):
         publisher.publish(payload(number))
-    wait_for(lambda: len(got) >= 4)
+    until(lambda: len(got) >= 4)
     assert [number_of(sample) for sample in got] == [1, 2, 3, 4]
 
 
@@ -159,12 +159,12 @@ def test_big_samples_arrive_whole(join: Join, megabytes: int) -> None:
     got = Samples()
     there.subscribe(TOPIC, Qos(depth=None), got.on_sample)
     publisher = here.publisher(TOPIC, Qos(depth=None))
-    wait_for(lambda: publisher.matched)
+    until(lambda: publisher.matched)
     octets = bytes(range(256)) * (megabytes << 12)
     samples = [payload(n, len(octets))[: -len(octets)] + octets for n in (1, 2, 3)]
     for sample in samples:
         publisher.publish(sample)
-    wait_for(lambda: len(got) == 3)
+    until(lambda: len(got) == 3)
     # Avoid a diff of megabytes.
     assert all(sample.octets == sent for sample, sent in zip(got, samples, strict=True))
 
@@ -185,7 +185,7 @@ def test_a_slow_subscription_slows_the_publisher_down_and_loses_nothing(
 
     there.subscribe(TOPIC, Qos(depth=None), on_sample)
     publisher = here.publisher(TOPIC, Qos(depth=None, patience=0.1))
-    wait_for(lambda: publisher.matched)
+    until(lambda: publisher.matched)
     sender = Sender(publisher)
 
     def flood() -> None:
@@ -197,9 +197,9 @@ def test_a_slow_subscription_slows_the_publisher_down_and_loses_nothing(
     sent = sender.sent
     assert sent > 0
     go.set()
-    wait_for(lambda: len(got) == sent)
+    until(lambda: len(got) == sent)
     sender.send(sent)
-    wait_for(lambda: len(got) == sent + 1)
+    until(lambda: len(got) == sent + 1)
     assert [number_of(sample) for sample in got] == list(range(sent + 1))
 
 
@@ -210,7 +210,7 @@ def test_a_publisher_that_keeps_few_does_not_wait_for_a_slow_subscription(
     got = Samples()
     there.subscribe(TOPIC, Qos(depth=4), got.on_sample)
     publisher = here.publisher(TOPIC, Qos(depth=4))
-    wait_for(lambda: publisher.matched)
+    until(lambda: publisher.matched)
     sender = Sender(publisher)
     for number in range(1, 5001):
         sender.send(number, 1000)
@@ -227,10 +227,10 @@ def test_missed_deadlines_are_counted_by_subscription(join: Join) -> None:
         for deadline, samples in zip((0.01, 900, None), got, strict=True)
     )
     publisher = here.publisher(TOPIC, Qos(deadline=0.01))
-    wait_for(lambda: publisher.matched)
+    until(lambda: publisher.matched)
     assert short.missed_deadlines == 0
     Sender(publisher).reach(1, *got)
-    wait_for(lambda: short.missed_deadlines >= 5)
+    until(lambda: short.missed_deadlines >= 5)
     assert [other.missed_deadlines for other in others] == [0, 0]
     short.close()
     ended = short.missed_deadlines
@@ -245,7 +245,7 @@ def test_nothing_comes_after_close(join: Join) -> None:
     subscription = there.subscribe(TOPIC, Qos(), got.on_sample)
     there.subscribe(TOPIC, Qos(), still.on_sample)
     publisher = here.publisher(TOPIC, Qos())
-    wait_for(lambda: publisher.matched)
+    until(lambda: publisher.matched)
     sender = Sender(publisher)
     sender.reach(1, got, still)
     subscription.close()
@@ -285,7 +285,7 @@ def test_subscriptions_come_and_go_while_samples_flow(join: Join) -> None:
         for _ in range(40):
             got = Samples()
             subscription = there.subscribe(TOPIC, Qos(depth=None), got.on_sample)
-            wait_for(lambda got=got: len(got) > 20)
+            until(lambda got=got: len(got) > 20)
             subscription.close()
             numbers = [number_of(sample) for sample in got]
             assert numbers == sorted(set(numbers))

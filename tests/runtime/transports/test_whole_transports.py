@@ -10,8 +10,8 @@ from contextlib import ExitStack
 import media
 import pytest
 from both_sides import FarProcess, Pair, near_side
-from far_side import FAR, NEAR, TIMEOUT, Side, far_side, sample, wait_for
-from patience import PATIENCE
+from far_side import FAR, NEAR, TIMEOUT, Side, far_side, sample
+from patience import PATIENCE, until
 
 from rtgen import runtime
 from rtgen.runtime.cdr import CdrError
@@ -73,14 +73,14 @@ def test_samples_arrive_in_order(pair: Pair) -> None:
         found.extend(each.tm.sec for each in pair.end.take("many"))
         return len(found) >= 100
 
-    wait_for(came)
+    until(came)
     assert found == [*range(100)]
 
 
 def test_full_buffers_keep_what_their_policy_says(pair: Pair) -> None:
     for number in range(5):
         pair.write("few", number)
-    wait_for(lambda: pair.ask("lost oldest") == pair.ask("lost newest") == b"3")
+    until(lambda: pair.ask("lost oldest") == pair.ask("lost newest") == b"3")
     assert [number for number, _ in pair.taken("oldest")] == [0, 1]
     assert [number for number, _ in pair.taken("newest")] == [3, 4]
 
@@ -98,7 +98,7 @@ def test_big_samples_arrive_whole(pair: Pair, megabytes: int) -> None:
     status = pair.write("many", 7, octets)
     assert status is runtime.PORT_OK
     found: list[tuple[int, int]] = []
-    wait_for(lambda: found.extend(pair.taken("many")) or found)
+    until(lambda: found.extend(pair.taken("many")) or found)
     assert found == [(7, len(octets))]
 
 
@@ -109,7 +109,7 @@ def test_what_cannot_be_decoded_is_counted_and_no_sample(pair: Pair, kind: str) 
             _garble(pair, kind)
     else:
         _garble(pair, kind)
-        wait_for(lambda: int(pair.ask("lost many")) == before + 1)
+        until(lambda: int(pair.ask("lost many")) == before + 1)
     pair.write("many", 1)
     assert pair.numbers("many", 1) == [1]
 
@@ -148,7 +148,7 @@ def test_ten_megabytes_go_both_ways(pair: Pair) -> None:
 def test_oneway_calls_are_carried_out_once(pair: Pair) -> None:
     for _ in range(10):
         pair.end.board.object.stop()
-    wait_for(lambda: pair.ask("counted stops") == b"10")
+    until(lambda: pair.ask("counted stops") == b"10")
     assert pair.ask("counted stops") == b"10"
 
 
@@ -197,7 +197,7 @@ def _garble(pair: Pair, kind: str) -> None:
         medium = pair.near.transport._medium
         topic = out_topic(NEAR, "many", type(sample(0)))
         publisher = medium.publisher(topic, Qos())
-        wait_for(lambda: publisher.matched)
+        until(lambda: publisher.matched)
         publisher.publish(b"\0\1\0\0garbage")
         return
     from rtgen.runtime.corba.rt_objects import wire

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Self
 
 import pytest
+from patience import until
 from recorded_runs import MS, Counter
 from websockets.exceptions import ConnectionClosed, InvalidMessage
 from websockets.sync.client import ClientConnection, connect
@@ -279,7 +280,7 @@ def test_parameters_are_set_within_their_ranges(seen: tuple[System, LiveView]) -
         assert client.set("Node0.limits", [3, 4.5]) == {"Node0.limits": [3.0, 4.5]}
         # A request is executed after those before it.
         client.call("/Node0/reset", {})
-        wait_until(lambda: (node.config.gain, node.config.limits) == (2.5, [3.0, 4.5]))
+        until(lambda: (node.config.gain, node.config.limits) == (2.5, [3.0, 4.5]))
         for value in (11, -1, "much", [1, 2], {"a": 1}, True):
             assert client.set("Node0.gain", value) == {"Node0.gain": 2.5}
         client.set("Node0.steps", 1 << 15)
@@ -306,7 +307,7 @@ def test_a_set_is_made_the_active_one(seen: tuple[System, LiveView]) -> None:
     with Client(view.address) as client:
         name = "Node0.configuration.active_config"
         assert client.set(name, "fast") == {name: "fast"}
-        wait_until(lambda: node.config.gain == 7.0)
+        until(lambda: node.config.gain == 7.0)
         assert client.parameters("Node0.gain") == {"Node0.gain": 7.0}
 
 
@@ -318,7 +319,7 @@ def test_life_cycle_and_operations(seen: tuple[System, LiveView]) -> None:
             *(f"/Node0/{request}" for request in ("activate", "deactivate", "reset")),
             *("/Node0/objects/od/read", "/Node0/objects/od/write"),
         }  # `get` and `set` have a union.
-        wait_until(lambda: system.state("Node0").name == "ACTIVE_STATE")
+        until(lambda: system.state("Node0").name == "ACTIVE_STATE")
         write, read = "/Node0/objects/od/write", "/Node0/objects/od/read"
         given = {"index": 0x2000, "subindex": 1, "value": [1, 2, 255]}
         assert client.call(write, given) == {}
@@ -337,19 +338,12 @@ def test_life_cycle_and_operations(seen: tuple[System, LiveView]) -> None:
         ):
             assert what in client.call(read, request)
         assert client.call("/Node0/deactivate", {}) == {"result": "RTC_OK"}
-        wait_until(lambda: system.state("Node0").name == "INACTIVE_STATE")
+        until(lambda: system.state("Node0").name == "INACTIVE_STATE")
         assert "not active" in client.call(read, {"index": 0x2000, "subindex": 1})
         again = client.call("/Node0/deactivate", {})
         assert again == {"result": "PRECONDITION_NOT_MET"}
         assert "no members" in client.call("/Node0/activate", {"now": True})
         assert client.call("/Node0/activate", {}) == {"result": "RTC_OK"}
-
-
-def wait_until(condition: Callable[[], bool]) -> None:
-    limit = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < limit
-        time.sleep(0.002)
 
 
 def test_a_client_that_reads_nothing_or_goes_holds_nothing_up() -> None:
@@ -363,7 +357,7 @@ def test_a_client_that_reads_nothing_or_goes_holds_nothing_up() -> None:
             with Client(view.address) as idle:
                 idle.subscribe("/Counter0/count")
                 before = counter.number
-                wait_until(lambda: counter.number > before + 300)
+                until(lambda: counter.number > before + 300)
                 with Client(view.address) as client:
                     client.subscribe("/Counter0/count")
                     assert client.text("message")["op"] == "message"
@@ -448,7 +442,7 @@ def test_a_client_that_sends_without_end_has_to_wait(
             looks.append(sent)
             return looks.count(sent) == looks.maxlen
 
-        wait_until(waits)
+        until(waits)
         assert thread.is_alive()
         flooding.connection.socket.shutdown(socket.SHUT_RDWR)
         thread.join()
@@ -470,7 +464,7 @@ def test_more_clients_than_the_view_has_room_for_are_closed(
                 again.append(Client(view.address))
             return bool(again)
 
-        wait_until(connects)
+        until(connects)
         again[0].open.close()
 
 
@@ -584,9 +578,7 @@ def test_requests_that_wait_are_refused_at_the_end(
 
         thread = threading.Thread(target=call)
         thread.start()
-        deadline = time.monotonic() + PATIENCE
-        while view._waiting.empty() and time.monotonic() < deadline:
-            time.sleep(0.01)
+        until(lambda: not view._waiting.empty())
         view.close()
         thread.join()
         assert found == ["the run is over"]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ import pytest
 
 pytest.importorskip("omniORB", reason="omniORBpy is not installed")
 
-from patience import PATIENCE
+from patience import PATIENCE, until
 from ui_bench import QUIET, RESULT, started_over_corba
 
 from refrobots.iis import TimedVelocity2D
@@ -111,13 +110,7 @@ class Watcher:
 
     def until(self, condition: Callable[[], Any]) -> Any:
         """Return the value of a condition once it is true."""
-        end = time.monotonic() + PATIENCE
-        self.follow()
-        while not (found := condition()):
-            assert time.monotonic() < end, self.shown()
-            time.sleep(0.02)
-            self.follow()
-        return found
+        return until(lambda: self.follow() or condition(), shown=self.shown)
 
     def shown(self) -> str:
         """Return the parts of the state that tests wait for."""
