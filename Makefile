@@ -115,7 +115,7 @@ interpreters: interpreter
 	$(MAKE) --no-print-directory interpreted
 
 # The environment of the other interpreter; one processor installs it, one that of this one.
-interpreter: $(VENV)/uv.stamp
+interpreter: $(VENV)/uv.stamp page
 	$(BIN)/python tests/interpreters.py --install
 
 interpreted:
