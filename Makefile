@@ -55,7 +55,8 @@ test: $(VENV)/uv.stamp
 nightly: export RTGEN_SEED ?= $(shell date +%s)
 nightly: export RTGEN_BUDGET ?= 5
 nightly: $(VENV)/uv.stamp
-	$(MAKE) --no-print-directory -j 4 dear interpreters release
+	$(MAKE) --no-print-directory -j 4 dear interpreters
+	$(MAKE) --no-print-directory release
 
 CHECKED = src runtime reference tests benchmarks requirements editors hatch_build.py mkdocs_hooks.py ui/build.py
 

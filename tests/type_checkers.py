@@ -1,29 +1,23 @@
 """Checks generated code with mypy and pyright.
 
-All runs of mypy in a process of pytest share a cache: imported modules are analysed once.
+All runs of mypy in a process of pytest share a cache, which is kept: imported modules are analysed
+once.
 """
 
 from __future__ import annotations
 
-import atexit
 import os
 import re
-import shutil
 import subprocess
 import sys
-import tempfile
 from collections.abc import Iterable
-from functools import cache
 from pathlib import Path
 
 import pytest
 
-
-@cache
-def _mypy_cache() -> str:
-    folder = tempfile.mkdtemp(prefix="mypy-")
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    return folder
+_WORKER = os.environ.get("PYTEST_XDIST_WORKER", "alone")
+_VERSION = f"{sys.version_info.major}.{sys.version_info.minor}"
+_CACHE = Path(__file__).parents[1] / "build" / "mypy-of-tests" / _VERSION / _WORKER
 
 
 def check_by_mypy(paths: Iterable[Path], search: Iterable[Path]) -> None:
@@ -33,7 +27,7 @@ def check_by_mypy(paths: Iterable[Path], search: Iterable[Path]) -> None:
     """
     command = [sys.executable, "-m", "mypy", "--strict", "--no-error-summary"]
     command += ["--config-file=", "--explicit-package-bases"]
-    command += ["--cache-dir", _mypy_cache(), *map(str, paths)]
+    command += ["--cache-dir", str(_CACHE), *map(str, paths)]
     environment = {**os.environ, "MYPYPATH": os.pathsep.join(map(str, search))}
     done = subprocess.run(
         command, env=environment, capture_output=True, text=True, check=False

@@ -70,14 +70,14 @@ def rtm_environment(rtm_folders: list[Path]) -> dict[str, str]:
 
 
 @pytest.fixture(scope="session")
-def cpp_programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def cpp_programs() -> Path:
     """Return the folder with the programs of `cpp`, compiled."""
     data = ("BasicDataType", "ExtendedDataTypes", "intellirobot")
     idl = [middleware.DATA_TYPES / f"{name}.idl" for name in data]
     interfaces = ("SDOPackage", "RTC", "OpenRTM")
     idl += [middleware.STUB / "idl" / f"{name}.idl" for name in interfaces]
     source = Path(__file__).parent / "cpp"
-    return cpp_build.programs(tmp_path_factory.mktemp("cpp"), idl, source)
+    return cpp_build.programs(idl, source)
 
 
 @pytest.fixture(scope="session")

@@ -6,9 +6,12 @@ names.
 
 from __future__ import annotations
 
+import fcntl
+import hashlib
 import os
 import shutil
 import subprocess
+import tempfile
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -19,6 +22,7 @@ PREFIX = Path(os.environ.get("OMNIORB_PREFIX", "/usr"))
 _COMPILER = shutil.which("g++")
 _LIBRARIES = ("omniORB4", "omniDynamic4", "omnithread", "pthread")
 _OMNIIDL = PREFIX / "bin" / "omniidl"
+_KEPT = Path(__file__).parents[2] / "build" / "cpp"
 _IS_THERE = (PREFIX / "include/omniORB4/CORBA.h").exists() and _OMNIIDL.exists()
 
 needed = [
@@ -32,11 +36,27 @@ needed = [
 """Marks of tests that need a program in C++."""
 
 
-def programs(folder: Path, idl: Sequence[Path], source: Path) -> Path:
-    """Compile the stubs of IDL files and all files of a folder; return the folder of programs.
+def programs(idl: Sequence[Path], source: Path) -> Path:
+    """Return the folder of the programs that consist of IDL files and the files of a folder.
 
-    A file without a header of its name is a program; it is linked with all others.
+    They are compiled once for all processes, and after a change of these files. A file without a
+    header of its name is a program; it is linked with all others.
     """
+    digest = hashlib.sha256(str(PREFIX).encode())
+    for file in (*idl, *sorted(source.iterdir())):
+        digest.update(file.read_bytes())
+    _KEPT.mkdir(parents=True, exist_ok=True)
+    made = _KEPT / digest.hexdigest()[:16]
+    with (_KEPT / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not made.exists():
+            folder = Path(tempfile.mkdtemp(dir=_KEPT))
+            _compile(folder, idl, source)
+            folder.rename(made)
+    return made
+
+
+def _compile(folder: Path, idl: Sequence[Path], source: Path) -> None:
     assert _COMPILER is not None
     for file in idl:
         included = [f"-I{each.parent}" for each in idl]
@@ -67,7 +87,6 @@ def programs(folder: Path, idl: Sequence[Path], source: Path) -> Path:
     for file in mains:
         made = [objects[file], *shared, "-o", file.stem]
         _run([_COMPILER, *made, *found, *linked], folder)
-    return folder
 
 
 def _run(command: Sequence[str], folder: Path, **environment: str) -> None:
