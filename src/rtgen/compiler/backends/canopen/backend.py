@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from rtgen.compiler.backends import Artifact, Emission, Options
-from rtgen.compiler.backends.canopen.device_module import device_module
+from rtgen.compiler.backends.canopen.device_module import DeviceModule
 from rtgen.compiler.backends.canopen.eds_text import eds_text
 from rtgen.compiler.backends.canopen.idl_file import idl_of
 from rtgen.compiler.backends.canopen.mirror import measured, mirrored
 from rtgen.compiler.backends.canopen.network_files import network_files
 from rtgen.compiler.backends.canopen.objects_module import objects_module
-from rtgen.compiler.backends.canopen.proxy_module import proxy_module
+from rtgen.compiler.backends.canopen.proxy_module import ProxyModule
 from rtgen.compiler.backends.canopen.shared_files import shared_files
-from rtgen.compiler.backends.kit.python_module import PythonModule
 from rtgen.compiler.backends.kit.python_text import header
 from rtgen.compiler.lowering.canopen.kinds import file_name, kinds_of, package_of
-from rtgen.compiler.model import Component, Model
+from rtgen.compiler.model import Model
 from rtgen.compiler.typemap.canopen.ports import DevicePorts
 from rtgen.compiler.typemap.python.idl_names import PythonNames
 
@@ -66,21 +65,8 @@ class _Devices:
         idl = "".join(f"// {line}\n" for line in lines)
         yield file(file_name(ports), f"{idl}\n{idl_of(ports)}")
         yield objects_module(f"{folder}/__init__.py", ports, self._options)
-        yield self._component(proxy_module, ports, "Proxy")
-        yield self._component(device_module, ports, "Device")
+        whole = (self._model, self._names, ports, self._options, self._networks)
+        yield ProxyModule(*whole).proxy()
+        yield DeviceModule(*whole).device()
         name = f"{module}Proxy.eds"
         yield file(name, eds_text(mirrored(measured(ports), name), lines))
-
-    def _component(
-        self,
-        module: Callable[
-            [Model, PythonNames, Component, DevicePorts, Options, str], PythonModule
-        ],
-        ports: DevicePorts,
-        suffix: str,
-    ) -> PythonModule:
-        component = self._model.find((f"{ports.module}{suffix}",))
-        assert isinstance(component, Component)
-        return module(
-            self._model, self._names, component, ports, self._options, self._networks
-        )

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
-from typing import Any, TypeAlias
+from collections.abc import Iterable
+from typing import Any, ClassVar, TypeAlias
 
 from rtgen.compiler.backends import Options
 from rtgen.compiler.backends.canopen.conversions import from_codec, from_object, stamp
@@ -18,8 +18,9 @@ from rtgen.compiler.backends.kit.python_module import (
 )
 from rtgen.compiler.backends.kit.quoting.python import Python
 from rtgen.compiler.lowering.canopen.kinds import package_of
-from rtgen.compiler.model import Component, Model, NamedType, ScopedName, Struct
+from rtgen.compiler.model import Component, Model, NamedType, Struct
 from rtgen.compiler.model.canopen import PdoDirection
+from rtgen.compiler.typemap.canopen.names import table_class
 from rtgen.compiler.typemap.canopen.ports import (
     DevicePorts,
     ObjectPort,
@@ -35,31 +36,46 @@ Values: TypeAlias = dict[str, Any]
 
 
 class ComponentModule:
-    """A module under construction."""
+    """The part of a component's module besides its base.
+
+    `networks` is the package of the networks, empty if there is none.
+    """
+
+    SUFFIX: ClassVar[str]
+    """What the component's name adds to that of the device."""
 
     def __init__(
         self,
         model: Model,
         names: PythonNames,
-        component: Component,
         ports: DevicePorts,
         options: Options,
-        taken: Collection[str],
+        networks: str,
     ) -> None:
+        component = model.find((f"{ports.module}{self.SUFFIX}",))
+        assert isinstance(component, Component)
         self._options = options
+        self.model = model
+        self.names = names
         self.ports = ports
         self.component = component
-        self.names = names
-        self.types = component_imports(model, names, component, taken)
-        self.attributes = {
-            (port.kind.value, port.name): name
-            for port, name in attributes_of(component).ports
+        self.types = component_imports(model, names, component, self.defined(ports))
+        attributes = attributes_of(component)
+        self.attributes = {(p.kind.value, p.name): n for p, n in attributes.ports}
+        self.parameters = {p.name: name for p, name in attributes.configuration}
+        self.values: Values = {
+            "name": component.name[-1],
+            "device": f"{names.package}.{package_of(ports.kind)}",
+            "objects": table_class(ports.module),
+            "networks": networks,
+            "per_object": ports.per_object,
         }
-        self.parameters = {
-            parameter.name: name
-            for parameter, name in attributes_of(component).configuration
-        }
-        self.model = model
+        """The values of both templates."""
+
+    @classmethod
+    def defined(cls, ports: DevicePorts) -> set[str]:
+        """Return the names that the part defines or imports."""
+        return {table_class(ports.module)}
 
     # Names.
 
@@ -73,15 +89,12 @@ class ComponentModule:
         kind = "outport" if direction is PdoDirection.TPDO else "inport"
         return self.attributes[kind, name]
 
-    def struct(self, sample: PdoSample) -> ScopedName:
-        """The type of a PDO's port."""
-        return (self.ports.module, sample.struct)
-
-    def member(self, struct: ScopedName, name: str) -> str:
-        """A member as an attribute in Python."""
-        declaration = self.model.find(struct)
-        assert isinstance(declaration, Struct)
-        return self.names.members(declaration)[name]
+    def members(self, sample: PdoSample) -> list[str]:
+        """The members of a PDO's sample, as expressions."""
+        struct = self.model.find((self.ports.module, sample.struct))
+        assert isinstance(struct, Struct)
+        names = self.names.members(struct)
+        return [f"sample.{names[quantity.name]}" for quantity in sample.fields]
 
     def object_ports(self, sample: PdoSample) -> list[ObjectPort]:
         """The ports of a PDO's objects, in the order of its fields; for ports by object."""
@@ -98,7 +111,7 @@ class ComponentModule:
 
     def sample(self, sample: PdoSample, values: Iterable[str]) -> Python:
         """The sample of a PDO; `values` are those of its fields as members."""
-        type_ = self.types.type_name(self.struct(sample))
+        type_ = self.types.type_name((self.ports.module, sample.struct))
         return call(type_, stamp(self.time), *values)
 
     def object_sample(self, port: ObjectPort, value: str) -> Python:
@@ -122,12 +135,7 @@ class ComponentModule:
 
     # Text.
 
-    @property
-    def device_package(self) -> str:
-        """The package of the device's types and tables."""
-        return f"{self.names.package}.{package_of(self.ports.kind)}"
-
-    def module(self, title: str, body: str, *, defines: Iterable[str]) -> PythonModule:
+    def module(self, title: str, body: str, defines: str) -> PythonModule:
         """Return the part of the module."""
         used = [Import("rtgen.runtime.canopen", "pdo", "_pdo")] * ("_pdo." in body)
         return python_module(
@@ -138,7 +146,7 @@ class ComponentModule:
             title,
             imports=[*used, *self.types.imports()],
             body=body,
-            defines=defines,
+            defines=[defines],
         )
 
 

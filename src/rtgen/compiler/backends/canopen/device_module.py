@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rtgen.compiler.backends import Options
 from rtgen.compiler.backends.canopen.component_module import (
     ComponentModule,
     Values,
@@ -13,53 +12,28 @@ from rtgen.compiler.backends.canopen.component_module import (
 from rtgen.compiler.backends.canopen.conversions import to_object
 from rtgen.compiler.backends.kit.python_module import PythonModule
 from rtgen.compiler.backends.kit.rendering import render
-from rtgen.compiler.model import Component, Model
 from rtgen.compiler.model.canopen import PdoDirection
-from rtgen.compiler.typemap.canopen.names import table_class
-from rtgen.compiler.typemap.canopen.ports import DevicePorts, PdoSample
-from rtgen.compiler.typemap.python.idl_names import PythonNames
+from rtgen.compiler.typemap.canopen.ports import PdoSample
 
 
-def device_module(
-    model: Model,
-    names: PythonNames,
-    component: Component,
-    ports: DevicePorts,
-    options: Options,
-    networks: str,
-) -> PythonModule:
-    """The module. `networks` is the package of the networks, empty if there is none."""
-    return _DeviceModule(model, names, component, ports, options).device(networks)
+class DeviceModule(ComponentModule):
+    """The slave of a device."""
 
+    SUFFIX = "Device"
 
-class _DeviceModule(ComponentModule):
-    def __init__(
-        self,
-        model: Model,
-        names: PythonNames,
-        component: Component,
-        ports: DevicePorts,
-        options: Options,
-    ) -> None:
-        self._objects = table_class(ports.module)
-        super().__init__(model, names, component, ports, options, {self._objects})
-
-    def device(self, networks: str) -> PythonModule:
-        """The whole module."""
-        name = f"{self.ports.module}Slave"
+    def device(self) -> PythonModule:
+        """Return the part of the module."""
+        slave = f"{self.ports.module}Slave"
         sent = self._outgoing_by_object if self.ports.per_object else self._outgoing
         body = render(
             "canopen/device.py.j2",
-            name=name,
-            component=self.component.name[-1],
-            device=self.device_package,
-            objects=self._objects,
-            networks=networks,
+            **self.values,
+            slave=slave,
             received=[*map(self._incoming, self.ports.of(PdoDirection.RPDO))],
             sent=[*sent()],
         )
         title = f"The device of `{self.ports.device.key}` as a component."
-        return self.module(title, body, defines=[name])
+        return self.module(title, body, slave)
 
     def _incoming(self, sample: PdoSample) -> Values:
         """A received PDO, with the samples of its ports."""
@@ -76,12 +50,9 @@ class _DeviceModule(ComponentModule):
     def _outgoing(self) -> Iterator[Values]:
         """The OutPorts, each with the objects of its samples and their values."""
         for sample in self.ports.of(PdoDirection.TPDO):
-            struct = self.struct(sample)
-            fields = [
-                (place(q), to_object(q, f"sample.{self.member(struct, q.name)}"))
-                for q in sample.fields
-            ]
-            yield {"name": sample.name, "fields": fields}
+            values = map(to_object, sample.fields, self.members(sample))
+            places = map(place, sample.fields)
+            yield {"name": sample.name, "fields": [*zip(places, values, strict=True)]}
 
     def _outgoing_by_object(self) -> Iterator[Values]:
         for port in self.ports.object_ports:

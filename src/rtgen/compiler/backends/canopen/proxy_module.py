@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
-from rtgen.compiler.backends import Options
 from rtgen.compiler.backends.canopen.component_module import (
     ComponentModule,
     Values,
@@ -25,12 +24,10 @@ from rtgen.compiler.backends.kit.rendering import render
 from rtgen.compiler.layouts.can_startup import configuration
 from rtgen.compiler.lowering.canopen.components import SERVICE_PORT
 from rtgen.compiler.lowering.canopen.kinds import service_of
-from rtgen.compiler.model import Component, Interface, Model, PortKind
+from rtgen.compiler.model import Interface, PortKind
 from rtgen.compiler.model.canopen import NodeRelative, PdoDirection
-from rtgen.compiler.typemap.canopen.names import table_class
 from rtgen.compiler.typemap.canopen.ports import DevicePorts, PdoSample, Quantity
 from rtgen.compiler.typemap.canopen.values import kind, object_value, python_type
-from rtgen.compiler.typemap.python.idl_names import PythonNames
 
 _SERVICE_TYPES = {
     "aborted": "SdoAbort",
@@ -50,66 +47,41 @@ _ZEROS = {
 }
 
 
-def proxy_module(
-    model: Model,
-    names: PythonNames,
-    component: Component,
-    ports: DevicePorts,
-    options: Options,
-    networks: str,
-) -> PythonModule:
-    """The module. `networks` is the package of the networks, empty if there is none."""
-    return _ProxyModule(model, names, component, ports, options).proxy(networks)
+class ProxyModule(ComponentModule):
+    """The proxy of a device."""
 
+    SUFFIX = "Proxy"
 
-class _ProxyModule(ComponentModule):
-    def __init__(
-        self,
-        model: Model,
-        names: PythonNames,
-        component: Component,
-        ports: DevicePorts,
-        options: Options,
-    ) -> None:
-        name = component.name[-1]
+    @classmethod
+    def defined(cls, ports: DevicePorts) -> set[str]:
+        """Return the names that the part defines or imports."""
         codecs = {f"{c}_{s.name}" for c in ("decode", "encode") for s in ports.samples}
-        self._objects = table_class(ports.module)
-        self._servant_name = f"_{service_of(ports.kind)[-1]}"
-        taken = {name, self._servant_name, self._objects, *codecs}
-        super().__init__(model, names, component, ports, options, taken)
-        self._received = ports.of(PdoDirection.TPDO)
-        self._sent = ports.of(PdoDirection.RPDO)
+        name = f"{ports.module}{cls.SUFFIX}"
+        return {*super().defined(ports), name, _servant(ports), *codecs}
 
-    def proxy(self, networks: str) -> PythonModule:
-        """The whole module."""
-        ports, name = self.ports, self.component.name[-1]
+    def proxy(self) -> PythonModule:
+        """Return the part of the module."""
+        ports = self.ports
+        received, sent = ports.of(PdoDirection.TPDO), ports.of(PdoDirection.RPDO)
+        changes = {"pdos": REMAPPED} if is_remapped(ports.kind) else {}
+        if configuration(ports.kind):
+            changes["configuration"] = CONFIGURATION
         body = render(
             "canopen/proxy.py.j2",
-            name=name,
+            **self.values,
             base=base_location(self.names.package, self.component),
-            device=self.device_package,
             docstring=docstring(self.component.doc, 4),
-            networks=networks,
-            objects=self._objects,
-            changes={
-                **({"pdos": REMAPPED} if is_remapped(ports.kind) else {}),
-                **(
-                    {"configuration": CONFIGURATION}
-                    if configuration(ports.kind)
-                    else {}
-                ),
-            },
-            per_object=ports.per_object,
-            codecs=Codecs(_codecs(self._received), _codecs(self._sent)),
+            changes=changes,
+            codecs=Codecs(_codecs(received), _codecs(sent)),
             service_port=self.attributes[PortKind.PROVIDER.value, SERVICE_PORT],
             inlets=[*self._inlets()] if ports.per_object else [],
-            sent=[*map(self._send, self._sent)],
+            sent=[*map(self._send, sent)],
             parameters=[*self._parameters()],
-            received=[*map(self._receive, self._received)],
+            received=[*map(self._receive, received)],
             servant=self._servant(),
         )
         title = f"The proxy of `{ports.device.key}`, with the codecs of its PDOs."
-        return self.module(title, body, defines=[name])
+        return self.module(title, body, self.component.name[-1])
 
     # To the device.
 
@@ -121,26 +93,25 @@ class _ProxyModule(ComponentModule):
                 yield {"port": self.port(port.direction, port.name), "pdos": pdos}
 
     def _send(self, sample: PdoSample) -> Values:
-        fields = sample.fields
+        """A sent PDO, with the arguments of its codec."""
         made = {"number": sample.pdo.number, "name": sample.name}
-        if self.ports.per_object:
-            values = [to_codec(q, f"values[{n}]") for n, q in enumerate(fields)]
-            plain = all(map(is_plain, fields))
-            initial = [
-                (self.port(PdoDirection.RPDO, p.name), self._initial(p.quantity))
-                for p in self.object_ports(sample)
-            ]
-            return {
-                **made,
-                "initial": initial,
-                "arguments": [Python("*values")] if plain else values,
-            }
-        struct = self.struct(sample)
-        members = (f"sample.{self.member(struct, q.name)}" for q in fields)
+        if not self.ports.per_object:
+            arguments = [*map(to_codec, sample.fields, self.members(sample))]
+            port = self.port(PdoDirection.RPDO, sample.name)
+            return {**made, "port": port, "arguments": arguments}
+        plain = all(map(is_plain, sample.fields))
+        values = (f"values[{n}]" for n in range(len(sample.fields)))
         return {
             **made,
-            "port": self.port(PdoDirection.RPDO, sample.name),
-            "arguments": [*map(to_codec, fields, members)],
+            "initial": [
+                (self.port(PdoDirection.RPDO, p.name), self._initial(p.quantity))
+                for p in self.object_ports(sample)
+            ],
+            "arguments": (
+                [Python("*values")]
+                if plain
+                else [*map(to_codec, sample.fields, values)]
+            ),
         }
 
     def _initial(self, quantity: Quantity) -> Python:
@@ -175,41 +146,26 @@ class _ProxyModule(ComponentModule):
                 sample.fields, variables, sample.layout.fields, strict=True
             )
         ]
-        made = {"number": sample.pdo.number, "name": sample.name}
-        targets = Python(
-            ", ".join(variables) if len(variables) > 1 else f"({variables[0]},)"
-        )
+        made = {"number": sample.pdo.number, "name": sample.name, "members": []}
+        first = f"({variables[0]},)"
+        targets = Python(", ".join(variables) if len(variables) > 1 else first)
         if not self.ports.per_object:
             port = self.port(PdoDirection.TPDO, sample.name)
             if values == variables:
-                decoded = self.sample(sample, [f"*decode_{sample.name}(data)"])
-                return {
-                    **made,
-                    "targets": "",
-                    "members": [],
-                    "samples": [(port, decoded)],
-                }
+                targets, values = Python(""), [Python(f"*decode_{sample.name}(data)")]
             samples = [(port, self.sample(sample, values))]
-            return {**made, "targets": targets, "members": [], "samples": samples}
+            return {**made, "targets": targets, "samples": samples}
         # All values are converted before the first is written: a PDO arrives whole or not at all.
-        members = [
-            variable if variable == value else f"m{n}"
-            for n, (variable, value) in enumerate(zip(variables, values, strict=True))
-        ]
+        pairs = [*enumerate(zip(variables, values, strict=True))]
+        members = [v if v == value else f"m{n}" for n, (v, value) in pairs]
+        ports = [*zip(self.object_ports(sample), members, strict=True)]
         return {
             **made,
             "targets": targets,
-            "members": [
-                (member, value)
-                for member, value in zip(members, values, strict=True)
-                if member != value
-            ],
+            "members": [(m, v) for m, v in zip(members, values, strict=True) if m != v],
             "samples": [
-                (
-                    self.port(PdoDirection.TPDO, port.name),
-                    self.object_sample(port, member),
-                )
-                for port, member in zip(self.object_ports(sample), members, strict=True)
+                (self.port(PdoDirection.TPDO, p.name), self.object_sample(p, member))
+                for p, member in ports
             ],
         }
 
@@ -221,7 +177,7 @@ class _ProxyModule(ComponentModule):
         assert isinstance(service, Interface)
         names = self.names.operations(service)
         return {
-            "name": self._servant_name,
+            "name": _servant(self.ports),
             "interface": self.types.type_name(service.name),
             "attributes": [
                 (attribute, self.types.type_name(("CANopen", name)))
@@ -253,6 +209,11 @@ class _ProxyModule(ComponentModule):
         if self.is_time(quantity):
             return self.time
         return python_type(quantity.variable.data_type)
+
+
+def _servant(ports: DevicePorts) -> str:
+    """Return the class of the servant of the SDO port."""
+    return f"_{service_of(ports.kind)[-1]}"
 
 
 def _codecs(samples: Iterable[PdoSample]) -> list[PdoCodec]:
