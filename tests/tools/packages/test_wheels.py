@@ -27,7 +27,7 @@ BUILT_FROM = (
 FILES = ("pyproject.toml", "hatch_build.py", "README.md", "LICENSE")
 NAME = re.compile(r"[\w-]+")
 
-# A follower of paths drives a base, as in the beginning of docs/runtime.md.
+# Code of IDL (a base and its odometry), of TECS (a call of a board) and of CANopen (a drive).
 DRIVE = """
 from importlib import import_module
 from pkgutil import walk_packages
@@ -48,6 +48,36 @@ with System(SimulatedClock()) as system:
     assert system.state("Odometry0") is LifeCycleState.ACTIVE_STATE
 sample = rtc.TimedDoubleSeq(rtc.Time(1, 2), [3.0])
 assert rtc.TimedDoubleSeq.from_cdr(sample.to_cdr()) == sample
+
+import threading
+from refnav.base_control import start_of
+from refnav.motor_board import MotorBoard
+from refrobots.components.simulated_motor_board import SimulatedMotorBoardConfiguration
+from refrobots.tecs.board.motor_board_codec import MotorBoardCodec
+from refrobots.tecs.board.motor_board_marshaller import MotorBoardProxy
+from refrobots.tecs.board.motor_board_server import MotorBoardUnmarshaller
+from rtgen.runtime.opaque_rpc import TcpChannel, TcpServer
+config = SimulatedMotorBoardConfiguration()
+board = MotorBoard(config, start_of(config), lambda: 0, print)
+with TcpServer(MotorBoardUnmarshaller(board, MotorBoardCodec())) as server:
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    channel = TcpChannel(*server.address)
+    assert MotorBoardProxy(channel).identify() == (0, "RH3 motor board, simulated")
+    channel.close()
+
+from refnav.epos_drive_device import EposDriveDevice
+from refrobots.components.epos_drive_proxy import EposDriveProxy
+device, proxy = EposDriveDevice("Device0"), EposDriveProxy("Drive0")
+proxy.configuration_sets.set("master", "1")
+with System(SimulatedClock()) as system:
+    for component in (device, proxy):
+        for name, value in (("node_id", "1"), ("network", ""), ("bitrate", "1000000")):
+            component.configuration_sets.set(name, value)
+        system.add(component, 100.0)
+        system.run(until_ns=system.time + SECOND)
+    system.activate("Drive0")
+    system.run(until_ns=system.time + SECOND)
+    assert system.state("Drive0") is LifeCycleState.ACTIVE_STATE, proxy.reason
 try:
     import rtgen.compiler.compilation
 except ModuleNotFoundError:
