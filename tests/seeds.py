@@ -60,3 +60,8 @@ def cases(count: int, *, least: int = 1) -> range:
     """
     first = seed() * _SEED_DISTANCE
     return range(first, first + budget(count, least=least))
+
+
+if __name__ == "__main__":
+    # The seed of `make nightly`: another one than that of `make test`.
+    print(seed_of(commit()) + 1)
