@@ -140,7 +140,7 @@ def _named(
     taken |= {signature.name for signature in signatures}
     classes: dict[str, CodecClass] = {}
     users: dict[str, set[str]] = {}
-    by_text: dict[tuple[str, str], CodecClass] = {}
+    unnamed: dict[CodecClass, CodecClass] = {}
 
     def use(name: str, scoped: str) -> None:
         users.setdefault(name, set()).add(scoped)
@@ -154,11 +154,11 @@ def _named(
     for signature in signatures:
         scoped = signature.layout.signature.scoped
         for index, made in enumerate(signature.functions):
-            known = by_text.get((made.base, made.body))
+            known = unnamed.get(replace(made, name=""))
             if known is None:
                 known = replace(made, name=identifier(made.name, taken))
                 taken.add(known.name)
-                classes[known.name] = by_text[made.base, made.body] = known
+                classes[known.name] = unnamed[replace(made, name="")] = known
             signature.functions[index] = known
             use(known.name, scoped)
     used = {name: made for name, made in classes.items() if name in users}

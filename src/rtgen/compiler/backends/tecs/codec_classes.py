@@ -6,11 +6,16 @@ the methods.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import msgspec
 
-from rtgen.compiler.backends.kit.quoting.python import docstring, string_literal
+from rtgen.compiler.backends.kit.quoting.python import (
+    Python,
+    docstring,
+    string_literal,
+)
+from rtgen.compiler.backends.kit.rendering import render
 from rtgen.compiler.backends.tecs.codec_parts import (
     Attributes,
     Environment,
@@ -46,22 +51,56 @@ from rtgen.compiler.typemap.tecs.texts import function_text
 _EOP = {True: "EOP_NOTHING_FOLLOWS", False: "EOP_REPLY_FOLLOWS"}
 
 
-class CodecClass(msgspec.Struct, frozen=True):
-    """A class of a codec module; `records` are the classes of structs that it uses."""
+class Method(msgspec.Struct, frozen=True):
+    """A method: its statements, and the exception that replaces `FAILURES` in them, if any."""
 
     name: str
-    base: str
-    body: str
+    parameters: tuple[Python, ...]
+    result: str
+    body: tuple[str, ...]
+    failure: str = ""
+
+
+class CodecClass(msgspec.Struct, frozen=True):
+    """A class of a codec module; `records` are the classes of structs that it uses.
+
+    `facts` are attributes of the class, `attributes` the statements that define those of instances.
+    """
+
+    name: str
+    base: Python
+    docstring: Python
+    parameters: tuple[Python, ...]
+    attributes: tuple[str, ...]
+    methods: tuple[Method, ...]
     records: tuple[str, ...]
+    facts: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def arguments(self) -> list[str]:
+        """The parameters of the constructor by their names."""
+        return [text.partition(":")[0] for text in self.parameters[1:]]
+
+    @property
+    def needs_tdr(self) -> bool:
+        """Whether an attribute depends on the representation."""
+        return any("tdr" in statement for statement in self.attributes)
 
     @property
     def text(self) -> str:
-        return f"class {self.name}({self.base}):\n{self.body}"
+        """The text of the class."""
+        return render("tecs/codec_class.py.j2", **{"class": self}).rstrip("\n")
 
 
-def _method(name: str, parameters: Sequence[str], result: str, body: list[str]) -> str:
-    lines = [f"def {name}({', '.join(['self', *parameters])}) -> {result}:"]
-    return "\n".join(f"    {line}" for line in [*lines, *(f"    {b}" for b in body)])
+def _method(
+    name: str,
+    parameters: Sequence[str],
+    result: str,
+    body: Sequence[str],
+    failure: str = "",
+) -> Method:
+    texts = tuple(map(Python, ("self", *parameters)))
+    return Method(name, texts, result, tuple(body), failure)
 
 
 def record_codec(record: Record, structs: Sequence[str]) -> CodecClass:
@@ -85,46 +124,34 @@ def record_codec(record: Record, structs: Sequence[str]) -> CodecClass:
     decoder = Decoder(attributes, scope, environment, lambda item: None, {})
     lines = decoder.body(record.steps)
     values = ", ".join(_value(scope, item) for item in record.items)
-    read = _guarded(
-        [*lines, f"return {name}({values})"], environment, string_literal(name)
-    )
-    start = _method(
-        "__init__",
-        ["codec: Codec"],
-        "None",
-        ["super().__init__(codec)", *_with_tdr(attributes.statements())],
-    )
-    doc = docstring(f"`struct {record.struct.scoped}`.", 4).rstrip("\n")
-    methods = [
-        start,
-        _method("write", [f"value: {name}"], "bytes", write),
-        _method("read", ["more: More", "budget: ByteBudget"], name, read),
-    ]
-    body = "\n\n".join([doc, *methods])
+    body = [*lines, f"return {name}({values})"]
     return CodecClass(
-        record_class(name), "RecordCodec", body, tuple(attributes.records)
+        record_class(name),
+        Python("RecordCodec"),
+        docstring(f"`struct {record.struct.scoped}`.", 4),
+        (Python("self"), Python("codec: Codec")),
+        tuple(attributes.statements()),
+        (
+            _method("write", [f"value: {name}"], "bytes", write),
+            _method(
+                "read",
+                ["more: More", "budget: ByteBudget"],
+                name,
+                body,
+                _size_error(environment, string_literal(name)),
+            ),
+        ),
+        tuple(attributes.records),
     )
-
-
-def _with_tdr(statements: list[str]) -> list[str]:
-    needs = any("tdr" in statement for statement in statements)
-    return ["tdr = codec.tdr", *statements] if needs else statements
 
 
 def _value(scope: Scope, item: Item) -> str:
     return "None" if isinstance(item.node, Nothing) else scope.of(item)
 
 
-def _guarded(lines: list[str], environment: Environment, name: str) -> list[str]:
-    """Return the statements, with exceptions of size expressions converted to ProtocolError."""
-    if not environment.is_guarded:
-        return lines
-    return [
-        "try:",
-        *(f"    {line}" for line in lines),
-        "except FAILURES as failure:",
-        f"    raise size_error({name}, failure) from failure",
-    ]
+def _size_error(environment: Environment, name: str) -> str:
+    """Return the exception for those of size expressions; none if these cannot fail."""
+    return f"size_error({name}, failure)" if environment.is_guarded else ""
 
 
 class FunctionCodec:
@@ -149,24 +176,20 @@ class FunctionCodec:
             methods.append(self._encode_reply(self._reply))
             methods.append(self._read_reply(self._reply))
         methods += self._unset()
-        statements = [*self._attributes.statements(), self._constant, self._first]
-        start = [
-            "super().__init__(codec, name, number)",
-            *_with_tdr([s for s in statements if s]),
-        ]
-        parameters = ["codec: Codec", "name: str", "number: int"]
-        doc = docstring(f"`{function_text(layout.function, '')}`.", 4).rstrip("\n")
-        facts = "\n".join(f"    {name} = {v}" for name, v in self._facts())
-        body = "\n\n".join(
-            filter(
-                None,
-                [doc, facts, _method("__init__", parameters, "None", start), *methods],
-            )
-        )
+        attributes = [*self._attributes.statements(), self._constant, self._first]
+        parameters = ("self", "codec: Codec", "name: str", "number: int")
         base = f"Messages[[{', '.join(target_types(layout))}], {result_text(layout)}]"
         pascal = "".join(p[:1].upper() + p[1:] for p in layout.function.name.split("_"))
-        name = identifier(f"{pascal}Messages")
-        return CodecClass(name, base, body, tuple(self._attributes.records))
+        return CodecClass(
+            identifier(f"{pascal}Messages"),
+            Python(base),
+            docstring(f"`{function_text(layout.function, '')}`.", 4),
+            tuple(map(Python, parameters)),
+            tuple(filter(None, attributes)),
+            tuple(methods),
+            tuple(self._attributes.records),
+            tuple(self._facts()),
+        )
 
     def _facts(self) -> Iterator[tuple[str, str]]:
         """Yield the class attributes that differ from the base's."""
@@ -184,7 +207,7 @@ class FunctionCodec:
         if is_error_code(layout.function.returns):
             yield "error_code", "True"
 
-    def _unset(self) -> list[str]:
+    def _unset(self) -> list[Method]:
         """Return the values of the outs after a failed call that raises no exception."""
         layout = self._layout
         if not layout.outs or not is_error_code(layout.function.returns):
@@ -208,7 +231,7 @@ class FunctionCodec:
     def _constants(self) -> dict[Role, str]:
         return {Role.SOP: "SOP_REQUEST", Role.ID: "self.id", Role.EOP: self._eop}
 
-    def _encode_request(self) -> str:
+    def _encode_request(self) -> Method:
         layout = self._layout
         scope = Scope(layout.items, self._attributes.classes)
         names = {item.name: scope.of(item) for item in layout.items}
@@ -227,21 +250,11 @@ class FunctionCodec:
         values = {i.name: scope.of(i) for i in layout.arguments}
         name = "encode_request"
         if layout.arguments:
-            return _method(name, parameters, "bytes", self._tried(body, values))
+            return _method(name, parameters, "bytes", body, _argument_error(values))
         self._constant = f"self._request = {body[-1].removeprefix('return ')}"
         return _method(name, [], "bytes", ["return self._request"])
 
-    def _tried(self, body: list[str], values: dict[str, str]) -> list[str]:
-        shown = ", ".join(f"{string_literal(k)}: {v}" for k, v in values.items())
-        error = f"argument_error(self.function, failure, {{{shown}}})"
-        return [
-            "try:",
-            *(f"    {line}" for line in body),
-            "except FAILURES as failure:",
-            f"    raise {error} from failure",
-        ]
-
-    def _read_request(self) -> str:
+    def _read_request(self) -> Method:
         layout = self._layout
         scope = Scope(layout.items, self._attributes.classes)
         names = {item.name: scope.of(item) for item in layout.items}
@@ -269,7 +282,8 @@ class FunctionCodec:
             "read_request",
             ["more: More"],
             _tuple_type(types),
-            _guarded(body, environment, "self.function"),
+            body,
+            _size_error(environment, "self.function"),
         )
 
     def _reply_scope(self) -> tuple[Scope, dict[str, str], Environment]:
@@ -302,7 +316,7 @@ class FunctionCodec:
         given = kept.get(item.name, "")
         return given if item.asked else f"{given} is not None"
 
-    def _encode_reply(self, steps: Sequence[Step]) -> str:
+    def _encode_reply(self, steps: Sequence[Step]) -> Method:
         layout = self._layout
         scope, kept, environment = self._reply_scope()
         constants = {Role.SOP: "SOP_REPLY", Role.EOP: _EOP[True]}
@@ -329,9 +343,10 @@ class FunctionCodec:
             tried.append("if is_rpc_error(returned):")
             tried.append(f"    return {alone}.pack(SOP_REPLY, returned, {_EOP[True]})")
         tried += encoder.body(steps)
-        return _method("encode_reply", parameters, "bytes", self._tried(tried, values))
+        failure = _argument_error(values)
+        return _method("encode_reply", parameters, "bytes", tried, failure)
 
-    def _read_reply(self, steps: Sequence[Step]) -> str:
+    def _read_reply(self, steps: Sequence[Step]) -> Method:
         layout = self._layout
         scope, kept, environment = self._reply_scope()
         decoder = Decoder(
@@ -367,14 +382,20 @@ class FunctionCodec:
         outs = _tuple([_value(scope, item) for item in layout.outs])
         returned = "None" if layout.is_void else "returned"
         body = [*budget, *lines, f"return {returned}, {outs}"]
-        body = _guarded(body, environment, "self.function")
+        failure = _size_error(environment, "self.function")
         types = _tuple_type([item_annotation(item) for item in layout.outs])
         result = f"tuple[{annotation(layout.returned.node)}, {types}]"
         if self._leaves_out:
             result = f"{result[:-1]} | None]"
         parameters = ["first: bytes", "more: More", *self._kept_parameters(kept)]
         self._first = f"self.first = {size}"
-        return _method("read_reply", parameters, result, body)
+        return _method("read_reply", parameters, result, body, failure)
+
+
+def _argument_error(values: Mapping[str, str]) -> str:
+    """Return the exception for a value that cannot be sent."""
+    shown = ", ".join(f"{string_literal(k)}: {v}" for k, v in values.items())
+    return f"argument_error(self.function, failure, {{{shown}}})"
 
 
 def _kept_values(kept: dict[str, str]) -> Iterable[tuple[str, str]]:
