@@ -242,7 +242,7 @@ class _Source:
         lines, made = self._made(descriptor, "wire")
         self._function(of, "wire", [*lines, f"return {made}"])
         fields = self._fill_struct(descriptor, "wire", "value", False)
-        self._function(fill, "wire, value", [*fields, "return"])
+        self._function(fill, "wire, value", [*fields] or ["pass"])
 
     def _members(
         self, descriptor: ExceptionDescriptor, parameter: str, outgoing: bool
