@@ -117,7 +117,7 @@ interpreters: interpreter
 	$(MAKE) --no-print-directory interpreted
 
 # The environment of the other interpreter; one processor installs it, one that of this one.
-interpreter: $(VENV)/uv.stamp page
+interpreter: $(VENV)/uv.stamp
 	$(BIN)/python tests/interpreters.py --install
 
 interpreted:

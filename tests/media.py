@@ -6,18 +6,42 @@ import atexit
 import json
 import os
 import socket
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import pytest
+from msgspec.structs import astuple
 
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated
 from rtgen.runtime.distribution.in_process import Network
-from rtgen.runtime.distribution.medium import Medium
+from rtgen.runtime.distribution.medium import (
+    Client,
+    Medium,
+    OnRequest,
+    OnSample,
+    Publisher,
+    Qos,
+    Sample,
+    Subscription,
+    Token,
+    Topic,
+    type_name,
+)
 from rtgen.runtime.distribution.transport import DistributedTransport
+
+if TYPE_CHECKING:
+    from rtgen.runtime.ros2.network import (
+        RosNetwork,
+        RosNode,
+        RosQos,
+        RosService,
+        RosTopic,
+    )
 
 SYSTEM = "conformance"
 DOMAIN = 90
@@ -109,6 +133,128 @@ def medium_at(address: str, system: str = SYSTEM) -> Medium:
     return ZenohMedium(system, Endpoints(None, (place,), ("tcp/127.0.0.1:0",), more))
 
 
+class _Ros:
+    """Processes on a network of ROS 2, with a domain for each system."""
+
+    address = None
+
+    def __init__(self, opened: Callable[[RosNode], RosNetwork]) -> None:
+        self._opened = opened
+        self._domains: dict[str, int] = {}
+
+    def medium(self, system: str = SYSTEM) -> Any:
+        from rtgen.runtime.ros2.network import RosNode
+
+        domain = self._domains.setdefault(system, own_domain() + len(self._domains))
+        return _AsRos(self._opened(RosNode("node", "/", domain)))
+
+
+class _AsRos:
+    """Carries the octets of the suite in messages of ROS 2."""
+
+    def __init__(self, network: RosNetwork) -> None:
+        self._medium = network.medium
+        self.close = network.close
+
+    def publisher(self, topic: Topic, qos: Qos) -> Publisher:
+        described, ros_qos = _ros(topic, qos)
+        made = self._medium.publisher(described, ros_qos)
+        publish = made.publish
+        made.publish = lambda octets: publish(_wrapped(described.type, octets))  # type: ignore[method-assign]
+        return made
+
+    def subscribe(self, topic: Topic, qos: Qos, on_sample: OnSample) -> Subscription:
+        described, ros_qos = _ros(topic, qos)
+
+        def take(sample: Sample) -> None:
+            octets = _unwrapped(described.type, sample.octets)
+            on_sample(Sample(octets, sample.source, sample.sequence))
+
+        return self._medium.subscribe(described, ros_qos, take)
+
+    def serve(self, service: str, types: object, on_request: OnRequest) -> Token:
+        described = _ros_service(service)
+
+        def take(octets: bytes, reply: Callable[[bytes], None]) -> None:
+            on_request(
+                _unwrapped(described.request, octets),
+                lambda answer: reply(_wrapped(described.reply, answer)),
+            )
+
+        return self._medium.serve(described.name, (described,), take)
+
+    def client(self, service: str, types: object) -> Client:
+        described = _ros_service(service)
+        made = self._medium.client(described.name, described)
+        call = made.call
+
+        def wrapping(octets: bytes, timeout: float) -> bytes:
+            reply = call(_wrapped(described.request, octets), timeout)
+            return _unwrapped(described.reply, reply)
+
+        made.call = wrapping  # type: ignore[method-assign]
+        return made
+
+
+def _wrapped(message: Any, octets: bytes) -> bytes:
+    return b"\0\1\0\0" + bytes(message(octets).to_cdr(True))
+
+
+def _unwrapped(message: Any, octets: bytes) -> bytes:
+    return bytes(astuple(message.from_cdr(octets[4:], True))[0])
+
+
+def _ros(topic: Topic, qos: Qos) -> tuple[RosTopic, RosQos]:
+    from rtgen.facts.ros_qos import Durability, History, Profile, Reliability
+    from rtgen.runtime.ros2.network import RosQos, RosTopic
+
+    profile = Profile(
+        depth=qos.depth or 10,
+        reliability=(Reliability.RELIABLE if qos.reliable else Reliability.BEST_EFFORT),
+        durability=Durability.TRANSIENT_LOCAL if qos.durable else Durability.VOLATILE,
+        history=History.KEEP_ALL if qos.depth is None else History.KEEP_LAST,
+    )
+    message = _message(f"msg::{type_name(topic.type).rpartition('::')[2]}")
+    return RosTopic(f"/{topic.name}", message), RosQos.of(profile)
+
+
+def _ros_service(service: str) -> RosService:
+    from rtgen.runtime.ros2.network import RosService
+
+    request, reply = _message("srv::Octets_Request"), _message("srv::Octets_Response")
+    return RosService(request, reply, f"/{service}", _message("msg::Event"))
+
+
+@cache
+def _message(name: str) -> Any:
+    """Return a class of messages with octets, as a member whose name tells types apart."""
+    last = name.rpartition("::")[2]
+    member = last.lower()
+    namespace = {
+        "__annotations__": {member: bytes},
+        "__module__": __name__,
+        "_descriptor_": idl.struct(
+            f"suite::{name}", **{member: idl.sequence(idl.OCTET)}
+        ),
+        member: b"",
+    }
+    return type(Aggregated)(last, (Aggregated,), namespace)
+
+
+def _ros_zenoh() -> Callable[[RosNode], RosNetwork]:
+    """Return what opens peers that meet at the first one."""
+    from rtgen.runtime.ros2.zenoh import configuration, open_zenoh
+
+    place = f"tcp/127.0.0.1:{free_port()}"
+    first = [configuration(connect=None, listen=place)]
+
+    def opened(node: RosNode) -> RosNetwork:
+        config = first.pop() if first else configuration(connect=place)
+        return open_zenoh(node, config=config)
+
+    return opened
+
+
 @contextmanager
 def router(locator: str, *others: str) -> Iterator[Any]:
     """Yield a session of Zenoh in router mode, which forwards between its clients and others."""
@@ -145,9 +291,19 @@ def engine(name: str, lease: float | None = None) -> Iterator[Engine]:
             routed = _Zenoh(lease, routed=True)
             with router(routed.locator):
                 yield routed
+        case "ros2-dds":
+            pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
+            from rtgen.runtime.ros2.dds import open_dds
+
+            yield _Ros(open_dds)
+        case "ros2-zenoh":
+            pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")
+            yield _Ros(_ros_zenoh())
 
 
 ENGINES = ("in-process", "dds", "zenoh", "zenoh-router")
+MESSAGING = (*ENGINES, "ros2-dds", "ros2-zenoh")
+"""Engines, and those with the names of ROS 2, which have topics and services only."""
 
 
 class Transports(Protocol):

@@ -100,9 +100,9 @@ def stack() -> Iterator[ExitStack]:
 @pytest.fixture(scope="module")
 def network(peer: Node) -> Iterator[Any]:
     """Return a network that has known the node of rclpy for a while."""
-    from rtgen.runtime.ros2.dds import DdsNetwork
+    from rtgen.runtime.ros2.dds import open_dds
 
-    made = DdsNetwork(RosNode("node", "/lab", DOMAIN))
+    made = open_dds(RosNode("node", "/lab", DOMAIN))
     yield made
     made.close()
 
@@ -124,7 +124,7 @@ def warnings(caplog: pytest.LogCaptureFixture) -> Any:
 
 def basics(calls: ModuleType, name: str) -> RosService:
     info = message_classes(EVENT_INFO)[EVENT_INFO]
-    return RosService(name, *messages_of(calls.Basics, "ask"), info)
+    return RosService(*messages_of(calls.Basics, "ask"), name, info)
 
 
 def consumer_of(stack: ExitStack, network: Any, calls: ModuleType, name: str) -> Any:

@@ -342,9 +342,9 @@ def shown(request: pytest.FixtureRequest, stack: ExitStack) -> tuple[System, Pee
     """Yield a system in real time, whose component is a managed node, and a peer on its network."""
     peer: Peer
     if request.param == "dds":
-        from rtgen.runtime.ros2.dds import DdsNetwork
+        from rtgen.runtime.ros2.dds import open_dds
 
-        network: Any = DdsNetwork(RosNode("process", "/lab", DOMAIN))
+        network: Any = open_dds(RosNode("process", "/lab", DOMAIN))
         peer = DdsPeer()
     else:
         network, session, _ = zenoh_pair(stack)
@@ -492,16 +492,16 @@ def test_both_nodes_are_in_the_graph_of_zenoh(stack: ExitStack) -> None:
 
 
 def test_both_nodes_are_in_the_graph_of_dds(stack: ExitStack) -> None:
-    from rtgen.runtime.ros2.dds import DdsNetwork
+    from rtgen.runtime.ros2.dds import open_dds
     from rtgen.runtime.ros2.network import RosTopic
 
-    network = DdsNetwork(RosNode("process", "/lab", DOMAIN))
+    network = open_dds(RosNode("process", "/lab", DOMAIN))
     stack.callback(network.close)
     class_ = message_classes("std_msgs/msg/Float32")["std_msgs/msg/Float32"]
     announced = []
     for node in ("", "Valve0", "Valve0"):
-        network._announce()
-        announced.append({k: len(v.writers) for k, v in network._nodes.items()})
+        network.medium._announce()
+        announced.append({k: len(v.writers) for k, v in network.medium._nodes.items()})
         network.publisher(
             RosTopic(f"/x{len(announced)}", class_, node), PROFILES["default"]
         )

@@ -126,11 +126,11 @@ def told(value: Any) -> Any:
 
 def test_every_message_both_ways(peer: Node, classes: dict[str, Any]) -> None:
     """On topics of its own, to rclpy and from it."""
-    from rtgen.runtime.ros2.dds import DdsNetwork
+    from rtgen.runtime.ros2.dds import open_dds
 
     assert len(classes) > 125
     values = Values(random.Random(seed()))
-    network = DdsNetwork(RosNode("node", "/lab", DOMAIN))
+    network = open_dds(RosNode("node", "/lab", DOMAIN))
     profile = PROFILES["default"]
     sent = {name: values.of(type_._descriptor_) for name, type_ in classes.items()}
     came: dict[str, list[bytes]] = {name: [] for name in classes}
@@ -183,9 +183,9 @@ def test_every_message_as_rclpy_serializes_it(
 
 def test_serialized_messages_are_received(peer: Node, classes: dict[str, Any]) -> None:
     """Published as octets with more than a message behind it."""
-    from rtgen.runtime.ros2.dds import DdsNetwork
+    from rtgen.runtime.ros2.dds import open_dds
 
-    network = DdsNetwork(RosNode("raw", "/lab", DOMAIN))
+    network = open_dds(RosNode("raw", "/lab", DOMAIN))
     values = Values(random.Random(seed()))
     for name in ("test_msgs/msg/WStrings", "test_msgs/msg/MultiNested"):
         class_ = classes[name]

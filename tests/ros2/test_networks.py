@@ -6,6 +6,8 @@ Names, types and hashes of the other side are written by hand as ROS 2 has them.
 from __future__ import annotations
 
 import socket
+import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import ExitStack
 from types import ModuleType
@@ -13,7 +15,7 @@ from typing import Any
 
 import media
 import pytest
-from patience import until
+from patience import PATIENCE, until
 
 from rtgen.facts.ros_qos import PROFILES, History, Profile
 from rtgen.facts.ros_zenoh import parse_attachment
@@ -71,9 +73,9 @@ def ports(
 
 
 def dds_network() -> Any:
-    from rtgen.runtime.ros2.dds import DdsNetwork
+    from rtgen.runtime.ros2.dds import open_dds
 
-    return DdsNetwork(RosNode("node", "/robot", DOMAIN))
+    return open_dds(RosNode("node", "/robot", DOMAIN))
 
 
 def test_dds(messages: dict[str, ModuleType], stack: ExitStack) -> None:
@@ -153,6 +155,27 @@ def test_dds_shows_the_hash_and_the_node(
     assert bytes(shown.writer_gid_seq[0].data) == found.key.bytes
 
 
+SUCCESSORS = """
+import gc
+from rtgen.runtime.ros2.dds import open_dds
+from rtgen.runtime.ros2.network import RosNode
+
+last = open_dds(RosNode("node", "/", {domain}))
+for _ in range(30):
+    following = open_dds(RosNode("node", "/", {domain}))
+    last.close()
+    last = following
+    gc.collect()
+last.close()
+"""
+
+
+def test_types_of_dds_outlive_the_network_that_brought_them() -> None:
+    """Cyclone DDS would look at memory that is free, and end the process."""
+    script = SUCCESSORS.format(domain=DOMAIN)
+    subprocess.run([sys.executable, "-c", script], check=True, timeout=PATIENCE)
+
+
 def free_port() -> int:
     with socket.create_server(("127.0.0.1", 0)) as server:
         port: int = server.getsockname()[1]
@@ -161,13 +184,13 @@ def free_port() -> int:
 
 def zenoh_pair(stack: ExitStack) -> tuple[Any, Any, str]:
     """Return a network of rtgen, a plain session of Zenoh connected with it, and its locator."""
-    from rtgen.runtime.ros2.zenoh import ZenohNetwork, configuration
+    from rtgen.runtime.ros2.zenoh import configuration, open_zenoh
 
     place = f"tcp/127.0.0.1:{free_port()}"
     plain = zenoh.open(configuration(connect=None, listen=place))
     stack.callback(plain.close)
     config = configuration(connect=place)
-    network = ZenohNetwork(RosNode("node", "/robot", DOMAIN), config=config)
+    network = open_zenoh(RosNode("node", "/robot", DOMAIN), config=config)
     return network, plain, place
 
 
@@ -180,14 +203,14 @@ def test_a_session_of_zenoh_that_finds_nobody_is_reported(
 
     found, _, _ = zenoh_pair(stack)
     stack.callback(found.close)
-    until(found._session.info.peers_zid)
-    found._tell_if_alone()
+    until(found.medium._session.info.peers_zid)
+    found.medium._tell_if_alone()
     assert not caplog.messages
     monkeypatch.setattr(networks, "_REPORT_AFTER", 0.05)
     config = networks.configuration(connect=f"tcp/127.0.0.1:{free_port()}")
-    alone = networks.ZenohNetwork(RosNode("node", "/", DOMAIN), config=config)
+    alone = networks.open_zenoh(RosNode("node", "/", DOMAIN), config=config)
     stack.callback(alone.close)
-    alone._looking.join()
+    alone.medium._looking.join()
     assert "no router or peer of Zenoh was found" in caplog.messages[0]
 
 
@@ -227,7 +250,7 @@ def test_zenoh_shows_its_tokens(
     network, plain, _ = zenoh_pair(stack)
     made, _, _ = ports(network, messages, PROFILES["sensor_data"])
     stack.callback(made.close)
-    zid = str(network._session.zid())
+    zid = str(network.medium._session.zid())
     entity = f"std_msgs::msg::dds_::Float32_/{FLOAT32}/2::,5:,:,:,,"
     expected = {
         f"@ros2_lv/{DOMAIN}/{zid}/0/0/NN/%/%robot/node",
@@ -252,11 +275,11 @@ def test_late_subscriptions_get_the_last_message(
     if kind == "dds":
         one, two = dds_network(), dds_network()
     else:
-        from rtgen.runtime.ros2.zenoh import ZenohNetwork, configuration
+        from rtgen.runtime.ros2.zenoh import configuration, open_zenoh
 
         one, _, place = zenoh_pair(stack)
         node = RosNode("late", "/robot", DOMAIN)
-        two = ZenohNetwork(node, config=configuration(connect=place))
+        two = open_zenoh(node, config=configuration(connect=place))
     stack.callback(one.close)
     stack.callback(two.close)
     one.publisher(topic, PROFILES["map"])(b"\x00\x01\x00\x00" + type_(7.0).to_cdr(True))

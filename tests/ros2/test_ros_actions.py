@@ -85,9 +85,9 @@ def stack() -> Iterator[ExitStack]:
 
 
 def dds_network() -> Any:
-    from rtgen.runtime.ros2.dds import DdsNetwork
+    from rtgen.runtime.ros2.dds import open_dds
 
-    return DdsNetwork(RosNode("node", "/lab", DOMAIN))
+    return open_dds(RosNode("node", "/lab", DOMAIN))
 
 
 class Peer:

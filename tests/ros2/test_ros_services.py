@@ -109,7 +109,7 @@ def stack() -> Iterator[ExitStack]:
 
 def service(lamp: ModuleType) -> RosService:
     info = message_classes(EVENT_INFO)[EVENT_INFO]
-    return RosService(f"/lab/{NAME}", *messages_of(lamp.Lamp, "set"), info)
+    return RosService(*messages_of(lamp.Lamp, "set"), f"/lab/{NAME}", info)
 
 
 def served(lamp: ModuleType) -> tuple[System, Any]:
@@ -151,9 +151,9 @@ def joined(
 
 
 def dds_network() -> Any:
-    from rtgen.runtime.ros2.dds import DdsNetwork
+    from rtgen.runtime.ros2.dds import open_dds
 
-    return DdsNetwork(RosNode("node", "/lab", DOMAIN))
+    return open_dds(RosNode("node", "/lab", DOMAIN))
 
 
 def dds_classes() -> tuple[Any, Any]:
@@ -411,7 +411,7 @@ def test_octets_after_a_message_are_ignored(
 def test_services_of_an_action(lamp: ModuleType) -> None:
     info = message_classes(EVENT_INFO)[EVENT_INFO]
     for operation, kind in (("send", "SendGoal"), ("result", "GetResult")):
-        found = RosService("/go/_action/x", *messages_of(lamp.Mover, operation), info)
+        found = RosService(*messages_of(lamp.Mover, operation), "/go/_action/x", info)
         assert found.type_name == f"lab/action/Go_{kind}"
         assert dds_type(f"{found.type_name}_Request") == (
             f"lab::action::dds_::Go_{kind}_Request_"
@@ -524,10 +524,12 @@ def test_each_call_that_the_run_ends_says_so(
     pool = stack.enter_context(ThreadPoolExecutor(1))
     for _ in range(200):
         waits = pool.submit(call, b"", PATIENCE)
-        asked.get(timeout=PATIENCE)
+        # A query that nobody refers to has no reply, which ends the call.
+        query = asked.get(timeout=PATIENCE)
         network.end_calls()
         with pytest.raises(CallEnded):
             waits.result(PATIENCE)
+        del query
 
 
 SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>

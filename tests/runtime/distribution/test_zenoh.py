@@ -10,7 +10,6 @@ import signal
 import socket
 import struct
 import subprocess
-from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing, nullcontext, suppress
 from pathlib import Path
@@ -711,8 +710,6 @@ class EagerSession:
 def test_a_request_that_comes_while_its_service_is_declared_is_served() -> None:
     requests: list[bytes] = []
     session: Any = EagerSession()
-    service = ZenohService(
-        session, "s", lambda octets, _: requests.append(octets), Counter()
-    )
+    service = ZenohService(session, "s", lambda octets, _: requests.append(octets))
     assert requests == [b""]
     service.close()

@@ -5,12 +5,16 @@ from __future__ import annotations
 import struct
 from itertools import count
 
+import media
+import pytest
 from patience import until
 
 from refrobots._idl.basic_data_type import TimedOctetSeq
 from rtgen.runtime.distribution.medium import Publisher, Sample, Topic
 
 TOPIC = Topic("robot/out/pose", TimedOctetSeq)
+ON_ROS_TOO = pytest.mark.parametrize("engine", media.MESSAGING, indirect=True)
+"""Marks tests of what networks of ROS 2 have, too."""
 
 
 class Samples(list[Sample]):

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 
 import pytest
+from collecting import ON_ROS_TOO
 from patience import until
 
 from rtgen.runtime.distribution.medium import (
@@ -96,6 +97,7 @@ def test_calls_of_many_threads_are_carried_out_once_each(
     assert len(requests) == threads * calls + 1
 
 
+@ON_ROS_TOO
 def test_octets_of_any_length_travel(join: Join) -> None:
     here, there = join(), join()
     serve_octets(there, "s/op", Server().on_request)
@@ -112,6 +114,7 @@ def test_a_service_that_nobody_has_is_known_to_be_missing(join: Join) -> None:
         client.call(b"", 10)
 
 
+@ON_ROS_TOO
 def test_a_reply_that_takes_too_long(join: Join) -> None:
     here, there = join(), join()
     held, quick = Server(holds=True), Server()
@@ -128,6 +131,7 @@ def test_a_reply_that_takes_too_long(join: Join) -> None:
     assert len(held.requests) == 1
 
 
+@ON_ROS_TOO
 def test_a_server_that_ends_meanwhile(join: Join) -> None:
     here, there = join(), join()
     server = Server(holds=True)
@@ -166,6 +170,30 @@ def test_a_server_that_comes_again_is_found(join: Join) -> None:
         until(partial(_is_missing, client))
 
 
+@ON_ROS_TOO
+def test_calls_that_are_cancelled_end_and_others_follow(join: Join) -> None:
+    here, there = join(), join()
+    server = Server(holds=True)
+    serve_octets(there, "s/op", server.on_request)
+    client = OctetsClient(here, "s/op")
+    cancelling = threading.Thread(
+        target=lambda: (until(lambda: server.held), client.cancel())
+    )
+    cancelling.start()
+    with pytest.raises(PeerLostError):
+        until(partial(_until_served, client, 30.0))
+    cancelling.join()
+    answering = threading.Thread(
+        target=lambda: (
+            until(lambda: len(server.held) > 1),
+            server.held[1](b"answer"),
+        )
+    )
+    answering.start()
+    assert client.call(b"again", 30) == b"answer"
+    answering.join()
+
+
 def test_one_of_two_servers_carries_a_call_out(join: Join) -> None:
     media = join(), join()
     servers = Server(), Server()
@@ -179,6 +207,7 @@ def test_one_of_two_servers_carries_a_call_out(join: Join) -> None:
         assert sum(len(server.requests) for server in servers) == before + 1
 
 
+@ON_ROS_TOO
 def test_a_client_that_is_closed_ends_its_calls(join: Join) -> None:
     here, there = join(), join()
     server = Server(holds=True)

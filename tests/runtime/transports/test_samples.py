@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import media
 import pytest
-from collecting import TOPIC, Samples, Sender, number_of, payload
+from collecting import ON_ROS_TOO, TOPIC, Samples, Sender, number_of, payload
 from patience import PATIENCE, until
 
 from refrobots._idl.basic_data_type import TimedLong
@@ -27,6 +27,7 @@ from rtgen.runtime.distribution.rpc_header import OctetsClient, serve_octets
 Join = Callable[..., Medium]
 
 
+@ON_ROS_TOO
 def test_every_subscription_gets_all_samples_in_order(join: Join) -> None:
     here, there, third = join(), join(), join()
     got = [Samples() for _ in range(3)]
@@ -106,6 +107,7 @@ def test_a_gap_in_the_numbers_shows_what_was_lost(
     assert (max(gaps) > 1) is loses
 
 
+@ON_ROS_TOO
 def test_other_names_types_and_systems_are_not_received(join: Join) -> None:
     here, there, elsewhere = join(), join(), join("another")
     got = Samples()
@@ -125,6 +127,7 @@ def test_other_names_types_and_systems_are_not_received(join: Join) -> None:
     assert [number_of(sample) for sample in got] == [2]
 
 
+@ON_ROS_TOO
 @pytest.mark.parametrize("kept", [1, 5])
 def test_a_late_joiner_gets_the_last_samples_once(join: Join, kept: int) -> None:
     here = join()
@@ -142,6 +145,7 @@ def test_a_late_joiner_gets_the_last_samples_once(join: Join, kept: int) -> None
     assert not [number_of(s) for s in volatile if number_of(s) < 11]
 
 
+@ON_ROS_TOO
 def test_a_durable_subscription_finds_a_publisher_that_comes_later(join: Join) -> None:
     here, there = join(), join()
     got = Samples()
@@ -153,6 +157,7 @@ def test_a_durable_subscription_finds_a_publisher_that_comes_later(join: Join) -
     assert [number_of(sample) for sample in got] == [1, 2, 3, 4]
 
 
+@ON_ROS_TOO
 @pytest.mark.parametrize("megabytes", [1, 10])
 def test_big_samples_arrive_whole(join: Join, megabytes: int) -> None:
     here, there = join(), join()
@@ -203,6 +208,7 @@ def test_a_slow_subscription_slows_the_publisher_down_and_loses_nothing(
     assert [number_of(sample) for sample in got] == list(range(sent + 1))
 
 
+@ON_ROS_TOO
 def test_a_publisher_that_keeps_few_does_not_wait_for_a_slow_subscription(
     join: Join,
 ) -> None:
@@ -239,6 +245,7 @@ def test_missed_deadlines_are_counted_by_subscription(join: Join) -> None:
     assert short.missed_deadlines == ended
 
 
+@ON_ROS_TOO
 def test_nothing_comes_after_close(join: Join) -> None:
     here, there = join(), join()
     got, still = Samples(), Samples()

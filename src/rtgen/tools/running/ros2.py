@@ -222,7 +222,7 @@ def _service_joints(
             continue
         shown = nodes.get(entry.instance, "")
         name = node.qualified(entry.service)
-        service = RosService(name, *messages, info, shown)
+        service = RosService(*messages, name, info, shown)
         joints.append(ServiceJoint(port, entry.operation, service))
     for action in settings.actions:
         shown = nodes.get(action.instance, "")
@@ -296,24 +296,24 @@ def _network(
     try:
         if kind == "dds":
             return _dds(node, settings.interface)
-        from rtgen.runtime.ros2.zenoh import ZenohNetwork
+        from rtgen.runtime.ros2.zenoh import open_zenoh
     except ImportError as error:
         needed = {"dds": "cyclonedds", "zenoh": "eclipse-zenoh"}[kind]
         message = f"--ros2 {kind} needs {needed}, which is not installed"
         raise ToolError(message, hint=f"pip install 'rtgen[{kind}]'") from error
     config = settings.zenoh
-    return ZenohNetwork(
+    return open_zenoh(
         node, config=None if config is None else Path(project.root, config)
     )
 
 
 def _dds(node: RosNode, interface: str | None) -> RosNetwork:
     """Return the network of DDS. Raises ToolError, Ros2Error, ImportError."""
-    from rtgen.runtime.ros2.dds import DdsNetwork
+    from rtgen.runtime.ros2.dds import open_dds
     from rtgen.runtime.ros2.network import Ros2Error
 
     try:
-        return DdsNetwork(node, interface=interface)
+        return open_dds(node, interface=interface)
     except Ros2Error as error:
         if interface is None:
             raise

@@ -221,12 +221,11 @@ def _sent(type_: type[Any]) -> Any:
     return Policy.DataRepresentation(version == 1, version == 2)
 
 
-def participant(domain: int, lease: float | None) -> DomainParticipant:
-    """A participant; others count it as lost after the lease [s], None for its domain's."""
+def alive(lease: float | None) -> list[Any]:
+    """Return the policies of a participant with this lease [s]; None for that of its domain."""
     if lease is None:
-        return DomainParticipant(domain)
-    alive = Policy.Liveliness.Automatic(round(lease * _SECOND))
-    return DomainParticipant(domain, qos=DdsQos(alive))
+        return []
+    return [Policy.Liveliness.Automatic(round(lease * _SECOND))]
 
 
 def condition(reader: DataReader[Any]) -> ReadCondition:

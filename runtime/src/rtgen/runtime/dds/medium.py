@@ -6,12 +6,16 @@ import re
 import sys
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
 from xml.sax.saxutils import quoteattr, unescape
 
 from cyclonedds.domain import Domain, DomainParticipant
+from cyclonedds.pub import DataWriter
+from cyclonedds.qos import Qos as DdsQos
+from cyclonedds.sub import DataReader
 
 from rtgen.facts.files import UnreadableError, read_file
 from rtgen.runtime.dds import c_log, entities
@@ -20,7 +24,7 @@ from rtgen.runtime.dds.dispatcher import Dispatcher
 from rtgen.runtime.dds.entities import Entities
 from rtgen.runtime.dds.numbers import DOUBLE, WRITERS, Numbers, numbered, plain
 from rtgen.runtime.dds.presence import Presences
-from rtgen.runtime.dds.rpc import DdsClient, DdsService
+from rtgen.runtime.dds.rpc import DdsClient, DdsRpcClient, DdsService
 from rtgen.runtime.distribution.key_files import check_key_file
 from rtgen.runtime.distribution.medium import (
     MediumError,
@@ -133,7 +137,66 @@ DOMAINS = _Domains()
 """The domains of all media of this process."""
 
 
-class DdsMedium:
+class DdsEngine:
+    """One process's participant in a domain. Raises MediumError.
+
+    `config` is Cyclone DDS's configuration of the domain; `policies` are those of the participant.
+    """
+
+    def __init__(self, domain: int, config: str, *policies: Any) -> None:
+        self._domain = domain
+        self._closed = False
+        self._open: list[Token] = []
+        self._lock = threading.Lock()
+        DOMAINS.open(domain, config)
+        participant: DomainParticipant | None = None
+        try:
+            with entities.reported(f"domain {domain}"):
+                qos = DdsQos(*policies)
+                participant = self._participant = DomainParticipant(domain, qos=qos)
+                self._data = Dispatcher(self._participant, "rtgen dds data")
+                self._control = Dispatcher(self._participant, "rtgen dds control")
+        except MediumError:
+            if participant is not None:
+                entities.delete(participant)
+            DOMAINS.close(domain)
+            raise
+
+    @contextmanager
+    def _closing_on_error(self) -> Iterator[None]:
+        """Report errors of cyclonedds, and close what is open after one."""
+        try:
+            with entities.reported(f"domain {self._domain}"):
+                yield
+        except MediumError:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """See `Messaging`."""
+        with self._lock:
+            if self._closed:
+                return
+            self._closed = True
+            opened, self._open = self._open, []
+        for entity in reversed(opened):
+            entity.close()
+        self._data.close()
+        self._control.close()
+        entities.delete(self._participant)
+        DOMAINS.close(self._domain)
+
+    def _keep(self, token: _T) -> _T:
+        """Return a token, which is closed with the engine at the latest."""
+        with self._lock:
+            if not self._closed:
+                self._open.append(token)
+                return token
+        token.close()
+        raise MediumError("the medium is closed")
+
+
+class DdsMedium(DdsEngine):
     """See `rtgen.runtime.distribution.medium.Medium`. Raises MediumError.
 
     `system` is the partition; `domain` 0 to 232; `interface` by name or address, loopback by
@@ -151,88 +214,51 @@ class DdsMedium:
         config: Path | None = None,
         lease: float | None = None,
     ) -> None:
-        self._domain = domain
-        self._closed = False
-        self._open: list[Token] = []
-        self._lock = threading.Lock()
         text = configuration(interface) if config is None else _read(config)
+        super().__init__(domain, text, *entities.alive(lease))
         self._lease = LEASE if config is None and lease is None else lease
-        DOMAINS.open(domain, text)
-        participant: DomainParticipant | None = None
-        try:
-            with entities.reported(f"domain {domain}"):
-                participant = self._participant = entities.participant(domain, lease)
-                self._made = Entities(self._participant, system)
-                self._data = Dispatcher(self._participant, "rtgen dds data")
-                self._control = Dispatcher(self._participant, "rtgen dds control")
-            self._presences = Presences(self._made, self._control)
-            self._sender = Sender()
-        except MediumError:
-            if participant is not None:
-                entities.delete(participant)
-            DOMAINS.close(domain)
-            raise
+        with self._closing_on_error():
+            self._made = Entities(self._participant, system)
+            self._presences = self._keep(Presences(self._made, self._control))
+            self._sender = self._keep(Sender())
 
     def publisher(self, topic: Topic, qos: Qos) -> DdsPublisher:
         """See `Medium`. The lease of the process cannot be shortened later."""
         check_lease(topic, qos, self._lease)
-        return self._kept(DdsPublisher(self._made, self._sender, topic, qos))
+        name = check_name(topic.name)
+        writer = self._made.writer(name, topic.type, qos, batching=True)
+        return self._keep(NumberedPublisher(writer, self._sender, qos))
 
     def subscribe(self, topic: Topic, qos: Qos, on_sample: OnSample) -> DdsSubscription:
         """See `Medium`."""
+        name = check_name(topic.name)
         dispatcher = self._data
         if qos.depth is None:
-            name = f"rtgen dds {topic.name}"
-            dispatcher = self._kept(Dispatcher(self._participant, name))
-        return self._kept(
-            DdsSubscription(self._made, dispatcher, topic, qos, on_sample)
-        )
+            dispatcher = self._keep(Dispatcher(self._participant, f"rtgen dds {name}"))
+        reader = self._made.reader(name, topic.type, qos)
+        return self._keep(DdsSubscription(reader, dispatcher, on_sample))
 
     def serve(
         self, service: str, types: Sequence[ServiceTypes], on_request: OnRequest
     ) -> Token:
         """See `Medium`."""
         name = check_name(service)
-        return self._kept(
+        return self._keep(
             DdsService(self._made, self._control, name, types, on_request)
         )
 
     def client(self, service: str, types: ServiceTypes) -> DdsClient:
         """See `Medium`."""
         name = check_name(service)
-        return self._kept(DdsClient(self._made, self._control, name, types))
+        return self._keep(DdsRpcClient(self._made, self._control, name, types))
 
     def announce(self, name: str) -> Token:
         """See `Medium`."""
-        return self._kept(_Once(self._presences.announce(check_name(name))))
+        return self._keep(_Once(self._presences.announce(check_name(name))))
 
     def watch(self, prefix: str, on_change: OnChange) -> Token:
         """See `Medium`."""
-        return self._kept(_Once(self._presences.watch(prefix, on_change)))
-
-    def close(self) -> None:
-        """See `Medium`."""
-        with self._lock:
-            if self._closed:
-                return
-            self._closed = True
-            opened, self._open = self._open, []
-        for entity in reversed(opened):
-            entity.close()
-        self._sender.close()
-        self._presences.close()
-        self._data.close()
-        self._control.close()
-        entities.delete(self._participant)
-        DOMAINS.close(self._domain)
-
-    def _kept(self, made: _T) -> _T:
-        with self._lock:
-            if not self._closed:
-                self._open.append(made)
-                return made
-        made.close()
-        raise MediumError("the medium is closed")
+        return self._keep(_Once(self._presences.watch(prefix, on_change)))
 
 
 _KEY_FILE = re.compile(r"<(\w+)>\s*file:([^<]*[^<\s])")
@@ -262,15 +288,41 @@ class _Once:
 
 
 class DdsPublisher:
-    """See `medium.Publisher`: the writer of a topic."""
+    """See `medium.Publisher`: a writer, whose samples wait for room for `patience` seconds."""
 
-    def __init__(self, made: Entities, sender: Sender, topic: Topic, qos: Qos) -> None:
-        name = self._name = check_name(topic.name)
-        self._patience = qos.patience if qos.depth is None else 0.0
-        self._writer = made.writer(name, topic.type, qos, batching=True)
-        self._burst = Burst(self._writer, sender, qos.depth)
-        self._sequence = 0
+    def __init__(self, writer: DataWriter[Any], patience: float) -> None:
+        self._writer = writer
+        self._patience = patience
         self._closed = False
+
+    def publish(self, octets: bytes) -> None:
+        """See `medium.Publisher`."""
+        if self._closed:
+            raise MediumError("the publisher is closed")
+        entities.write(self._writer, octets, self._patience)
+
+    @property
+    def matched(self) -> bool:
+        """See `medium.Publisher`."""
+        if self._closed:
+            return False
+        with entities.reported(self._writer.topic.name):
+            return bool(entities.matched_readers(self._writer))
+
+    def close(self) -> None:
+        """See `medium.Publisher`."""
+        if not self._closed:
+            self._closed = True
+            entities.delete(self._writer)
+
+
+class NumberedPublisher(DdsPublisher):
+    """A publisher of rtgen, which numbers its samples and sends those of a burst together."""
+
+    def __init__(self, writer: DataWriter[Any], sender: Sender, qos: Qos) -> None:
+        super().__init__(writer, qos.patience if qos.depth is None else 0.0)
+        self._burst = Burst(writer, sender, qos.depth)
+        self._sequence = 0
 
     def publish(self, octets: bytes) -> None:
         """See `medium.Publisher`. A sample that finds no room leaves its number to the next."""
@@ -281,39 +333,25 @@ class DdsPublisher:
         self._sequence = sequence
         self._burst.written()
 
-    @property
-    def matched(self) -> bool:
-        """See `medium.Publisher`."""
-        if self._closed:
-            return False
-        with entities.reported(self._name):
-            return bool(entities.matched_readers(self._writer))
-
-    def close(self) -> None:
-        """See `medium.Publisher`."""
-        if not self._closed:
-            self._closed = True
-            entities.delete(self._writer)
-
 
 class DdsSubscription:
-    """See `medium.Subscription`: a reader of a topic."""
+    """See `medium.Subscription`: a reader of samples, which rtgen has numbered."""
 
     def __init__(
         self,
-        made: Entities,
+        reader: DataReader[Any],
         dispatcher: Dispatcher,
-        topic: Topic,
-        qos: Qos,
         on_sample: OnSample,
+        *,
+        are_numbered: bool = True,
     ) -> None:
         self._on_sample = on_sample
         self._closed = False
         self._missed = 0
-        self._numbers = Numbers()
+        self._numbers = Numbers() if are_numbered else None
         self._writers: OrderedDict[int, Hashable] = OrderedDict()
-        self._reader = made.reader(check_name(topic.name), topic.type, qos)
-        self._condition = entities.condition(self._reader)
+        self._reader = reader
+        self._condition = entities.condition(reader)
         self._entry = dispatcher.add(self._condition, self._take)
 
     @property
@@ -344,6 +382,9 @@ class DdsSubscription:
             if info.valid_data:
                 handle = info.publication_handle
                 source = self._writers.get(handle) or self._writer(handle)
+                if self._numbers is None:
+                    self._on_sample(Sample(octets, source))
+                    continue
                 stamp = info.source_timestamp
                 sequence = self._numbers.sequence(source, octets, stamp)
                 if sequence != DOUBLE:

@@ -1,4 +1,4 @@
-"""Services as pairs of topics, by the basic mapping of DDS-RPC 1.0 (7.5.1).
+"""Services as pairs of topics: both ends, and those of the basic mapping of DDS-RPC 1.0 (7.5.1).
 
 A service has the topics `<service>Request` and `<service>Reply`; the types of samples and their
 headers are `distribution.rpc_types` and `rpc_header`. A server's instance name is the GUID of its
@@ -12,17 +12,20 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Collection, Iterator, Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Collection, Hashable, Iterator, Sequence
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeout
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, NamedTuple
 
 from cyclonedds.core import DDSStatus
+from cyclonedds.pub import DataWriter
+from cyclonedds.sub import DataReader
 
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.dds import entities
-from rtgen.runtime.dds.dispatcher import Dispatcher
+from rtgen.runtime.dds.dispatcher import Dispatcher, Entry
 from rtgen.runtime.dds.entities import Entities
 from rtgen.runtime.distribution.medium import (
     MediumError,
@@ -34,7 +37,6 @@ from rtgen.runtime.distribution.medium import (
     ServiceTypes,
 )
 from rtgen.runtime.distribution.rpc_header import (
-    Identity,
     directed,
     identity_of,
     server_of,
@@ -81,24 +83,26 @@ class DdsService:
             endpoint.close()
 
 
-class _Endpoint:
+class DdsServer(ABC):
+    """A reader of requests and a writer of their replies."""
+
     def __init__(
-        self,
-        made: Entities,
-        dispatcher: Dispatcher,
-        service: str,
-        types: ServiceTypes,
-        on_request: OnRequest,
+        self, service: str, writer: DataWriter[Any], reader: DataReader[Any]
     ) -> None:
         self._service = service
-        self._on_request = on_request
-        self._writer = made.writer(f"{service}Reply", types.reply, _REPLIES, _LATE)
-        self._reader = made.reader(f"{service}Request", types.request, _QOS, _OURS)
-        self._name = self._reader.guid.hex
+        self._writer = writer
+        self._reader = reader
         self._sending = threading.Lock()
         self._closed = False
-        self._condition = entities.condition(self._reader)
-        self._entry = dispatcher.add(self._condition, self._take)
+        self._condition = entities.condition(reader)
+        self._entries: list[Entry] = []
+
+    @abstractmethod
+    def _received(self, octets: bytes, writer: int) -> None:
+        """Process a request of the writer with this handle."""
+
+    def _start(self, dispatcher: Dispatcher) -> None:
+        self._entries.append(dispatcher.add(self._condition, self._take))
 
     def close(self) -> None:
         """Serve no more."""
@@ -106,21 +110,15 @@ class _Endpoint:
             if self._closed:
                 return
             self._closed = True
-        self._entry.close()
+        for entry in self._entries:
+            entry.close()
         for entity in (self._condition, self._reader, self._writer):
             entities.delete(entity)
 
     def _take(self) -> None:
         for octets, info in entities.taken(self._reader):
             if info.valid_data:
-                self._received(octets)
-
-    def _received(self, octets: bytes) -> None:
-        try:
-            if server_of(octets) in ("", self._name):
-                self._on_request(octets, self._reply)
-        except CdrError as error:
-            log.warning("%s: a request cannot be decoded: %s", self._service, error)
+                self._received(octets, info.publication_handle)
 
     def _reply(self, octets: bytes) -> None:
         with self._sending:
@@ -132,28 +130,70 @@ class _Endpoint:
                 log.warning("%s: a reply cannot be sent: %s", self._service, error)
 
 
-class DdsClient:
-    """The calling end of a service; see `medium.Client`."""
-
+class _Endpoint(DdsServer):
     def __init__(
         self,
         made: Entities,
         dispatcher: Dispatcher,
         service: str,
         types: ServiceTypes,
+        on_request: OnRequest,
+    ) -> None:
+        writer = made.writer(f"{service}Reply", types.reply, _REPLIES, _LATE)
+        reader = made.reader(f"{service}Request", types.request, _QOS, _OURS)
+        super().__init__(service, writer, reader)
+        self._on_request = on_request
+        self._name = reader.guid.hex
+        self._start(dispatcher)
+
+    def _received(self, octets: bytes, writer: int) -> None:
+        try:
+            if server_of(octets) in ("", self._name):
+                self._on_request(octets, self._reply)
+        except CdrError as error:
+            log.warning("%s: a request cannot be decoded: %s", self._service, error)
+
+
+class Request(NamedTuple):
+    """A request as sent, and the handle of its server."""
+
+    identity: Hashable
+    server: int
+    octets: bytes
+
+
+class DdsClient(ABC):
+    """A writer of requests and a reader of their replies; see `medium.Client`."""
+
+    def __init__(
+        self, service: str, writer: DataWriter[Any], reader: DataReader[Any]
     ) -> None:
         self._service = service
-        self._writer = made.writer(f"{service}Request", types.request, _QOS)
-        self._reader = made.reader(f"{service}Reply", types.reply, _REPLIES)
-        self._waiting: dict[Identity, tuple[int, Future[bytes]]] = {}
-        """The server of each request under way, as the handle of its reader."""
-        self._names: dict[int, str] = {}
-        """The names of servers, by the handles of their readers."""
+        self._writer = writer
+        self._reader = reader
+        self._waiting: dict[Hashable, tuple[int, Future[bytes]]] = {}
+        """The server of each request under way."""
         self._lock = threading.Lock()
         self._closed = False
-        self._writer.set_status_mask(DDSStatus.PublicationMatched)
-        self._condition = entities.condition(self._reader)
-        self._entries = [
+        self._times_cancelled = 0
+        self._condition = entities.condition(reader)
+        self._entries: list[Entry] = []
+        writer.set_status_mask(DDSStatus.PublicationMatched)
+
+    @abstractmethod
+    def _request(self, octets: bytes, deadline: float) -> Request:
+        """Return a request for a server. Raises NotServedError, PeerLostError."""
+
+    @abstractmethod
+    def _answer(self, octets: bytes, writer: int) -> tuple[Hashable, bytes] | None:
+        """Return the identity and the octets of a reply; None for one that is none."""
+
+    @abstractmethod
+    def _servers(self) -> Collection[int]:
+        """Return the handles of the servers that are there."""
+
+    def _start(self, dispatcher: Dispatcher) -> None:
+        self._entries += [
             dispatcher.add(self._condition, self._take),
             dispatcher.add(self._writer, self._matched_changed),
         ]
@@ -165,15 +205,14 @@ class DdsClient:
 
     def _call(self, octets: bytes, timeout: float) -> bytes:
         future: Future[bytes] = Future()
-        identity = identity_of(octets)
         deadline = time.monotonic() + timeout
-        server, sent = self._directed(octets, timeout)
+        before = self._times_cancelled
+        request = self._request(octets, deadline)
         with self._lock:
-            if self._closed:
-                raise PeerLostError(f"the client of {self._service} is closed")
-            self._waiting[identity] = server, future
+            self._check(before)
+            self._waiting[request.identity] = request.server, future
         try:
-            entities.write(self._writer, sent, timeout)
+            entities.write(self._writer, request.octets, timeout)
             self._matched_changed()  # The server may have been lost just before.
             return future.result(max(0.0, deadline - time.monotonic()))
         except FutureTimeout as error:
@@ -181,13 +220,13 @@ class DdsClient:
             raise ReplyTimeoutError(message) from error
         finally:
             with self._lock:
-                self._waiting.pop(identity, None)
+                self._waiting.pop(request.identity, None)
 
     def send(self, octets: bytes, timeout: float) -> None:
         """See `medium.Client`."""
         with self._while_open():
-            _, sent = self._directed(octets, timeout)
-            entities.write(self._writer, sent, timeout)
+            request = self._request(octets, time.monotonic() + timeout)
+            entities.write(self._writer, request.octets, timeout)
 
     @contextmanager
     def _while_open(self) -> Iterator[None]:
@@ -201,14 +240,18 @@ class DdsClient:
                 raise PeerLostError(message) from error
             raise
 
-    def _directed(self, octets: bytes, timeout: float) -> tuple[int, bytes]:
-        """A server, and the request for it. Raises NotServedError, PeerLostError.
+    def _check(self, times_cancelled: int) -> None:
+        """Raise PeerLostError after `close`, or a further `cancel`."""
+        if self._closed:
+            raise PeerLostError(f"the client of {self._service} is closed")
+        if self._times_cancelled != times_cancelled:
+            raise PeerLostError(f"the call of {self._service} is cancelled")
 
-        A server of rtgen is named, so that no other one takes the request. Others get it without a
-        name, as DDS-RPC has it for a service with one server.
-        """
-        server, name = self._await_server(min(timeout, _DISCOVERY))
-        return server, directed(octets, name) if name else octets
+    def cancel(self) -> None:
+        """See `medium.Client`."""
+        with self._lock:
+            self._times_cancelled += 1
+        self._fail(f"the call of {self._service} is cancelled")
 
     def close(self) -> None:
         """See `medium.Client`."""
@@ -223,23 +266,78 @@ class DdsClient:
             for entity in (self._condition, self._reader, self._writer):
                 entities.delete(entity)
 
-    def _await_server(self, seconds: float) -> tuple[int, str]:
-        """Return the handle of a server's reader, and its name, empty for a server without rtgen.
+    def _matched_changed(self) -> None:
+        writer: Any = self._writer
+        with self._lock:
+            if self._closed:
+                return
+            writer.get_publication_matched_status()  # or the condition stays true
+            servers = self._servers()
+        self._fail(f"the server of {self._service} was lost", servers)
 
-        Raises NotServedError, PeerLostError.
+    def _fail(self, why: str, remaining: Collection[int] = ()) -> None:
+        """End the calls whose servers do not remain."""
+        with self._lock:
+            waiting = list(self._waiting.values())
+        for server, future in waiting:
+            if server not in remaining and not future.done():
+                future.set_exception(PeerLostError(why))
+
+    def _take(self) -> None:
+        for octets, info in entities.taken(self._reader):
+            if info.valid_data:
+                self._received(octets, info.publication_handle)
+
+    def _received(self, octets: bytes, writer: int) -> None:
+        answer = self._answer(octets, writer)
+        if answer is None:
+            return
+        identity, reply = answer
+        with self._lock:
+            _, future = self._waiting.pop(identity, (0, None))
+        if future is not None and not future.done():
+            future.set_result(reply)
+
+
+class DdsRpcClient(DdsClient):
+    """The calling end of a service of DDS-RPC."""
+
+    def __init__(
+        self,
+        made: Entities,
+        dispatcher: Dispatcher,
+        service: str,
+        types: ServiceTypes,
+    ) -> None:
+        writer = made.writer(f"{service}Request", types.request, _QOS)
+        reader = made.reader(f"{service}Reply", types.reply, _REPLIES)
+        super().__init__(service, writer, reader)
+        self._names: dict[int, str] = {}
+        """The names of servers, by the handles of their readers."""
+        self._start(dispatcher)
+
+    def _request(self, octets: bytes, deadline: float) -> Request:
+        """Return a request for a server that is found in a short time.
+
+        A server of rtgen is named, so that no other one takes the request. Others get it without a
+        name, as DDS-RPC has it for a service with one server.
         """
-        deadline = time.monotonic() + seconds
+        identity = identity_of(octets)
+        deadline = min(deadline, time.monotonic() + _DISCOVERY)
         while (found := self._server()) is None:
             if time.monotonic() > deadline:
                 raise NotServedError(f"nobody serves {self._service}")
             time.sleep(0.002)
-        return found
+        server, name = found
+        return Request(identity, server, directed(octets, name) if name else octets)
 
     def _server(self) -> tuple[int, str] | None:
-        """Return one of the servers whose replies are received."""
+        """Return the handle of a server's reader, and its name, empty for one without rtgen.
+
+        None if there is no server whose replies are received. Raises PeerLostError.
+        """
         with self._lock:
-            if self._closed:
-                raise PeerLostError(f"the client of {self._service} is closed")
+            self._check(self._times_cancelled)
             if not entities.matched_writers(self._reader):
                 return None
             for server in sorted(entities.matched_readers(self._writer)):
@@ -257,36 +355,14 @@ class DdsClient:
             return None
         return found.guid.hex() if found.user_data == _OURS else ""
 
-    def _matched_changed(self) -> None:
-        writer: Any = self._writer
-        with self._lock:
-            if self._closed:
-                return
-            writer.get_publication_matched_status()  # or the condition stays true
-            servers = set(entities.matched_readers(self._writer))
-            self._names = {h: self._names[h] for h in self._names.keys() & servers}
-        self._fail(f"the server of {self._service} was lost", servers)
+    def _servers(self) -> Collection[int]:
+        servers = set(entities.matched_readers(self._writer))
+        self._names = {h: self._names[h] for h in self._names.keys() & servers}
+        return servers
 
-    def _fail(self, why: str, remaining: Collection[int] = ()) -> None:
-        """End the calls whose servers do not remain."""
-        with self._lock:
-            waiting = list(self._waiting.values())
-        for server, future in waiting:
-            if server not in remaining and not future.done():
-                future.set_exception(PeerLostError(why))
-
-    def _take(self) -> None:
-        for octets, info in entities.taken(self._reader):
-            if info.valid_data:
-                self._received(octets)
-
-    def _received(self, octets: bytes) -> None:
+    def _answer(self, octets: bytes, writer: int) -> tuple[Hashable, bytes] | None:
         try:
-            identity = identity_of(octets)
+            return identity_of(octets), octets
         except CdrError as error:
             log.warning("%s: a reply cannot be decoded: %s", self._service, error)
-            return
-        with self._lock:
-            _, future = self._waiting.pop(identity, (0, None))
-        if future is not None and not future.done():
-            future.set_result(octets)
+            return None

@@ -225,11 +225,11 @@ class InProcessClient(_Token):
     """See `medium.Client`."""
 
     def __init__(self, network: Network, service: str) -> None:
-        super().__init__(network, self._stop)
+        super().__init__(network, self.cancel)
         self._service = service
         self._waiting: list[Future[bytes]] = []
 
-    def _stop(self) -> None:
+    def cancel(self) -> None:
         for future in self._waiting:
             _lose(future)
 

@@ -2,7 +2,9 @@
 
 An engine is a `Medium`; data ports, service calls, presence and control are implemented once above
 it (`rtgen.runtime.distribution.transport`). A medium connects one process with one system: the
-systems of a network do not see each other (a partition, a prefix of key expressions).
+systems of a network do not see each other (a partition, a prefix of key expressions). The part of
+it that ROS 2 has, too, is `Messaging`, which each engine also implements with the names of ROS 2
+(`rtgen.runtime.ros2`): those are fully qualified, and services have the headers of its middleware.
 
 Names consist of letters, digits, `_`, `-` and `/`, at most 200 characters, and do not begin or end
 with `/`. Topics, services and presences have separate name spaces.
@@ -21,7 +23,7 @@ headers of DDS-RPC (`rpc_header`): the identity of a request, which its reply re
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
-from typing import Any, Protocol, TypeAlias
+from typing import Any, Protocol, TypeAlias, TypeVar
 
 import msgspec
 
@@ -168,6 +170,9 @@ class Client(Protocol):
         `timeout` [s] until it is sent. Raises NotServedError, MediumError.
         """
 
+    def cancel(self) -> None:
+        """Make calls under way raise PeerLostError; later ones are carried out."""
+
     def close(self) -> None:
         """Calls under way raise PeerLostError."""
 
@@ -179,28 +184,40 @@ class Token(Protocol):
         """End it. A second call has no effect."""
 
 
-class Medium(Protocol):
-    """One process's part in one system, over one engine. Methods raise MediumError."""
+_Topic = TypeVar("_Topic", bound=Topic, contravariant=True)
+_Qos = TypeVar("_Qos", bound=Qos, contravariant=True)
+_Types = TypeVar("_Types", bound=ServiceTypes, contravariant=True)
 
-    def publisher(self, topic: Topic, qos: Qos) -> Publisher:
+
+class Messaging(Protocol[_Topic, _Qos, _Types]):
+    """One process's topics and services on a network. Methods raise MediumError."""
+
+    def publisher(self, topic: _Topic, qos: _Qos) -> Publisher:
         """A publisher of a topic; other processes find it by themselves."""
 
-    def subscribe(self, topic: Topic, qos: Qos, on_sample: OnSample) -> Subscription:
+    def subscribe(self, topic: _Topic, qos: _Qos, on_sample: OnSample) -> Subscription:
         """Receive the samples of all publishers of a topic, each publisher's in their order.
 
         Publishers whose type or offered QoS does not fit are not received.
         """
 
     def serve(
-        self, service: str, types: Sequence[ServiceTypes], on_request: OnRequest
+        self, service: str, types: Sequence[_Types], on_request: OnRequest
     ) -> Token:
         """Serve a service. `on_request` hands the work to another thread and returns.
 
         Of several `types` the first one has the operations of all; clients may use any of them.
         """
 
-    def client(self, service: str, types: ServiceTypes) -> Client:
+    def client(self, service: str, types: _Types) -> Client:
         """A client of a service, which need not exist yet and may come and go."""
+
+    def close(self) -> None:
+        """End everything of this process. A second call has no effect."""
+
+
+class Medium(Messaging[Topic, Qos, ServiceTypes], Protocol):
+    """One process's part in one system, over one engine. Methods raise MediumError."""
 
     def announce(self, name: str) -> Token:
         """Show other processes that something is present, until the token is closed.
@@ -214,9 +231,6 @@ class Medium(Protocol):
         A presence announced by two processes ends with the last of them. Names announced by this
         process are reported, too.
         """
-
-    def close(self) -> None:
-        """End everything of this medium. A second call has no effect."""
 
 
 def check_name(name: str) -> str:

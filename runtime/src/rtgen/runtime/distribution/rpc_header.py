@@ -272,6 +272,10 @@ class OctetsClient:
         sent = serialize(request, representation(OctetsRequest))
         return bytes(received(OctetsReply, self._client.call(sent, timeout)).data)
 
+    def cancel(self) -> None:
+        """See `medium.Client`."""
+        self._client.cancel()
+
     def close(self) -> None:
         """See `medium.Client`."""
         self._client.close()

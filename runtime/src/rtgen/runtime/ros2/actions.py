@@ -47,7 +47,7 @@ def joints_of(
     for operation in ACTION_SERVICES:
         messages = messages_of(goals.interface, operation)
         name = f"{action}/_action/{operation}"
-        service = RosService(name, *messages, event_info, node)
+        service = RosService(*messages, name, event_info, node)
         yield ServiceJoint(goals, operation, service, waits=operation == _WAITS)
     if events is not None:
         for operation in ACTION_TOPICS:

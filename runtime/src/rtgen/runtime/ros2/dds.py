@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from functools import partial
-from typing import Any, NamedTuple, TypeAlias
+from collections.abc import Mapping, Sequence
+from functools import cache
+from typing import Any, NamedTuple, TypeVar
 
 from cyclonedds import idl
-from cyclonedds.core import DDSStatus
-from cyclonedds.domain import DomainParticipant
 from cyclonedds.idl.types import int64, uint64
 from cyclonedds.pub import DataWriter, Publisher
 from cyclonedds.qos import Policy
 from cyclonedds.qos import Qos as DdsQos
 from cyclonedds.sub import DataReader, Subscriber
-from cyclonedds.topic import Topic
+from cyclonedds.topic import Topic as DdsTopic
 
 from rtgen.facts import ros_names
 from rtgen.facts.ros_qos import (
@@ -30,35 +27,32 @@ from rtgen.facts.ros_qos import (
     Reliability,
 )
 from rtgen.runtime.dds import entities
-from rtgen.runtime.dds.dispatcher import Dispatcher
-from rtgen.runtime.dds.medium import DOMAINS, configuration
+from rtgen.runtime.dds.medium import (
+    DdsEngine,
+    DdsPublisher,
+    DdsSubscription,
+    configuration,
+)
 from rtgen.runtime.dds.types import idl_class
-from rtgen.runtime.distribution.medium import MediumError
-from rtgen.runtime.failures import log
-from rtgen.runtime.ros2 import dds_ends
-from rtgen.runtime.ros2.dds_ends import CLIENT, SERVER, Ends, Role, Servers, Strangers
+from rtgen.runtime.distribution.medium import MediumError, OnRequest, OnSample, Token
+from rtgen.runtime.ros2.dds_ends import CLIENT, SERVER, Role, Strangers
 from rtgen.runtime.ros2.dds_services import Client, Server
 from rtgen.runtime.ros2.graph import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
 from rtgen.runtime.ros2.network import (
-    Call,
-    OnMessage,
-    OnRequest,
-    Publish,
     Ros2Error,
+    RosNetwork,
     RosNode,
+    RosQos,
     RosService,
     RosTopic,
 )
 from rtgen.runtime.ros2.types import encoded, ros_name
 
 _FOREVER = (1 << 63) - 1
-_WRITE_TIMEOUT = 0.5
-"""Seconds that a message waits for slow readers."""
 _ID_SIZE = 16
 _NO_USER_DATA: Mapping[str, str] = {}
 SERVICE = PROFILES["services_default"]
-_OnSample: TypeAlias = Callable[[bytes, int], None]
-"""Function called with a sample, and the handle of its writer."""
+_E = TypeVar("_E", DataReader[Any], DataWriter[Any])
 
 
 class _Topic(NamedTuple):
@@ -84,240 +78,126 @@ def _data(topic: RosTopic) -> _Topic:
     return _Topic(name, topic.type_name, topic.type, topic.type_hash, topic.node)
 
 
-@contextmanager
-def _as_ros2(what: str) -> Iterator[None]:
+def open_dds(node: RosNode, *, interface: str | None = None) -> RosNetwork:
+    """Open a network. `interface` is a name or address, loopback by default. Raises Ros2Error."""
     try:
-        yield
+        return RosNetwork(RosDds(node, interface))
     except MediumError as error:
-        raise Ros2Error(f"{what}: {error}") from error
+        raise Ros2Error(str(error)) from error
 
 
-class DdsNetwork:
-    """See `RosNetwork`. `interface` is a name or address, loopback by default.
+class RosDds(DdsEngine):
+    """The nodes of one process in a domain; see `Messaging`. Raises MediumError."""
 
-    Raises Ros2Error.
-    """
-
-    def __init__(self, node: RosNode, *, interface: str | None = None) -> None:
+    def __init__(self, node: RosNode, interface: str | None = None) -> None:
+        data = Policy.Userdata(ros_names.participant_data())
+        super().__init__(node.domain, configuration(interface), data)
         self._node = node
-        self._lock = threading.Lock()
+        self._announcing = threading.Lock()
         self._nodes = {node.name: _Ends([], [])}
-        self._entities: list[Any] = []
-        self._entries: list[Any] = []
-        self._clients: list[Client] = []
         self._strangers = Strangers()
-        self._closed = False
-        try:
-            DOMAINS.open(node.domain, configuration(interface))
-        except MediumError as error:
-            raise Ros2Error(str(error)) from error
-        try:
-            self._open()
-        except MediumError as error:
-            DOMAINS.close(node.domain)
-            raise Ros2Error(str(error)) from error
-
-    def _open(self) -> None:
-        with entities.reported(f"domain {self._node.domain}"):
-            data = DdsQos(Policy.Userdata(ros_names.participant_data()))
-            self._participant = DomainParticipant(self._node.domain, qos=data)
+        graph = _Topic(
+            ros_names.DISCOVERY_TOPIC,
+            ros_names.DISCOVERY_TYPE,
+            ParticipantEntitiesInfo,
+            RosTopic("", ParticipantEntitiesInfo).type_hash,
+            node.name,
+        )
+        with self._closing_on_error():
             self._publisher = Publisher(self._participant)
             self._subscriber = Subscriber(self._participant)
-            self._dispatcher = Dispatcher(self._participant, "rtgen ros2")
-            graph = RosTopic(ros_names.DISCOVERY_TOPIC, ParticipantEntitiesInfo)
-            shown = _data(graph)._replace(name=ros_names.DISCOVERY_TOPIC)
-            self._graph = self._writer(shown, GRAPH)
+            self._graph = self._keep(
+                DdsPublisher(self._end(DataWriter, graph, GRAPH), 0.0)
+            )
             self._announce()
-            others = self._reader(shown, GRAPH._replace(history=History.KEEP_ALL))
-            self._dispatch(others, lambda octets, _: self._strangers.take_graph(octets))
+            every = GRAPH._replace(history=History.KEEP_ALL)
+            self._keep(
+                DdsSubscription(
+                    self._end(DataReader, graph, every),
+                    self._data,
+                    lambda sample: self._strangers.take_graph(sample.octets),
+                    are_numbered=False,
+                )
+            )
 
-    def publisher(self, topic: RosTopic, profile: Profile) -> Publish:
-        """See `RosNetwork`."""
-        with _as_ros2(topic.name):
-            writer = self._announced_writer(_data(topic), profile)
-
-        def publish(octets: bytes) -> None:
-            with _as_ros2(topic.name):
-                entities.write(writer, octets, _WRITE_TIMEOUT)
-
-        return publish
+    def publisher(self, topic: RosTopic, qos: RosQos) -> DdsPublisher:
+        """See `Messaging`."""
+        writer = self._announced(DataWriter, _data(topic), qos.profile)
+        return self._keep(DdsPublisher(writer, qos.patience))
 
     def subscribe(
-        self, topic: RosTopic, profile: Profile, on_message: OnMessage
-    ) -> None:
-        """See `RosNetwork`."""
-        with _as_ros2(topic.name):
-            reader = self._announced_reader(_data(topic), profile)
-            self._dispatch(reader, lambda octets, _: on_message(octets))
+        self, topic: RosTopic, qos: RosQos, on_sample: OnSample
+    ) -> DdsSubscription:
+        """See `Messaging`."""
+        reader = self._announced(DataReader, _data(topic), qos.profile)
+        return self._keep(
+            DdsSubscription(reader, self._data, on_sample, are_numbered=False)
+        )
 
-    def serve(self, service: RosService, on_request: OnRequest) -> None:
-        """See `RosNetwork`."""
-        requests, replies = self._service_topics(service)
-        identity = {SERVER.key: ros_names.endpoint_id(os.urandom(_ID_SIZE))}
-        with _as_ros2(service.name):
-            writer = self._announced_writer(replies, SERVICE, identity)
-            reader = self._announced_reader(requests, SERVICE, identity)
-            clients = dds_ends.writers(reader, CLIENT)
-            readers = dds_ends.readers(writer, CLIENT)
-            server = Server(service.name, partial(_write, writer))
+    def serve(
+        self, service: str, types: Sequence[RosService], on_request: OnRequest
+    ) -> Token:
+        """See `Messaging`."""
+        ends = self._service_ends(types[0], SERVER)
+        return self._keep(
+            Server(service, *ends, self._strangers, on_request, self._control)
+        )
 
-            def take(octets: bytes, handle: int) -> None:
-                client = clients.find(handle)
-                if client is None:
-                    log.debug("%s: a request of an unknown client", service.name)
-                elif client.id is None:
-                    self._strangers.report(service.name, CLIENT, client.guid)
-                else:
-                    server.take(octets, partial(readers.have, client.id), on_request)
+    def client(self, service: str, types: RosService) -> Client:
+        """See `Messaging`."""
+        ends = self._service_ends(types, CLIENT)
+        return self._keep(Client(service, *ends, self._strangers, self._control))
 
-            self._dispatch(reader, take)
-            self._watch(service, CLIENT, reader, clients)
-
-    def client(self, service: RosService) -> Call:
-        """See `RosNetwork`."""
-        requests, replies = self._service_topics(service)
-        identity = {CLIENT.key: ros_names.endpoint_id(os.urandom(_ID_SIZE))}
-        with _as_ros2(service.name):
-            writer = self._announced_writer(requests, SERVICE, identity)
-            reader = self._announced_reader(replies, SERVICE, identity)
-            readers = dds_ends.readers(writer, SERVER)
-            writers = dds_ends.writers(reader, SERVER)
-            servers = Servers(service.name, readers, writers, self._strangers)
-            client = Client(service.name, partial(_write, writer), servers)
-
-            def take(octets: bytes, handle: int) -> None:
-                server = writers.find(handle)
-                if server is not None and server.id is not None:
-                    client.take(octets)
-
-            self._dispatch(reader, take)
-            self._watch(service, SERVER, writer, readers)
-        self._clients.append(client)
-        return client.call
-
-    def _service_topics(self, service: RosService) -> tuple[_Topic, _Topic]:
+    def _service_ends(
+        self, service: RosService, role: Role
+    ) -> tuple[DataWriter[Any], DataReader[Any]]:
         names = ros_names.dds_service_topics(service.name)
-        types = service.request, service.response
+        types = service.request, service.reply
         requests, replies = (
             _Topic(name, str(ros_name(type_)), type_, type_hash, service.node, True)
             for name, type_, type_hash in zip(names, types, service.hashes, strict=True)
         )
-        return requests, replies
-
-    def end_calls(self) -> None:
-        """See `RosNetwork`."""
-        for client in self._clients:
-            client.end_calls()
-
-    def close(self) -> None:
-        """See `RosNetwork`."""
-        if self._closed:
-            return
-        self._closed = True
-        for client in self._clients:
-            client.close()
-        for entry in self._entries:
-            entry.close()
-        self._dispatcher.close()
-        for entity in self._entities:
-            entities.delete(entity)
-        entities.delete(self._participant)
-        DOMAINS.close(self._node.domain)
-
-    def _announced_reader(
-        self,
-        topic: _Topic,
-        profile: Profile,
-        identity: Mapping[str, str] = _NO_USER_DATA,
-    ) -> DataReader[Any]:
-        """Return a reader, announced. Raises MediumError."""
-        reader = self._reader(topic, profile, identity)
-        with self._lock:
-            self._ends(topic).readers.append(_gid(reader))
-            self._announce()
-        return reader
-
-    def _reader(
-        self,
-        topic: _Topic,
-        profile: Profile,
-        identity: Mapping[str, str] = _NO_USER_DATA,
-    ) -> DataReader[Any]:
-        with entities.reported(topic.name):
-            qos = _qos(profile, topic.type_hash, identity)
-            reader: DataReader[Any] = DataReader(
-                self._subscriber, self._topic(topic), qos
-            )
-        self._entities.append(reader)
-        return reader
-
-    def _dispatch(self, reader: DataReader[Any], on_sample: _OnSample) -> None:
-        """Pass on the samples of a reader. Raises MediumError."""
-        with entities.reported(reader.topic.name):
-            condition = entities.condition(reader)
-        self._entities.insert(0, condition)
-
-        def take() -> None:
-            for octets, info in entities.taken(reader):
-                if info.valid_data:
-                    on_sample(octets, info.publication_handle)
-
-        self._entries.append(self._dispatcher.add(condition, take))
-
-    def _watch(self, service: RosService, role: Role, entity: Any, ends: Ends) -> None:
-        """Report strangers that an end of a service is matched with."""
-        matched = (
-            DDSStatus.SubscriptionMatched
-            if isinstance(entity, DataReader)
-            else DDSStatus.PublicationMatched
+        sent, received = (replies, requests) if role is SERVER else (requests, replies)
+        identity = {role.key: ros_names.endpoint_id(os.urandom(_ID_SIZE))}
+        return (
+            self._announced(DataWriter, sent, SERVICE, identity),
+            self._announced(DataReader, received, SERVICE, identity),
         )
 
-        def look() -> None:
-            with entities.reported(service.name):
-                entity.take_status(matched)
-            for end in ends.all():
-                if end.id is None:
-                    self._strangers.discovered(service.name, role, end.guid)
+    def _announced(
+        self,
+        kind: type[_E],
+        topic: _Topic,
+        profile: Profile,
+        identity: Mapping[str, str] = _NO_USER_DATA,
+    ) -> _E:
+        """Return a reader or writer that other nodes are told of."""
+        end = self._end(kind, topic, profile, identity)
+        with self._announcing:
+            node = topic.node or self._node.name
+            ends = self._nodes.setdefault(node, _Ends([], []))
+            gids = ends.writers if isinstance(end, DataWriter) else ends.readers
+            gids.append(_gid(end))
+            self._announce()
+        return end
 
-        with entities.reported(service.name):
-            entity.set_status_mask(matched)
-        self._entries.append(self._dispatcher.add(entity, look))
+    def _end(
+        self,
+        kind: type[_E],
+        topic: _Topic,
+        profile: Profile,
+        identity: Mapping[str, str] = _NO_USER_DATA,
+    ) -> _E:
+        writes = issubclass(kind, DataWriter)
+        with entities.reported(topic.name):
+            owner: Any = self._publisher if writes else self._subscriber
+            qos = _qos(profile, topic.type_hash, identity, writes=writes)
+            return kind(owner, self._topic(topic), qos)
 
     def _topic(self, topic: _Topic) -> Any:
-        type_name = ros_names.dds_type(topic.type_name)
-        members = dict(idl_class(topic.type, ros2=True).__annotations__)
-        if topic.is_call:
-            members = {"rmw_client": uint64, "rmw_sequence": int64, **members}
-        made = idl.make_idl_struct(type_name.replace("::", "_"), type_name, members)
-        made.__idl_annotations__["extensibility"] = "final"
-        return Topic(self._participant, topic.name, made)
-
-    def _announced_writer(
-        self,
-        topic: _Topic,
-        profile: Profile,
-        identity: Mapping[str, str] = _NO_USER_DATA,
-    ) -> Any:
-        """Return a writer, announced. Raises MediumError."""
-        writer = self._writer(topic, profile, identity)
-        with self._lock:
-            self._ends(topic).writers.append(_gid(writer))
-            self._announce()
-        return writer
-
-    def _writer(
-        self,
-        topic: _Topic,
-        profile: Profile,
-        identity: Mapping[str, str] = _NO_USER_DATA,
-    ) -> DataWriter[Any]:
-        with entities.reported(topic.name):
-            qos = _qos(profile, topic.type_hash, identity, writes=True)
-            writer: DataWriter[Any] = DataWriter(
-                self._publisher, self._topic(topic), qos
-            )
-        self._entities.append(writer)
-        return writer
+        type_: Any = topic.type
+        class_ = _idl_class(type_, topic.type_name, topic.is_call)
+        return DdsTopic(self._participant, topic.name, class_)
 
     def _announce(self) -> None:
         """Announce the readers and writers of this process to other nodes."""
@@ -331,14 +211,22 @@ class DdsNetwork:
             for name, ends in self._nodes.items()
         ]
         own = ParticipantEntitiesInfo(_gid(self._participant), nodes)
-        entities.write(self._graph, encoded(own))
-
-    def _ends(self, topic: _Topic) -> _Ends:
-        return self._nodes.setdefault(topic.node or self._node.name, _Ends([], []))
+        self._graph.publish(encoded(own))
 
 
-def _write(writer: Any, octets: bytes) -> None:
-    entities.write(writer, octets, _WRITE_TIMEOUT)
+@cache
+def _idl_class(type_: Any, type_name: str, is_call: bool) -> Any:
+    """Return the class of cyclonedds for a message.
+
+    It is kept: what a domain knows of a type has to outlive the networks that brought it.
+    """
+    name = ros_names.dds_type(type_name)
+    members = dict(idl_class(type_, ros2=True).__annotations__)
+    if is_call:
+        members = {"rmw_client": uint64, "rmw_sequence": int64, **members}
+    class_ = idl.make_idl_struct(name.replace("::", "_"), name, members)
+    class_.__idl_annotations__["extensibility"] = "final"
+    return class_
 
 
 def _gid(entity: Any) -> Gid:

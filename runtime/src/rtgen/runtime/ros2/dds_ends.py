@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any, Final, NamedTuple
 
@@ -22,7 +22,6 @@ from rtgen.runtime.dds.entities import Endpoint
 from rtgen.runtime.failures import log
 from rtgen.runtime.ros2.graph import ParticipantEntitiesInfo
 from rtgen.runtime.ros2.types import decoded
-from rtgen.runtime.services.servants import ServiceError
 
 _MAX_PARTICIPANTS: Final = 512
 _MAX_SIZE: Final = 1 << 16
@@ -87,6 +86,13 @@ CLIENT: Final = Role("clientid", "client", "gets no response")
 SERVER: Final = Role("serviceid", "server", "is not called")
 
 
+class End(NamedTuple):
+    """A reader or writer of another participant; `id` is None for a stranger."""
+
+    guid: bytes
+    id: str | None
+
+
 class Strangers:
     """Reports each end without the header once, with the name of its node."""
 
@@ -97,12 +103,14 @@ class Strangers:
         self._pending: dict[bytes, tuple[str, Role, bytes]] = {}
         self._reported: set[bytes] = set()
 
-    def discovered(self, service: str, role: Role, guid: bytes) -> None:
-        """Report an end as soon as the name of its node is known."""
-        key = _key(service, guid)
+    def discovered(self, service: str, role: Role, ends: Iterable[End]) -> None:
+        """Report those of the ends that have no header once the names of their nodes are known."""
         with self._lock:
-            if key not in self._reported and len(self._pending) < _MAX_REPORTS:
-                self._pending[key] = service, role, guid
+            for end in ends:
+                key = _key(service, end.guid)
+                is_new = end.id is None and key not in self._reported
+                if is_new and len(self._pending) < _MAX_REPORTS:
+                    self._pending[key] = service, role, end.guid
         self._report_known()
 
     def take_graph(self, octets: bytes) -> None:
@@ -156,18 +164,29 @@ def _key(service: str, guid: bytes) -> bytes:
     return guid[:_PREFIX] + action.encode() if is_one else guid
 
 
-class End(NamedTuple):
-    """A reader or writer of another participant; `id` is None for a stranger."""
-
-    guid: bytes
-    id: str | None
-
-
 class Ends:
     """The ends that a reader or writer of a service is matched with, by their handles.
 
     `matched` lists the handles, `endpoint` describes one.
     """
+
+    @classmethod
+    def writing_to(cls, reader: DataReader[Any], role: Role) -> Ends:
+        """Return the ends that write to a reader."""
+        return cls(
+            partial(entities.matched_writers, reader),
+            partial(entities.matched_writer, reader),
+            role,
+        )
+
+    @classmethod
+    def reading_from(cls, writer: DataWriter[Any], role: Role) -> Ends:
+        """Return the ends that read from a writer."""
+        return cls(
+            partial(entities.matched_readers, writer),
+            partial(entities.matched_reader, writer),
+            role,
+        )
 
     def __init__(
         self,
@@ -203,51 +222,3 @@ class Ends:
     def have(self, id_: str) -> bool:
         """Return whether one of the ends has this identity. Raises MediumError."""
         return any(end.id == id_ for end in self.all())
-
-
-class Servers:
-    """The servers of a service: those that read its requests and write its responses."""
-
-    def __init__(
-        self, service: str, readers: Ends, writers: Ends, strangers: Strangers
-    ) -> None:
-        self._service = service
-        self._readers = readers
-        self._writers = writers
-        self._strangers = strangers
-
-    def available(self) -> bool:
-        """Return whether there is one with both ends. Raises MediumError."""
-        replying = {end.id for end in self._writers.all()} - {None}
-        return bool(replying.intersection(end.id for end in self._readers.all()))
-
-    def check(self, timeout: float) -> None:
-        """Raise ServiceError if a request would reach a stranger, within the time-out [s].
-
-        Raises MediumError.
-        """
-        for end in self._readers.all():
-            if end.id is None:
-                if not self._strangers.has_reported(self._service, end.guid):
-                    self._strangers.wait_for_node(end.guid, timeout)
-                raise ServiceError(
-                    self._strangers.report(self._service, SERVER, end.guid)
-                )
-
-
-def writers(reader: DataReader[Any], role: Role) -> Ends:
-    """Return the ends that write to a reader."""
-    return Ends(
-        partial(entities.matched_writers, reader),
-        partial(entities.matched_writer, reader),
-        role,
-    )
-
-
-def readers(writer: DataWriter[Any], role: Role) -> Ends:
-    """Return the ends that read from a writer."""
-    return Ends(
-        partial(entities.matched_readers, writer),
-        partial(entities.matched_reader, writer),
-        role,
-    )

@@ -1,39 +1,38 @@
-"""Requests and responses over DDS, compatible with rmw_cyclonedds: a header before each message.
+"""Services over DDS as in rmw_cyclonedds: a header before each request and response.
 
 The header has the number of the client and that of the request, each 8 octets in the byte order of
-the message. A server returns it unchanged.
+the message. A server returns it unchanged. A request reaches all servers.
 """
 
 from __future__ import annotations
 
 import os
 import struct
-import threading
 import time
-from collections.abc import Callable
+from collections.abc import Collection, Hashable
+from functools import partial
 from itertools import count
-from typing import Any, Protocol
+from typing import Any
+
+from cyclonedds.core import DDSStatus
+from cyclonedds.pub import DataWriter
+from cyclonedds.sub import DataReader
 
 from rtgen.facts.ros_names import RequestId
-from rtgen.runtime.distribution.medium import MediumError
+from rtgen.runtime.dds import entities
+from rtgen.runtime.dds.dispatcher import Dispatcher
+from rtgen.runtime.dds.rpc import DdsClient, DdsServer, Request
+from rtgen.runtime.distribution.medium import NotServedError, OnRequest
 from rtgen.runtime.failures import log
-from rtgen.runtime.services.servants import (
-    CallEnded,
-    CallTimeout,
-    CommunicationFailure,
-    ObjectNotExist,
-)
+from rtgen.runtime.ros2.dds_ends import CLIENT, SERVER, Ends, Strangers
 
 _CDR = 4
 _LITTLE, _BIG = struct.Struct("<Qq"), struct.Struct(">Qq")
 _POLL_INTERVAL = 0.005
-_CHECK_INTERVAL = 0.5
-"""Seconds after which a waiting call checks whether its server still exists."""
 _READER_TIMEOUT = 2.0
 """Seconds that a server waits for the reader of an unknown client."""
-
-Write = Callable[[bytes], None]
-Matched = Callable[[], bool]
+_ALL = 0
+"""Stands for the handle of a server: a request is for all of them."""
 
 
 def split(octets: bytes) -> tuple[RequestId, bytes]:
@@ -50,127 +49,111 @@ def joined(request: RequestId, octets: bytes) -> bytes:
     return octets[:_CDR] + _LITTLE.pack(*request) + octets[_CDR:]
 
 
-class Server:
-    """The replies of a service."""
+class Server(DdsServer):
+    """The serving end of a service."""
 
-    def __init__(self, name: str, write: Write) -> None:
-        self._name = name
-        self._write = write
+    def __init__(
+        self,
+        service: str,
+        writer: DataWriter[Any],
+        reader: DataReader[Any],
+        strangers: Strangers,
+        on_request: OnRequest,
+        dispatcher: Dispatcher,
+    ) -> None:
+        super().__init__(service, writer, reader)
+        self._strangers = strangers
+        self._on_request = on_request
+        self._clients = Ends.writing_to(reader, CLIENT)
+        self._readers = Ends.reading_from(writer, CLIENT)
+        self._start(dispatcher)
+        with entities.reported(service):
+            reader.set_status_mask(DDSStatus.SubscriptionMatched)
+        self._entries.append(dispatcher.add(reader, self._matched_changed))
 
-    def take(self, octets: bytes, reads: Matched, on_request: Any) -> None:
-        """Dispatch a request with a function for replies; `reads`: its client reads replies."""
-        try:
-            request, message = split(octets)
-        except ValueError as error:
-            log.warning("%s: %s", self._name, error)
-            return
-        on_request(message, lambda response: self._reply(request, reads, response))
+    def _matched_changed(self) -> None:
+        with entities.reported(self._service):
+            self._reader.take_status(DDSStatus.SubscriptionMatched)
+        self._strangers.discovered(self._service, CLIENT, self._clients.all())
 
-    def _reply(self, request: RequestId, reads: Matched, response: bytes) -> None:
+    def _received(self, octets: bytes, writer: int) -> None:
+        client = self._clients.find(writer)
+        if client is None:
+            log.debug("%s: a request of an unknown client", self._service)
+        elif client.id is None:
+            self._strangers.report(self._service, CLIENT, client.guid)
+        elif (parts := _parts(self._service, octets)) is not None:
+            request, message = parts
+            self._on_request(message, partial(self._respond, request, client.id))
+
+    def _respond(self, request: RequestId, client: str, response: bytes) -> None:
         deadline = time.monotonic() + _READER_TIMEOUT
-        while not reads() and time.monotonic() < deadline:
+        while not self._readers.have(client) and time.monotonic() < deadline:
             time.sleep(_POLL_INTERVAL)
-        self._write(joined(request, response))
+        self._reply(joined(request, response))
 
 
-class Servers(Protocol):
-    """The servers of a service, as its client knows them."""
+class Client(DdsClient):
+    """The calling end of a service, whose servers read its requests and write the responses."""
 
-    def available(self) -> bool:
-        """Return whether one is known, with both its ends. Raises MediumError."""
-
-    def check(self, timeout: float) -> None:
-        """Raise ServiceError if a request must not be written, within the time-out [s].
-
-        Raises MediumError.
-        """
-
-
-class Client:
-    """The requests of a client."""
-
-    def __init__(self, name: str, write: Write, servers: Servers) -> None:
-        self._name = name
-        self._write = write
-        self._servers = servers
+    def __init__(
+        self,
+        service: str,
+        writer: DataWriter[Any],
+        reader: DataReader[Any],
+        strangers: Strangers,
+        dispatcher: Dispatcher,
+    ) -> None:
+        super().__init__(service, writer, reader)
+        self._strangers = strangers
+        self._readers = Ends.reading_from(writer, SERVER)
+        self._writers = Ends.writing_to(reader, SERVER)
         self._own = int.from_bytes(os.urandom(8), "little")
         self._numbers = count(1)
-        self._changed = threading.Condition()
-        self._waiting: dict[int, bytes | None] = {}
-        self._ended: set[int] = set()
-        """Numbers of calls that the end of the run has ended."""
-        self._closed = False
+        self._start(dispatcher)
 
-    def call(self, octets: bytes, timeout: float) -> bytes:
-        """See `services.Call`."""
-        deadline = time.monotonic() + timeout
-        number = next(self._numbers)
-        with self._changed:
-            self._waiting[number] = None
-        try:
-            self._wait_for_server(number, deadline)
-            self._write(joined(RequestId(self._own, number), octets))
-            return self._response(number, deadline)
-        except MediumError as error:
-            # The network may have been closed meanwhile.
-            raise CommunicationFailure(f"{self._name}: {error}") from error
-        finally:
-            with self._changed:
-                del self._waiting[number]
-                self._ended.discard(number)
-
-    def _wait_for_server(self, number: int, deadline: float) -> None:
-        """Wait until a request can be written."""
+    def _request(self, octets: bytes, deadline: float) -> Request:
+        """Return a request as soon as there is a server, and no stranger would get it, too."""
+        before = self._times_cancelled
         while True:
-            self._check_open(number)
-            is_available = self._servers.available()
-            self._servers.check(max(0.0, deadline - time.monotonic()))
-            if is_available:
-                return
+            self._check(before)
+            servers = self._servers()
+            self._check_strangers(max(0.0, deadline - time.monotonic()))
+            if servers:
+                break
             if time.monotonic() > deadline:
-                raise ObjectNotExist(f"nobody serves {self._name}")
+                raise NotServedError(f"nobody serves {self._service}")
             time.sleep(_POLL_INTERVAL)
+        identity = RequestId(self._own, next(self._numbers))
+        return Request(identity, _ALL, joined(identity, octets))
 
-    def _response(self, number: int, deadline: float) -> bytes:
-        with self._changed:
-            while True:
-                response = self._waiting[number]
-                if response is not None:
-                    return response
-                self._check_open(number)
-                left = deadline - time.monotonic()
-                if left <= 0:
-                    raise CallTimeout(f"no response of {self._name}")
-                if not self._servers.available():
-                    raise CommunicationFailure(f"{self._name} is served no more")
-                self._changed.wait(min(left, _CHECK_INTERVAL))
+    def _servers(self) -> Collection[int]:
+        """Return `_ALL` if there is a server with both ends."""
+        ends = self._readers.all()
+        self._strangers.discovered(self._service, SERVER, ends)
+        replying = {end.id for end in self._writers.all()} - {None}
+        return (_ALL,) if replying.intersection(end.id for end in ends) else ()
 
-    def _check_open(self, number: int) -> None:
-        if number in self._ended:
-            raise CallEnded(f"the run ended while a call of {self._name} waited")
-        if self._closed:
-            raise CommunicationFailure(f"the client of {self._name} is closed")
+    def _check_strangers(self, timeout: float) -> None:
+        """Raise NotServedError if a request would reach a stranger, within the time-out [s]."""
+        for end in self._readers.all():
+            if end.id is None:
+                if not self._strangers.has_reported(self._service, end.guid):
+                    self._strangers.wait_for_node(end.guid, timeout)
+                why = self._strangers.report(self._service, SERVER, end.guid)
+                raise NotServedError(why)
 
-    def take(self, octets: bytes) -> None:
-        """Process a response, which may be that of another client."""
-        try:
-            request, message = split(octets)
-        except ValueError as error:
-            log.warning("%s: %s", self._name, error)
-            return
-        with self._changed:
-            if request.client == self._own and request.sequence in self._waiting:
-                self._waiting[request.sequence] = message
-                self._changed.notify_all()
+    def _answer(self, octets: bytes, writer: int) -> tuple[Hashable, bytes] | None:
+        server = self._writers.find(writer)
+        if server is None or server.id is None:
+            return None
+        return _parts(self._service, octets)
 
-    def end_calls(self) -> None:
-        """Make calls in progress raise CallEnded."""
-        with self._changed:
-            self._ended.update(self._waiting)
-            self._changed.notify_all()
 
-    def close(self) -> None:
-        """Close the client; calls in progress raise CommunicationFailure."""
-        with self._changed:
-            self._closed = True
-            self._changed.notify_all()
+def _parts(service: str, octets: bytes) -> tuple[RequestId, bytes] | None:
+    """Return header and message; None for octets without a header, which are reported."""
+    try:
+        return split(octets)
+    except ValueError as error:
+        log.warning("%s: %s", service, error)
+        return None

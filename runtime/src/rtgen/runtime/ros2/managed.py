@@ -126,7 +126,7 @@ class _ManagedNode:
                 classes[f"{type_}_{end}"] for end in ("Request", "Response")
             )
             service = RosService(
-                f"{self._name}/{name}", request, response, classes[EVENT_INFO], node
+                request, response, f"{self._name}/{name}", classes[EVENT_INFO], node
             )
             side = self.life_cycle if name in life_cycle.SERVICES else self._parameters
             answer = _answering(getattr(side, name), response)

@@ -1,40 +1,64 @@
-"""Interface of the networks of ROS 2, and the names of topics and services on them."""
+"""Networks of ROS 2: a naming of topics and services over a messaging engine."""
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from functools import cached_property
-from typing import Any, Protocol, TypeAlias
+from typing import Any, TypeAlias
 
 import msgspec
 
 from rtgen.facts import ros_names
-from rtgen.facts.ros_qos import Profile
+from rtgen.facts.ros_qos import Durability, History, Profile, Reliability
+from rtgen.runtime.distribution.medium import (
+    Client,
+    MediumError,
+    Messaging,
+    NotServedError,
+    OnRequest,
+    PeerLostError,
+    Qos,
+    ReplyTimeoutError,
+    Sample,
+    ServiceTypes,
+    Token,
+    Topic,
+)
+from rtgen.runtime.failures import log
 from rtgen.runtime.ros2.types import ros_name, service_hash, type_hash
+from rtgen.runtime.services.servants import (
+    CallEnded,
+    CallTimeout,
+    CommunicationFailure,
+    ObjectNotExist,
+    ServiceError,
+)
+
+_PATIENCE = 0.5
+"""Seconds that a message waits for slow subscriptions."""
 
 
 class Ros2Error(Exception):
     """A port cannot be a topic, or the network cannot work as configured."""
 
 
-class RosTopic(msgspec.Struct, frozen=True, dict=True):
+class RosTopic(Topic, frozen=True, dict=True):
     """A topic: its fully qualified name, and the generated class of its messages.
 
     `node` is the node that shows it, in the network's namespace; by default the network's own.
     """
 
-    name: str
-    type: type[Any]
     node: str = ""
 
     @cached_property
     def type_name(self) -> str:
         """The type's name, `std_msgs/msg/Float32`. Raises Ros2Error for other classes."""
-        found = ros_name(self.type)
-        if found is None:
+        name = ros_name(self.type)
+        if name is None:
             own = self.type._descriptor_.name
             raise Ros2Error(f"{self.name}: {own} is not a message of ROS 2")
-        return found
+        return name
 
     @cached_property
     def type_hash(self) -> str:
@@ -42,16 +66,14 @@ class RosTopic(msgspec.Struct, frozen=True, dict=True):
         return type_hash(self.type)
 
 
-class RosService(msgspec.Struct, frozen=True, dict=True):
-    """A service: its fully qualified name, and the generated classes of its two messages.
+class RosService(ServiceTypes, frozen=True, dict=True):
+    """A service: the generated classes of its two messages, and its fully qualified name.
 
     `event_info` is the class of service_msgs/msg/ServiceEventInfo, for its hash. `node` is the node
     that shows it, in the network's namespace; by default the network's own.
     """
 
     name: str
-    request: type[Any]
-    response: type[Any]
     event_info: type[Any]
     node: str = ""
 
@@ -63,12 +85,29 @@ class RosService(msgspec.Struct, frozen=True, dict=True):
     @cached_property
     def type_hash(self) -> str:
         """The hash `RIHS01_...` of the service itself."""
-        return service_hash(self.request, self.response, self.event_info)
+        return service_hash(self.request, self.reply, self.event_info)
 
     @cached_property
     def hashes(self) -> tuple[str, str]:
         """The hashes of request and response."""
-        return type_hash(self.request), type_hash(self.response)
+        return type_hash(self.request), type_hash(self.reply)
+
+
+class RosQos(Qos, frozen=True, gc=False):
+    """The QoS of an end with its profile, which has policies that only ROS 2 knows."""
+
+    profile: Profile = Profile()
+
+    @classmethod
+    def of(cls, profile: Profile) -> RosQos:
+        """Return the QoS of a profile."""
+        return cls(
+            reliable=profile.reliability is Reliability.RELIABLE,
+            depth=None if profile.history is History.KEEP_ALL else profile.depth,
+            patience=_PATIENCE,
+            durable=profile.durability is Durability.TRANSIENT_LOCAL,
+            profile=profile,
+        )
 
 
 class RosNode(msgspec.Struct, frozen=True, gc=False):
@@ -88,9 +127,6 @@ class RosNode(msgspec.Struct, frozen=True, gc=False):
 
 OnMessage: TypeAlias = Callable[[bytes], None]
 """Function called with a serialized message and its encapsulation header, in a network thread."""
-Reply: TypeAlias = Callable[[bytes], None]
-"""Function that sends a serialized response with encapsulation header; from any thread, once."""
-OnRequest: TypeAlias = Callable[[bytes, Reply], None]
 Call: TypeAlias = Callable[[bytes, float], bytes]
 """Function that sends a request and waits for its response. Raises ServiceError.
 
@@ -100,25 +136,100 @@ Publish: TypeAlias = Callable[[bytes], None]
 """Function that sends a serialized message with encapsulation header; from one thread at a time."""
 
 
-class RosNetwork(Protocol):
-    """Nodes of one process on one network. Methods raise Ros2Error."""
+class RosNetwork:
+    """Nodes of one process on one network, whose medium it owns. Methods raise Ros2Error.
+
+    The medium takes `RosTopic`, `RosService` and `RosQos`.
+    """
+
+    def __init__(self, medium: Messaging[RosTopic, RosQos, RosService]) -> None:
+        self.medium = medium
+        self._ends: list[Token] = []
+        self._clients: list[Client] = []
+        self._ending = threading.Lock()
+        self._times_ended = 0
 
     def publisher(self, topic: RosTopic, profile: Profile) -> Publish:
         """Return a publisher of a topic."""
+        try:
+            publisher = self.medium.publisher(topic, RosQos.of(profile))
+        except MediumError as error:
+            raise Ros2Error(f"{topic.name}: {error}") from error
+        self._ends.append(publisher)
+
+        def publish(octets: bytes) -> None:
+            try:
+                publisher.publish(octets)
+            except MediumError as error:
+                raise Ros2Error(f"{topic.name}: {error}") from error
+
+        return publish
 
     def subscribe(
         self, topic: RosTopic, profile: Profile, on_message: OnMessage
     ) -> None:
         """Receive the messages of a topic until `close`."""
 
+        def take(sample: Sample) -> None:
+            try:
+                on_message(sample.octets)
+            except Exception:
+                log.exception("a message of %s cannot be handled", topic.name)
+
+        try:
+            end = self.medium.subscribe(topic, RosQos.of(profile), take)
+        except MediumError as error:
+            raise Ros2Error(f"{topic.name}: {error}") from error
+        self._ends.append(end)
+
     def serve(self, service: RosService, on_request: OnRequest) -> None:
         """Serve a service until `close`."""
+        try:
+            self._ends.append(self.medium.serve(service.name, (service,), on_request))
+        except MediumError as error:
+            raise Ros2Error(f"{service.name}: {error}") from error
 
     def client(self, service: RosService) -> Call:
         """Return a client of a service."""
+        try:
+            client = self.medium.client(service.name, service)
+        except MediumError as error:
+            raise Ros2Error(f"{service.name}: {error}") from error
+        self._clients.append(client)
+
+        def call(octets: bytes, timeout: float) -> bytes:
+            before = self._times_ended
+            try:
+                return client.call(octets, timeout)
+            except MediumError as error:
+                with self._ending:
+                    ended = self._times_ended != before
+                if ended:
+                    raise CallEnded(
+                        f"the run ended while a call of {service.name} waited"
+                    ) from None
+                raise _service_error(service.name, error) from error
+
+        return call
 
     def end_calls(self) -> None:
         """Make calls that wait raise CallEnded."""
+        with self._ending:
+            self._times_ended += 1
+            for client in self._clients:
+                client.cancel()
 
     def close(self) -> None:
         """Close the network with all nodes."""
+        self.medium.close()
+
+
+def _service_error(service: str, error: MediumError) -> ServiceError:
+    match error:
+        case NotServedError():
+            return ObjectNotExist(str(error))
+        case PeerLostError():
+            return CommunicationFailure(f"{service} is served no more")
+        case ReplyTimeoutError():
+            return CallTimeout(f"no response of {service}")
+    return CommunicationFailure(f"{service}: {error}")

@@ -16,14 +16,13 @@ import msgspec
 
 from rtgen.facts.ros_qos import Profile
 from rtgen.runtime.cdr import CdrError
-from rtgen.runtime.distribution.medium import MediumError
+from rtgen.runtime.distribution.medium import MediumError, Reply
 from rtgen.runtime.distribution.workers import Workers
 from rtgen.runtime.errors import RtcError
 from rtgen.runtime.failures import ends_run, log
 from rtgen.runtime.marshalling.descriptors import StructDescriptor, plain
 from rtgen.runtime.ros2.network import (
     Call,
-    Reply,
     Ros2Error,
     RosNetwork,
     RosService,
@@ -181,7 +180,7 @@ def _requested(joint: ServiceJoint, call: Call, timeout: float) -> Callable[[Any
     def carry(request: Any) -> Any:
         octets = call(encoded(request), timeout)
         try:
-            return decoded(joint.service.response, octets)
+            return decoded(joint.service.reply, octets)
         except CdrError as error:
             raise MarshalError(
                 f"{joint.operation}: the response is wrong: {error}"

@@ -4,44 +4,49 @@ from __future__ import annotations
 
 import threading
 import time
-from functools import partial
+from collections.abc import Iterable, Sequence
 from hashlib import sha256
 from itertools import count
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import zenoh
 
 from rtgen.facts import ros_zenoh
 from rtgen.facts.files import UnreadableError, check_file
 from rtgen.facts.ros_names import GID_SIZE
-from rtgen.facts.ros_qos import PROFILES, Durability, History, Profile, Reliability
+from rtgen.facts.ros_qos import PROFILES, Profile
 from rtgen.facts.ros_zenoh import Attachment, Entity, Node
+from rtgen.runtime.distribution.medium import (
+    Client,
+    NotServedError,
+    OnRequest,
+    OnSample,
+    PeerLostError,
+    Subscription,
+    Token,
+)
 from rtgen.runtime.failures import log
 from rtgen.runtime.ros2.network import (
-    Call,
-    OnMessage,
-    OnRequest,
-    Publish,
     Ros2Error,
+    RosNetwork,
     RosNode,
+    RosQos,
     RosService,
     RosTopic,
 )
-from rtgen.runtime.services.servants import (
-    CallEnded,
-    CallTimeout,
-    CommunicationFailure,
-    ObjectNotExist,
-)
-from rtgen.runtime.zenoh.declared import matches
-from rtgen.runtime.zenoh.session import plain
+from rtgen.runtime.zenoh.declared import Declared
+from rtgen.runtime.zenoh.medium import ZenohEngine
+from rtgen.runtime.zenoh.services import ZenohClient, ZenohService
+from rtgen.runtime.zenoh.session import plain, reported
+from rtgen.runtime.zenoh.topics import ZenohSubscription, reliability
 
 ROUTER = "tcp/localhost:7447"
 """Default address of rmw_zenoh's router."""
 
 _REPORT_AFTER = 1.5
 """Seconds after which a session without peers is reported."""
+_SERVICE = PROFILES["services_default"]
 _MAX_HISTORY = 1000
 """Number of samples kept for late subscribers by a publisher with unbounded history."""
 
@@ -59,216 +64,100 @@ def configuration(
     return config
 
 
-class ZenohNetwork:
-    """See `RosNetwork`. `config` is a Zenoh file or configuration; rmw_zenoh's by default.
+def open_zenoh(node: RosNode, *, config: Path | Any | None = None) -> RosNetwork:
+    """Open a network. `config` is a Zenoh file or configuration; rmw_zenoh's by default.
 
     Raises Ros2Error.
     """
+    try:
+        if isinstance(config, Path):
+            check_file(config)
+            config = zenoh.Config.from_file(str(config))
+        session = zenoh.open(config or configuration())
+    except UnreadableError as error:
+        raise Ros2Error(f"{config} cannot be read: {error}") from error
+    except (zenoh.ZError, OSError, ValueError) as error:
+        raise Ros2Error(f"Zenoh cannot be opened: {plain(error)}") from error
+    return RosNetwork(RosZenoh(node, session))
 
-    def __init__(self, node: RosNode, *, config: Path | Any | None = None) -> None:
-        try:
-            if isinstance(config, Path):
-                check_file(config)
-                config = zenoh.Config.from_file(str(config))
-            self._session: Any = zenoh.open(config or configuration())
-        except UnreadableError as error:
-            raise Ros2Error(f"{config} cannot be read: {error}") from error
-        except (zenoh.ZError, OSError, ValueError) as error:
-            raise Ros2Error(f"Zenoh cannot be opened: {plain(error)}") from error
-        identity = str(self._session.zid())
-        self._node = Node(node.domain, identity, 0, node.name, node.namespace)
+
+class RosZenoh(ZenohEngine):
+    """The nodes of one process on a session, which it owns; see `Messaging`."""
+
+    def __init__(self, node: RosNode, session: zenoh.Session) -> None:
+        super().__init__(session)
+        self._node = Node(node.domain, str(session.zid()), 0, node.name, node.namespace)
         self._nodes: dict[str, Node] = {}
+        self._tokens: list[Any] = []
         self._numbers = count()
-        self._closed = False
-        self._kept: list[Any] = []
-        self._calls: set[Any] = set()
-        self._shown_node("")
+        self._show_node("")
         self._looking = threading.Timer(_REPORT_AFTER, self._tell_if_alone)
         self._looking.daemon = True
         self._looking.start()
 
-    def publisher(self, topic: RosTopic, profile: Profile) -> Publish:
-        """See `RosNetwork`."""
-        key = self._key(topic)
-        reliable = profile.reliability is Reliability.RELIABLE
+    def publisher(self, topic: RosTopic, qos: RosQos) -> RosPublisher:
+        """See `Messaging`."""
+        key = self._key(topic.name, topic)
+        waits = qos.reliable and qos.depth is None
         options: dict[str, Any] = {
-            "reliability": (
-                zenoh.Reliability.RELIABLE
-                if reliable
-                else zenoh.Reliability.BEST_EFFORT
-            ),
+            "reliability": reliability(qos),
             "congestion_control": (
-                zenoh.CongestionControl.BLOCK
-                if reliable and profile.history is History.KEEP_ALL
-                else zenoh.CongestionControl.DROP
+                zenoh.CongestionControl.BLOCK if waits else zenoh.CongestionControl.DROP
             ),
         }
-        try:
-            if profile.durability is Durability.TRANSIENT_LOCAL:
-                keep_all = profile.history is History.KEEP_ALL
-                cache = zenoh.ext.CacheConfig(
-                    _MAX_HISTORY if keep_all else profile.depth
-                )
+        with reported("Zenoh"):
+            if qos.durable:
                 publisher: Any = zenoh.ext.declare_advanced_publisher(
-                    self._session, key, cache=cache, publisher_detection=True, **options
+                    self._session,
+                    key,
+                    cache=zenoh.ext.CacheConfig(qos.depth or _MAX_HISTORY),
+                    publisher_detection=True,
+                    **options,
                 )
             else:
                 publisher = self._session.declare_publisher(key, **options)
-            gid = self._present(ros_zenoh.PUBLISHER, topic, profile)
-        except zenoh.ZError as error:
-            raise Ros2Error(f"{topic.name}: {error}") from error
-        self._kept.append(publisher)
-        numbers = count(1)
-        lock = threading.Lock()
-
-        def publish(octets: bytes) -> None:
-            with lock:
-                with_it = Attachment(next(numbers), time.time_ns(), gid)
-                try:
-                    publisher.put(octets, attachment=ros_zenoh.attachment(with_it))
-                except zenoh.ZError as error:
-                    raise Ros2Error(f"{topic.name}: {error}") from error
-
-        return publish
+            shown = self._show(ros_zenoh.PUBLISHER, topic.name, topic, qos.profile)
+        return RosPublisher(self._session, publisher, shown, is_durable=qos.durable)
 
     def subscribe(
-        self, topic: RosTopic, profile: Profile, on_message: OnMessage
-    ) -> None:
-        """See `RosNetwork`."""
+        self, topic: RosTopic, qos: RosQos, on_sample: OnSample
+    ) -> Subscription:
+        """See `Messaging`."""
+        key, profile = self._key(topic.name, topic), qos.profile
+        with reported("Zenoh"):
+            made = ZenohSubscription(
+                self._session, key, on_sample, profile.depth if qos.durable else None
+            )
+            shown = self._show(ros_zenoh.SUBSCRIPTION, topic.name, topic, profile)
+        made.add(shown.token)
+        return made
 
-        def take(sample: Any) -> None:
-            try:
-                on_message(sample.payload.to_bytes())
-            except Exception:
-                # Zenoh prints exceptions of callbacks and continues.
-                log.exception("a message of %s cannot be handled", topic.name)
+    def serve(
+        self, service: str, types: Sequence[RosService], on_request: OnRequest
+    ) -> Token:
+        """See `Messaging`."""
+        key = self._key(service, types[0])
+        with reported("Zenoh"):
+            made = AttachedService(self._session, key, on_request)
+            made.add(self._show(ros_zenoh.SERVICE, service, types[0], _SERVICE).token)
+        return made.kept_by(self._kept)
 
-        key = self._key(topic)
-        try:
-            if profile.durability is Durability.TRANSIENT_LOCAL:
-                history = zenoh.ext.HistoryConfig(
-                    detect_late_publishers=True, max_samples=profile.depth
-                )
-                subscriber: Any = zenoh.ext.declare_advanced_subscriber(
-                    self._session, key, take, history=history
-                )
-            else:
-                subscriber = self._session.declare_subscriber(key, take)
-            self._kept.append(subscriber)
-            self._present(ros_zenoh.SUBSCRIPTION, topic, profile)
-        except zenoh.ZError as error:
-            raise Ros2Error(f"{topic.name}: {error}") from error
-
-    def serve(self, service: RosService, on_request: OnRequest) -> None:
-        """See `RosNetwork`."""
-        key = self._service_key(service)
-        kind = ros_zenoh.SERVICE
-
-        def reply(query: Any, response: bytes) -> None:
-            try:
-                came = ros_zenoh.parse_attachment(query.attachment.to_bytes())
-                sent = came._replace(time=time.time_ns())
-                with query:
-                    query.reply(key, response, attachment=ros_zenoh.attachment(sent))
-            except zenoh.ZError as error:
-                log.debug("%s: the client is gone: %s", service.name, error)
-
-        def take(query: Any) -> None:
-            try:
-                if query.attachment is None or query.payload is None:
-                    raise ValueError("it has no payload or attachment")
-                ros_zenoh.parse_attachment(query.attachment.to_bytes())
-            except ValueError as error:
-                log.warning("%s: a request cannot be read: %s", service.name, error)
-                return
-            on_request(query.payload.to_bytes(), partial(reply, query))
-
-        try:
-            self._kept.append(self._session.declare_queryable(key, take, complete=True))
-            self._present_service(kind, service)
-        except zenoh.ZError as error:
-            raise Ros2Error(f"{service.name}: {error}") from error
-
-    def client(self, service: RosService) -> Call:
-        """See `RosNetwork`."""
-        key = self._service_key(service)
-        try:
+    def client(self, service: str, types: RosService) -> Client:
+        """See `Messaging`."""
+        key = self._key(service, types)
+        with reported("Zenoh"):
             querier = self._session.declare_querier(
                 key,
                 target=zenoh.QueryTarget.ALL_COMPLETE,
                 consolidation=zenoh.ConsolidationMode.LATEST,
             )
-            self._kept.append(querier)
-            gid = self._present_service(ros_zenoh.CLIENT, service)
-        except zenoh.ZError as error:
-            raise Ros2Error(f"{service.name}: {error}") from error
-        numbers = count(1)
-        calls = self._calls
-
-        def call(octets: bytes, timeout: float) -> bytes:
-            with_it = Attachment(next(numbers), time.time_ns(), gid)
-            started = time.monotonic()
-            token = zenoh.CancellationToken()
-            calls.add(token)
-            try:
-                served = matches(querier)
-                replies = self._session.get(
-                    key,
-                    payload=octets,
-                    attachment=ros_zenoh.attachment(with_it),
-                    target=zenoh.QueryTarget.ALL_COMPLETE,
-                    consolidation=zenoh.ConsolidationMode.LATEST,
-                    timeout=timeout,
-                    cancellation_token=token,
-                )
-                for reply in replies:
-                    if reply.ok is not None:
-                        response: bytes = reply.ok.payload.to_bytes()
-                        return response
-            except zenoh.ZError as error:
-                if token in calls:
-                    message = f"{service.name}: {error}"
-                    raise CommunicationFailure(message) from error
-            finally:
-                ended = token not in calls
-                calls.discard(token)
-            if ended:
-                raise CallEnded(f"the run ended while a call of {service.name} waited")
-            if time.monotonic() - started >= timeout:
-                raise CallTimeout(f"no response of {service.name}")
-            if served:
-                raise CommunicationFailure(f"{service.name} is served no more")
-            raise ObjectNotExist(f"nobody serves {service.name}, or it does not answer")
-
-        return call
-
-    def _service_key(self, service: RosService) -> str:
-        return ros_zenoh.key_expression(
-            self._node.domain, service.name, service.type_name, service.type_hash
-        )
-
-    def _present_service(self, kind: str, service: RosService) -> bytes:
-        profile = PROFILES["services_default"]
-        return self._shown(
-            service.node,
-            Entity(kind, service.name, service.type_name, service.type_hash, profile),
-        )
-
-    def end_calls(self) -> None:
-        """See `RosNetwork`."""
-        for token in tuple(self._calls):
-            # Before: a token says that it is cancelled only after the replies have ended.
-            self._calls.discard(token)
-            token.cancel()
+            shown = self._show(ros_zenoh.CLIENT, service, types, _SERVICE)
+        return AttachingClient(self._session, key, service, querier, shown)
 
     def close(self) -> None:
-        """See `RosNetwork`."""
-        if self._closed:
-            return
-        self._closed = True
+        """See `Messaging`."""
         self._looking.cancel()
-        # That withdraws all declarations, including those in use.
-        self._session.close()
+        super().close()
 
     def _tell_if_alone(self) -> None:
         info = self._session.info
@@ -279,32 +168,139 @@ class ZenohNetwork:
                 ROUTER,
             )
 
-    def _key(self, topic: RosTopic) -> str:
+    def _key(self, name: str, described: RosTopic | RosService) -> str:
         return ros_zenoh.key_expression(
-            self._node.domain, topic.name, topic.type_name, topic.type_hash
+            self._node.domain, name, described.type_name, described.type_hash
         )
 
-    def _present(self, kind: str, topic: RosTopic, profile: Profile) -> bytes:
-        """Declare the token of an entity; return its identifier for attachments."""
-        return self._shown(
-            topic.node,
-            Entity(kind, topic.name, topic.type_name, topic.type_hash, profile),
-        )
-
-    def _shown_node(self, name: str) -> Node:
+    def _show_node(self, name: str) -> Node:
         """Return a node of this process, whose token is declared; without a name, its own."""
         name = name or self._node.name
         if name not in self._nodes:
             node = self._node._replace(name=name, number=next(self._numbers))
-            self._kept.append(self._token(ros_zenoh.node_token(node)))
+            self._tokens.append(self._token(ros_zenoh.node_token(node)))
             self._nodes[name] = node
         return self._nodes[name]
 
-    def _shown(self, node: str, entity: Entity) -> bytes:
-        shown = self._shown_node(node)
-        token = ros_zenoh.entity_token(shown, next(self._numbers), entity)
-        self._kept.append(self._token(token))
-        return sha256(token.encode()).digest()[:GID_SIZE]
+    def _show(
+        self, kind: str, name: str, described: RosTopic | RosService, profile: Profile
+    ) -> _Shown:
+        """Declare the token of an entity."""
+        entity = Entity(kind, name, described.type_name, described.type_hash, profile)
+        node = self._show_node(described.node)
+        text = ros_zenoh.entity_token(node, next(self._numbers), entity)
+        gid = sha256(text.encode()).digest()[:GID_SIZE]
+        return _Shown(self._token(text), gid)
 
     def _token(self, text: str) -> Any:
         return self._session.liveliness().declare_token(text)
+
+
+class _Shown(NamedTuple):
+    """The token of an entity, and its identifier in attachments."""
+
+    token: Any
+    gid: bytes
+
+
+class RosPublisher:
+    """See `medium.Publisher`: each sample has an attachment."""
+
+    def __init__(
+        self, session: zenoh.Session, publisher: Any, shown: _Shown, *, is_durable: bool
+    ) -> None:
+        self._publisher = publisher
+        self._is_durable = is_durable
+        self._attachments = _Attachments(shown.gid)
+        self._lock = threading.Lock()
+        self._declared = Declared(session, publisher, shown.token)
+
+    def publish(self, octets: bytes) -> None:
+        """See `medium.Publisher`."""
+        with self._lock, reported("Zenoh"):
+            self._publisher.put(octets, attachment=self._attachments.next())
+
+    @property
+    def matched(self) -> bool:
+        """See `medium.Publisher`; Zenoh does not tell it of one that is durable."""
+        with reported("Zenoh"):
+            return self._is_durable or self._declared.matches(self._publisher)
+
+    def close(self) -> None:
+        """See `medium.Publisher`."""
+        self._declared.close()
+
+
+class AttachedService(ZenohService):
+    """A service whose requests and responses have attachments."""
+
+    def _on_query(self, query: zenoh.Query) -> None:
+        try:
+            if query.attachment is None or query.payload is None:
+                raise ValueError("it has no payload or attachment")
+            came = ros_zenoh.parse_attachment(query.attachment.to_bytes())
+        except ValueError as error:
+            log.warning("%s: a request cannot be read: %s", self._key, error)
+            return
+
+        def respond(octets: bytes) -> None:
+            sent = came._replace(time=time.time_ns())
+            self._reply(query, octets, attachment=ros_zenoh.attachment(sent))
+
+        self._on_request(query.payload.to_bytes(), respond)
+
+
+class AttachingClient(ZenohClient):
+    """A client whose requests have attachments, and go to all servers."""
+
+    def __init__(
+        self,
+        session: zenoh.Session,
+        key: str,
+        service: str,
+        querier: zenoh.Querier,
+        shown: _Shown,
+    ) -> None:
+        super().__init__(session, service, querier)
+        self._key = key
+        self._attachments = _Attachments(shown.gid)
+        self._closing.add(shown.token)
+
+    def call(self, octets: bytes, timeout: float) -> bytes:
+        """See `medium.Client`. A server that is not discovered yet may answer."""
+        with reported("Zenoh"):
+            is_served = self._closing.matches(self._querier)
+        try:
+            return super().call(octets, timeout)
+        except PeerLostError as error:
+            if is_served:
+                raise
+            raise NotServedError(
+                f"nobody serves {self._service}, or it does not answer"
+            ) from error
+
+    def _ask(
+        self, octets: bytes, timeout: float, cancellation: zenoh.CancellationToken
+    ) -> Iterable[zenoh.Reply]:
+        return self._session.get(
+            self._key,
+            payload=octets,
+            attachment=self._attachments.next(),
+            target=zenoh.QueryTarget.ALL_COMPLETE,
+            consolidation=zenoh.ConsolidationMode.LATEST,
+            timeout=timeout,
+            cancellation_token=cancellation,
+        )
+
+
+class _Attachments:
+    """The attachments of one entity, numbered."""
+
+    def __init__(self, gid: bytes) -> None:
+        self._gid = gid
+        self._numbers = count(1)
+
+    def next(self) -> bytes:
+        """Return the attachment of what is sent now."""
+        value = Attachment(next(self._numbers), time.time_ns(), self._gid)
+        return ros_zenoh.attachment(value)

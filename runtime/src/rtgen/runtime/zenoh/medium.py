@@ -7,6 +7,7 @@ import threading
 import uuid
 from collections import Counter
 from collections.abc import Sequence
+from functools import partial
 from weakref import WeakSet
 
 import zenoh
@@ -27,16 +28,32 @@ from rtgen.runtime.distribution.medium import (
 )
 from rtgen.runtime.zenoh.declared import Declared
 from rtgen.runtime.zenoh.keys import Keys
-from rtgen.runtime.zenoh.services import ZenohClient, ZenohService
+from rtgen.runtime.zenoh.services import OneServerClient, ZenohService
 from rtgen.runtime.zenoh.session import Endpoints, lease_of, open_session, reported
 from rtgen.runtime.zenoh.topics import (
     ZenohPublisher,
     ZenohSubscription,
+    kept_samples,
     publisher_of,
 )
 
 
-class ZenohMedium:
+class ZenohEngine:
+    """One process's session, with its declarations."""
+
+    def __init__(self, session: zenoh.Session) -> None:
+        self._session = session
+        self._kept: set[Declared] = set()
+
+    def close(self) -> None:
+        """See `Messaging`. That withdraws all declarations, including those in use."""
+        self._kept.clear()
+        if not self._session.is_closed():
+            with reported("zenoh"):
+                self._session.close()
+
+
+class ZenohMedium(ZenohEngine):
     """One process's part in the system of this name, over a session of its own.
 
     Raises MediumError.
@@ -45,9 +62,8 @@ class ZenohMedium:
     def __init__(self, system: str, endpoints: Endpoints | None = None) -> None:
         self._keys = Keys.of(system)
         self._endpoints = endpoints or Endpoints()
-        self._session = open_session(self._endpoints)
+        super().__init__(open_session(self._endpoints))
         self._served: Counter[str] = Counter()
-        self._kept: set[Declared] = set()
         self._publishers: WeakSet[ZenohPublisher] = WeakSet()
 
     def publisher(self, topic: Topic, qos: Qos) -> Publisher:
@@ -62,7 +78,14 @@ class ZenohMedium:
     def subscribe(self, topic: Topic, qos: Qos, on_sample: OnSample) -> Subscription:
         """See `Medium`."""
         with reported(topic.name):
-            return ZenohSubscription(self._session, self._keys, topic, qos, on_sample)
+            return ZenohSubscription(
+                self._session,
+                self._keys.topic(topic),
+                on_sample,
+                kept_samples(qos) if qos.durable else None,
+                qos.deadline,
+                self._keys.flow(topic, uuid.uuid4().hex) if qos.depth is None else None,
+            )
 
     def serve(
         self, service: str, types: Sequence[ServiceTypes], on_request: OnRequest
@@ -70,14 +93,21 @@ class ZenohMedium:
         """See `Medium`."""
         key = self._keys.service(service)
         with reported(service):
-            made = ZenohService(self._session, key, on_request, self._served)
+            made = ZenohService(
+                self._session,
+                key,
+                on_request,
+                end=partial(self._served.subtract, (key,)),
+            )
+            made.add(self._session.liveliness().declare_token(key))
+        self._served[key] += 1
         return made.kept_by(self._kept)
 
     def client(self, service: str, types: ServiceTypes) -> Client:
         """See `Medium`."""
         key = self._keys.service(service)
         with reported(service):
-            return ZenohClient(self._session, key, service, self._served)
+            return OneServerClient(self._session, key, service, self._served)
 
     def announce(self, name: str) -> Token:
         """See `Medium`."""
@@ -100,10 +130,7 @@ class ZenohMedium:
         """See `Medium`."""
         for publisher in tuple(self._publishers):
             publisher.close()
-        self._kept.clear()
-        if not self._session.is_closed():
-            with reported("zenoh"):
-                self._session.close()
+        super().close()
 
 
 class _Presences:

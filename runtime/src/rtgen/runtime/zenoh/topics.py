@@ -7,7 +7,6 @@ without rtgen need none.
 
 from __future__ import annotations
 
-import uuid
 from collections.abc import Callable
 from typing import Any
 
@@ -51,7 +50,6 @@ class ZenohPublisher:
     ) -> None:
         key = keys.topic(topic)
         self._name = topic.name
-        kept = _MAX_KEPT if qos.depth is None else qos.depth
         # An advanced publisher does not report whether it is matched; one with the same key does.
         self._twin = session.declare_publisher(key)
         publisher = ext.declare_advanced_publisher(
@@ -59,11 +57,11 @@ class ZenohPublisher:
             key,
             encoding=zenoh.Encoding.APPLICATION_CDR,
             congestion_control=_congestion_control(qos),
-            reliability=_reliability(qos),
+            reliability=reliability(qos),
             sample_miss_detection=ext.MissDetectionConfig(
                 heartbeat=None, sporadic_heartbeat=None
             ),
-            cache=ext.CacheConfig(kept) if qos.durable else None,
+            cache=ext.CacheConfig(kept_samples(qos)) if qos.durable else None,
             publisher_detection=qos.durable,
         )
         self._source = source_of(publisher.id)
@@ -117,34 +115,41 @@ class ZenohSubscription:
     def __init__(
         self,
         session: zenoh.Session,
-        keys: Keys,
-        topic: Topic,
-        qos: Qos,
+        key: str,
         on_sample: OnSample,
+        history: int | None = None,
+        deadline: float | None = None,
+        flow: str | None = None,
     ) -> None:
+        """Declare it.
+
+        `history`: number of samples of the past, None for a volatile one; `deadline` [s] as in
+        `Qos`; `flow`: key of the acknowledgements of one that keeps all samples.
+        """
         self._on_sample = on_sample
-        self._deadline = Deadline(qos.deadline)
+        self._deadline = Deadline(deadline)
         self._acknowledging: Acknowledging | None = None
-        if qos.depth is None:
-            self._acknowledging = Acknowledging(
-                session, keys.flow(topic, uuid.uuid4().hex)
-            )
-        key = keys.topic(topic)
+        if flow is not None:
+            self._acknowledging = Acknowledging(session, flow)
         subscriber: Any
         self._closed = False
-        if qos.durable:
+        if history is not None:
             subscriber = ext.declare_advanced_subscriber(
                 session,
                 key,
                 self._received,
                 history=ext.HistoryConfig(
                     detect_late_publishers=True,
-                    max_samples=_MAX_KEPT if qos.depth is None else qos.depth,
+                    max_samples=history,
                 ),
             )
         else:
             subscriber = session.declare_subscriber(key, self._received)
         self._declared = Declared(session, subscriber)
+
+    def add(self, declaration: Any) -> None:
+        """Withdraw this declaration, too, when this is closed."""
+        self._declared.add(declaration)
 
     @property
     def missed_deadlines(self) -> int:
@@ -182,7 +187,13 @@ def _congestion_control(qos: Qos) -> zenoh.CongestionControl:
     return zenoh.CongestionControl.BLOCK if blocks else zenoh.CongestionControl.DROP
 
 
-def _reliability(qos: Qos) -> zenoh.Reliability:
+def kept_samples(qos: Qos) -> int:
+    """Return the number of samples that are kept for late joiners."""
+    return _MAX_KEPT if qos.depth is None else qos.depth
+
+
+def reliability(qos: Qos) -> zenoh.Reliability:
+    """Return Zenoh's word for it."""
     if qos.reliable:
         return zenoh.Reliability.RELIABLE
     return zenoh.Reliability.BEST_EFFORT
