@@ -7,7 +7,7 @@ from types import ModuleType
 from typing import Any
 
 from rtgen.compiler.backends import Options
-from rtgen.compiler.backends.tecs.proxies import proxy_class
+from rtgen.compiler.backends.kit.rendering import render
 from rtgen.compiler.backends.tecs.server_module import server_module
 from rtgen.compiler.backends.tecs.service_text import ServiceText
 from rtgen.compiler.lowering.tecs.options import RtcOptions
@@ -36,7 +36,8 @@ class Generated:
         self.methods = text.methods
         made = server_module(text, Options(package, "", "0"), ["random.cdl"])
         server = _module(package, "random_server", made.text)
-        proxies = _module(package, "random_proxy", head + proxy_class(text))
+        proxy = render("tecs/proxy.py.j2", **text.proxy_values())
+        proxies = _module(package, "random_proxy", head + proxy)
         self.proxy: Any = proxies.RandomProxy
         self.target: Any = server.RandomTarget
         self.unmarshaller: Any = server.RandomUnmarshaller

@@ -16,7 +16,6 @@ from rtgen.compiler.backends.kit.python_module import (
 from rtgen.compiler.backends.kit.quoting.python import docstring, string_literal
 from rtgen.compiler.backends.kit.rendering import render
 from rtgen.compiler.backends.tecs.function_text import LOCALS, tuple_type
-from rtgen.compiler.backends.tecs.proxies import proxy_class
 from rtgen.compiler.backends.tecs.service_text import (
     Method,
     ServiceText,
@@ -74,13 +73,12 @@ def marshaller_module(
         if (function, operation) not in converting
         and called[operation.name] != text.methods[function.function.name]
     }
-    functions = [text.method(function, call=True) for function in layouts]
+    proxy = text.proxy_values()
     attributes = attributes_of(component)
     used = ["Channel", "CommunicationChannel", "ProxyServant"]
     body = render(
         "tecs/marshaller.py.j2",
-        proxy=f"{name}Proxy",
-        proxy_class=proxy_class(text),
+        **proxy,
         renamed=_keyword("methods", renamed),
         servant=servant,
         interface=interface,
@@ -99,7 +97,7 @@ def marshaller_module(
         origin,
         f"`{text.signature}`: calls of a TECS board.",
         imports=[
-            *standard_imports(functions),
+            *standard_imports(proxy["functions"]),
             *imports_from("rtgen.runtime", ["RTC_OK", "ReturnCode_t"]),
             *imports_from(CHANNEL, [*used, *["make_tdr"] * text.makes_tdr]),
             *imports_from(f"{text.package}._types", structs),

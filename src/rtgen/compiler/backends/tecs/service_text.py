@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from rtgen.compiler.backends.kit.python_module import Import, imports_from
 from rtgen.compiler.backends.kit.python_text import WIDTH
@@ -53,6 +54,17 @@ class ServiceText:
         self._taken = LOCALS.union(self.structs)
         self._parameters: dict[int, dict[str, str]] = {}
         self._heads: dict[int, tuple[str, str]] = {}
+
+    def proxy_values(self) -> dict[str, Any]:
+        """Return the values of the template `tecs/proxy.py.j2`."""
+        return {
+            "proxy": f"{self.name}Proxy",
+            "target": f"{self.name}Target",
+            "codec": self.codec,
+            "make_codec": self.make_codec,
+            "signature": self.signature,
+            "functions": [self.method(f, call=True) for f in self.layout.functions],
+        }
 
     def method(
         self, layout: FunctionLayout, *, documented: bool = False, call: bool = False
