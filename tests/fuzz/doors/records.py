@@ -9,7 +9,6 @@ from pathlib import Path
 from random import Random
 
 import can
-from click import ClickException
 from fuzzing import log_uniform
 
 from doors import Door
@@ -17,6 +16,7 @@ from doors.mixing import mixing
 from refrobots.rtc import TimedLong
 from rtgen.runtime import RTC_OK, Component, ComponentProfile, ReturnCode_t, System
 from rtgen.tools.can.parsing import logs
+from rtgen.tools.kit.exits import Refusal
 from rtgen.tools.recording.errors import RecordingError
 from rtgen.tools.recording.events import Log
 from rtgen.tools.recording.mcap_reader import McapFile
@@ -157,7 +157,7 @@ def _can_log(folder: Path) -> Door:
         paths[suffix].write_bytes(data)
         try:
             return sum(1 for _ in logs.read(paths[suffix], str)) > 0
-        except ClickException:
+        except Refusal:
             return False
 
     text = mixing(_CAN_LOGS)

@@ -115,7 +115,7 @@ def _main() -> None:
 
     os.chdir(sys.argv[1])
     patience = float(sys.argv[2])
-    for name in ("project.compilation", "compiler", "systems.reading", "cli.common"):
+    for name in ("compiler.compilation", "compiler.systems.reading", "cli.options"):
         __import__(f"rtgen.{name}")
     for line in sys.stdin:
         streams = [os.memfd_create("output") for _ in range(2)]
