@@ -217,7 +217,7 @@ class _Service(_Token):
 
     def _stop(self) -> None:
         self._network.services[self.name].remove(self)
-        for future in self.waiting:
+        for future in list(self.waiting):
             _lose(future)
 
 
@@ -230,7 +230,7 @@ class InProcessClient(_Token):
         self._waiting: list[Future[bytes]] = []
 
     def cancel(self) -> None:
-        for future in self._waiting:
+        for future in list(self._waiting):
             _lose(future)
 
     def call(self, octets: bytes, timeout: float) -> bytes:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cached_property
 from typing import Any, TypeAlias
 
@@ -151,17 +152,13 @@ class RosNetwork:
 
     def publisher(self, topic: RosTopic, profile: Profile) -> Publish:
         """Return a publisher of a topic."""
-        try:
+        with _as_ros2(topic.name):
             publisher = self.medium.publisher(topic, RosQos.of(profile))
-        except MediumError as error:
-            raise Ros2Error(f"{topic.name}: {error}") from error
         self._ends.append(publisher)
 
         def publish(octets: bytes) -> None:
-            try:
+            with _as_ros2(topic.name):
                 publisher.publish(octets)
-            except MediumError as error:
-                raise Ros2Error(f"{topic.name}: {error}") from error
 
         return publish
 
@@ -176,25 +173,18 @@ class RosNetwork:
             except Exception:
                 log.exception("a message of %s cannot be handled", topic.name)
 
-        try:
-            end = self.medium.subscribe(topic, RosQos.of(profile), take)
-        except MediumError as error:
-            raise Ros2Error(f"{topic.name}: {error}") from error
-        self._ends.append(end)
+        with _as_ros2(topic.name):
+            self._ends.append(self.medium.subscribe(topic, RosQos.of(profile), take))
 
     def serve(self, service: RosService, on_request: OnRequest) -> None:
         """Serve a service until `close`."""
-        try:
+        with _as_ros2(service.name):
             self._ends.append(self.medium.serve(service.name, (service,), on_request))
-        except MediumError as error:
-            raise Ros2Error(f"{service.name}: {error}") from error
 
     def client(self, service: RosService) -> Call:
         """Return a client of a service."""
-        try:
+        with _as_ros2(service.name):
             client = self.medium.client(service.name, service)
-        except MediumError as error:
-            raise Ros2Error(f"{service.name}: {error}") from error
         self._clients.append(client)
 
         def call(octets: bytes, timeout: float) -> bytes:
@@ -222,6 +212,14 @@ class RosNetwork:
     def close(self) -> None:
         """Close the network with all nodes."""
         self.medium.close()
+
+
+@contextmanager
+def _as_ros2(name: str) -> Iterator[None]:
+    try:
+        yield
+    except MediumError as error:
+        raise Ros2Error(f"{name}: {error}") from error
 
 
 def _service_error(service: str, error: MediumError) -> ServiceError:

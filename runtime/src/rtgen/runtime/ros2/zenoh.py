@@ -97,7 +97,7 @@ class RosZenoh(ZenohEngine):
 
     def publisher(self, topic: RosTopic, qos: RosQos) -> RosPublisher:
         """See `Messaging`."""
-        key = self._key(topic.name, topic)
+        key = self._key(topic)
         waits = qos.reliable and qos.depth is None
         options: dict[str, Any] = {
             "reliability": reliability(qos),
@@ -116,42 +116,42 @@ class RosZenoh(ZenohEngine):
                 )
             else:
                 publisher = self._session.declare_publisher(key, **options)
-            shown = self._show(ros_zenoh.PUBLISHER, topic.name, topic, qos.profile)
+            shown = self._show(ros_zenoh.PUBLISHER, topic, qos.profile)
         return RosPublisher(self._session, publisher, shown, is_durable=qos.durable)
 
     def subscribe(
         self, topic: RosTopic, qos: RosQos, on_sample: OnSample
     ) -> Subscription:
         """See `Messaging`."""
-        key, profile = self._key(topic.name, topic), qos.profile
+        profile = qos.profile
+        history = profile.depth if qos.durable else None
         with reported("Zenoh"):
             made = ZenohSubscription(
-                self._session, key, on_sample, profile.depth if qos.durable else None
+                self._session, self._key(topic), on_sample, history
             )
-            shown = self._show(ros_zenoh.SUBSCRIPTION, topic.name, topic, profile)
-        made.add(shown.token)
+            made.add(self._show(ros_zenoh.SUBSCRIPTION, topic, profile).token)
         return made
 
     def serve(
         self, service: str, types: Sequence[RosService], on_request: OnRequest
     ) -> Token:
         """See `Messaging`."""
-        key = self._key(service, types[0])
+        [described] = types
         with reported("Zenoh"):
-            made = AttachedService(self._session, key, on_request)
-            made.add(self._show(ros_zenoh.SERVICE, service, types[0], _SERVICE).token)
+            made = AttachedService(self._session, self._key(described), on_request)
+            made.add(self._show(ros_zenoh.SERVICE, described, _SERVICE).token)
         return made.kept_by(self._kept)
 
     def client(self, service: str, types: RosService) -> Client:
         """See `Messaging`."""
-        key = self._key(service, types)
+        key = self._key(types)
         with reported("Zenoh"):
             querier = self._session.declare_querier(
                 key,
                 target=zenoh.QueryTarget.ALL_COMPLETE,
                 consolidation=zenoh.ConsolidationMode.LATEST,
             )
-            shown = self._show(ros_zenoh.CLIENT, service, types, _SERVICE)
+            shown = self._show(ros_zenoh.CLIENT, types, _SERVICE)
         return AttachingClient(self._session, key, service, querier, shown)
 
     def close(self) -> None:
@@ -168,10 +168,10 @@ class RosZenoh(ZenohEngine):
                 ROUTER,
             )
 
-    def _key(self, name: str, described: RosTopic | RosService) -> str:
-        return ros_zenoh.key_expression(
-            self._node.domain, name, described.type_name, described.type_hash
-        )
+    def _key(self, described: RosTopic | RosService) -> str:
+        name, type_hash = described.name, described.type_hash
+        domain = self._node.domain
+        return ros_zenoh.key_expression(domain, name, described.type_name, type_hash)
 
     def _show_node(self, name: str) -> Node:
         """Return a node of this process, whose token is declared; without a name, its own."""
@@ -183,10 +183,12 @@ class RosZenoh(ZenohEngine):
         return self._nodes[name]
 
     def _show(
-        self, kind: str, name: str, described: RosTopic | RosService, profile: Profile
+        self, kind: str, described: RosTopic | RosService, profile: Profile
     ) -> _Shown:
         """Declare the token of an entity."""
-        entity = Entity(kind, name, described.type_name, described.type_hash, profile)
+        entity = Entity(
+            kind, described.name, described.type_name, described.type_hash, profile
+        )
         node = self._show_node(described.node)
         text = ros_zenoh.entity_token(node, next(self._numbers), entity)
         gid = sha256(text.encode()).digest()[:GID_SIZE]
