@@ -64,9 +64,11 @@ def read(
     if isinstance(source, str):
         text = VirtualFile(TEXT, source, given=True)
         printed = printed_idl(Model())
-        found = interfaces(project.reading)
+        definitions = interfaces(project.reading)
         also.append(
-            read_idl((), project.reading, text=text, printed=printed, interfaces=found)
+            read_idl(
+                (), project.reading, text=text, printed=printed, interfaces=definitions
+            )
         )
     return compilation.read(project, lowered=lowered, also=also)
 

@@ -35,12 +35,12 @@ def adopt(
     from rtgen.tools.components.adopted import adopted
     from rtgen.tools.components.component_text import component_idl
 
-    found = adopted(Path(file), [Path(folder) for folder in include])
-    console.findings(found.diagnostics, found.sources)
-    if found.component is None:
+    adoption = adopted(Path(file), [Path(folder) for folder in include])
+    console.findings(adoption.diagnostics, adoption.sources)
+    if adoption.component is None:
         return BAD_INPUT
-    component = found.component
-    text = component_idl(found.model, component)
+    component = adoption.component
+    text = component_idl(adoption.model, component)
     if output is None:
         write_out(text)
         return OK

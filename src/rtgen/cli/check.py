@@ -54,8 +54,8 @@ def check(
         return BAD_INPUT
     planned = writer.plan(project, run)
     of_timelines = timelines(project, runs)
-    found = [*behaviours.check(project, run.artifacts), *of_timelines]
-    console.findings(found)
+    diagnostics = [*behaviours.check(project, run.artifacts), *of_timelines]
+    console.findings(diagnostics)
     if has_errors(of_timelines):
         return BAD_INPUT
     strays = (*planned.strays, *planned.leftovers)
@@ -68,7 +68,7 @@ def check(
             f" count; `{where}/** -text` in .gitattributes keeps git from converting them"
         )
     if not changes and not strays:
-        return NO if found else OK
+        return NO if diagnostics else OK
     from rtgen.tools.compiling.diffs import diff
 
     write_out(

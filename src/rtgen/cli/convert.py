@@ -98,11 +98,11 @@ def _system(console: Console, path: Path, form: str) -> int:
 
     shown = path.as_posix()
     read = rts_profile.load(path)
-    found = [*read.diagnostics]
+    diagnostics = [*read.diagnostics]
     if read.system is not None:
-        found += as_warnings(check_properties(read.system))
-    console.findings(found, read.sources)
-    if has_errors(found):
+        diagnostics += as_warnings(check_properties(read.system))
+    console.findings(diagnostics, read.sources)
+    if has_errors(diagnostics):
         return BAD_INPUT
     if form not in _OF_SYSTEMS:
         raise _wrong_form(form, _OF_SYSTEMS, "a system")
@@ -111,10 +111,10 @@ def _system(console: Console, path: Path, form: str) -> int:
     if is_yaml is form.endswith("yaml"):
         write_out(data)
     elif is_yaml:
-        text = profile_tree.text_of(data, shown, found.append)
+        text = profile_tree.text_of(data, shown, diagnostics.append)
         write_out(profile_yaml.to_xml(text, shown))
     else:
-        root, _ = profile_tree.parse(data, shown, found.append)
+        root, _ = profile_tree.parse(data, shown, diagnostics.append)
         assert root is not None
         write_out(profile_yaml.to_yaml(root))
     return OK
@@ -139,12 +139,12 @@ def _component(
         raise _wrong_form(form, _OF_COMPONENTS, "a component")
     project = with_arguments(load(), paths=(file,), include=include)
     read = compilation.read(project, lowered=True)
-    found = list(read.diagnostics)
-    component = None if has_errors(found) else chosen(read.model, file, name)
+    diagnostics = list(read.diagnostics)
+    component = None if has_errors(diagnostics) else chosen(read.model, file, name)
     if component is not None and form != "idl":
-        found = in_order([*found, *check_component(read.model, component)])
-    console.findings(found, read.sources)
-    if component is None or has_errors(found):
+        diagnostics = in_order([*diagnostics, *check_component(read.model, component)])
+    console.findings(diagnostics, read.sources)
+    if component is None or has_errors(diagnostics):
         return BAD_INPUT
     if form == "idl":
         write_out(component_idl(read.model, component))

@@ -71,8 +71,8 @@ def diff(
         write_out(dumps(report.as_json(labels, changes, reasons)) + "\n")
         console.findings(unused)
     else:
-        found = [report.finding(c, asked, reasons.get(c)) for c in changes]
-        console.findings([*found, *unused], {**old.sources, **new.sources})
+        findings = [report.finding(c, asked, reasons.get(c)) for c in changes]
+        console.findings([*findings, *unused], {**old.sources, **new.sources})
         console.say(_summary(report.counts(changes, reasons), len(changes)))
     broken = any(report.is_asked(c, asked) for c in changes if c not in reasons)
     return NO if broken else OK
@@ -92,8 +92,8 @@ def _sources(versions: Sequence[str], against: str | None) -> list[Source]:
         raise Refusal("name OLD, or --against REVISION")
     if len(versions) > 2:
         raise Refusal("two versions are compared, OLD and NEW")
-    found = [source_of(word) for word in versions]
-    return found if len(found) == 2 else [*found, Source("the working tree")]
+    sources = [source_of(word) for word in versions]
+    return sources if len(sources) == 2 else [*sources, Source("the working tree")]
 
 
 def _asked(use: str | None, default: tuple[Break, ...]) -> tuple[Break, ...]:

@@ -23,8 +23,8 @@ def explain(console: Console, code: str | None) -> int:
         for rule in known.values():
             write_out(f"{rule.code}  {rule.severity.value:<7}  {rule.title}\n")
         return OK
-    found = known.get(code.upper())
-    if found is None:
+    explained = known.get(code.upper())
+    if explained is None:
         close = similar(code)
         hint = (
             f"; did you mean {', '.join(close)}?"
@@ -37,7 +37,7 @@ def explain(console: Console, code: str | None) -> int:
         from rich.console import Console as Terminal
         from rich.markdown import Markdown
 
-        Terminal().print(Markdown(story(found)))
+        Terminal().print(Markdown(story(explained)))
     else:
-        write_out(story(found))
+        write_out(story(explained))
     return OK

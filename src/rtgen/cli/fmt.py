@@ -94,17 +94,17 @@ def fmt(
     files = [*_files(project, paths)]
     if lines is not None and len(files) != 1:
         raise click.UsageError("--range is for a single file")
-    changes, found = [], []
+    changes, diagnostics = [], []
     named = {*map(Path, paths)}
     for path in files:
         if _has_no_formatter(path) and path not in named:
-            found.append(_left_out(path))
+            diagnostics.append(_left_out(path))
             continue
         try:
             data = _content(path)
             change = form.change(path, data)
         except InputError as error:
-            found += error.diagnostics
+            diagnostics += error.diagnostics
             continue
         if change.new != data:
             # At once: the longer it takes, the likelier someone else changes the file.
@@ -112,8 +112,8 @@ def fmt(
                 rewrite(change)
                 console.say(f"formatted {shown(path)}")
             changes.append(change)
-    console.findings(found)
-    if has_errors(found):
+    console.findings(diagnostics)
+    if has_errors(diagnostics):
         return BAD_INPUT
     if check or as_diff:
         _print(changes, as_diff)

@@ -51,10 +51,10 @@ def graph(
     path = Path(system)
     if output is not None and Path(output).suffix.lower() not in ("", ".svg"):
         raise Refusal(f"-o {output}: the picture is SVG, so its file ends in .svg")
-    profile, found, sources = systems.read_file(
+    profile, findings, sources = systems.read_file(
         path / "system.xml" if path.is_dir() else path
     )
-    diagnostics: list[Diagnostic] = list(found)
+    diagnostics: list[Diagnostic] = list(findings)
     profiles: dict[str, ComponentView] = {}
     buses: Sequence[Bus] = ()
     project = load()

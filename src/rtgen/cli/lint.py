@@ -63,23 +63,23 @@ def lint(
     if wrong:
         raise InputError(wrong)
     whole = not definitions.paths
-    found, result = _findings(project, select, ignore, whole)
-    if as_diff and not has_errors(found):
-        return _print_fixes(project, found, result)
+    diagnostics, result = _findings(project, select, ignore, whole)
+    if as_diff and not has_errors(diagnostics):
+        return _print_fixes(project, diagnostics, result)
     fixed = 0
-    while fix and not has_errors(found):
-        changes = changed_files(project, found, result)
+    while fix and not has_errors(diagnostics):
+        changes = changed_files(project, diagnostics, result)
         if not changes or fixed >= MAX_ROUNDS:
             break
         for change in changes:
             rewrite(change)
             console.say(f"fixed {shown(change.path)}")
         fixed += 1
-        found, result = _findings(project, select, ignore, whole)
-    console.findings(found, result.sources, fold=False)
-    if has_errors(found):
+        diagnostics, result = _findings(project, select, ignore, whole)
+    console.findings(diagnostics, result.sources, fold=False)
+    if has_errors(diagnostics):
         return BAD_INPUT
-    return NO if any(d.severity is Severity.WARNING for d in found) else OK
+    return NO if any(d.severity is Severity.WARNING for d in diagnostics) else OK
 
 
 def _findings(
@@ -113,7 +113,7 @@ def _findings(
     known = {*result.diagnostics, *of_systems}
     of_outputs = [each for each in of_outputs if each not in known]
     of_behaviours = behaviours.misspelt_callbacks(project) if whole else []
-    found = findings(
+    diagnostics = findings(
         project,
         result,
         beside=(*of_outputs, *of_systems, *of_behaviours),
@@ -121,7 +121,7 @@ def _findings(
         ignore=ignore,
         whole=whole,
     )
-    return found, result
+    return diagnostics, result
 
 
 def _errors_of_outputs(
@@ -141,10 +141,10 @@ def _errors_of_outputs(
 
 
 def _print_fixes(
-    project: Project, found: Sequence[Diagnostic], result: FrontendResult
+    project: Project, diagnostics: Sequence[Diagnostic], result: FrontendResult
 ) -> int:
     from rtgen.tools.compiling.diffs import diff
 
-    changes = changed_files(project, found, result)
+    changes = changed_files(project, diagnostics, result)
     write_out(diff(changes))
     return NO if changes else OK

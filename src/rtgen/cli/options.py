@@ -89,8 +89,11 @@ def _of_file(error: OSError) -> Diagnostic | None:
     from rtgen.compiler.project.rules import ENVIRONMENT
 
     name = os.fsdecode(error.filename)
-    if error.errno == errno.ENAMETOOLONG and (found := path_finding(name)) is not None:
-        return found
+    if (
+        error.errno == errno.ENAMETOOLONG
+        and (finding := path_finding(name)) is not None
+    ):
+        return finding
     return ENVIRONMENT.at(None, f"cannot use {name}: {error.strerror}")
 
 

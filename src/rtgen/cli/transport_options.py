@@ -20,14 +20,14 @@ def _locators(
     """Validate locators of Zenoh, `PROTOCOL/ADDRESS`. Raises click.BadParameter."""
     if value is None:
         return None
-    found = tuple(text.strip() for text in value.split(","))
-    for text in found:
+    locators = tuple(text.strip() for text in value.split(","))
+    for text in locators:
         protocol, slash, address = text.partition("/")
         if not (protocol.isalpha() and slash and address):
             raise click.BadParameter(
                 f"'{text}' is not PROTOCOL/ADDRESS, such as tcp/192.0.2.1:7447."
             )
-    return found
+    return locators
 
 
 def _partition(_: click.Context, __: click.Parameter, value: str | None) -> str | None:

@@ -36,12 +36,12 @@ def findings(
     behaviours. `select` and `ignore` are codes in addition to those of rtgen.toml. `whole`: the
     result contains all files of the project.
     """
-    found = [*result.diagnostics, *beside]
+    diagnostics = [*result.diagnostics, *beside]
     active = None
     if not has_errors(result.diagnostics):
         selected = {code.upper() for code in (*select, *project.selected)}
         with stages.stage("lint rules"):
-            found += check(
+            diagnostics += check(
                 result.model,
                 result.sources,
                 select=selected,
@@ -55,11 +55,13 @@ def findings(
         FilePattern(span, code, pattern=shown(project.root / pattern))
         for pattern, code, span in project.ignored_in_files
     ]
-    found = suppressed(
-        found, result.sources, patterns, known=rules(), active=active, whole=whole
+    diagnostics = suppressed(
+        diagnostics, result.sources, patterns, known=rules(), active=active, whole=whole
     )
     ignored = {code.upper() for code in (*ignore, *project.ignored)}
-    left = (d for d in found if d.severity is Severity.ERROR or d.code not in ignored)
+    left = (
+        d for d in diagnostics if d.severity is Severity.ERROR or d.code not in ignored
+    )
     return fixes.attached(in_order(left), result.sources)
 
 

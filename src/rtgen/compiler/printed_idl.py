@@ -55,6 +55,8 @@ def merged(of_idl: FrontendResult, others: FrontendResult) -> FrontendResult:
     Included files that are missing since other definitions have errors are not reported.
     """
     if has_errors(others.diagnostics):
-        found = tuple(d for d in of_idl.diagnostics if d.code != INCLUDE_NOT_FOUND.code)
-        of_idl = replace(of_idl, diagnostics=found)
+        diagnostics = tuple(
+            d for d in of_idl.diagnostics if d.code != INCLUDE_NOT_FOUND.code
+        )
+        of_idl = replace(of_idl, diagnostics=diagnostics)
     return _wing().merged(of_idl, others)

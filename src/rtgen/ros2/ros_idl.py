@@ -18,14 +18,14 @@ _IDL = ".idl"
 
 def idl_names(model: Model) -> dict[str, str]:
     """Return the interface files of a model: displayed names by the names of their IDL files."""
-    found = {}
+    names = {}
     for declaration in model.declarations:
         path = PurePosixPath(declaration.file)
         is_idl = path.suffix == _IDL and declaration.name[1:2] == (path.parent.name,)
         if path.suffix in INTERFACE_SUFFIXES or is_idl:
             name = "/".join((*declaration.name[:2], f"{path.stem}.idl"))
-            found[name] = declaration.file
-    return found
+            names[name] = declaration.file
+    return names
 
 
 def idl_files(model: Model) -> dict[str, Callable[[], str]]:

@@ -67,11 +67,11 @@ def _reply(
 ) -> list[ui.Value]:
     kept = [arguments[i] for i in function.kept]
     packet = PacketReader(octets)
-    found, outs = function.read_reply(packet.head(function.first), packet.more, *kept)
+    result, outs = function.read_reply(packet.head(function.first), packet.more, *kept)
     names = _names(function.encode_reply)[len(kept) :]
     if function.is_void:
         return _values(names, outs or ())
-    return _values([_RETURN, *names[1:]], [found, *(outs or ())])
+    return _values([_RETURN, *names[1:]], [result, *(outs or ())])
 
 
 def _names(encoder: Any) -> Sequence[str]:

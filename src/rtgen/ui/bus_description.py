@@ -100,13 +100,13 @@ class BusDescriber:
         return Field(node.name, thing, sdo_value(thing, octets)).text
 
 
-def _field(found: Field) -> ui.FrameField:
-    value = found.physical
+def _field(field: Field) -> ui.FrameField:
+    value = field.physical
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     return ui.FrameField(
-        name=f"{found.node}.{found.name}" if found.node else found.name,
-        text=found.text,
-        unit=found.thing.unit,
+        name=f"{field.node}.{field.name}" if field.node else field.name,
+        text=field.text,
+        unit=field.thing.unit,
         numeric=is_number,
         number=float(value) if isinstance(value, int | float) else 0.0,
     )

@@ -102,12 +102,12 @@ class SeenBuses:
         self._measure(bus, frame, now)
 
     def _bus(self, name: str) -> _Bus:
-        found = self._buses.get(name)
-        if found is None:
+        bus = self._buses.get(name)
+        if bus is None:
             describer = self._describer(name, self._network(name))
-            found = self._buses[name] = _Bus(describer, describer.bus(name))
-            self._publish(ui.Event.of_described_bus(found.state))
-        return found
+            bus = self._buses[name] = _Bus(describer, describer.bus(name))
+            self._publish(ui.Event.of_described_bus(bus.state))
+        return bus
 
     def _network(self, channel: str) -> str:
         """Return the network that components on a channel state in their parameters."""

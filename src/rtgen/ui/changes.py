@@ -79,9 +79,9 @@ class Changes:
     def connection(self, name: str, ends: Sequence[End]) -> Connection | None:
         """Return the connection of the file that joins two ports, preferably one of that name."""
         joining = [
-            (each.name != name, found != tuple(ends), each)
+            (each.name != name, ends_of_each != tuple(ends), each)
             for each in self.written.connections
-            if {*(found := self._ends(each))} == {*ends}
+            if {*(ends_of_each := self._ends(each))} == {*ends}
         ]
         return min(joining, key=lambda each: each[:2])[2] if joining else None
 
@@ -180,10 +180,10 @@ class Changes:
 
     def cut(self, name: str, ends: Sequence[End]) -> Change | None:
         """Return the effect of cutting the connection of two ports."""
-        found = self.connection(name, ends)
-        if found is None:
+        connection = self.connection(name, ends)
+        if connection is None:
             return None
-        known = found.name
+        known = connection.name
         return lambda file: file.cut(known)
 
 

@@ -221,15 +221,15 @@ class Commands:
             ]
             return [*remote.fits(address), *across]
         self._session.require_port(*here)
-        found = [
+        fits = [
             ui.Fit(port=there, refused=self._remote_obstacle(address, there))
             for there in remote.ports()
         ]
         for there in within:
             if there != address:
                 why = system.obstacle(here, (there.instance, there.port))
-                found.append(ui.Fit(port=there, refused=why))
-        return found
+                fits.append(ui.Fit(port=there, refused=why))
+        return fits
 
     def _remote_obstacle(self, here: ui.PortAddress, there: ui.PortAddress) -> str:
         """Return why a port of the system does not fit one of another process; empty if it does."""
@@ -493,10 +493,10 @@ class Commands:
         """Raise CommandError if the file could no longer be run, as it could when it was opened."""
         project = self._session.project
         before = project.refusals(self._session.profile)
-        found = [each for each in project.refusals(profile) if each not in before]
-        if found:
-            more = f", and {len(found) - 1} more" if len(found) > 1 else ""
-            message = f"`rtgen run` would refuse the saved system: {found[0]}{more}"
+        problems = [each for each in project.refusals(profile) if each not in before]
+        if problems:
+            more = f", and {len(problems) - 1} more" if len(problems) > 1 else ""
+            message = f"`rtgen run` would refuse the saved system: {problems[0]}{more}"
             raise CommandError(QUESTION, message, "the timeline must be edited, too")
 
     def _open(self, file: str) -> None:

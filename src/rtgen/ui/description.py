@@ -76,7 +76,7 @@ class Description:
     def ports(self, component: Rtc) -> list[ui.Port]:
         """Describe the ports of a component, data ports first."""
         described = {p.name: p for p in component.profile.ports if not p.port}
-        found = [
+        data_ports = [
             self._data_port(kind, name, port.type, described.get(name))
             for kind, ports in (
                 (ui.PortKind.PORT_IN, component.in_ports),
@@ -95,10 +95,10 @@ class Description:
                 )
         for name, entries in services.items():
             kind = ui.PortKind.PORT_SERVICE
-            found.append(
+            data_ports.append(
                 ui.Port(name=name, kind=kind, type_number=NO_TYPE, interfaces=entries)
             )
-        return found
+        return data_ports
 
     def _data_port(
         self, kind: ui.PortKind, name: str, type_: Any, profile: PortProfile | None
@@ -170,8 +170,8 @@ def connection(connector: Connector) -> ui.Connection:
 
 def properties_of(connector: Connector) -> Mapping[str, str]:
     """Return the properties of a connection; none for a service of another process."""
-    found: Mapping[str, str] = getattr(connector, "properties", {})
-    return found
+    properties: Mapping[str, str] = getattr(connector, "properties", {})
+    return properties
 
 
 def palette_entry(profile: ComponentProfile) -> ui.PaletteEntry:
@@ -208,10 +208,10 @@ def palette_entry(profile: ComponentProfile) -> ui.PaletteEntry:
 
 def statistics(system: System, instances: Iterable[str]) -> list[ui.Statistics]:
     """Return the statistics of components."""
-    found = []
+    statistics_of = []
     for instance in instances:
         now = system.statistics(instance)
-        found.append(
+        statistics_of.append(
             ui.Statistics(
                 instance=instance,
                 ticks=now.ticks,
@@ -221,7 +221,7 @@ def statistics(system: System, instances: Iterable[str]) -> list[ui.Statistics]:
                 impaired=now.condition,
             )
         )
-    return found
+    return statistics_of
 
 
 def _address(instance: str, port: object) -> ui.PortAddress:

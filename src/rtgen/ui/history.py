@@ -136,9 +136,9 @@ class History:
         size = _OVERHEAD + len(sample.data)
         self._put(("sample", sample.channel), sample.time, sample, size)
 
-    def statistics(self, time: float, found: Iterable[ui.Statistics]) -> None:
+    def statistics(self, time: float, latest: Iterable[ui.Statistics]) -> None:
         """Add statistics of components."""
-        for each in found:
+        for each in latest:
             self._put(("statistics", each.instance), time, each, _OVERHEAD)
 
     def add(self, time: float, event: Event) -> None:
@@ -230,7 +230,7 @@ class History:
     def samples(self, time: float, channels: Iterable[int]) -> list[Event]:
         """Return samples of channels up to a time."""
         with self._lock:
-            found = [
+            events = [
                 sample
                 for channel in channels
                 if ("sample", channel) in self._rows
@@ -238,7 +238,7 @@ class History:
                     time, _NEWEST["sample"], _OLDER["sample"]
                 )
             ]
-        return [Event.of_samples(found)] if found else []
+        return [Event.of_samples(events)] if events else []
 
     def samples_between(
         self, start: float, end: float, channels: Iterable[int]
@@ -268,12 +268,12 @@ class History:
         newest = nlargest(_FRAMES, (each.time for row in times for each in row))
         first = newest[-1] if newest else 0.0
         older = _OLDER_FRAMES // max(len(rows), 1)
-        found = [
+        frames = [
             frame
             for row in rows
             for frame in row.until(time, row.count_from(first, time), older)
         ]
-        return sorted(found, key=attrgetter("time"))
+        return sorted(frames, key=attrgetter("time"))
 
     def _of(self, kind: str) -> list[_Row]:
         return [row for key, row in self._rows.items() if key[0] == kind]

@@ -207,7 +207,7 @@ class NamingWatcher:
 
     def _update_components(self) -> None:
         """Update the components from the bindings of the naming services."""
-        found: dict[str, RemoteComponent] = {}
+        components: dict[str, RemoteComponent] = {}
         self._aliases = {}
         known: dict[bytes, list[RemoteComponent]] = {}
         for service in self._services:
@@ -222,10 +222,10 @@ class NamingWatcher:
                     before = self._found.get(name)
                     if before is None or not before.is_at(reference):
                         before = RemoteComponent(name, reference, self._exported)
-                    found[name] = other = before
+                    components[name] = other = before
                     same.append(other)
                 self._aliases[name] = other.component.instance
-        self._found = found
+        self._found = components
 
     def _publish_changes(self) -> None:
         """Publish the state if it has changed."""
@@ -253,12 +253,12 @@ class NamingWatcher:
     def _component(self, name: str) -> tuple[str, BindingKind]:
         """Return the instance of a component's name, and whether it answers."""
         instance = self._aliases[name]
-        found = self._found.get(instance)
-        if found is None:
+        component = self._found.get(instance)
+        if component is None:
             return instance, BindingKind.BINDING_COMPONENT
-        dead = bool(found.component.silent) and found.asked > 0.0
+        dead = bool(component.component.silent) and component.asked > 0.0
         kind = BindingKind.BINDING_DEAD if dead else BindingKind.BINDING_COMPONENT
-        return instance if found.answered else "", kind
+        return instance if component.answered else "", kind
 
     def _connections(self) -> dict[str, ui.Connection]:
         """Return the connections whose ends are both known."""
@@ -270,7 +270,7 @@ class NamingWatcher:
                 if reference is not None:
                     same = ports.setdefault(self._exported.key(reference), [])
                     same.append((reference, (_is_first(port), address)))
-        found: dict[str, ui.Connection] = {}
+        connections: dict[str, ui.Connection] = {}
         self._ids = {}
         for component in self._found.values():
             for connector in component.connectors:
@@ -289,13 +289,13 @@ class NamingWatcher:
                     )
                     properties = texts(connector.properties)
                     self._ids[name] = source, target, connector.connector_id
-                    found[name] = ui.Connection(
+                    connections[name] = ui.Connection(
                         name=name,
                         source=source,
                         target=target,
                         properties=[ui.Value(k, v) for k, v in properties.items()],
                     )
-        return found
+        return connections
 
     def _end_of(self, ports: _Ports, wanted: Any) -> Iterator[_End]:
         """Return the port that a reference denotes."""
@@ -342,8 +342,12 @@ class NamingWatcher:
 
     def _seen(self, instance: str, port: str) -> tuple[PortProfile | None, float]:
         """Return the last known state of a port, and its time."""
-        found = self._found.get(instance)
-        return (None, 0.0) if found is None else (found.ports.get(port), found.asked)
+        component = self._found.get(instance)
+        return (
+            (None, 0.0)
+            if component is None
+            else (component.ports.get(port), component.asked)
+        )
 
     # Commands.
 
@@ -380,14 +384,14 @@ class NamingWatcher:
 
     def _request(self, kind: CommandKind, instance: str) -> None:
         """Request a state of a component. Raises CommandError."""
-        found = self._at(instance)
-        request = partial(found.request, kind)
+        component = self._at(instance)
+        request = partial(component.request, kind)
         if kind is not CommandKind.COMMAND_ACTIVATE:
             request()
             self._activations.forget(instance)
             return
         try:
-            self._activations.activate(instance, found.rtc, request)
+            self._activations.activate(instance, component.rtc, request)
         except FAULTS as error:
             raise CommandError(
                 CALL_FAILED, f"{instance}: {explained(error)}"
@@ -446,17 +450,17 @@ class NamingWatcher:
 
     def _at(self, instance: str) -> RemoteComponent:
         """Return a component that answers. Raises CommandError."""
-        found = self._found.get(instance)
-        if found is None:
+        component = self._found.get(instance)
+        if component is None:
             raise CommandError(
                 UNKNOWN,
                 f"no naming service has {instance}",
                 "components of the page's own system are not reached over CORBA",
             )
-        if found.component.silent:
-            message = f"{instance}: {found.component.silent}"
+        if component.component.silent:
+            message = f"{instance}: {component.component.silent}"
             raise CommandError(CALL_FAILED, message, "it is queried again and again")
-        return found
+        return component
 
     def _query_again(self, instances: Iterable[str]) -> None:
         for instance in instances:
@@ -494,11 +498,11 @@ class NamingWatcher:
 
     def _profile(self, address: ui.PortAddress) -> PortProfile:
         """Return the profile of a port of a component that answers. Raises CommandError."""
-        found = self._at(address.instance).ports.get(address.port)
-        if found is None:
+        profile = self._at(address.instance).ports.get(address.port)
+        if profile is None:
             message = f"{address.instance} has no port {address.port}"
             raise CommandError(UNKNOWN, message)
-        return found
+        return profile
 
     def _own_profile(
         self, address: ui.PortAddress, other: PortProfile
@@ -506,13 +510,15 @@ class NamingWatcher:
         """Return the profile of a port of this process; of two with the name, the one that fits."""
         if self._own is None or address.instance in self._found:
             return None
-        found = [
+        profiles = [
             port.get_port_profile()
             for port in self._own.ports_at(address.instance, address.port)
         ]
         there = described("", other)
-        fitting = (each for each in found if not obstacle(described("", each), there))
-        return next(fitting, next(iter(found), None))
+        fitting = (
+            each for each in profiles if not obstacle(described("", each), there)
+        )
+        return next(fitting, next(iter(profiles), None))
 
     def _cut(self, name: str) -> Edit:
         if name not in self._ids:
@@ -532,8 +538,8 @@ class NamingWatcher:
             known = [self._found.get(each.instance) for each in (source, target)]
             ends = [
                 end
-                for end, found in zip((source, target), known, strict=True)
-                if found is not None and not found.component.silent
+                for end, binding in zip((source, target), known, strict=True)
+                if binding is not None and not binding.component.silent
             ]
             ends.sort(key=lambda end: not self._found[end.instance].is_of_rtgen)
             end = ends[0] if ends else source

@@ -129,12 +129,12 @@ class Outbox:
                 self._samples = [*newest.values()]
         self.wake()
 
-    def statistics(self, found: list[Statistics]) -> None:
+    def statistics(self, latest: list[Statistics]) -> None:
         """Set the newest statistics of components."""
         with self._lock:
             if self.past is not None:
                 return
-            self._statistics |= {each.instance: each for each in found}
+            self._statistics |= {each.instance: each for each in latest}
         self.wake()
 
     def take(self) -> bytes:

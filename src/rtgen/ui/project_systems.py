@@ -94,11 +94,14 @@ class CommandProject:
         result = rts_profile.SystemResult(None, sink.diagnostics, {})
         if data is not None:
             result = rts_profile.load_bytes(data, shown)
-        profile, found, sources = result
-        found = (*found, *(check_properties(profile) if profile is not None else ()))
-        if profile is None or data is None or has_errors(found):
-            raise InputError(in_order(found))
-        self._console.findings(in_order(found), sources)
+        profile, diagnostics, sources = result
+        diagnostics = (
+            *diagnostics,
+            *(check_properties(profile) if profile is not None else ()),
+        )
+        if profile is None or data is None or has_errors(diagnostics):
+            raise InputError(in_order(diagnostics))
+        self._console.findings(in_order(diagnostics), sources)
         plan = _timeline(profile)
         self._console.findings(plan.skipped)
         self._plans[profile.file] = plan
@@ -136,22 +139,24 @@ class CommandProject:
         """Return the errors that `rtgen run` would report before the start."""
         from rtgen.ui.texts import placed
 
-        found = [d for d in check_properties(profile) if d.severity is Severity.ERROR]
+        problems = [
+            d for d in check_properties(profile) if d.severity is Severity.ERROR
+        ]
         try:
             poses = _listed(profile, "rtgen.run.pose")
             for name in [*poses, *_listed(profile, "rtgen.run.goal")]:
                 timeline.require_instance(name.partition(".")[0], profile, None)
             if until := dict(profile.properties).get("rtgen.run.until"):
                 timeline.condition(until, profile, None)
-            found += (
+            problems += (
                 MEASURE.at(each.span, f"{name!r} is not a pose of the system")
                 for each in _timeline(profile).measures
                 for name in each.observables
                 if name not in poses
             )
         except InputError as error:
-            found += error.diagnostics
-        return [placed(each) for each in found]
+            problems += error.diagnostics
+        return [placed(each) for each in problems]
 
     def assemble(
         self, profile: System, clock: runtime.Clock, watcher: RunWatcher
@@ -235,11 +240,11 @@ class CommandProject:
         if named is None and network:
             for path in filter(is_bus_file, self._project.sources):
                 try:
-                    found = BusDescriber(path)
+                    buses = BusDescriber(path)
                 except InputError:
                     continue  # `rtgen lint` reports its errors
-                if found.network == network:
-                    return found
+                if buses.network == network:
+                    return buses
         return BusDescriber(named)
 
     def data_type(self, name: str) -> type[DataType] | None:
@@ -269,15 +274,15 @@ class CommandProject:
 
     def palette(self) -> Sequence[ComponentProfile]:
         """Return the types whose factories are importable classes."""
-        found = []
+        components = []
         for name in sorted(self._factories.types):
             try:
                 profile = getattr(self._factories[name], "profile", None)
             except (FactoryImportError, ToolError):
                 continue  # `rtgen run` reports it if a system needs the type.
             if isinstance(profile, ComponentProfile):
-                found.append(msgspec.structs.replace(profile, type_name=name))
-        return found
+                components.append(msgspec.structs.replace(profile, type_name=name))
+        return components
 
 
 def _path_of(file: str) -> Path:

@@ -111,29 +111,29 @@ class Reading:
             data = _json(self._decoders.value(message))
         self.history.sample(ui.Sample(channel=channel.id, time=self._now, data=data))
 
-    def _channel(self, found: Channel, *, beside: bool) -> ui.Channel:
+    def _channel(self, shown: Channel, *, beside: bool) -> ui.Channel:
         """Return the channel of a port; a recording has one for each component that wrote."""
-        address = ui.PortAddress(*_address_of(found))
+        address = ui.PortAddress(*_address_of(shown))
         for known in self._of_messages.values():
             if known.port == address:
-                self._of_messages[found] = known
+                self._of_messages[shown] = known
                 return known
-        number = self._type_number(found)
+        number = self._type_number(shown)
         channel = ui.Channel(
             id=next(self._channel_numbers),
             port=address,
             type_number=number,
             beside=beside,
         )
-        self._of_messages[found] = channel
+        self._of_messages[shown] = channel
         self.channels.append(channel)
         if not beside:
             port = ui.Port(
                 name=address.port,
                 kind=ui.PortKind.PORT_OUT,
-                type=found.schema.name,
+                type=shown.schema.name,
                 type_number=number,
-                unit=found.get("unit"),
+                unit=shown.get("unit"),
             )
             self._component(address.instance).ports.append(port)
         return channel
@@ -215,8 +215,8 @@ class Reading:
                 for other in pair - {communication}
                 if other in self.components
             ]
-            found = next(filter(None, map(self._codec_of, types)), None)
-            self._codecs[communication] = found
+            codec = next(filter(None, map(self._codec_of, types)), None)
+            self._codecs[communication] = codec
         return self._codecs[communication]
 
     def _state(self, content: messages.State, *, beside: bool) -> None:

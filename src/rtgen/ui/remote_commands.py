@@ -124,7 +124,7 @@ class RemoteCommands:
             for path, known in session.foreign.items()
             if (instance := path.removesuffix(f".{KIND}")) in remote.components
         }
-        found = [
+        commands = [
             command
             for known in session.foreign.values()
             if known.instance in names
@@ -142,8 +142,8 @@ class RemoteCommands:
             if is_outside and _ends(source, target) not in there:
                 stated = [ui.Value(*pair) for pair in each.properties]
                 wanted = ui.Connect(source, target, "", restored(stated))
-                found.append(ui.Command.of_wire(wanted))
-        return found
+                commands.append(ui.Command.of_wire(wanted))
+        return commands
 
     def _enter(self, edit: Edit) -> None:
         self._session.edits.enter(edit)

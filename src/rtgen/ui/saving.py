@@ -290,12 +290,12 @@ def _written_end(session: Session, address: ui.PortAddress) -> End:
 
 def _stated_ports(profile: System, instance: str) -> InstancePorts:
     """Return the ports of a component that are connected."""
-    found: dict[bool, dict[str, None]] = {True: {}, False: {}}
+    ports: dict[bool, dict[str, None]] = {True: {}, False: {}}
     for each in profile.connections:
         for end in (each.source, each.target):
             if end.instance == instance:
-                found[each.service][end.port] = None
-    return InstancePorts(tuple(found[False]), tuple(found[True]))
+                ports[each.service][end.port] = None
+    return InstancePorts(tuple(ports[False]), tuple(ports[True]))
 
 
 def _connection(connector: Connector, before: Connection | None) -> Connection:

@@ -380,11 +380,11 @@ class Session:
         where = ui.Location(*(place or (0.0, 0.0)))
         return replace(remote, placed=place is not None, where=where)
 
-    def _update_remote(self, found: RemoteState) -> bool:
+    def _update_remote(self, state: RemoteState) -> bool:
         """Publish the changes in other processes; from any thread."""
 
         def update() -> None:
-            before, self.remote = self.remote, found.known(self._known)
+            before, self.remote = self.remote, state.known(self._known)
             for instance in before.components.keys() - self.remote.components.keys():
                 self.forget(instance)
             for instance in self.remote.components.keys() - before.components.keys():
@@ -419,7 +419,7 @@ class Session:
 
     def _open_remote(self) -> list[ui.Channel]:
         """Return the channels of new OutPorts of other processes."""
-        found = []
+        channels = []
         for instance, component in self.remote.components.items():
             for port in component.ports:
                 key = instance, port.name
@@ -428,8 +428,8 @@ class Session:
                     address = ui.PortAddress(instance=instance, port=port.name)
                     channel = ui.Channel(next(self._numbers), address, port.type_number)
                     self._channels[key] = channel
-                    found.append(channel)
-        return found
+                    channels.append(channel)
+        return channels
 
     def _placed(self, event: ui.Event) -> ui.Event:
         """Add the place of its box to an event about a component of another process."""
@@ -474,7 +474,7 @@ class Session:
 
     def channels_of(self, instance: str) -> list[ui.Channel]:
         """Return the channels of a component's OutPorts, opening new ones."""
-        found = []
+        channels = []
         for name, port in self.system.component(instance).out_ports.items():
             if (instance, name) not in self._channels:
                 self._channels[instance, name] = ui.Channel(
@@ -482,8 +482,8 @@ class Session:
                     port=ui.PortAddress(instance=instance, port=name),
                     type_number=self.describe.type_number(port.type),
                 )
-            found.append(self._channels[instance, name])
-        return found
+            channels.append(self._channels[instance, name])
+        return channels
 
     def forget(self, instance: str) -> None:
         """Forget a removed component."""
@@ -603,8 +603,8 @@ class Session:
                 if communication in (pair := instances_of(connector))
                 for each in pair
             )
-            found = next(filter(None, map(boards.codec_of, ends)), None)
-            self._codecs[communication] = found
+            codec = next(filter(None, map(boards.codec_of, ends)), None)
+            self._codecs[communication] = codec
         return self._codecs[communication]
 
     def notice(self, kind: str, instance: str, text: str) -> None:

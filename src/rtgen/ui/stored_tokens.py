@@ -40,19 +40,19 @@ def _read(file: Path) -> Tokens | None:
     except OSError:
         return None
     with os.fdopen(number, encoding="ascii", errors="replace") as stream:
-        found = os.fstat(number)
+        status = os.fstat(number)
         # A file from the future is of no known age: the clock has been set back since.
-        is_recent = -_TOLERANCE < time.time() - found.st_mtime < MAX_AGE
-        if not (is_recent and stat.S_ISREG(found.st_mode) and _is_private(found)):
+        is_recent = -_TOLERANCE < time.time() - status.st_mtime < MAX_AGE
+        if not (is_recent and stat.S_ISREG(status.st_mode) and _is_private(status)):
             return None
         full, _, read_only = stream.read(_MAX_OCTETS).partition(" ")
     return Tokens(full, read_only) if full and read_only and full != read_only else None
 
 
-def _is_private(found: os.stat_result) -> bool:
+def _is_private(status: os.stat_result) -> bool:
     if not hasattr(os, "getuid"):
         return True
-    return found.st_uid == os.getuid() and not found.st_mode & 0o077
+    return status.st_uid == os.getuid() and not status.st_mode & 0o077
 
 
 def _write(file: Path, tokens: Tokens) -> None:

@@ -217,12 +217,12 @@ def violation(table: Mapping[str, Check], key: str, text: str) -> str | None:
 
 def subscriptions(properties: Mapping[str, str]) -> dict[str, Subscription]:
     """Return the subscription of each property that names a valid one."""
-    found: dict[str, Subscription] = {}
+    by_name: dict[str, Subscription] = {}
     for key in (_IO_MODE, _SUBSCRIPTION_TYPE):
         text = properties.get(key, "").strip()
         if text in (IO_MODES if key == _IO_MODE else tuple(Subscription)):
-            found[key] = IO_MODES[text]
-    return found
+            by_name[key] = IO_MODES[text]
+    return by_name
 
 
 def is_contradictory(properties: Mapping[str, str]) -> bool:

@@ -173,9 +173,9 @@ def literals(constraint: Constraint) -> list[tuple[Operator | None, str]]:
         case AllOf(comparisons) | AnyOf(comparisons):
             return [(item.operator, item.literal) for item in comparisons]
         case ItemConstraints(units):
-            return [found for unit in units for found in literals(unit)]
+            return [pair for unit in units for pair in literals(unit)]
         case KeyConstraints(pairs):
-            return [found for _, unit in pairs for found in literals(unit)]
+            return [pair for _, unit in pairs for pair in literals(unit)]
 
 
 def check_literals(constraint: Constraint, type_: str, *, numeric: bool) -> None:

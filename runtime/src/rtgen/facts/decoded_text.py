@@ -63,10 +63,10 @@ class Decoded:
     @property
     def lone_return(self) -> int | None:
         """The place in `normal` of the first carriage return without a line feed."""
-        found = _LONE_RETURN.search(self.text) if "\r" in self.text else None
-        if found is None:
+        match = _LONE_RETURN.search(self.text) if "\r" in self.text else None
+        if match is None:
             return None
-        return found.start() - self.text.count("\r\n", 0, found.start())
+        return match.start() - self.text.count("\r\n", 0, match.start())
 
     def encode(self, text: str) -> bytes:
         """Return another text, of characters of this one and of ASCII, as octets of the file.
@@ -103,15 +103,15 @@ class Decoded:
         """The octets of ASCII, and of each character that has the same ones everywhere."""
         from rtgen.facts.code_pages import CHARACTERS
 
-        found = {chr(code): bytes((code,)) for code in range(128)}
+        octets_of = {chr(code): bytes((code,)) for code in range(128)}
         several = set()
         for encoding, part in self.parts:
             for match in CHARACTERS[encoding].finditer(part):
                 octets = match[0]
                 character = read(octets, encoding)
-                if found.setdefault(character, octets) != octets:
+                if octets_of.setdefault(character, octets) != octets:
                     several.add(character)
-        return {c: octets for c, octets in found.items() if c not in several}
+        return {c: octets for c, octets in octets_of.items() if c not in several}
 
 
 def with_line_feeds(text: str) -> str:

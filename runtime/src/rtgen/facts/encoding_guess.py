@@ -64,12 +64,12 @@ def guessed(data: bytes) -> Decoded:
 
 def _sample(data: bytes) -> bytes:
     """Return some lines of a large file, from the first one that is not ASCII."""
-    found = _NOT_ASCII.search(data)
-    if len(data) <= _SAMPLE or found is None:
+    match = _NOT_ASCII.search(data)
+    if len(data) <= _SAMPLE or match is None:
         return data
-    start = data.rfind(b"\n", 0, found.start()) + 1
-    start = max(start, found.start() - _SAMPLE // 2)
-    end = data.rfind(b"\n", found.end(), start + _SAMPLE) + 1
+    start = data.rfind(b"\n", 0, match.start()) + 1
+    start = max(start, match.start() - _SAMPLE // 2)
+    end = data.rfind(b"\n", match.end(), start + _SAMPLE) + 1
     return data[start : end or start + _SAMPLE]
 
 

@@ -24,8 +24,8 @@ class Declared(NamedTuple):
 
 def declared(text: str) -> Declared:
     """Return what a text likely declares, including what its comments seem to."""
-    found = [match.groups() for match in _DECLARED.finditer(text)]
+    declarations = [match.groups() for match in _DECLARED.finditer(text)]
     return Declared(
-        frozenset(name for kind, name in found if kind != "module"),
-        frozenset(name for kind, name in found if kind == "module"),
+        frozenset(name for kind, name in declarations if kind != "module"),
+        frozenset(name for kind, name in declarations if kind == "module"),
     )

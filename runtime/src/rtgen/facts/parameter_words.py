@@ -45,8 +45,8 @@ def canonical(word: str) -> str | None:
     None for an unknown word.
     """
     word = " ".join(word.split())
-    found = _VECTOR.fullmatch(word)
-    if found is None:
+    match = _VECTOR.fullmatch(word)
+    if match is None:
         return CANONICAL.get(word)
-    element = CANONICAL.get(found[1])
+    element = CANONICAL.get(match[1])
     return None if element is None else f"sequence<{element}>"

@@ -42,7 +42,7 @@ def known_conversions() -> Mapping[tuple[str, str], Conversion]:
     # Each start of a component imports this module for `parse`.
     from rtgen.facts.ros_adapters import PAIRS
 
-    found = {
+    conversions = {
         ("TimedString", "std_msgs/msg/String"): Conversion(
             "text_of_string", "text_to_string", False
         )
@@ -51,12 +51,12 @@ def known_conversions() -> Mapping[tuple[str, str], Conversion]:
         kind = "real" if ros.startswith("Float") else "integer"
         for rtm in _NUMBERS:
             own = "real" if rtm in ("Float", "Double") else "integer"
-            found[f"Timed{rtm}", f"std_msgs/msg/{ros}"] = Conversion(
+            conversions[f"Timed{rtm}", f"std_msgs/msg/{ros}"] = Conversion(
                 f"data_to_{own}", f"data_to_{kind}", False
             )
         for rtm in _SEQUENCES:
             own = "reals" if rtm in ("Float", "Double") else "integers"
-            found[f"Timed{rtm}Seq", f"std_msgs/msg/{ros}MultiArray"] = Conversion(
+            conversions[f"Timed{rtm}Seq", f"std_msgs/msg/{ros}MultiArray"] = Conversion(
                 f"data_to_{own}", f"data_to_{kind}s", False
             )
     for rtm, ros, name in (
@@ -65,11 +65,13 @@ def known_conversions() -> Mapping[tuple[str, str], Conversion]:
         ("TimedQuaternion", "geometry_msgs/msg/QuaternionStamped", "quaternion"),
         ("CameraImage", "sensor_msgs/msg/Image", "image"),
     ):
-        found[rtm, ros] = Conversion(f"{name}_of_message", f"{name}_to_message", True)
+        conversions[rtm, ros] = Conversion(
+            f"{name}_of_message", f"{name}_to_message", True
+        )
     for pair in PAIRS:
         key = pair.rtm, pair.ros.replace("::", "/")
-        found[key] = Conversion(pair.read, pair.write, pair.stamped)
-    return found
+        conversions[key] = Conversion(pair.read, pair.write, pair.stamped)
+    return conversions
 
 
 def parse(text: str) -> str | None:

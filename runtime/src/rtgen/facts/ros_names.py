@@ -116,8 +116,8 @@ def parse_user_data(data: bytes) -> dict[str, str]:
 
 def type_hash_of(data: bytes) -> str | None:
     """Return the type hash in USER_DATA; None without a valid one."""
-    found = parse_user_data(data).get("typehash", "")
-    return found if _HASH.fullmatch(found) else None
+    type_hash = parse_user_data(data).get("typehash", "")
+    return type_hash if _HASH.fullmatch(type_hash) else None
 
 
 def endpoint_id(gid: bytes) -> str:

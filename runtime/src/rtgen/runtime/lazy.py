@@ -27,8 +27,8 @@ def lazy_names(
         if name not in homes:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         module, path = homes[name]
-        found: Any = reduce(getattr, path.split("."), import_module(module, package))
-        setattr(sys.modules[package], name, found)
-        return found
+        value: Any = reduce(getattr, path.split("."), import_module(module, package))
+        setattr(sys.modules[package], name, value)
+        return value
 
     return get

@@ -106,23 +106,23 @@ def with_span(function: Callable[P, R]) -> Callable[P, R]:
 def _arguments(
     context: click.Context, parameter: click.Parameter, values: tuple[str, ...]
 ) -> dict[str, Option]:
-    found: dict[str, Option] = {}
+    arguments: dict[str, Option] = {}
     for text in values:
         name, equals, value = text.partition("=")
         if not equals or not name.isidentifier():
             raise click.BadParameter(f"{text!r} is not KEY=VALUE", context, parameter)
-        found[name] = option(value)
-    return found
+        arguments[name] = option(value)
+    return arguments
 
 
 def _descriptions(
     context: click.Context, parameter: click.Parameter, values: tuple[Any, ...]
 ) -> list[tuple[int | None, Path]]:
-    found: list[tuple[int | None, Path]] = []
+    descriptions: list[tuple[int | None, Path]] = []
     for text in values:
         node, equals, path = text.partition("=")
         if not equals:
-            found.append((None, Path(text)))
+            descriptions.append((None, Path(text)))
             continue
         try:
             node_id = int(node, 0)
@@ -131,5 +131,5 @@ def _descriptions(
         if not 1 <= node_id <= 127:
             message = f"{node!r} is not a node-id (1 to 127)"
             raise click.BadParameter(message, context, parameter)
-        found.append((node_id, Path(path)))
-    return found
+        descriptions.append((node_id, Path(path)))
+    return descriptions

@@ -64,39 +64,39 @@ def plot_(
     known = described.known()
     for path in outputs:
         check_output(path)
-    found = _series(known, objects)
+    curves = _series(known, objects)
     decoder = MessageDecoder(known)
     if record is not None:
-        _collect(logs.read(record, console.say), decoder, found)
+        _collect(logs.read(record, console.say), decoder, curves)
     else:
         with opened(access.on(known)) as bus, frames(bus, seconds, count) as received:
-            _collect(received, decoder, found)
+            _collect(received, decoder, curves)
     for path in outputs:
         if path.suffix.lower() == ".csv":
-            write_csv(path, list(found.values()))
+            write_csv(path, list(curves.values()))
         else:
-            draw(path, list(found.values()))
-    for series in found.values():
+            draw(path, list(curves.values()))
+    for series in curves.values():
         values = "value" if len(series.times) == 1 else "values"
         console.say(f"{series.label}: {len(series.times)} {values}")
-    return OK if any(series.times for series in found.values()) else NO
+    return OK if any(series.times for series in curves.values()) else NO
 
 
 def _series(
     known: NodeIndex, objects: tuple[str, ...]
 ) -> dict[tuple[str, tuple[int, int]], Series]:
-    found = {}
+    series = {}
     for text in objects:
         for node, thing in known.find(text):
             key = node.name, thing.number
-            found[key] = Series(f"{node.name}.{thing.name}", thing.unit)
-    return found
+            series[key] = Series(f"{node.name}.{thing.name}", thing.unit)
+    return series
 
 
 def _collect(
     received: Iterator[Message | None],
     decoder: MessageDecoder,
-    found: dict[tuple[str, tuple[int, int]], Series],
+    curves: dict[tuple[str, tuple[int, int]], Series],
 ) -> None:
     start = None
     for message in received:
@@ -105,7 +105,7 @@ def _collect(
         start = message.timestamp if start is None else start
         decoded = decoder.decode(message)
         for field in (*decoded.fields, *decoded.taken):
-            series = found.get((field.node, field.thing.number))
+            series = curves.get((field.node, field.thing.number))
             value = field.physical
             if series is not None and isinstance(value, (int, float)):
                 series.add(message.timestamp - start, +value)

@@ -34,7 +34,7 @@ def record_(
     Ctrl-C, or according to --for and --count; the file is then complete.
     """
     check_kind(file)
-    found = 0
+    total = 0
     with (
         opened(access) as bus,
         writer(file) as record,
@@ -44,9 +44,9 @@ def record_(
         for message in received:
             if message is not None:
                 record(message)
-                found += 1
+                total += 1
     missing = (
         f"; {received.lost} came too fast and are missing" if received.lost else ""
     )
-    console.say(f"{counted(found, 'frame')} in {file}{missing}")
+    console.say(f"{counted(total, 'frame')} in {file}{missing}")
     return OK

@@ -90,10 +90,10 @@ def replay_(
         return OK
     if as_json or nodes or kinds:
         raise click.UsageError("--json, --node and --kind go with --decode")
-    found = logs.read(file, console.say, only_certain=True)
+    messages = logs.read(file, console.say, only_certain=True)
     sent = left_out = 0
     with opened(access.on(known)) as bus, drained(bus), until_interrupted():
-        for message in _in_time(found, speed, at_once=at_once):
+        for message in _in_time(messages, speed, at_once=at_once):
             frame = frame_of(message)
             if frame is None or not can_carry(bus, frame):
                 left_out += 1
@@ -106,20 +106,20 @@ def replay_(
 
 
 def _in_time(
-    found: Iterator[Message], speed: float, *, at_once: bool
+    messages: Iterator[Message], speed: float, *, at_once: bool
 ) -> Iterator[Message]:
     """Return the messages, each yielded when it is due."""
     from can import MessageSync
 
     if at_once:
-        return found
-    return iter(MessageSync(_faster(found, speed), gap=0.0, skip=0.0))
+        return messages
+    return iter(MessageSync(_faster(messages, speed), gap=0.0, skip=0.0))
 
 
-def _faster(found: Iterator[Message], speed: float) -> Iterator[Message]:
+def _faster(messages: Iterator[Message], speed: float) -> Iterator[Message]:
     """Divide the times between frames by `speed`; where the clock was set back, there is none."""
     moment = before = 0.0
-    for message in found:
+    for message in messages:
         moment += max(message.timestamp - (before or message.timestamp), 0.0) / speed
         before = message.timestamp
         made = copy.copy(message)

@@ -66,11 +66,11 @@ def scan_(
     """
     known = described.known()
     with opened(access.on(known)) as bus:
-        found, strangers = scanned(bus, seconds), list[LssAddress]()
+        nodes, strangers = scanned(bus, seconds), list[LssAddress]()
         if not no_lss:
             strangers = unconfigured(BusSession(bus))
     lines = [
-        _line(known, found.get(node_id), node_id) for node_id in _ids(known, found)
+        _line(known, nodes.get(node_id), node_id) for node_id in _ids(known, nodes)
     ]
     wrong = any(line.verdict not in ("", "as described") for line in lines)
     if as_json:
@@ -82,42 +82,44 @@ def scan_(
     else:
         _print(lines, strangers)
         console.say(
-            f"{len(found)} nodes answer, {len(strangers)} have no node-id"
+            f"{len(nodes)} nodes answer, {len(strangers)} have no node-id"
             if not no_lss
-            else f"{len(found)} nodes answer"
+            else f"{len(nodes)} nodes answer"
         )
     return NO if wrong and known.nodes else OK
 
 
-def _ids(known: NodeIndex, found: dict[int, Found]) -> list[int]:
-    return sorted({*known.nodes, *found})
+def _ids(known: NodeIndex, nodes: dict[int, Found]) -> list[int]:
+    return sorted({*known.nodes, *nodes})
 
 
-def _line(known: NodeIndex, found: Found | None, node_id: int) -> _Row:
+def _line(known: NodeIndex, node: Found | None, node_id: int) -> _Row:
     name = known.name(node_id)
-    if found is None:
+    if node is None:
         return _Row(node_id, name, "", "", "missing")
     return _Row(
         node_id,
         name,
-        found.state_text,
-        found.device_text,
-        _verdict(known, found, node_id),
-        found.identity,
+        node.state_text,
+        node.device_text,
+        _verdict(known, node, node_id),
+        node.identity,
     )
 
 
-def _verdict(known: NodeIndex, found: Found, node_id: int) -> str:
+def _verdict(known: NodeIndex, answers: Found, node_id: int) -> str:
     """Return how the node differs from its description; empty if there is none to compare."""
     node = known.nodes.get(node_id)
     if node is None:
         if not known.nodes or node_id == known.manager:
             return ""
         return "not described"
-    if found.identity[0] is None:
+    if answers.identity[0] is None:
         return "no identity"
     parts = ("device type", "vendor", "product", "revision")
-    for part, wanted, actual in zip(parts, node.identity, found.identity, strict=False):
+    for part, wanted, actual in zip(
+        parts, node.identity, answers.identity, strict=False
+    ):
         if part == "revision" and wanted is not None and actual is not None:
             # Devices of the same major revision behave identically (CiA 301, 7.5.2.21).
             wanted, actual = wanted >> 16, actual >> 16

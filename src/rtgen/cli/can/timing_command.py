@@ -62,13 +62,13 @@ def timing_(
         if not read.systems:
             return BAD_INPUT
         rates = writings(bus, read.systems[0])
-    found = messages(bus, rates)
-    timings = list(response_times(found, bus.bit_rate))
+    traffic = messages(bus, rates)
+    timings = list(response_times(traffic, bus.bit_rate))
     if as_json:
         document = {
             "bus": bus.name,
             "bit_rate": bus.bit_rate,
-            "load": load(found, bus.bit_rate),
+            "load": load(traffic, bus.bit_rate),
             "messages": [_json(timing) for timing in timings],
         }
         write_out(f"{json.dumps(document)}\n")

@@ -128,9 +128,11 @@ def profile_of(console: Console, options: CtlOptions) -> System | None:
     from rtgen.compiler.systems.reading import read_file
 
     path = Path(options.system)
-    profile, found, sources = read_file(path / "system.xml" if path.is_dir() else path)
-    console.findings(found, sources)
-    if profile is None or has_errors(found):
+    profile, diagnostics, sources = read_file(
+        path / "system.xml" if path.is_dir() else path
+    )
+    console.findings(diagnostics, sources)
+    if profile is None or has_errors(diagnostics):
         raise ReportedError(BAD_INPUT)
     return profile
 

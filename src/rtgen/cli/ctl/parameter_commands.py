@@ -39,7 +39,7 @@ def get_(
     as_json: bool,
 ) -> int:
     """Print the values of parameters."""
-    found: dict[str, dict[str, str]] = {}
+    by_instance: dict[str, dict[str, str]] = {}
     with joined(console, options) as peers:
         for name in names:
             instance, _, parameter = name.partition(".")
@@ -54,11 +54,13 @@ def get_(
                     f"{instance} has no configuration parameter {parameter!r}; known: {known}"
                 )
             chosen = {parameter: values[parameter]} if parameter else values
-            found.setdefault(instance, {}).update(chosen)
+            by_instance.setdefault(instance, {}).update(chosen)
     if as_json:
-        print_json(found)
+        print_json(by_instance)
         return OK
-    lines = [f"{i}.{n} = {v}" for i, values in found.items() for n, v in values.items()]
+    lines = [
+        f"{i}.{n} = {v}" for i, values in by_instance.items() for n, v in values.items()
+    ]
     write_out("".join(f"{line}\n" for line in lines))
     return OK
 

@@ -50,8 +50,8 @@ def info_(console: Console, file: Path, as_json: bool) -> int:
             }
             for (kind, of), count in counts.items()
         ]
-        found = {"format": "rtgen-log/1", **_described(log), "sources": sources}
-        write_out(f"{json.dumps(found, ensure_ascii=False, indent=2)}\n")
+        document = {"format": "rtgen-log/1", **_described(log), "sources": sources}
+        write_out(f"{json.dumps(document, ensure_ascii=False, indent=2)}\n")
         return OK
     rows = [
         (*key, types[key], str(count), *(f"{t / SECOND:.3f}" for t in times[key]))

@@ -101,8 +101,8 @@ def system(console: Console, name: str, components: tuple[str, ...]) -> int:
     ambiguous: list[str] = []
 
     def files_of(forms: Names, place: Place) -> Sequence[File]:
-        files, found = starters.system(forms, place, _model(load()), components)
-        ambiguous.extend(found)
+        files, diagnostics = starters.system(forms, place, _model(load()), components)
+        ambiguous.extend(diagnostics)
         return files
 
     code = _add(console, name, files_of)

@@ -45,11 +45,11 @@ def check_(
     codec = service_of(read_unit(cdl, include), rest[0], peer.wire).codec
     channel = channel_of(*address, serial=serial, baud=baud, peer=peer)
     try:
-        found = peer_digest(channel, codec)
+        digest = peer_digest(channel, codec)
     except RpcError as error:
         raise ToolError(f"{rest[0]}: {error}") from error
     finally:
         channel.close()
-    answer = {"signature": codec.signature, "digest": codec.digest, "peer": found}
+    answer = {"signature": codec.signature, "digest": codec.digest, "peer": digest}
     write_out(printed(answer))
-    return OK if found == codec.digest else NO
+    return OK if digest == codec.digest else NO

@@ -37,12 +37,12 @@ def replay_(console: Console, traces: Path, verbose: bool, wire: Wire) -> int:
     replay = Replay(recorded, wire)
     try:
         cases = [*recorded["cases"], *recorded.get("shared_channel_cases", [])]
-        found = [(case["id"], list(replay.differences(case))) for case in cases]
+        results = [(case["id"], list(replay.differences(case))) for case in cases]
     except (KeyError, TypeError) as error:
         raise refused(f"{traces}: {type(error).__name__}: {error}") from error
-    equal = sum(not differences for _, differences in found)
+    equal = sum(not differences for _, differences in results)
     lines = [f"{len(cases)} cases, {equal} equal"]
-    for name, differences in found:
+    for name, differences in results:
         if verbose and not differences:
             lines.append(f"{name}: equal")
         lines += [f"{name}: {difference}" for difference in differences]

@@ -110,9 +110,9 @@ class _PluginBackend(msgspec.Struct, frozen=True):
                 plugins.require(str, each.text)
                 plugins.require(Owner, each.owner)
                 plugins.require_each(str, each.origin)
-            found = plugins.require_each(Diagnostic, emission.diagnostics)
+            diagnostics = plugins.require_each(Diagnostic, emission.diagnostics)
             components = plugins.require(ComponentTypes, emission.components)
-            return Emission(artifacts, found, components)
+            return Emission(artifacts, diagnostics, components)
 
 
 def emitted(
@@ -155,12 +155,12 @@ def together(emissions: Iterable[Emission]) -> Emission:
 
     The parts of a Python module from several back ends become one file.
     """
-    found: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     components = ComponentTypes()
     files: list[list[Artifact]] = []
     known: dict[str, list[Artifact]] = {}
     for emission in emissions:
-        found += emission.diagnostics
+        diagnostics += emission.diagnostics
         components = components.joined(emission.components)
         own: dict[str, list[Artifact]] = {}
         for artifact in emission.artifacts:
@@ -171,8 +171,10 @@ def together(emissions: Iterable[Emission]) -> Emission:
             files.append([artifact])
             own.setdefault(artifact.path, files[-1])
         known = {**own, **known}
-    found = list(dict.fromkeys(found))  # several meet the same fault of a template
-    return Emission(list(map(_composed, files)), found, components)
+    diagnostics = list(
+        dict.fromkeys(diagnostics)
+    )  # several meet the same fault of a template
+    return Emission(list(map(_composed, files)), diagnostics, components)
 
 
 def _are_parts(*artifacts: Artifact) -> bool:
@@ -192,9 +194,9 @@ def _composed(artifacts: list[Artifact]) -> Artifact:
 
 def printed_idl(model: Model) -> dict[str, Callable[[], str]]:
     """Return the texts of IDL files that back ends print and definitions may include, by name."""
-    found: dict[str, Callable[[], str]] = {}
+    printers: dict[str, Callable[[], str]] = {}
     if model.devices or model.buses:
         from rtgen.compiler.backends.canopen import idl_file
 
-        found |= idl_file.idl_files(model)
-    return found
+        printers |= idl_file.idl_files(model)
+    return printers

@@ -49,22 +49,24 @@ def rules() -> MappingProxyType[str, Rule]:
     """Return all rules by code, sorted, with those of plug-ins. Raises ToolError for an invalid
     one.
     """
-    found: dict[str, Rule] = {}
+    rules_by_code: dict[str, Rule] = {}
     for name in MODULES:
         for rule in import_module(name).RULES:
-            assert rule.code not in found, f"{rule.code} is the code of two rules"
-            found[rule.code] = rule
+            assert (
+                rule.code not in rules_by_code
+            ), f"{rule.code} is the code of two rules"
+            rules_by_code[rule.code] = rule
     for name, brought in plugins.loaded(plugins.Group.RULES):
         with plugins.running(plugins.Group.RULES, name):
             own = plugins.require_each(Rule, brought)
         for rule in own:
-            if rule.code in found:
+            if rule.code in rules_by_code:
                 raise ToolError(
                     f"the rules of the plug-in {name!r} have the code {rule.code}, which is taken",
                     hint="uninstall one of the packages",
                 )
-            found[rule.code] = rule
-    return MappingProxyType(dict(sorted(found.items())))
+            rules_by_code[rule.code] = rule
+    return MappingProxyType(dict(sorted(rules_by_code.items())))
 
 
 def similar(code: str) -> list[str]:

@@ -38,24 +38,24 @@ def report(
 
     `sources` maps displayed paths to texts; other files are read from the disk.
     """
-    found = in_order(diagnostics)
+    ordered = in_order(diagnostics)
     match form:
         case "json":
-            return json.dumps([as_json(d) for d in found], indent=2) + "\n"
+            return json.dumps([as_json(d) for d in ordered], indent=2) + "\n"
         case "sarif":
-            return json.dumps(_sarif(found), indent=2) + "\n"
+            return json.dumps(_sarif(ordered), indent=2) + "\n"
         case "github":
-            return "".join(_github(d) for d in found)
+            return "".join(_github(d) for d in ordered)
     texts = _Texts(sources)
-    return "".join(_text(d, texts, colour) for d in found)
+    return "".join(_text(d, texts, colour) for d in ordered)
 
 
 def summary(diagnostics: Sequence[Diagnostic]) -> str:
     """Return `2 errors, 1 warning, 3 notes`; empty without diagnostics."""
-    found = in_order(diagnostics)
+    ordered = in_order(diagnostics)
     counts = []
     for severity in Severity:
-        number = sum(d.severity is severity for d in found)
+        number = sum(d.severity is severity for d in ordered)
         if number:
             counts.append(f"{number} {severity.value}{'s' if number > 1 else ''}")
     return ", ".join(counts)
@@ -226,9 +226,9 @@ def _escaped(text: str, further: str = "") -> str:
     return text
 
 
-def _sarif(found: Sequence[Diagnostic]) -> dict[str, object]:
-    codes = sorted({d.code for d in found})
-    rules = _rules() if found else {}
+def _sarif(diagnostics: Sequence[Diagnostic]) -> dict[str, object]:
+    codes = sorted({d.code for d in diagnostics})
+    rules = _rules() if diagnostics else {}
     return {
         "$schema": _SARIF_SCHEMA,
         "version": "2.1.0",
@@ -242,7 +242,7 @@ def _sarif(found: Sequence[Diagnostic]) -> dict[str, object]:
                     }
                 },
                 "columnKind": "unicodeCodePoints",
-                "results": [_sarif_result(d, codes.index(d.code)) for d in found],
+                "results": [_sarif_result(d, codes.index(d.code)) for d in diagnostics],
             }
         ],
     }

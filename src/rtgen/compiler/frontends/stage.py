@@ -81,14 +81,14 @@ def _each(
     distinct: dict[str, Path] = {}
     for path in paths:
         distinct.setdefault(absolute_path(path), path)
-    found = []
+    results = []
     for path in distinct.values():
         if settings.memo is None:
-            found.append(load(path))
+            results.append(load(path))
             continue
         key = (load.__qualname__, str(Path.cwd()), settings.root, path, *given)
-        found.append(settings.memo.read(key, partial(load, path), fits))
-    return together(found)
+        results.append(settings.memo.read(key, partial(load, path), fits))
+    return together(results)
 
 
 def _is_found(result: FrontendResult) -> bool:
@@ -137,12 +137,12 @@ def _buses(paths: Sequence[Path], settings: Settings) -> FrontendResult:
 
     def network(path: Path) -> FrontendResult:
         stages.file(path.as_posix())
-        found = bus.load(path, root=settings.root, encoding=settings.encoding)
+        result = bus.load(path, root=settings.root, encoding=settings.encoding)
         return FrontendResult(
-            Model(buses=() if found.bus is None else (found.bus,)),
-            found.diagnostics,
-            found.sources,
-            found.dependencies,
+            Model(buses=() if result.bus is None else (result.bus,)),
+            result.diagnostics,
+            result.sources,
+            result.dependencies,
         )
 
     return _each(paths, settings, network, settings.encoding, fits=_is_found)
@@ -253,7 +253,7 @@ def read_idl(
         **({} if text is None else {text.key: text}),
     }
     with stages.stage("read IDL"):
-        found = idl.load(
+        result = idl.load(
             chosen,
             root=settings.root,
             include=settings.include,
@@ -265,8 +265,8 @@ def read_idl(
             encoding=settings.encoding,
             interfaces=interfaces,
         )
-    shipped = library.dependencies(found.model.files)
-    return replace(found, dependencies=(*found.dependencies, *shipped))
+    shipped = library.dependencies(result.model.files)
+    return replace(result, dependencies=(*result.dependencies, *shipped))
 
 
 def _is_of_ros2(idl: Path) -> bool:

@@ -49,13 +49,15 @@ def announced(*groups: Group) -> tuple[metadata.EntryPoint, ...]:
     from importlib import metadata
 
     try:
-        found = [e for group in groups for e in metadata.entry_points(group=group)]
+        entry_points = [
+            e for group in groups for e in metadata.entry_points(group=group)
+        ]
     except (TypeError, ValueError) as error:
         raise ToolError(
             f"the entry points of a package cannot be read: {_words(error)}", _REPAIR
         ) from error
     return tuple(
-        sorted(found, key=lambda entry: (entry.group, entry.name, entry.value))
+        sorted(entry_points, key=lambda entry: (entry.group, entry.name, entry.value))
     )
 
 
@@ -112,11 +114,11 @@ def suffixes(name: str, frontend: Any) -> tuple[str, ...]:
     with running(Group.FRONTENDS, name):
         if isinstance(frontend.suffixes, str):
             raise TypeError("its suffixes are a text, not a tuple")
-        found = require_each(str, frontend.suffixes)
-        for each in found:
+        suffixes_of = require_each(str, frontend.suffixes)
+        for each in suffixes_of:
             if not each.startswith(".") or each != each.lower():
                 raise ValueError(f"{each!r} is not a suffix in lower case")
-        return found
+        return suffixes_of
 
 
 def require(kind: type[T], value: Any) -> T:
@@ -128,10 +130,10 @@ def require(kind: type[T], value: Any) -> T:
 
 def require_each(kind: type[T], values: Any) -> tuple[T, ...]:
     """Return the values that a plug-in has given. Raises TypeError, ValueError for too many."""
-    found = tuple(require(kind, each) for each in islice(values, MAX_VALUES + 1))
-    if len(found) > MAX_VALUES:
+    required = tuple(require(kind, each) for each in islice(values, MAX_VALUES + 1))
+    if len(required) > MAX_VALUES:
         raise ValueError(f"it gives more than {MAX_VALUES:,} {kind.__name__}s")
-    return found
+    return required
 
 
 def _words(error: BaseException) -> str:
@@ -144,11 +146,11 @@ def _words(error: BaseException) -> str:
 
 def _search_path() -> tuple[tuple[str, int], ...]:
     """Return the folders and archives that Python imports from, with their modification times."""
-    found: list[tuple[str, int]] = []
+    places: list[tuple[str, int]] = []
     for place in sys.path:
         with suppress(OSError):
-            found.append((place, Path(place).stat().st_mtime_ns))
-    return tuple(found)
+            places.append((place, Path(place).stat().st_mtime_ns))
+    return tuple(places)
 
 
 @lru_cache(maxsize=8)

@@ -167,11 +167,11 @@ def _without_angle(unit: Unit) -> tuple[tuple[str, float], ...]:
 def _tokens(text: str) -> Iterator[re.Match[str]]:
     place = 0
     while place < len(text):
-        found = _TOKEN.match(text, place)
-        if found is None:
+        match = _TOKEN.match(text, place)
+        if match is None:
             raise UnitError(f"{text[place]!r} is not expected")
-        yield found
-        place = found.end()
+        yield match
+        place = match.end()
     if not text:
         raise UnitError("it is empty")
 

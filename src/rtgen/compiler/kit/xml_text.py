@@ -39,13 +39,13 @@ def document(root: XmlElement, prefixes: Mapping[str, str], comment: str = "") -
 
 def new_prefixes(root: XmlElement, known: Mapping[str, str]) -> dict[str, str]:
     """Return prefixes for the namespaces of an element that are not `known`, by namespace."""
-    found: dict[str, str] = {}
+    prefixes: dict[str, str] = {}
     taken = {*known.values()}
     free = (name for n in count(1) if (name := f"ns{n}") not in taken)
     for namespace in _namespaces(root):
-        if namespace and namespace not in known and namespace not in found:
-            found[namespace] = next(free)
-    return found
+        if namespace and namespace not in known and namespace not in prefixes:
+            prefixes[namespace] = next(free)
+    return prefixes
 
 
 def _namespaces(element: XmlElement) -> Iterator[str]:

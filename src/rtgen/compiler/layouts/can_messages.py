@@ -62,24 +62,24 @@ def messages(bus: Bus, writings: Writings | None = None) -> list[Message]:
     An RPDO without a link is sent by the node's proxy: a synchronous one once per SYNC, others with
     the period of the inhibit time, `writings`, or the bus file's `event`, in this order.
     """
-    found = [_host("NMT", NMT, 2, SPORADIC)] if bus.nodes else []
+    traffic = [_host("NMT", NMT, 2, SPORADIC)] if bus.nodes else []
     if bus.sync:
         octets = 1 if bus.sync_counter else 0
         cob_id = bus.sync_cob_id
-        found.append(_host("SYNC", can_id_of(cob_id), octets, bus.sync, cob_id))
+        traffic.append(_host("SYNC", can_id_of(cob_id), octets, bus.sync, cob_id))
     if bus.heartbeat:
         can_id = ERROR_CONTROL + bus.manager
-        found.append(_host("manager heartbeat", can_id, 1, bus.heartbeat))
+        traffic.append(_host("manager heartbeat", can_id, 1, bus.heartbeat))
     fed = {link.target for link in bus.links}
     for node in bus.nodes:
-        found += _services(node)
+        traffic += _services(node)
         for pdo in node.device.pdos:
             identifier = identifier_of(pdo, node)
             if identifier is not None and (
                 pdo.direction is PdoDirection.TPDO or (node.name, pdo.number) not in fed
             ):
-                found.append(_pdo(pdo, identifier, node, bus, writings or {}))
-    return found
+                traffic.append(_pdo(pdo, identifier, node, bus, writings or {}))
+    return traffic
 
 
 def _services(node: BusNode) -> Iterator[Message]:

@@ -36,11 +36,11 @@ def uses_sync(node: BusNode) -> bool:
 
 def _cob_id(node: BusNode, number: tuple[int, int]) -> int:
     variable = node.device.find(*number)
-    found = (
+    number_in_force = (
         cob_id_in_force(number, None, node.id)
         if variable is None
         else variable.in_force(node.id)
     )
-    cob_id = resolved(found, node.id)
+    cob_id = resolved(number_in_force, node.id)
     assert isinstance(cob_id, int)
     return cob_id

@@ -196,11 +196,11 @@ class _Delays:
 
 def _suffix_maxima(costs: Sequence[int]) -> list[int]:
     """Return for each position the greatest of the following costs."""
-    found, greatest = [], 0
+    maxima, greatest = [], 0
     for cost in reversed(costs):
-        found.append(greatest)
+        maxima.append(greatest)
         greatest = max(greatest, cost)
-    return found[::-1]
+    return maxima[::-1]
 
 
 def _sum(*times: int | None) -> int | None:

@@ -83,13 +83,13 @@ class CdrTypes:
 
     @cached_property
     def _dynamic(self) -> set[ScopedName]:
-        found = [d.name for d in self._composites if self._holds_dynamic(d)]
-        return leading_to(self._uses, found)
+        names = [d.name for d in self._composites if self._holds_dynamic(d)]
+        return leading_to(self._uses, names)
 
     @cached_property
     def _headed(self) -> set[ScopedName]:
-        found = [d.name for d in self._composites if self._holds_headers(d)]
-        return leading_to(self._uses, found)
+        names = [d.name for d in self._composites if self._holds_headers(d)]
+        return leading_to(self._uses, names)
 
     def _leaf(self, type_: Type) -> Type:
         """Return the named or basic type of a type's innermost elements, of maps their values."""
@@ -165,10 +165,10 @@ class CdrTypes:
 
     def check(self, type_: Type) -> int:
         """Return the minimum number of octets of a value. Raises NotMarshalledError."""
-        found = self._octets.get(type_)
-        if found is None:
-            found = self._octets[type_] = self._check(type_)
-        return found
+        octets = self._octets.get(type_)
+        if octets is None:
+            octets = self._octets[type_] = self._check(type_)
+        return octets
 
     def _check(self, type_: Type) -> int:
         type_ = self._model.unalias(type_)

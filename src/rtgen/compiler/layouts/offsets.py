@@ -111,9 +111,9 @@ class _Measure:
     def _all(self, struct: Struct) -> Iterator[tuple[Struct, Member]]:
         bases = [struct]
         while (base := bases[-1].base) is not None:
-            found = self._model.find(base)
-            assert isinstance(found, Struct)
-            bases.append(found)
+            declaration = self._model.find(base)
+            assert isinstance(declaration, Struct)
+            bases.append(declaration)
         for each in reversed(bases):
             for member in each.members:
                 yield each, member
@@ -124,13 +124,13 @@ class _Measure:
     def _alignment(self, type_: Type) -> int:
         """Return the alignment of the first octet of a value."""
         passed: set[Type] = set()
-        found = self._first(type_)
-        while not isinstance(found, int):
-            if found in passed:
+        alignment = self._first(type_)
+        while not isinstance(alignment, int):
+            if alignment in passed:
                 return 1  # A struct that begins with itself has no values.
-            passed.add(found)
-            found = self._first(found)
-        return found
+            passed.add(alignment)
+            alignment = self._first(alignment)
+        return alignment
 
     def _first(self, type_: Type) -> int | Type:
         """Return the alignment of a type, or the type with which its values begin."""

@@ -75,12 +75,12 @@ def service_hash(model: Model, request: Struct, response: Struct) -> str:
     return ros_hash.rihs01(whole, described)
 
 
-def _collect(model: Model, struct: Struct, found: dict[str, Struct]) -> None:
+def _collect(model: Model, struct: Struct, structs: dict[str, Struct]) -> None:
     for nested in _nested(model, struct):
         name = type_name(nested.name)
-        if name not in found:
-            found[name] = nested
-            _collect(model, nested, found)
+        if name not in structs:
+            structs[name] = nested
+            _collect(model, nested, structs)
 
 
 def _nested(model: Model, struct: Struct) -> Iterator[Struct]:
@@ -114,13 +114,13 @@ def _field_type(type_: Type) -> dict[str, Any]:
 
 
 def _element(type_: Type) -> ros_hash.Element:
-    found = None
+    element = None
     if isinstance(type_, NamedType):
         return ros_hash.nested(type_name(type_.name))
     if isinstance(type_, StringType):
         return ros_hash.string(type_.bound, wide=type_.wide)
     if isinstance(type_, PrimitiveType):
-        found = ros_hash.primitive(type_.kind)
-    if found is None:
+        element = ros_hash.primitive(type_.kind)
+    if element is None:
         raise ValueError(f"ROS 2 has no type {type_}")
-    return found
+    return element

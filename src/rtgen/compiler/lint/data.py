@@ -70,9 +70,9 @@ def _any_in(
     for field in fields(context.model.find(plain.name)):
         if _is_any(context, field.type):
             return field
-        found = _any_in(context, field.type, seen)
-        if found is not None:
-            return found
+        field_found = _any_in(context, field.type, seen)
+        if field_found is not None:
+            return field_found
     return None
 
 
@@ -145,9 +145,9 @@ def unbounded_on_boards(context: Context) -> Iterator[Diagnostic]:
     if context.target != _SMALL:
         return
     for _, port in _ports(context):
-        found = _unbounded_in(context, port.type, set())
-        if found is not None:
-            what, field = found
+        unbounded = _unbounded_in(context, port.type, set())
+        if unbounded is not None:
+            what, field = unbounded
             inside = "" if field is None else f" in {field.name}"
             yield rules.UNBOUNDED_ON_BOARD.at(
                 port.span,
@@ -171,9 +171,9 @@ def _unbounded_in(
         return None
     seen.add(plain.name)
     for field in fields(context.model.find(plain.name)):
-        found = _unbounded_in(context, field.type, seen)
-        if found is not None:
-            return found[0], found[1] or field
+        unbounded = _unbounded_in(context, field.type, seen)
+        if unbounded is not None:
+            return unbounded[0], unbounded[1] or field
     return None
 
 

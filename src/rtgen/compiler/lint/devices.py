@@ -81,11 +81,11 @@ def names(context: Context) -> Iterator[Diagnostic]:
 
 
 def _with_equal_names(device: Device) -> list[list[Variable]]:
-    found: defaultdict[str, list[Variable]] = defaultdict(list)
+    variables: defaultdict[str, list[Variable]] = defaultdict(list)
     for variable in device.variables:
         if variable.index >= _FIRST_OF_DEVICE and not _is_count(device, variable):
-            found[identifier(variable.name).lower()].append(variable)
-    return [group for group in found.values() if len(group) > 1]
+            variables[identifier(variable.name).lower()].append(variable)
+    return [group for group in variables.values() if len(group) > 1]
 
 
 def _is_count(device: Device, variable: Variable) -> bool:

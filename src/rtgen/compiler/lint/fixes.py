@@ -141,12 +141,12 @@ def _suppression(text: str, start: int, end: int, d: Diagnostic) -> Replacement 
         return start, follower.end() if follower else end, ""
     first, last = Text(text).line(start)
     begin = max(text.rfind(mark, first, start) for mark in _MARKS)
-    found = _COMMENT.match(text[begin:last].rstrip())
-    if begin < first or found is None:
+    match = _COMMENT.match(text[begin:last].rstrip())
+    if begin < first or match is None:
         return None
     before = text[first:begin].rstrip()
     if before:
-        return first + len(before), begin + found.end(), ""
+        return first + len(before), begin + match.end(), ""
     return first, last, ""
 
 
@@ -175,12 +175,12 @@ CODES = frozenset(_FIXES)
 
 
 def attached(
-    found: Iterable[Diagnostic], sources: Mapping[str, str]
+    diagnostics: Iterable[Diagnostic], sources: Mapping[str, str]
 ) -> list[Diagnostic]:
     """Return the diagnostics with their fixes; `sources` are texts by displayed path."""
     texts: dict[str, Text] = {}
     result = []
-    for d in found:
+    for d in diagnostics:
         if d.fix is None and d.code in _FIXES and d.span and d.span.file in sources:
             file = d.span.file
             if file not in texts:

@@ -89,11 +89,11 @@ def _style(name: str) -> str | None:
 
 def _kinds(context: Context) -> dict[tuple[str, str], Named]:
     """Return the names of each file, by kind."""
-    found: dict[tuple[str, str], Named] = {}
+    kinds: dict[tuple[str, str], Named] = {}
     for declaration in context.declarations:
         for kind, name, span in _named(declaration):
-            found.setdefault((declaration.file, kind), []).append((name, span))
-    return found
+            kinds.setdefault((declaration.file, kind), []).append((name, span))
+    return kinds
 
 
 def _named(declaration: Declaration) -> Iterator[tuple[str, str, Span]]:

@@ -45,7 +45,7 @@ class FilePattern(_Suppression):
 
 
 def suppressed(
-    found: Iterable[Diagnostic],
+    diagnostics: Iterable[Diagnostic],
     sources: Mapping[str, str],
     patterns: Sequence[FilePattern] = (),
     *,
@@ -63,7 +63,7 @@ def suppressed(
         for name, text in sources.items()
         if "ignore[" in text
     }
-    left = [d for d in found if not _is_suppressed(d, comments, patterns)]
+    left = [d for d in diagnostics if not _is_suppressed(d, comments, patterns)]
     if active is not None:
         written = [
             s for lines in comments.values() for ss in lines.values() for s in ss
@@ -99,13 +99,13 @@ def _in_text(name: str, text: str) -> dict[int, list[_Suppression]]:
     """Return the suppressions of a file, by the line that they apply to."""
     suffix = name[name.rfind(".") :].lower() if "." in name else ""
     marks = _MARKS.get(suffix, _OTHER_MARKS)
-    found: dict[int, list[_Suppression]] = {}
+    suppressions: dict[int, list[_Suppression]] = {}
     pending: list[_Suppression] = []
     for number, line in enumerate(text.split("\n"), start=1):
         match = _COMMENT.search(line)
         if match is None or match["mark"][0] not in marks:
             if pending and line.strip():
-                found.setdefault(number, []).extend(pending)
+                suppressions.setdefault(number, []).extend(pending)
                 pending = []
             continue
         here = [
@@ -122,9 +122,9 @@ def _in_text(name: str, text: str) -> dict[int, list[_Suppression]]:
             for code in _CODE.finditer(match["codes"])
         ]
         if line[: match.start()].strip():
-            found.setdefault(number, []).extend([*pending, *here])
+            suppressions.setdefault(number, []).extend([*pending, *here])
             pending = []
         else:
             pending += here
-    found.setdefault(0, []).extend(pending)
-    return found
+    suppressions.setdefault(0, []).extend(pending)
+    return suppressions

@@ -24,12 +24,12 @@ _SAME: Final = 1e-3
 
 def texts(context: Context) -> Iterator[Diagnostic]:
     """Report texts of `@unit` and of bus files that do not denote a unit."""
-    found = list(_texts(context))
-    if not found:
+    entries = list(_texts(context))
+    if not entries:
         return
     from rtgen.compiler.kit.units import UnitError, parse_list, suggestion
 
-    for text, span in found:
+    for text, span in entries:
         try:
             parse_list(text)
         except UnitError as error:

@@ -60,15 +60,15 @@ def _provided(context: Context, name: str) -> set[str]:
         if current not in files and current in context.files:
             files[current] = None
             pending += context.files[current].includes
-    found: set[str] = set()
+    names: set[str] = set()
     for declaration in context.model.declarations:
         if declaration.file in files:
-            found.add(declaration.name[-1])
+            names.add(declaration.name[-1])
             if isinstance(declaration, Enum | Bitmask):
-                found.update(member.name for member in declaration.members)
+                names.update(member.name for member in declaration.members)
     for current in files:
-        found.update(_DEFINE.findall(context.sources.get(current, "")))
-    return found
+        names.update(_DEFINE.findall(context.sources.get(current, "")))
+    return names
 
 
 def _include_of(context: Context, file: SourceFile, included: str) -> Span | None:

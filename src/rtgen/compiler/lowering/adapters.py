@@ -312,9 +312,9 @@ class _Maker:
         if outer:
             inner = self._type(struct, tuple(outer))
             assert isinstance(inner, NamedType)
-            found = self.model.find(inner.name)
-            assert isinstance(found, Struct)
-            struct = found
+            declaration = self.model.find(inner.name)
+            assert isinstance(declaration, Struct)
+            struct = declaration
         return unit_of(next(m for m in self._members(struct) if m.name == name))
 
     def _struct(self, scoped: str) -> Struct:

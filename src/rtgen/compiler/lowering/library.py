@@ -115,14 +115,14 @@ def _known_to_user(model: Model) -> set[str]:
     files = {file.name: file for file in model.files}
     own = {n for n, f in files.items() if not f.module and f.key not in shipped}
     seen = set(_reached(files, own))
-    found: set[str] = set()
+    names: set[str] = set()
     for declaration in model.declarations:
         if declaration.file in seen and len(declaration.name) > 1:
-            found.add(declaration.name[0])
+            names.add(declaration.name[0])
         if isinstance(declaration, Component) and declaration.file in own:
             types = (model.unalias(port.type) for port in declaration.ports)
-            found.update(each.name[0] for each in types if isinstance(each, NamedType))
-    return found
+            names.update(each.name[0] for each in types if isinstance(each, NamedType))
+    return names
 
 
 def _reached(files: dict[str, SourceFile], names: Iterable[str]) -> Iterator[str]:

@@ -117,7 +117,7 @@ def needed_idl(model: Model, *, complete: bool) -> list[str]:
 
 def lowered(model: Model, settings: Settings, *, complete: bool = True) -> Lowered:
     """Return the model after all lowerings, each applied to the result of the previous one."""
-    found: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     steps: list[tuple[str, Lower]] = [
         (lowering.name, lowering) for lowering in lowerings(complete=complete)
     ]
@@ -127,8 +127,8 @@ def lowered(model: Model, settings: Settings, *, complete: bool = True) -> Lower
         with stages.stage(f"lowering {name}"):
             made = lower(model, settings)
         model = made.model
-        found += made.diagnostics
-    return Lowered(model, tuple(found))
+        diagnostics += made.diagnostics
+    return Lowered(model, tuple(diagnostics))
 
 
 def _of_plugins() -> Iterator[tuple[str, Lower]]:
@@ -141,5 +141,5 @@ def _by_plugin(name: str, lower: Lower, model: Model, settings: Settings) -> Low
     with plugins.running(plugins.Group.LOWERINGS, name):
         made = plugins.require(Lowered, lower(model, settings))
         lowered_model = plugins.require(Model, made.model)
-        found = plugins.require_each(Diagnostic, made.diagnostics)
-        return Lowered(lowered_model, found)
+        diagnostics = plugins.require_each(Diagnostic, made.diagnostics)
+        return Lowered(lowered_model, diagnostics)

@@ -181,19 +181,19 @@ class Model(msgspec.Struct, frozen=True, dict=True):
 
     def bases(self, declaration: Interface | Valuetype) -> list[Interface | Valuetype]:
         """Return all direct and indirect bases, each once and after its own bases."""
-        found: dict[ScopedName, Interface | Valuetype] = {}
+        ancestors: dict[ScopedName, Interface | Valuetype] = {}
         waiting = [*reversed(declaration.bases)]
         while waiting:
             name = waiting[-1]
             base = self._by_name[name]
             assert isinstance(base, Interface | Valuetype), "the front end saw to it"
-            missing = [each for each in reversed(base.bases) if each not in found]
+            missing = [each for each in reversed(base.bases) if each not in ancestors]
             if missing:
                 waiting += missing
             else:
-                found.setdefault(name, base)
+                ancestors.setdefault(name, base)
                 waiting.pop()
-        return [*found.values()]
+        return [*ancestors.values()]
 
     def unalias(self, type_: Type) -> Type:
         """Return the type with typedefs resolved; never a NamedType that refers to a Typedef."""
@@ -206,8 +206,10 @@ class Model(msgspec.Struct, frozen=True, dict=True):
 
     def typedef(self, type_: Type) -> Typedef | None:
         """Return the typedef that a type names; None for other types."""
-        found = self._by_name.get(type_.name) if isinstance(type_, NamedType) else None
-        return found if isinstance(found, Typedef) else None
+        declaration = (
+            self._by_name.get(type_.name) if isinstance(type_, NamedType) else None
+        )
+        return declaration if isinstance(declaration, Typedef) else None
 
     def of_file(self, name: str) -> Iterable[Declaration]:
         """Return the declarations in a file, by its displayed path."""

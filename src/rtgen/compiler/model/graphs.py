@@ -62,11 +62,11 @@ def leading_to(
     for node, others in edges.items():
         for other in others:
             users.setdefault(other, []).append(node)
-    found = set(wanted)
-    waiting = list(found)
+    nodes = set(wanted)
+    waiting = list(nodes)
     while waiting:
         for user in users.get(waiting.pop(), ()):
-            if user not in found:
-                found.add(user)
+            if user not in nodes:
+                nodes.add(user)
                 waiting.append(user)
-    return found
+    return nodes

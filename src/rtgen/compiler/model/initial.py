@@ -37,10 +37,10 @@ def default_of(
 
 def discriminator(model: Model, union: Union) -> ConstantValue:
     """Return the discriminator with which a union starts."""
-    found = default_of(model, union.switch)
-    if found is not None:
-        assert not isinstance(found, tuple)
-        return found
+    value = default_of(model, union.switch)
+    if value is not None:
+        assert not isinstance(value, tuple)
+        return value
     switch = model.unalias(union.switch)
     match switch:
         case NamedType(name):

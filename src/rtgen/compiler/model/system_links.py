@@ -32,12 +32,12 @@ class Known(msgspec.Struct, frozen=True):
 
 def known_components(models: Iterable[Model]) -> dict[str, Known]:
     """Return the components of models by type name; the first of each name is used."""
-    found: dict[str, Known] = {}
+    components: dict[str, Known] = {}
     for model in models:
         for declaration in model.declarations:
             if isinstance(declaration, Component):
-                found.setdefault(declaration.name[-1], Known(declaration, model))
-    return found
+                components.setdefault(declaration.name[-1], Known(declaration, model))
+    return components
 
 
 class Pair(msgspec.Struct, frozen=True):

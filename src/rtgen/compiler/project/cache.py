@@ -142,14 +142,14 @@ class Cache:
     def kept(self, key: str, make: Callable[[], Compilation]) -> Compilation:
         """Return the entry of a key; else the result of `make`, stored unless it has errors."""
         with stages.stage("cache"):
-            found = self.load(key)
-            stages.note("miss" if found is None else "hit")
-        if found is None:
-            found = make()
-            if not found.failed:
+            compilation = self.load(key)
+            stages.note("miss" if compilation is None else "hit")
+        if compilation is None:
+            compilation = make()
+            if not compilation.failed:
                 with stages.stage("store in cache"):
-                    self.store(key, found)
-        return found
+                    self.store(key, compilation)
+        return compilation
 
     def load(self, key: str) -> Compilation | None:
         """Return the entry of a key, if it exists and its dependencies are unchanged."""
@@ -216,15 +216,15 @@ class Cache:
 
     def _trim(self) -> None:
         """Remove the least recently used entries, and leftovers of killed runs."""
-        found = []
+        entries = []
         for file in self._folder.iterdir():
             if not _ENTRY.fullmatch(file.name):
                 continue
             with contextlib.suppress(FileNotFoundError):
                 status = file.stat()
-                found.append((status.st_mtime_ns, status.st_size, file))
+                entries.append((status.st_mtime_ns, status.st_size, file))
         size = 0
-        for number, (_, bytes_, file) in enumerate(sorted(found, reverse=True)):
+        for number, (_, bytes_, file) in enumerate(sorted(entries, reverse=True)):
             size += bytes_
             if number >= _MAX_ENTRIES or size > _MAX_BYTES:
                 file.unlink(missing_ok=True)

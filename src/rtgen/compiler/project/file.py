@@ -355,26 +355,26 @@ class Settings:
                 if key is not None and current == f"{section}.{key}":
                     return self._span(number, header.start(1), header[1])
             elif match := _KEY.match(line):
-                found = match[1].strip("\"'")
-                if (current, found) == (section, key):
+                value = match[1].strip("\"'")
+                if (current, value) == (section, key):
                     if item is not None:
                         return self._item(number, item) or self._span(
                             number, match.start(1), match[1]
                         )
                     return self._span(number, match.start(1), match[1])
-                if not current and found == section:
+                if not current and value == section:
                     return self._span(number, match.start(1), match[1])
         return self._span(1, 0, "")
 
     def table_span(self, section: str, key: str, number: int) -> Span:
         """Return the place of `[[section.key]]`, by number; of the section if written otherwise."""
         header = re.compile(rf"\s*\[\[\s*({section}\s*\.\s*{key})\s*\]\]")
-        found = (
+        span = (
             self._span(line, match.start(1), match[1])
             for line, text in enumerate(self.source.split("\n"), start=1)
             if (match := header.match(text))
         )
-        return next(islice(found, number, None), None) or self.span(section, key)
+        return next(islice(span, number, None), None) or self.span(section, key)
 
     def _item(self, start: int, item: str) -> Span | None:
         for number, line in enumerate(

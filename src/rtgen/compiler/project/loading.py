@@ -358,10 +358,10 @@ def _ignores_case(settings: project_file.Settings) -> bool:
 
 def _with_files(project: Project, paths: Iterable[Path]) -> Project:
     """Return the project with these files and folders as its sources."""
-    found = list(files(paths, skip=project.output))
-    _require_possible(found)
-    systems = [path for path in found if is_system(path)]
-    sources = [path for path in found if path not in systems]
+    definitions = list(files(paths, skip=project.output))
+    _require_possible(definitions)
+    systems = [path for path in definitions if is_system(path)]
+    sources = [path for path in definitions if path not in systems]
     return replace(project, sources=tuple(sources), systems=tuple(systems))
 
 

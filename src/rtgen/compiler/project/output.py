@@ -114,7 +114,7 @@ def _plan(project: Project, run: Compilation) -> Plan:
     ours = [a.path for a in own]
     wanted = {a.path: a.text.encode() for a in own}
     with _disk_failures():
-        there, found, temporary = _tree(project.output)
+        there, files, temporary = _tree(project.output)
         known = _former(project.output)
         differences = {
             p: _difference(project.output / p, wanted[p]) for p in sorted(wanted)
@@ -128,7 +128,7 @@ def _plan(project: Project, run: Compilation) -> Plan:
             Change(project.output / p, _read(project.output / p), None) for p in former
         ]
         changes += _difference(project.output / MANIFEST, manifest)
-        changes += (change for found in differences.values() for change in found)
+        changes += (change for files in differences.values() for change in files)
         written = sum(c.new is not None for c in changes)
         kept = {
             f for p in {*there.difference(former), *ours} for f in _folders_above(p)
@@ -149,7 +149,7 @@ def _plan(project: Project, run: Compilation) -> Plan:
                 *(f for d in sorted(folders) for f in _temporary_in(d)),
             ),
             barren=tuple(
-                project.output / f for f in sorted(found - kept, reverse=True)
+                project.output / f for f in sorted(files - kept, reverse=True)
             ),
             unchanged=len(wanted) + 1 - written,
         )
@@ -410,13 +410,13 @@ def _tree(output: Path) -> tuple[set[str], set[str], list[Path]]:
     Links count as files; leftovers are temporary files of a killed run.
     """
     there: set[str] = set()
-    found: set[str] = set()
+    names: set[str] = set()
     temporary = []
     for parent, folders, files in os.walk(output):
         here = Path(parent)
         below = here.relative_to(output).as_posix()
         if below != ".":
-            found.add(below)
+            names.add(below)
         links = [f for f in folders if (here / f).is_symlink()]
         folders[:] = sorted(f for f in folders if f != _BYTECODE and f not in links)
         for name in (*files, *links):
@@ -424,7 +424,7 @@ def _tree(output: Path) -> tuple[set[str], set[str], list[Path]]:
                 temporary.append(here / name)
             elif name != _BYTECODE:
                 there.add((here / name).relative_to(output).as_posix())
-    return there, found, sorted(temporary)
+    return there, names, sorted(temporary)
 
 
 def _folders_above(path: str) -> Iterator[str]:

@@ -52,8 +52,8 @@ def files(paths: Iterable[Path], skip: Path) -> Iterator[Path]:
     """Yield the definition files given, and those below the given folders, sorted and unique."""
     seen: set[Path] = set()
     for path in paths:
-        found = below(path, skip) if path.is_dir() else [path]
-        for file in found:
+        candidates = below(path, skip) if path.is_dir() else [path]
+        for file in candidates:
             key = normal(file.absolute())
             if key not in seen:
                 seen.add(key)
@@ -62,7 +62,7 @@ def files(paths: Iterable[Path], skip: Path) -> Iterator[Path]:
 
 def below(folder: Path, skip: Path) -> list[Path]:
     """Return the definition files below a folder, sorted, without hidden folders and `skip`."""
-    found = []
+    paths = []
     for parent, folders, files in os.walk(folder):
         here = Path(parent)
         folders[:] = [
@@ -70,11 +70,11 @@ def below(folder: Path, skip: Path) -> list[Path]:
             for f in folders
             if not f.startswith(".") and normal((here / f).absolute()) != skip
         ]
-        found += [
+        paths += [
             here / f
             for f in files
             if not f.startswith(".")
             and is_definition(here / f)
             and not is_generated(here / f)
         ]
-    return sorted(found, key=lambda p: p.parts)
+    return sorted(paths, key=lambda p: p.parts)

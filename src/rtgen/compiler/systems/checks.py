@@ -69,17 +69,17 @@ _TYPE_KEY = "dataport.data_type"
 
 def check(system: System, known: Mapping[str, Known]) -> list[Diagnostic]:
     """Return all diagnostics about a system; `known` maps type names to definitions."""
-    found = [*check_properties(system)]
+    diagnostics = [*check_properties(system)]
     for c in system.components:
-        found += _component(c, known)
+        diagnostics += _component(c, known)
     ends = {c.instance: known[c.type] for c in system.components if c.type in known}
     for connection in system.connections:
         if connector_properties.OWN_PORT in dict(connection.properties):
             continue
         if {connection.source.instance, connection.target.instance} <= ends.keys():
             joined = _service if connection.service else _data
-            found += joined(connection, ends)
-    return found
+            diagnostics += joined(connection, ends)
+    return diagnostics
 
 
 def as_warnings(findings: Iterable[Diagnostic]) -> list[Diagnostic]:

@@ -103,8 +103,10 @@ def parse(entry: Mapping[str, Any], place: Callable[[str], Span]) -> Measure:
         raise wrong("", f"{', '.join(_LIMITS)} must be numbers")
     values: list[float] = []
     for key, length in kind.keys.items():
-        found = entry.get(key, 0.0 if length == 1 else None)
-        numbers = [_number(n) for n in (found if isinstance(found, list) else [found])]
+        number = entry.get(key, 0.0 if length == 1 else None)
+        numbers = [
+            _number(n) for n in (number if isinstance(number, list) else [number])
+        ]
         if len(numbers) != length or None in numbers:
             raise wrong(key, f"{key!r} must be {length} numbers")
         values += [n for n in numbers if n is not None]

@@ -41,25 +41,25 @@ def read(
 
     `output` is the output folder of the project, `encoding` that of files that are not UTF-8.
     """
-    found = Systems()
+    systems = Systems()
     for path in paths:
         file = path.as_posix()
         stages.file(file)
-        data = profile_tree.read(path, file, found.diagnostics.append)
+        data = profile_tree.read(path, file, systems.diagnostics.append)
         if data is None:
-            found.dependencies.append(Dependency(path, None))
+            systems.dependencies.append(Dependency(path, None))
             continue
-        found.dependencies.append(Dependency(path, sha256(data).hexdigest()))
+        systems.dependencies.append(Dependency(path, sha256(data).hexdigest()))
         result = rts_profile.load_bytes(data, file, encoding)
-        found.diagnostics += result.diagnostics
-        found.sources |= result.sources
+        systems.diagnostics += result.diagnostics
+        systems.sources |= result.sources
         if result.system is not None:
             system = result.system
             components = [
-                _with_conf(component, path.parent, found, encoding)
+                _with_conf(component, path.parent, systems, encoding)
                 for component in system.components
             ]
-            found.systems.append(
+            systems.systems.append(
                 replace(
                     system,
                     components=tuple(components),
@@ -68,7 +68,7 @@ def read(
                     folder=_relative_folder(output, path.parent),
                 )
             )
-    return found
+    return systems
 
 
 def _relative_folder(start: Path, folder: Path) -> str:
@@ -96,14 +96,14 @@ def added(
 ) -> FrontendResult:
     """Return the result with systems, validated against its definitions; see `read`."""
     with stages.stage("systems"):
-        found = read(paths, root=root, output=output, encoding=encoding)
-        named, diagnostics = against(found.systems, result)
+        systems = read(paths, root=root, output=output, encoding=encoding)
+        named, diagnostics = against(systems.systems, result)
     return replace(
         result,
         model=replace(result.model, systems=tuple(named)),
-        diagnostics=(*result.diagnostics, *found.diagnostics, *diagnostics),
-        sources={**result.sources, **found.sources},
-        dependencies=(*result.dependencies, *found.dependencies),
+        diagnostics=(*result.diagnostics, *systems.diagnostics, *diagnostics),
+        sources={**result.sources, **systems.sources},
+        dependencies=(*result.dependencies, *systems.dependencies),
     )
 
 
@@ -112,8 +112,8 @@ def against(
 ) -> tuple[Sequence[System], list[Diagnostic]]:
     """Return the systems with the definitions' port names, and their diagnostics."""
     if has_errors(definitions.diagnostics):
-        found = [d for each in systems for d in check_properties(each)]
-        return systems, found
+        diagnostics = [d for each in systems for d in check_properties(each)]
+        return systems, diagnostics
     model = definitions.model
     models = [model, *(package.model for package in model.packages)]
     named = as_defined(systems, models)
@@ -144,7 +144,7 @@ def checked(systems: Iterable[System], models: Iterable[Model]) -> Iterator[Diag
 
 
 def _with_conf(
-    c: SystemComponent, folder: Path, found: Systems, encoding: str
+    c: SystemComponent, folder: Path, systems: Systems, encoding: str
 ) -> SystemComponent:
     texts = []
     for name in dict.fromkeys((c.type, c.instance)):
@@ -154,8 +154,8 @@ def _with_conf(
         try:
             data = read_start(path, _MAX_CONF_BYTES)
         except OSError:
-            found.dependencies.append(Dependency(path, None))
+            systems.dependencies.append(Dependency(path, None))
             continue
-        found.dependencies.append(Dependency(path, sha256(data).hexdigest()))
+        systems.dependencies.append(Dependency(path, sha256(data).hexdigest()))
         texts.append(decode(data, encoding, standard=True).normal)
     return replace(c, conf="\n".join(texts))

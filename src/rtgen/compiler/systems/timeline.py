@@ -110,27 +110,27 @@ class Condition:
 
 def condition(text: str, system: System, span: Span | None) -> Condition:
     """Parse a condition (see rule SYS0006). Raises InputError."""
-    found = Condition()
+    result = Condition()
     for part in text.split(","):
         instance, equals, state = part.strip().partition("=")
-        if equals and found.instance is None:
+        if equals and result.instance is None:
             state = state.strip().upper().removesuffix("_STATE")
             if state not in ("CREATED", "INACTIVE", "ACTIVE", "ERROR"):
                 message = f"no state {state!r} in {text!r}"
                 hint = "CREATED, INACTIVE, ACTIVE or ERROR"
                 raise InputError([CONDITION.at(span, message, hint=hint)])
-            found = Condition(
-                found.limit, require_instance(instance.strip(), system, span), state
+            result = Condition(
+                result.limit, require_instance(instance.strip(), system, span), state
             )
-        elif not equals and found.limit is None:
-            found = Condition(
-                _seconds(instance, text, span), found.instance, found.state
+        elif not equals and result.limit is None:
+            result = Condition(
+                _seconds(instance, text, span), result.instance, result.state
             )
         else:
             raise InputError(
                 [CONDITION.at(span, f"{text!r} has two conditions of the same kind")]
             )
-    return found
+    return result
 
 
 def _seconds(part: str, text: str, span: Span | None) -> int:
@@ -371,12 +371,12 @@ class _Reader:
 
     def _link(self, text: str, span: Span, links: list[_Link]) -> _Link:
         """Find a connection by name, or else by connector id."""
-        for found in (
+        for matches in (
             [link for link in links if link.name == text],
             [link for link in links if link.id and link.id == text],
         ):
-            if found:
-                return found[0]
+            if matches:
+                return matches[0]
         known = ", ".join(dict.fromkeys(link.name for link in links)) or "none"
         message = f"no connection {text!r} in the system"
         raise InputError([SKIPPED.at(span, message, hint=f"known: {known}")])

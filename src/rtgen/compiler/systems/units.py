@@ -127,10 +127,10 @@ def _paths(reals: list[Leaf], unit: str) -> list[str]:
     """Return the paths of the members in a unit: those of its dimension, or the only one."""
     from rtgen.compiler.kit.units import Relation, parse, relation
 
-    found = []
+    paths = []
     for leaf in reals:
         if not leaf.unit or not _is_unit(leaf.unit):
             continue
         if relation(parse(leaf.unit), parse(unit)) in (Relation.EQUAL, Relation.SCALED):
-            found.append(leaf)
-    return [".".join(leaf.path) for leaf in found or (reals if len(reals) == 1 else ())]
+            paths.append(leaf)
+    return [".".join(leaf.path) for leaf in paths or (reals if len(reals) == 1 else ())]

@@ -27,10 +27,10 @@ def parsed(text: str) -> Type:
         raise ValueError("a type is too long")
     if text in _PRIMITIVES:
         return PrimitiveType(Primitive(text))
-    if (found := _STRING.fullmatch(text)) is not None:
-        return StringType(bool(found[1]), _bound(found[2]))
-    if (found := _SEQUENCE.fullmatch(text)) is not None:
-        return SequenceType(parsed(found[1]), _bound(found[2]))
+    if (match := _STRING.fullmatch(text)) is not None:
+        return StringType(bool(match[1]), _bound(match[2]))
+    if (match := _SEQUENCE.fullmatch(text)) is not None:
+        return SequenceType(parsed(match[1]), _bound(match[2]))
     if _NAME.fullmatch(text):
         return NamedType(tuple(text.split("::")))
     raise ValueError(f"{text[:40]!r} is not a type")

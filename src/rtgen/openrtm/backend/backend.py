@@ -41,8 +41,8 @@ class OpenRtmBackend:
         for plan in planned:
             artifacts += component_files(plan)
             artifacts += idl[plan.unit.options.package].artifacts(plan)
-        systems, found = system_artifacts(model.systems, planned, options.version)
-        findings += found
+        systems, diagnostics = system_artifacts(model.systems, planned, options.version)
+        findings += diagnostics
         artifacts += systems
         return Emission(artifacts, findings)
 

@@ -70,24 +70,24 @@ class Classic:
             return ""
         first = not self._visited
         self._visited.add(name)
-        found = next(self._problems(self._model.find(name)), "")
-        if found:
-            self._reasons[name] = found
+        problem = next(self._problems(self._model.find(name)), "")
+        if problem:
+            self._reasons[name] = problem
         if first:
             # Types may depend on each other: none is supported before all have been checked.
-            if not found:
+            if not problem:
                 self._reasons.update(dict.fromkeys(self._visited, ""))
             self._visited.clear()
-        return found
+        return problem
 
     def members(self, struct: Struct) -> list[tuple[Struct, int]]:
         """Return the members including inherited ones, each with its struct and index in it."""
-        found: list[tuple[Struct, int]] = []
+        all_members: list[tuple[Struct, int]] = []
         if struct.base is not None:
             base = self._model.find(struct.base)
             assert isinstance(base, Struct)
-            found = self.members(base)
-        return found + [(struct, place) for place in range(len(struct.members))]
+            all_members = self.members(base)
+        return all_members + [(struct, place) for place in range(len(struct.members))]
 
     def _problems(self, declaration: Declaration) -> Iterator[str]:
         if declaration.annotation(OPAQUE) is not None:

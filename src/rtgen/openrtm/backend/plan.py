@@ -106,7 +106,7 @@ class Unit:
             if not isinstance(d, _NO_TYPES)
         }
         stems: dict[str, str] = {}
-        found: dict[str, IdlFile] = {}
+        by_name: dict[str, IdlFile] = {}
         for module, files in groups.items():
             if module not in with_types:
                 continue
@@ -119,10 +119,10 @@ class Unit:
                 number += 1
                 name = f"{plain}_{number}"
             stems[name.casefold()] = module
-            found[module] = IdlFile(name, module, tuple(files), stock)
+            by_name[module] = IdlFile(name, module, tuple(files), stock)
         ordered: dict[str, IdlFile] = {}
-        for module in found:
-            self._add(module, found, ordered)
+        for module in by_name:
+            self._add(module, by_name, ordered)
         return tuple(ordered.values())
 
     def idl_file_of(self, declaration: Declaration) -> IdlFile:
@@ -160,14 +160,14 @@ class Unit:
         return needs
 
     def _add(
-        self, module: str, found: Mapping[str, IdlFile], ordered: dict[str, IdlFile]
+        self, module: str, files: Mapping[str, IdlFile], ordered: dict[str, IdlFile]
     ) -> None:
-        if module in ordered or module not in found:
+        if module in ordered or module not in files:
             return
-        for needed in found:
+        for needed in files:
             if needed in self._needs[module]:
-                self._add(needed, found, ordered)
-        ordered[module] = found[module]
+                self._add(needed, files, ordered)
+        ordered[module] = files[module]
 
 
 @dataclass(frozen=True, slots=True)

@@ -220,8 +220,10 @@ class _Writer:
                 message = (
                     f"{end}: its consumer of {consumer.type} would find no provider"
                 )
-                found = rules.LONELY_CONSUMER.at(end.span or connection.span, message)
-                self.findings.append(found)
+                diagnostic = rules.LONELY_CONSUMER.at(
+                    end.span or connection.span, message
+                )
+                self.findings.append(diagnostic)
             self._pairs[id(connection)] = pairs
             properties = {
                 STRICTNESS: "best_effort" if lonely else "strict",
@@ -310,7 +312,7 @@ class _Writer:
         """Return the parameters listed by the system, with their values in it."""
         listed = dict(self._system.properties).get(PER_CYCLE, "")
         components = {c.instance: c for c in self._system.components}
-        found: dict[str, dict[str, float]] = {}
+        rates: dict[str, dict[str, float]] = {}
         for entry in filter(None, map(str.strip, listed.split(","))):
             instance, _, name = entry.partition(".")
             c = components.get(instance)
@@ -320,8 +322,8 @@ class _Writer:
                 span = Span(self._system.file, 1, 1, 1, 2)
                 self.findings.append(rules.PER_CYCLE.at(span, message))
             else:
-                found.setdefault(instance, {})[name] = value
-        return found
+                rates.setdefault(instance, {})[name] = value
+        return rates
 
     # Files.
 
@@ -419,9 +421,9 @@ def _value(c: SystemComponent, plan: ComponentPlan, name: str) -> float | None:
         return None
     texts = [Parameters(plan.unit.model).default_text(parameter)]
     for line in c.conf.splitlines():
-        found = _CONF_LINE.fullmatch(line)
-        if found and (found["set"], found["name"]) == (c.active_set, name):
-            texts.append(found["text"].strip())
+        match = _CONF_LINE.fullmatch(line)
+        if match and (match["set"], match["name"]) == (c.active_set, name):
+            texts.append(match["text"].strip())
     for set_id, values in c.parameter_sets:
         texts += [t for n, t in values if (set_id, n) == (c.active_set, name)]
     try:

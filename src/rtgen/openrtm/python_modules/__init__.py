@@ -40,10 +40,10 @@ def read(path: Path, include: Sequence[Path] = ()) -> ModuleResult:
     reader = ModuleReader(Module(source, source.tree), modules)
     profile = reader.profile()
     read = (source, *modules.sources)
-    found = [d for each in read for d in each.diagnostics]
+    diagnostics = [d for each in read for d in each.diagnostics]
     return ModuleResult(
         profile,
-        (*found, *reader.findings.diagnostics),
+        (*diagnostics, *reader.findings.diagnostics),
         {each.file: each.text for each in read},
         reader.generated,
     )

@@ -198,25 +198,25 @@ class Expressions:
         return Bound(holder, name)
 
     def _items(self, nodes: Iterable[ast.expr], frame: Frame) -> list[Value]:
-        found: list[Value] = []
+        values: list[Value] = []
         for node in nodes:
             if isinstance(node, ast.Starred):
                 inner = iterated(self.value(node.value, frame))
-                found += [UNKNOWN] if inner is None else inner
+                values += [UNKNOWN] if inner is None else inner
             else:
-                found.append(self.value(node, frame))
-        return found
+                values.append(self.value(node, frame))
+        return values
 
     def _dict(
         self, keys: list[ast.expr | None], nodes: list[ast.expr], frame: Frame
     ) -> Value:
-        found = {}
+        values = {}
         for key, node in zip(keys, nodes, strict=True):
             name = self.value(key, frame)
             if not isinstance(name, CONSTANTS):
                 return UNKNOWN
-            found[name] = self.value(node, frame)
-        return found
+            values[name] = self.value(node, frame)
+        return values
 
     def _joined(
         self, left: ast.expr, op: ast.operator, right: ast.expr, frame: Frame
@@ -226,10 +226,10 @@ class Expressions:
         while isinstance(left, ast.BinOp):
             parts.append((left.op, left.right))
             left = left.left
-        found = self.value(left, frame)
+        joined = self.value(left, frame)
         for each, node in reversed(parts):
-            found = self._operation(found, each, self.value(node, frame))
-        return found
+            joined = self._operation(joined, each, self.value(node, frame))
+        return joined
 
     def _operation(self, one: Value, op: ast.operator, other: Value) -> Value:
         function = _OPERATORS.get(type(op))
@@ -252,15 +252,15 @@ class Expressions:
         large.
         """
         try:
-            found = function(*args, **more)
-            if isinstance(found, int) and abs(found) >= 1 << 256:
+            result = function(*args, **more)
+            if isinstance(result, int) and abs(result) >= 1 << 256:
                 return UNKNOWN
             if (
-                isinstance(found, str | list | tuple | bytes)
-                and len(found) > _MAX_LENGTH
+                isinstance(result, str | list | tuple | bytes)
+                and len(result) > _MAX_LENGTH
             ):
                 return UNKNOWN
-            return found
+            return result
         except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
             return UNKNOWN
 
@@ -318,7 +318,7 @@ class Expressions:
         items = iterated(self.value(loop.iter, frame))
         if items is None:
             return UNKNOWN
-        found = []
+        values = []
         for item in items:
             inner = frame.inner()
             self._walker.assign(loop.target, item, inner)
@@ -326,8 +326,8 @@ class Expressions:
             if not all(map(is_known, tests)):
                 return UNKNOWN
             if all(tests):
-                found.append(self.value(element, inner))
-        return found
+                values.append(self.value(element, inner))
+        return values
 
     # Calls of Python's built-in functions.
 
@@ -344,9 +344,9 @@ class Expressions:
             isinstance(a, int) and abs(a) > _MAX_LENGTH for a in args
         ):
             return UNKNOWN
-        found = self.guarded(function, *args, **keywords)
-        lazy = isinstance(found, zip | enumerate | reversed | range)
-        return self.guarded(list, found) if lazy else found
+        result = self.guarded(function, *args, **keywords)
+        lazy = isinstance(result, zip | enumerate | reversed | range)
+        return self.guarded(list, result) if lazy else result
 
     def method(
         self, holder: Value, name: str, args: list[Value], keywords: dict[str, Value]
@@ -367,11 +367,11 @@ class Expressions:
             large = sum(map(len, texts)) > _MAX_LENGTH // 10 and name == "replace"
             if large or (name == "format" and _WIDE.search(holder)):
                 return UNKNOWN
-        found = self.guarded(getattr(holder, name), *args, **keywords)
+        result = self.guarded(getattr(holder, name), *args, **keywords)
         views = isinstance(
-            found, type({}.items()) | type({}.keys()) | type({}.values())
+            result, type({}.items()) | type({}.keys()) | type({}.values())
         )
-        return list(found) if views else found
+        return list(result) if views else result
 
 
 def is_made(value: Value, *names: str) -> bool:

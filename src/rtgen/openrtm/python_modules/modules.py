@@ -31,10 +31,10 @@ class ModuleName:
 
     def attribute_of(self, name: str) -> Value:
         """Return the definition of an attribute."""
-        found = self.module.find(name)
-        if isinstance(found, Named) or found is None:
+        value = self.module.find(name)
+        if isinstance(value, Named) or value is None:
             return Named((*self.path, name), imported=True)
-        return found
+        return value
 
 
 class Modules:
@@ -62,8 +62,8 @@ class Modules:
             for _ in range(level - 1):
                 folder = folder.parent
             return self._in(folder, path)
-        found = (self._in(folder, path) for folder in [of.parent, *self._folders])
-        return next((each for each in found if each is not None), None)
+        modules = (self._in(folder, path) for folder in [of.parent, *self._folders])
+        return next((each for each in modules if each is not None), None)
 
     def _in(self, folder: Path, path: tuple[str, ...]) -> Module | None:
         first = path[0]

@@ -49,9 +49,9 @@ def _items(node: ast.expr, frame: Frame, walker: Walker) -> Iterator[Item]:
                 else:
                     yield item, walker.expressions.value(item, frame)
         elif isinstance(part, ast.Name):
-            found = walker.expressions.value(part, frame)
-            if isinstance(found, list | tuple):
-                yield from ((part, value) for value in found)
+            values = walker.expressions.value(part, frame)
+            if isinstance(values, list | tuple):
+                yield from ((part, value) for value in values)
 
 
 def component_classes(module: Module, walker: Walker) -> list[Class]:
@@ -66,7 +66,7 @@ def component_classes(module: Module, walker: Walker) -> list[Class]:
         if isinstance(node, ast.ClassDef)
     ]
     own = {each.node.name: each for each in classes}
-    known = [found for each in classes if (found := _line(each, own, walker, []))]
+    known = [lineage for each in classes if (lineage := _line(each, own, walker, []))]
     for call in ast.walk(module.tree):
         if not isinstance(call, ast.Call) or len(call.args) < 2:
             continue
@@ -87,20 +87,20 @@ def _line(
     if made.node in above or len(above) > 50:
         return []
     rest: list[Class] = []
-    found = False
+    is_component = False
     for base in made.node.bases:
         value = walker.expressions.value(base, Frame(made.module))
         if isinstance(value, Named | Unknown) and dotted(base)[-1:] == dotted(base):
             value = own.get(dotted(base)[-1] if dotted(base) else "", value)
         if isinstance(value, Named) and value.path[-1] in _BASES:
-            found = True
+            is_component = True
         elif isinstance(value, Class):
             line = _line(value, own, walker, [*above, made.node])
-            found = found or bool(line)
+            is_component = is_component or bool(line)
             rest += [
                 each for each in line if all(each.node is not r.node for r in rest)
             ]
-    return [made, *rest] if found else []
+    return [made, *rest] if is_component else []
 
 
 def unknown_bases(

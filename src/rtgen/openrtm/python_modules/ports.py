@@ -127,9 +127,9 @@ class Ports:
         )
 
     def _type(self, value: Value, name: str, span: Span) -> str:
-        found = [self._data_type(each) for each in alternatives(value)]
-        types = [*dict.fromkeys(each for each in found if each is not None)]
-        if len(types) == 1 and None not in found:
+        candidates = [self._data_type(each) for each in alternatives(value)]
+        types = [*dict.fromkeys(each for each in candidates if each is not None)]
+        if len(types) == 1 and None not in candidates:
             return types[0]
         if len(types) > 1:
             self._chosen(span, name, types)

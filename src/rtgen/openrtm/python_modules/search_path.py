@@ -22,14 +22,14 @@ _SELF: Final = ("resolve", "absolute", "as_posix")
 def added_folders(tree: ast.Module, file: Path) -> list[Path]:
     """Return the existing folders that a module adds; relative paths begin at the module's."""
     reading = _Reading(tree, file)
-    found: dict[Path, None] = {}
+    folders: dict[Path, None] = {}
     for node in ast.walk(tree):
         for value in _additions(node):
             for text in reading.texts(value):
                 folder = Path(os.path.normpath(file.parent / text))
-                if len(found) < _MAX_FOLDERS and folder.is_dir():
-                    found[folder] = None
-    return list(found)
+                if len(folders) < _MAX_FOLDERS and folder.is_dir():
+                    folders[folder] = None
+    return list(folders)
 
 
 def _additions(node: ast.AST) -> Iterator[ast.expr]:

@@ -65,8 +65,8 @@ def read_source(path: Path) -> Source:
     try:
         text, assumed = _decoded(read_file(path, _MAX_BYTES))
     except (UnreadableError, ValueError) as error:
-        found = rules.UNREADABLE.at(start, f"{file} cannot be read: {error}")
-        return Source(path, "", None, (found,))
+        diagnostic = rules.UNREADABLE.at(start, f"{file} cannot be read: {error}")
+        return Source(path, "", None, (diagnostic,))
     diagnostics: list[Diagnostic] = []
     if assumed is not None:
         message = (
@@ -150,7 +150,7 @@ def _python_3(text: str, problem: str) -> str | None:
 
 def _without_tabs(text: str) -> str:
     """Return the text with indentation in spaces: Python 2 expands a tab to eight columns."""
-    return _INDENT.sub(lambda found: found[0].expandtabs(8), text)
+    return _INDENT.sub(lambda match: match[0].expandtabs(8), text)
 
 
 @cache

@@ -38,7 +38,7 @@ class State:
 
 
 def _merged(one: dict[str, Value], other: dict[str, Value]) -> dict[str, Value]:
-    found = {**other, **one}
+    values = {**other, **one}
     for name in one.keys() & other.keys():
-        found[name] = merged(one[name], other[name])
-    return found
+        values[name] = merged(one[name], other[name])
+    return values

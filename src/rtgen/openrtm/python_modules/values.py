@@ -139,8 +139,8 @@ class Frame:
         """Return the value of a name."""
         if self.names is not None and name in self.names:
             return self.names[name]
-        found = self.module.find(name)
-        return Named((name,)) if found is None else found
+        value = self.module.find(name)
+        return Named((name,)) if value is None else value
 
     def bind(self, name: str, value: Value) -> None:
         """Assign a value to a name."""

@@ -120,22 +120,24 @@ class Walker:
         value = self.expressions.value
         match node:
             case ast.Assign(targets=targets, value=expression):
-                found = value(expression, frame)
+                result = value(expression, frame)
                 for target in targets:
-                    self.assign(target, found, frame)
+                    self.assign(target, result, frame)
             case ast.AnnAssign(target=target, annotation=annotation):
-                found = value(node.value, frame)
-                if isinstance(found, Unknown | Made) and dotted(annotation):
-                    found = self._of_type(value(annotation, frame), found, node, frame)
-                self.assign(target, found, frame)
+                result = value(node.value, frame)
+                if isinstance(result, Unknown | Made) and dotted(annotation):
+                    result = self._of_type(
+                        value(annotation, frame), result, node, frame
+                    )
+                self.assign(target, result, frame)
             case ast.AugAssign(target=target, op=op, value=expression):
                 joined = ast.copy_location(ast.BinOp(target, op, expression), node)
                 self.assign(target, value(joined, frame), frame)
             case ast.Expr(value=expression):
                 value(expression, frame)
             case ast.Return(value=expression):
-                found = value(expression, frame) if expression is not None else None
-                return _End(ast.Return, found)
+                result = value(expression, frame) if expression is not None else None
+                return _End(ast.Return, result)
             case ast.Raise() | ast.Break() | ast.Continue():
                 return _End(type(node))
             case ast.If():
@@ -159,14 +161,14 @@ class Walker:
         return None
 
     def _of_type(
-        self, type_: Value, found: Value, node: ast.AnnAssign, frame: Frame
+        self, type_: Value, value: Value, node: ast.AnnAssign, frame: Frame
     ) -> Value:
         """Return the annotated type of a variable assigned from an unknown call."""
         if not isinstance(type_, Named) or type_.path[0] in _NO_DATA:
-            return found
-        known = isinstance(found, Made) and found.path
-        if known and (found.path == type_.path or found.path[0] in _NO_DATA):
-            return found
+            return value
+        known = isinstance(value, Made) and value.path
+        if known and (value.path == type_.path or value.path[0] in _NO_DATA):
+            return value
         call = ast.copy_location(ast.Call(node.annotation, [], []), node)
         return self._new(type_.path, type_.imported, [], {}, call, frame)
 
@@ -176,9 +178,9 @@ class Walker:
             case ast.Name(id=name):
                 frame.bind(name, value)
             case ast.Attribute(value=holder, attr=name):
-                found = self.expressions.value(holder, frame)
-                if isinstance(found, Component):
-                    found.attributes[name] = value
+                container = self.expressions.value(holder, frame)
+                if isinstance(container, Component):
+                    container.attributes[name] = value
             case ast.Tuple(elts=targets) | ast.List(elts=targets):
                 items = iterated(value)
                 if items is None or len(items) != len(targets):
@@ -186,12 +188,13 @@ class Walker:
                 for each, item in zip(targets, items, strict=True):
                     self.assign(each, item, frame)
             case ast.Subscript(value=holder, slice=index):
-                found = self.expressions.value(holder, frame)
+                container = self.expressions.value(holder, frame)
                 key = self.expressions.value(index, frame)
-                if (isinstance(found, dict) and isinstance(key, str | int)) or (
-                    isinstance(found, list) and key in range(-len(found), len(found))
+                if (isinstance(container, dict) and isinstance(key, str | int)) or (
+                    isinstance(container, list)
+                    and key in range(-len(container), len(container))
                 ):
-                    found[key] = value
+                    container[key] = value
 
     def _branches(self, node: ast.If, frame: Frame) -> _End | None:
         # An `elif` is nested in the `else` of the one before: it is not counted as depth.
@@ -291,16 +294,16 @@ class Walker:
                 else:
                     frame.module.open_modules.append(".".join(path))
                 continue
-            found = None if module is None else module.find(alias.name)
-            if found is None:
+            imported = None if module is None else module.find(alias.name)
+            if imported is None:
                 inner = self._module((*path, alias.name), here, node.level)
                 named = (*path, alias.name)
-                found = (
+                imported = (
                     Named(named, imported=True)
                     if inner is None
                     else ModuleName(inner, named)
                 )
-            frame.bind(alias.asname or alias.name, found)
+            frame.bind(alias.asname or alias.name, imported)
 
     def _module(self, path: tuple[str, ...], here: Path, level: int) -> Module | None:
         module = self.modules.imported(path, here, level)

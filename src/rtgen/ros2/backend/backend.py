@@ -147,9 +147,11 @@ class _Writer:
 
     def _constants(self, name: str, type_: Type) -> Iterator[str]:
         plain = self._model.unalias(type_)
-        found = self._model.find(plain.name) if isinstance(plain, NamedType) else None
-        if isinstance(found, Enum):
-            for each in found.members:
+        declaration = (
+            self._model.find(plain.name) if isinstance(plain, NamedType) else None
+        )
+        if isinstance(declaration, Enum):
+            for each in declaration.members:
                 key = f"{name}_{field_name(each.name)}".upper()
                 yield f"uint32 {key}={each.value}"
 

@@ -96,10 +96,10 @@ def _element(model: Model, type_: Type, written: Callable[[ScopedName], bool]) -
         case PrimitiveType(kind=kind) if kind in _PRIMITIVES:
             return _PRIMITIVES[kind]
         case NamedType(name=name):
-            found = model.find(name)
-            if isinstance(found, Enum) and found.bound == 32:
+            declaration = model.find(name)
+            if isinstance(declaration, Enum) and declaration.bound == 32:
                 return "uint32"
-            if isinstance(found, Struct) and written(name):
+            if isinstance(declaration, Struct) and written(name):
                 return reference(name)
             raise InexpressibleError(f"the type {type_}")
     raise InexpressibleError(f"the type {type_}")

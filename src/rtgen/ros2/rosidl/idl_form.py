@@ -152,9 +152,9 @@ class _Reader:
             if not name.endswith(_CONSTANTS):
                 raise self._other()
             self._take("{")
-            found = self._constants.setdefault(name.removesuffix(_CONSTANTS), [])
+            constants = self._constants.setdefault(name.removesuffix(_CONSTANTS), [])
             while not self._next("}"):
-                found.append(self._constant())
+                constants.append(self._constant())
             self._take(";")
         else:
             self._take("struct")
@@ -195,7 +195,7 @@ class _Reader:
 
     def _annotations(self) -> dict[str, str]:
         """Return the values of annotations: of `verbatim` its text, of others `value`."""
-        found = {}
+        annotations = {}
         while self._next("@"):
             name = self._of_kind("word").text
             self._take("(")
@@ -205,9 +205,9 @@ class _Reader:
                 self._take(",", "text", "=")
             else:
                 self._take("value", "=")
-            found[name] = self._literal()
+            annotations[name] = self._literal()
             self._take(")")
-        return found
+        return annotations
 
     def _literal(self) -> str:
         """Return a string without its quotes, or the text of another literal."""

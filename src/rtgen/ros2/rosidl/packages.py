@@ -59,10 +59,10 @@ def candidates(
     """
     folder = beside.parent
     within = file_of(name)
-    found: list[tuple[Path, Path | None]] = [(folder.parent.parent / within, None)]
+    places: list[tuple[Path, Path | None]] = [(folder.parent.parent / within, None)]
     if folder.name not in INTERFACE_KINDS.values():
-        found.insert(0, (folder / within.rpartition("/")[2], None))
-    return [*found, *((each / within, each) for each in include)]
+        places.insert(0, (folder / within.rpartition("/")[2], None))
+    return [*places, *((each / within, each) for each in include)]
 
 
 def file_of(name: ScopedName) -> str:

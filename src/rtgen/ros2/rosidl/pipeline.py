@@ -200,9 +200,9 @@ class _Run:
                 if name is None or name[1] != "msg":
                     self._report_spelling(field.type)
                     continue
-                found = self._message(name, field.type, file)
-                if found is not None:
-                    files[found] = None
+                references = self._message(name, field.type, file)
+                if references is not None:
+                    files[references] = None
             if message.name[1] != "msg":
                 own.add(message.name)
         return files
@@ -215,9 +215,9 @@ class _Run:
             if name:
                 suffix = "_Request" if name.startswith("srv/") else ""
                 scoped_name = (package, *f"{name}{suffix}".split("/"))
-                found = self._message(scoped_name, FieldType(form, start), file)
-                if found is not None:
-                    files[found] = None
+                references = self._message(scoped_name, FieldType(form, start), file)
+                if references is not None:
+                    files[references] = None
         return files
 
     def _report_spelling(self, type_: FieldType) -> None:
@@ -248,20 +248,20 @@ class _Run:
         """Read the file of a message, if it exists."""
         if len(self._read) >= _MAX_FILES:
             return
-        found = None
+        source = None
         for path, folder in candidates(name, file.path, self._library.include):
             try:
-                found = self._library.open(path, folder) or self._library.open(
+                source = self._library.open(path, folder) or self._library.open(
                     path.with_suffix(_IDL), folder
                 )
             except OSError as error:
                 span = Span(file.name, 1, 1, 1, 1)
                 self._findings.add(rules.UNREADABLE, span, f"{path.name}: {error}")
                 return
-            if found is not None:
+            if source is not None:
                 break
-        found = found or self._library.virtual(file_of(name))
-        if found is not None:
+        source = source or self._library.virtual(file_of(name))
+        if source is not None:
             self._places.add(name)
-            if absolute_path(found.path) not in self._read:
-                self._interface(found, main=False)
+            if absolute_path(source.path) not in self._read:
+                self._interface(source, main=False)

@@ -125,7 +125,7 @@ def _string(text: str, bound: int | None) -> str:
 
 def _strings(text: str) -> list[str]:
     """Split the elements of an array of strings, in which commas may be quoted."""
-    found = []
+    strings = []
     at = 0
     while at < len(text):
         at = _after_spaces(text, at)
@@ -133,17 +133,17 @@ def _strings(text: str) -> list[str]:
             raise ValueError("has an element without a value")
         if (quote := text[at]) in QUOTES:
             end = _closing_quote(text, at, quote)
-            found.append(text[at + 1 : end].replace(f"\\{quote}", quote))
+            strings.append(text[at + 1 : end].replace(f"\\{quote}", quote))
             at = end + 1
         else:
             end = text.find(",", at)
             end = len(text) if end < 0 else end
-            found.append(text[at:end])
+            strings.append(text[at:end])
             at = end
         at = _after_spaces(text, at)
         if text[at : at + 1] == ",":
             at += 1
-    return found
+    return strings
 
 
 def _after_spaces(text: str, at: int) -> int:
@@ -185,15 +185,15 @@ def of_tuple(text: str, kind: Primitive | None) -> tuple[Scalar, ...]:
     text = text.removeprefix("(").removesuffix(")").removesuffix(",")
     if kind is not None:
         return tuple(_scalar(each.strip(), kind, None) for each in _numbers(text))
-    found = []
+    scalars = []
     at = 0
     while at < len(text):
         match = _ELEMENT.match(text, at)
         if match is None:
             raise ValueError("has an escape that rosidl cannot convert")
-        found.append(_ESCAPE.sub(_character, match["text"]))
+        scalars.append(_ESCAPE.sub(_character, match["text"]))
         at = match.end()
-    return tuple(found)
+    return tuple(scalars)
 
 
 def _of_literal(text: str) -> str:
@@ -237,17 +237,17 @@ def _is_one_literal(text: str) -> bool:
 
 def _character(match: re.Match[str]) -> str:
     """Return the character of an escape. Raises ValueError."""
-    found = match.groupdict()
-    if (one := found.get("one")) is not None:
+    groups = match.groupdict()
+    if (one := groups.get("one")) is not None:
         return _ESCAPES[one]
-    if (octal := found.get("octal")) is not None:
+    if (octal := groups.get("octal")) is not None:
         return chr(int(octal, 8))
-    if (name := found.get("name")) is not None:
+    if (name := groups.get("name")) is not None:
         try:
             return unicodedata.lookup(name)
         except KeyError:
             raise ValueError(f"has no character \\N{{{name}}}") from None
-    digits = next((found[key] for key in "xuU" if found.get(key)), "")
+    digits = next((groups[key] for key in "xuU" if groups.get(key)), "")
     # rosidl_parser takes one digit for an escape, and then refuses it.
     if not digits or len(digits) == 1 or int(digits, 16) > sys.maxunicode:
         raise ValueError(f"has the incomplete escape {match[0]}")

@@ -57,7 +57,7 @@ def _configuration() -> dict[str, Any]:
     from can.util import load_config
 
     try:
-        found: dict[str, Any] = dict(load_config())
+        configuration: dict[str, Any] = dict(load_config())
     except CanInterfaceNotImplementedError as error:
         if "None" in str(error):
             raise Refusal(
@@ -67,9 +67,9 @@ def _configuration() -> dict[str, Any]:
         raise _misconfigured(error) from error
     except (ValueError, TypeError, AttributeError, MalformedFile) as error:
         raise _misconfigured(error) from error
-    if not isinstance(found.get("bitrate") or 0, int):
-        raise _misconfigured(f"{found['bitrate']!r} is not a bit rate")
-    return found
+    if not isinstance(configuration.get("bitrate") or 0, int):
+        raise _misconfigured(f"{configuration['bitrate']!r} is not a bit rate")
+    return configuration
 
 
 def _misconfigured(reason: object) -> ToolError:

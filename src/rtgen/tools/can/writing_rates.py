@@ -21,7 +21,7 @@ def writings(bus: Bus, system: System) -> dict[tuple[str, int], Writing]:
     periodic. Samples wait for the next tick of the proxy.
     """
     components = {c.instance: c for c in system.components}
-    found: dict[tuple[str, int], Writing] = {}
+    writings_of: dict[tuple[str, int], Writing] = {}
     for node in bus.nodes:
         for proxy in system.components:
             if not _stands_for(proxy, node, bus):
@@ -35,8 +35,8 @@ def writings(bus: Bus, system: System) -> dict[tuple[str, int], Writing]:
                 )
                 if rate:
                     wait = 1 / (proxy.rate or _RATE)
-                    found[node.name, pdo] = Writing(1 / rate, wait)
-    return found
+                    writings_of[node.name, pdo] = Writing(1 / rate, wait)
+    return writings_of
 
 
 def _stands_for(proxy: SystemComponent, node: BusNode, bus: Bus) -> bool:
@@ -54,12 +54,12 @@ def _in_ports(node: BusNode) -> dict[int, set[str]]:
     ports = DevicePorts(node.device, node.kind)
     if not ports.per_object:
         return {s.pdo.number: {s.name} for s in ports.of(PdoDirection.RPDO)}
-    found: dict[int, set[str]] = {}
+    by_node: dict[int, set[str]] = {}
     for port in ports.object_ports:
         if port.direction is PdoDirection.RPDO:
             for pdo, _ in port.places:
-                found.setdefault(pdo, set()).add(port.name)
-    return found
+                by_node.setdefault(pdo, set()).add(port.name)
+    return by_node
 
 
 def _rate(connection: Connection, components: Mapping[str, SystemComponent]) -> float:

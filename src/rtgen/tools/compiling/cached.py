@@ -38,12 +38,12 @@ def timelines(project: Project, cache: Cache | None) -> Sequence[Diagnostic]:
     def made() -> Compilation:
         from rtgen.compiler.systems import timeline_checks
 
-        found = timeline_checks.findings(project.systems, project.encoding)
+        diagnostics = timeline_checks.findings(project.systems, project.encoding)
         files = (f for s in project.systems for f in (s, s.parent / "timeline.toml"))
         return Compilation(
             artifacts=(),
             inputs={},
-            diagnostics=tuple(found),
+            diagnostics=tuple(diagnostics),
             dependencies={str(file): hash_of(file) for file in files},
         )
 
@@ -94,8 +94,8 @@ def _inspected(
     for profile in profiles:
         from rtgen.compiler.systems.reading import read_file
 
-        system, found, texts = read_file(profile)
-        diagnostics += found
+        system, findings, texts = read_file(profile)
+        diagnostics += findings
         sources |= texts
         if system is not None:
             named, seen = _checked(system, project)
@@ -122,6 +122,6 @@ def _checked(
     from rtgen.compiler.systems import checks, reading
 
     if project is None:
-        found = checks.check_properties(system)
-        return [system], checks.as_warnings(found)
+        diagnostics = checks.check_properties(system)
+        return [system], checks.as_warnings(diagnostics)
     return reading.against([system], compilation.read(project, lowered=True))

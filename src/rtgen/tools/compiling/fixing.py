@@ -20,7 +20,7 @@ from rtgen.facts.files import ChangedError, UnreadableError, absolute_path, read
 
 
 def changed_files(
-    project: Project, found: Sequence[Diagnostic], result: FrontendResult
+    project: Project, diagnostics: Sequence[Diagnostic], result: FrontendResult
 ) -> list[Change]:
     """Return the given files changed by fixes, and C headers of the project that they import.
 
@@ -28,7 +28,7 @@ def changed_files(
     found. Raises ToolError for a file that has been changed since.
     """
     edits: defaultdict[str, list[Edit]] = defaultdict(list)
-    for d in found:
+    for d in diagnostics:
         for edit in d.fix.edits if d.fix is not None else ():
             edits[edit.span.file].append(edit)
     digests = {absolute_path(each.path): each.sha256 for each in result.dependencies}

@@ -59,8 +59,8 @@ def generate_once(console: Console, request: Request) -> tuple[int, Iterable[Pat
         console.findings(run.diagnostics, run.sources)
         return OK, looked_for
     done = writer.write(project, run)
-    found = [*run.diagnostics, *behaviours.check(project, run.artifacts)]
-    console.findings(found, run.sources)
+    diagnostics = [*run.diagnostics, *behaviours.check(project, run.artifacts)]
+    console.findings(diagnostics, run.sources)
     console.say(_summary(project, done))
     return OK, looked_for
 

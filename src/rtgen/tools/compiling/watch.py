@@ -93,7 +93,7 @@ def _state(request: Request, known: Iterable[Path]) -> tuple[State, set[Path]]:
 
 def _version(file: Path) -> tuple[int, int, int] | None:
     try:
-        found = file.stat()
+        status = file.stat()
     except OSError:
         return None
-    return found.st_ino, found.st_mtime_ns, found.st_size
+    return status.st_ino, status.st_mtime_ns, status.st_size

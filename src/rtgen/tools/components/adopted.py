@@ -81,9 +81,9 @@ def _with_neighbours(
     given = {file.resolve() for file in plain.sources}
     beside = [file for file in beside if file.resolve() not in given]
     if beside:
-        found = _with_types(_definitions(include, beside), adopted.file, [profile])
-        if found.component is not None:
-            return found
+        component = _with_types(_definitions(include, beside), adopted.file, [profile])
+        if component.component is not None:
+            return component
     return _with_types(plain, adopted.file, [profile])
 
 
@@ -103,14 +103,14 @@ def _with_types(
 ) -> Adopted:
     """Compile the project and pick the component whose profile has the file name `shown`."""
     read = compilation.read(project, lowered=True, also=profiles)
-    found = tuple(in_order(read.diagnostics))
+    diagnostics = tuple(in_order(read.diagnostics))
     components = [
         d
         for d in read.model.declarations
         if isinstance(d, Component) and d.file == shown
     ]
-    component = components[0] if components and not has_errors(found) else None
-    return Adopted(component, read.model, found, read.sources)
+    component = components[0] if components and not has_errors(diagnostics) else None
+    return Adopted(component, read.model, diagnostics, read.sources)
 
 
 def _agree(model: Model, component: Component, module: RtcProfile) -> bool:

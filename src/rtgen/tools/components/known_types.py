@@ -36,28 +36,28 @@ class KnownTypes:
 
     def data_type(self, name: str) -> type[DataType] | None:
         """Return a type by name; None if neither the project nor OpenRTM's IDL declares it."""
-        found: type[DataType] | None = self._found(name)
-        if found is None or issubclass(found, Servant):
+        class_: type[DataType] | None = self._found(name)
+        if class_ is None or issubclass(class_, Servant):
             return self._shipped(name)
-        return found
+        return class_
 
     def interface(self, name: str) -> type[Servant] | None:
         """Return an interface by name; None if the project does not declare it."""
-        found = self._found(name)
-        is_interface = found is not None and issubclass(found, Servant)
-        return found if is_interface else None
+        class_ = self._found(name)
+        is_interface = class_ is not None and issubclass(class_, Servant)
+        return class_ if is_interface else None
 
     def _found(self, name: str) -> type[Any] | None:
         return self._classes.get(name, self._classes.get(_last(name)))
 
     @cached_property
     def _classes(self) -> dict[str, Any]:
-        found: dict[str, Any] = {}
+        classes: dict[str, Any] = {}
         for class_ in self._declared():
             name = class_._descriptor_.name
-            found[name] = class_
-            found.setdefault(_last(name), class_)
-        return found
+            classes[name] = class_
+            classes.setdefault(_last(name), class_)
+        return classes
 
     def _declared(self) -> Iterator[Any]:
         for path in sorted(self._package.glob(f"**/{_MODULES}/*.py")):

@@ -13,9 +13,9 @@ Problems: TypeAlias = Iterator[str | None]
 """A problem for each thing checked, None if it passed."""
 
 
-def unequal(what: str, found: object, wanted: object) -> str | None:
+def unequal(what: str, actual: object, wanted: object) -> str | None:
     """Return the problem of a value that is not the expected one."""
-    return None if found == wanted else f"{what} is {found!r}, not {wanted!r}"
+    return None if actual == wanted else f"{what} is {actual!r}, not {wanted!r}"
 
 
 class Subject(Protocol):

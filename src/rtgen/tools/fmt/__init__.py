@@ -82,19 +82,21 @@ def edits(
     `lines` are the first and the last line, from 1. `check` is called now and then, and can end the
     work by an exception. Raises LexicalError.
     """
-    found = tokens(text, language, check)
+    tokens_of_text = tokens(text, language, check)
     frame = Frame(options.line_length, options.indent)
-    laid = Layout(text, found, language, frame).run(check)
+    laid = Layout(text, tokens_of_text, language, frame).run(check)
     _align(laid)
     low, high = (0, len(text) + 1) if lines is None else _offsets(text, lines)
     changed: list[Edit] = []
     start, parts = 0, [""]
     for line in [*laid, None]:
-        token = None if line is None else found[line.token]
+        token = None if line is None else tokens_of_text[line.token]
         if token is None or token.breaks:
             end = len(text)
             if token is not None and line is not None and line.token:
-                end = text.find("\n", found[line.token - 1].end, token.start) + 1
+                end = (
+                    text.find("\n", tokens_of_text[line.token - 1].end, token.start) + 1
+                )
             elif token is not None:
                 end = 0
             new = "".join(parts)

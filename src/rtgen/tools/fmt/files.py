@@ -82,5 +82,5 @@ def format_bytes(
         raise InputError([OTHER_FILE.at(None, message, hint=hint)]) from None
     except LexicalError as error:
         span = LineTable(name, read.text).span(error.start, error.end)
-        found = NO_TOKENS.at(span, error.message, hint=error.hint)
-        raise InputError([found]) from None
+        diagnostic = NO_TOKENS.at(span, error.message, hint=error.hint)
+        raise InputError([diagnostic]) from None

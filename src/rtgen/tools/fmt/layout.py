@@ -63,10 +63,10 @@ class Layout:
     """Lays out tokens; `lines` is the result."""
 
     def __init__(
-        self, text: str, found: list[Token], language: Language, frame: Frame
+        self, text: str, tokens: list[Token], language: Language, frame: Frame
     ) -> None:
         self._text = text
-        self._tokens = found
+        self._tokens = tokens
         self._language = language
         self._frame = frame
         self.lines: list[Line] = []

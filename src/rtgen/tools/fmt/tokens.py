@@ -129,7 +129,7 @@ def tokens(
 
     `check` is called now and then, and can end the work by an exception.
     """
-    found: list[Token] = []
+    result: list[Token] = []
     scan = _SCANNERS[language].match
     position = breaks = 0
     fresh = True  # only comments since the start of the line
@@ -158,27 +158,27 @@ def tokens(
                 fresh = fresh or breaks > 0
                 position = match.end()
                 continue
-            if spliced and found and found[-1].kind not in COMMENTS:
+            if spliced and result and result[-1].kind not in COMMENTS:
                 message = "a token may continue after this line end"
                 hint = "write a blank before the backslash"
-                raise LexicalError(message, found[-1].end, found[-1].end + 1, hint)
+                raise LexicalError(message, result[-1].end, result[-1].end + 1, hint)
             kind = Kind[name]
             token = Token(kind, match[0], position, breaks)
             if kind is Kind.WORD and token.text in _EDITOR and language is Language.CDL:
                 token = _editors(text, token)
-        if not len(found) % CHECKED:
+        if not len(result) % CHECKED:
             check()
-            if len(found) == MAX_TOKENS:
+            if len(result) == MAX_TOKENS:
                 message = f"the file has more than {MAX_TOKENS:,} tokens"
                 hint = "divide it into several"
                 raise LexicalError(message, token.start, token.end, hint)
-        found.append(token)
+        result.append(token)
         position = token.end
         breaks = 0
         spliced = False
         fresh = token.kind is Kind.DIRECTIVE or (fresh and token.kind in COMMENTS)
-    found.append(Token(Kind.END, "", len(text), max(breaks, 1)))
-    return found
+    result.append(Token(Kind.END, "", len(text), max(breaks, 1)))
+    return result
 
 
 def _directive(text: str, start: int, breaks: int, language: Language) -> Token:

@@ -154,8 +154,8 @@ class _Wrapping:
 
     def _close(self, mark: str) -> None:
         while self._open is not None:
-            found, self._open = self._open.mark, self._open.outer
-            if found == mark:
+            opening, self._open = self._open.mark, self._open.outer
+            if opening == mark:
                 return
 
 

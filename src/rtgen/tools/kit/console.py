@@ -60,9 +60,9 @@ class Console(msgspec.Struct, frozen=True):
         if self._held:
             from rtgen.compiler.diagnostics.report import report
 
-            found = [d for diagnostics in self._held for d in diagnostics]
+            findings = [d for diagnostics in self._held for d in diagnostics]
             self._held.clear()
-            sys.stderr.write(report(found, {}, self.form))
+            sys.stderr.write(report(findings, {}, self.form))
 
     def say(self, text: str) -> None:
         """Print a line for people, unless quiet or in a machine-readable form."""

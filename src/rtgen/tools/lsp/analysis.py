@@ -163,11 +163,11 @@ def emitted(
         return analysis
     with overlaid(snapshot.contents), stages.observed(_Stages(is_superseded)):
         outcome = compilation.emitted(project, complete)
-        found = list(outcome.diagnostics)
+        diagnostics = list(outcome.diagnostics)
         if not outcome.failed:
-            found += behaviours.check(project, outcome.artifacts)
+            diagnostics += behaviours.check(project, outcome.artifacts)
     known = analysis.reading.union(analysis.findings)
-    emitting = tuple(d for d in in_order(found) if d not in known)
+    emitting = tuple(d for d in in_order(diagnostics) if d not in known)
     return replace(analysis, complete=None, emitting=emitting)
 
 

@@ -179,30 +179,32 @@ class Server(LanguageServer):
             document = self.files.documents.at(path)
             if document is not None and versions.get(path) != document.version:
                 continue
-            found = published(self.files, path, findings.get(path, []))
+            diagnostics = published(self.files, path, findings.get(path, []))
             self.text_document_publish_diagnostics(
                 types.PublishDiagnosticsParams(
                     uri=uri_of(path) if document is None else document.uri,
-                    diagnostics=found,
+                    diagnostics=diagnostics,
                     version=None if document is None else document.version,
                 )
             )
-        self._published[key] = {path for path, found in findings.items() if found}
+        self._published[key] = {
+            path for path, diagnostics in findings.items() if diagnostics
+        }
         for refresh in self._refreshes():
             refresh(None)
 
     def _refreshes(self) -> list[Callable[[None], Any]]:
         """Return the requests that make the client refresh tokens and hints, if supported."""
         workspace = self.client_capabilities.workspace
-        found: list[Callable[[None], Any]] = []
+        refreshes: list[Callable[[None], Any]] = []
         if workspace is None:
-            return found
+            return refreshes
         tokens, hints = workspace.semantic_tokens, workspace.inlay_hint
         if tokens is not None and tokens.refresh_support:
-            found.append(self.workspace_semantic_tokens_refresh)
+            refreshes.append(self.workspace_semantic_tokens_refresh)
         if hints is not None and hints.refresh_support:
-            found.append(self.workspace_inlay_hint_refresh)
-        return found
+            refreshes.append(self.workspace_inlay_hint_refresh)
+        return refreshes
 
     def changed(self, document: Document | None) -> None:
         """Handle a document that was opened or edited."""
@@ -450,9 +452,9 @@ def _add_outlines(server: Server) -> None:
         view = server.view(params.text_document)
         if view is None:
             return []
-        found = code_actions(view, params.range, params.context.diagnostics)
+        actions = code_actions(view, params.range, params.context.diagnostics)
         only = params.context.only
-        return [a for a in found if only is None or a.kind in only]
+        return [a for a in actions if only is None or a.kind in only]
 
     @server.feature(types.TEXT_DOCUMENT_FORMATTING)
     async def formatted(params: types.DocumentFormattingParams) -> list[types.TextEdit]:

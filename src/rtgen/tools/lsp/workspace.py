@@ -150,7 +150,7 @@ class Workspace:
         except ToolError as error:
             return self._by_file(key, (*state.problems, *problems_of(error)))
         if made.complete is not None and before is not None:
-            kept = (self._moved(found, before) for found in before.emitting)
+            kept = (self._moved(emission, before) for emission in before.emitting)
             made = replace(made, emitting=tuple(d for d in kept if d is not None))
         state.analysis = made
         return self._by_file(key, (*state.problems, *made.findings, *made.emitting))
@@ -192,13 +192,13 @@ class Workspace:
             finding, span=document.text.span(span.file, *place)
         )
 
-    def _by_file(self, key: ProjectKey, found: Iterable[Diagnostic]) -> Findings:
+    def _by_file(self, key: ProjectKey, diagnostics: Iterable[Diagnostic]) -> Findings:
         by_file: Findings = {}
         for document in self.documents.all:
             if self.key_of(document.path) == key:
                 by_file[document.path] = []
         nowhere = str(Path(key.root) / "rtgen.toml") if not key.file else key.file
-        for finding in found:
+        for finding in diagnostics:
             path = nowhere if finding.span is None else absolute_path(finding.span.file)
             by_file.setdefault(path, []).append(finding)
         return by_file
@@ -251,8 +251,8 @@ class Workspace:
 
     def location_of(self, place: Place) -> Location | None:
         """Return the place of a name with its file."""
-        found = self.range_of(place)
-        return None if found is None else Location(uri_of(place.file.path), found)
+        range_ = self.range_of(place)
+        return None if range_ is None else Location(uri_of(place.file.path), range_)
 
     def range_of_span(self, span: Span, text: Text) -> Range:
         """Return the range of a span in a text."""
@@ -301,13 +301,13 @@ class View:
         if self.file is None:
             return None
         shift = self.shift
-        found = self.file.at(shift.back(self.offset(position)))
-        if found is None:
+        hit = self.file.at(shift.back(self.offset(position)))
+        if hit is None:
             return None
-        moved = shift.forward(found.start, found.end)
+        moved = shift.forward(hit.start, hit.end)
         if moved is None or not moved[0] <= self.offset(position) <= moved[1]:
             return None
-        return found, self.range(*moved)
+        return hit, self.range(*moved)
 
     def occurrences(self) -> Iterator[tuple[int, int, Occurrence]]:
         """Yield the current places of the names that edits have not changed."""

@@ -55,13 +55,13 @@ def compare(
     one: Log, other: Log, wanted: Callable[[Mapping[str, Any]], bool]
 ) -> dict[tuple[str, str], Comparison]:
     """Compare two files in order, by source of events. Raises RecordingError."""
-    found: dict[tuple[str, str], Comparison] = {}
+    comparisons: dict[tuple[str, str], Comparison] = {}
     for pair in zip_longest(one.events(wanted), other.events(wanted)):
         for side, event in enumerate(pair):
             if event is not None:
                 key = event["event"], source(event)
-                found.setdefault(key, Comparison()).take(side, event)
-    return found
+                comparisons.setdefault(key, Comparison()).take(side, event)
+    return comparisons
 
 
 def _difference(one: Event, other: Event) -> str:

@@ -137,14 +137,16 @@ class Log:
                 heads[channel] = head if wanted(head) or _is_shared(head) else None
                 address = channel.get("instance"), channel.get("port")
                 self.units[address] = channel.get("unit")
-            found = heads[channel]
-            if found is not None:
+            channel_head = heads[channel]
+            if channel_head is not None:
                 value = decoders.value(message)
-                inside = {"value": value} if found["event"] == "sample" else value
+                inside = (
+                    {"value": value} if channel_head["event"] == "sample" else value
+                )
                 if not isinstance(inside, dict):
                     raise RecordingError(f"{channel.topic}: a message is not an object")
-                event = {"t": message.time - start, **found, **_written(inside)}
-                if not _is_shared(found) or wanted(event):
+                event = {"t": message.time - start, **channel_head, **_written(inside)}
+                if not _is_shared(channel_head) or wanted(event):
                     yield event
 
     def _lines(self) -> Iterator[Event]:

@@ -103,8 +103,8 @@ def _list(
         low, high = limits.get("minItems", 0), limits.get("maxItems", len(value))
         if not low <= len(value) <= high:
             raise ValueError(f"{len(value)} elements are not {low} to {high}")
-        found = [convert_item(item) for item in value]
-        return bytes(found) if octets else found
+        items = [convert_item(item) for item in value]
+        return bytes(items) if octets else items
 
     return {"type": "array", "items": items, **limits}, convert
 

@@ -46,14 +46,14 @@ class Frames:
 
     def count(self, octets: bytes) -> int:
         """Return how many frames begin in the next octets; the handshake is one of them."""
-        found, position = 0, 0
+        frames, position = 0, 0
         if not self._open:
-            found = not self._head
+            frames = not self._head
             self._head += octets
             end = self._head.find(b"\r\n\r\n")
             if end < 0:
                 del self._head[:-3]
-                return found
+                return frames
             octets = bytes(self._head[end + 4 :])
             self._head.clear()
             self._open = True
@@ -63,11 +63,11 @@ class Frames:
                 self._left -= passed
                 position += passed
                 continue
-            found += not self._head
+            frames += not self._head
             self._head.append(octets[position])
             position += 1
             self._begin()
-        return found
+        return frames
 
     def _begin(self) -> None:
         """Learn the length of a frame when its head is complete."""

@@ -128,8 +128,8 @@ def _call(
         except ServiceError as error:
             raise RefusedError(str(error)) from error
         names = [] if call.reply is None else _member_names(call.reply)
-        found = (result,) if len(names) == 1 else result
-        values = found if isinstance(found, tuple) else ()
+        results = (result,) if len(names) == 1 else result
+        values = results if isinstance(results, tuple) else ()
         return _text(dict(zip(names, map(plain, values), strict=False)))
 
     return carry_out

@@ -167,8 +167,8 @@ class LiveView:
 
     def _on_event(self, event: Event) -> None:
         if isinstance(event, ParameterChange) and not self._closed:
-            found = self._parameter(event.instance, event.parameter)
-            self._server.publish_parameter_values([found])
+            parameter = self._parameter(event.instance, event.parameter)
+            self._server.publish_parameter_values([parameter])
 
     # Parameters; called in threads of the server
 
@@ -196,16 +196,16 @@ class LiveView:
 
     def set_parameters(self, parameters: Sequence[Parameter]) -> list[Parameter]:
         """Set the valid ones of the parameters; return their values afterwards."""
-        found: list[Parameter] = []
+        changed: list[Parameter] = []
         for parameter in parameters:
             instance, _, name = parameter.name.partition(".")
             try:
                 text = text_of(parameter.get_value())
-                found.append(self._set(instance, name, text))
+                changed.append(self._set(instance, name, text))
             except (RtcError, RefusedError, ValueError) as error:
                 self._warn(f"{parameter.name}: {error}")
-                found += self.parameters([parameter.name])
-        return found
+                changed += self.parameters([parameter.name])
+        return changed
 
     def _set(self, instance: str, name: str, text: str) -> Parameter:
         """Set a parameter, which takes effect between two cycles; return its new value."""
@@ -265,8 +265,8 @@ class LiveView:
         first = service.type in _STATES
         reply = self._submit(service.prepare(payload), client, first=first)
         try:
-            found: bytes = reply.result(_CALL_TIMEOUT)
-            return found
+            octets: bytes = reply.result(_CALL_TIMEOUT)
+            return octets
         except CancelledError:
             raise RefusedError("the run is over") from None
         except FutureTimeoutError:

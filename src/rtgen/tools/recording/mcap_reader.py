@@ -90,14 +90,14 @@ class McapFile:
         """The metadata records at the head of the file, by name."""
         from mcap.records import Chunk, DataEnd, Metadata
 
-        found: dict[str, dict[str, str]] = {}
+        records: dict[str, dict[str, str]] = {}
         with self._opened() as stream:
             for record in _records(stream):
                 if isinstance(record, Chunk | DataEnd):
                     break
                 if isinstance(record, Metadata):
-                    found[record.name] = record.metadata
-        return found
+                    records[record.name] = record.metadata
+        return records
 
     @cached_property
     def is_whole(self) -> bool:
@@ -108,11 +108,11 @@ class McapFile:
 
     def losses(self) -> list[str]:
         """Return what the last call of `messages` could not read, in words."""
-        found = [] if self.is_whole else ["cut off: its last events are missing"]
+        reasons = [] if self.is_whole else ["cut off: its last events are missing"]
         if self.damaged:
             chunks = "chunk" if self.damaged == 1 else "chunks"
-            found.append(f"{self.damaged} damaged {chunks} left out")
-        return found
+            reasons.append(f"{self.damaged} damaged {chunks} left out")
+        return reasons
 
     def messages(self) -> Iterator[Message]:
         """Yield all messages of complete chunks, in file order."""

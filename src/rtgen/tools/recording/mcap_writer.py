@@ -169,13 +169,13 @@ class McapWriter:
 
     def _end_chunk(self) -> None:
         """Write the chunk with its index, unless it is empty."""
-        found = {channel: index for channel, index in self._index.items() if index}
-        if not found or not self._open:
+        index_of = {channel: index for channel, index in self._index.items() if index}
+        if not index_of or not self._open:
             return
         records, content = self._records, bytes(self._chunk)
         data = self._compress(content)
-        first = min(min(index[::2]) for index in found.values())
-        last = max(max(index[::2]) for index in found.values())
+        first = min(min(index[::2]) for index in index_of.values())
+        last = max(max(index[::2]) for index in index_of.values())
         chunk = _octets(
             records.Chunk(
                 compression=self._compression,
@@ -188,7 +188,7 @@ class McapWriter:
         )
         begin = self._file.at
         parts, offsets, at = [chunk], {}, begin + len(chunk)
-        for channel, index in found.items():
+        for channel, index in index_of.items():
             offsets[channel] = at
             parts += _index_record(channel, index)
             at += sum(map(len, parts[-2:]))
@@ -208,7 +208,7 @@ class McapWriter:
         span = self._span or [first, last]
         self._span = [min(first, span[0]), max(last, span[1])]
         self._chunk.clear()
-        for channel in found:
+        for channel in index_of:
             self._index[channel] = array("Q")
         self._write(b"".join(parts))
 

@@ -237,15 +237,15 @@ class Recorder:
 
     def _encoding(self, type_: Any) -> tuple[int, str, Encoder]:
         """Return schema, message encoding and encoder of a type."""
-        found = self._encodings.get(type_)
-        if found is None:
+        encoding = self._encodings.get(type_)
+        if encoding is None:
             encode = cdr_encoder(type_)
             if encode is None:
-                found = 0, "json", _json_encoder(type_)
+                encoding = 0, "json", _json_encoder(type_)
             else:
-                found = self._schema(schema_of(type_._descriptor_)), "cdr", encode
-            self._encodings[type_] = found
-        return found
+                encoding = self._schema(schema_of(type_._descriptor_)), "cdr", encode
+            self._encodings[type_] = encoding
+        return encoding
 
     def _schema(self, schema: Schema) -> int:
         if schema not in self._schemas:

@@ -78,26 +78,26 @@ def course_of(file: McapFile) -> Course:
             f"{file.path} cannot be replayed: it is not a recording of rtgen run --record"
         )
     start = described.get("start", "")
-    found = Course(file, int(start) if start.isascii() and start.isdecimal() else 0)
+    course = Course(file, int(start) if start.isascii() and start.isdecimal() else 0)
     for message in file.messages():
-        time, kind = message.time - found.start, message.channel.get("kind")
+        time, kind = message.time - course.start, message.channel.get("kind")
         if kind == "sample":
             channel = message.channel
-            found.channels[channel.get("instance"), channel.get("port")] = channel
+            course.channels[channel.get("instance"), channel.get("port")] = channel
         elif kind in _KINDS:
             try:
                 value: Any = deserialize(_KINDS[kind], message.data)
             except CdrError as error:
                 raise RecordingError(f"{file.path}: {kind}: {error}") from error
             if isinstance(value, messages.Component):
-                found.components.append(value)
+                course.components.append(value)
             elif isinstance(value, messages.Connection):
-                found.connections.append((time, value))
+                course.connections.append((time, value))
             else:
-                found.end, found.through = time, value.through
+                course.end, course.through = time, value.through
                 break
-        found.end = max(found.end, time)
-    return found
+        course.end = max(course.end, time)
+    return course
 
 
 class Player(Component):

@@ -57,12 +57,12 @@ def message_text(descriptor: StructDescriptor) -> str | None:
     files can declare, except strings of 16-bit characters, which Foxglove's reader of messages
     lacks.
     """
-    found: dict[str, str] = {}
+    texts: dict[str, str] = {}
     try:
-        _add(descriptor, found)
+        _add(descriptor, texts)
     except _NoMessageError:
         return None
-    (_, first), *others = found.items()
+    (_, first), *others = texts.items()
     rest = (f"{_SEPARATOR}\nMSG: {name}\n{text}" for name, text in others)
     return "".join((first, *rest))
 
@@ -72,7 +72,7 @@ def message_name(scoped_name: str) -> str:
     return scoped_name.replace("::", "/")
 
 
-def _add(descriptor: Descriptor, found: dict[str, str]) -> str:
+def _add(descriptor: Descriptor, texts: dict[str, str]) -> str:
     """Append a message to those found before; return its name as a type."""
     if (
         not isinstance(descriptor, StructDescriptor)
@@ -87,38 +87,38 @@ def _add(descriptor: Descriptor, found: dict[str, str]) -> str:
     name = "/".join(words)
     if words[1] == "msg":
         name = f"{words[0]}/{words[2]}"
-    if name not in found:
-        found[name] = ""
+    if name not in texts:
+        texts[name] = ""
         lines = []
         for member in descriptor.members:
             is_field = FIELD_NAME.fullmatch(member.name)
             if not is_field or member.optional or member.external:
                 raise _NoMessageError
             if member.name != FILLER:
-                lines.append(f"{_type(member.type, found)} {member.name}\n")
-        found[name] = "".join(lines)
+                lines.append(f"{_type(member.type, texts)} {member.name}\n")
+        texts[name] = "".join(lines)
     return name
 
 
-def _type(descriptor: Descriptor, found: dict[str, str]) -> str:
+def _type(descriptor: Descriptor, texts: dict[str, str]) -> str:
     match plain(descriptor):
         case SequenceDescriptor(element, bound):
             most = "" if bound is None else f"<={bound}"
-            return f"{_element(element, found)}[{most}]"
+            return f"{_element(element, texts)}[{most}]"
         case ArrayDescriptor(element, (size,)):
-            return f"{_element(element, found)}[{size}]"
+            return f"{_element(element, texts)}[{size}]"
         case other:
-            return _element(other, found)
+            return _element(other, texts)
 
 
-def _element(descriptor: Descriptor, found: dict[str, str]) -> str:
+def _element(descriptor: Descriptor, texts: dict[str, str]) -> str:
     match plain(descriptor):
         case PrimitiveDescriptor(name) if name in _NAMES:
             return _NAMES[name]
         case StringDescriptor(False, bound):
             return "string" if bound is None else f"string<={bound}"
         case other:
-            return _add(other, found)
+            return _add(other, texts)
 
 
 def message_model(name: str, text: str) -> Model:
@@ -126,9 +126,9 @@ def message_model(name: str, text: str) -> Model:
     findings = Findings()
     messages: list[Message] = []
     for number, section in enumerate(re.split(r"^={80}\n", text, flags=re.MULTILINE)):
-        found, section_name = section, name
+        section_text, section_name = section, name
         if number:
-            head, _, found = section.partition("\n")
+            head, _, section_text = section.partition("\n")
             match = _HEAD.fullmatch(head)
             if match is None:
                 raise SchemaError(f"{name}: expected `MSG: package/Name` in the schema")
@@ -136,7 +136,7 @@ def message_model(name: str, text: str) -> Model:
         scoped_name = _scoped(section_name)
         if scoped_name is None:
             raise SchemaError(f"{section_name} is not a message of ROS 2")
-        parts = parts_of(found, name, findings)
+        parts = parts_of(section_text, name, findings)
         if len(parts) != 1:
             raise SchemaError(f"{section_name}: the schema is not of one message")
         messages.append(Message(scoped_name, parts[0], _NO_SPAN))

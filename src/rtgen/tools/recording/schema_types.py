@@ -111,13 +111,13 @@ def type_of(schema: Schema) -> type[DataType]:
 def message_classes(model: Model) -> dict[str, type[DataType]]:
     """Return classes of the messages that ship with rtgen, by name (`std_msgs/msg/Float32`)."""
     types = Types(model, own_names=True)
-    found = {}
+    classes = {}
     for declaration in model.declarations:
         if isinstance(declaration, Struct):
             descriptor = types.named(declaration.name)
             assert isinstance(descriptor, StructDescriptor)
-            found["/".join(declaration.name)] = descriptor.class_
-    return found
+            classes["/".join(declaration.name)] = descriptor.class_
+    return classes
 
 
 def _idl_model(schema: Schema) -> Model:
@@ -227,13 +227,13 @@ class Types:
 
     def _inherited(self, struct: Struct) -> list[Member]:
         """Return the members, inherited ones first."""
-        found: list[Member] = []
+        members: list[Member] = []
         at: Struct | None = struct
         while at is not None:
-            found = [*at.members, *found]
+            members = [*at.members, *members]
             base = None if at.base is None else self._model.find(at.base)
             at = base if isinstance(base, Struct) else None
-        return found
+        return members
 
     def _field(self, described: MemberDescriptor, member: Member) -> _Field:
         """Return the field of a member, with the value that it starts with."""
@@ -290,10 +290,10 @@ class Types:
         """Return a bitset after its bases."""
         levels = [declaration]
         while (base := levels[0].base) is not None:
-            found = self._model.find(base)
-            if not isinstance(found, Bitset):
+            parent = self._model.find(base)
+            if not isinstance(parent, Bitset):
                 break
-            levels.insert(0, found)
+            levels.insert(0, parent)
         return levels
 
     def _bitset(self, declaration: Bitset, name: str) -> BitsetDescriptor:
@@ -367,5 +367,5 @@ def _label(switch: Descriptor, label: Any) -> int | str | bool:
         number = dict(switch.members)[label.name[-1]]
         member: int = switch.class_(number)
         return member
-    found: int | str | bool = label
-    return found
+    value: int | str | bool = label
+    return value

@@ -101,8 +101,8 @@ def schema_of(descriptor: Descriptor) -> Schema:
             return Schema(name, message, ros_messages.ENCODING)
     declarations = _Declarations()
     declarations.add(described)
-    found = tuple(declarations.found.values())
-    text = idl_text(Model(declarations=found), found, escape=_spelled)
+    declared = tuple(declarations.found.values())
+    text = idl_text(Model(declarations=declared), declared, escape=_spelled)
     return Schema("::".join(map(_spelled, described.name.split("::"))), text)
 
 

@@ -126,9 +126,9 @@ class Function:
             sop = self._codec.tdr.int16(SOP_REQUEST)
             what = "another function" if head[:2] == sop else "no request"
             raise ChannelError(E_BOVR, f"{self.name}: this is {what}")
-        found = self.read_request(reader.more)
+        arguments = self.read_request(reader.more)
         reader.finish()
-        return found
+        return arguments
 
     def encode_reply(
         self, kept: Sequence[object], returned: object, outs: Sequence[object]
@@ -148,9 +148,9 @@ class Function:
     ) -> tuple[object, tuple[object, ...] | None]:
         """Decode a complete reply. Raises RpcError."""
         reader = Reader(data)
-        found = self.read_reply(reader.more(self.first), reader.more, kept)
+        values = self.read_reply(reader.more(self.first), reader.more, kept)
         reader.finish()
-        return found
+        return values
 
     def call(
         self, channel: Channel, arguments: tuple[object, ...]
@@ -250,11 +250,11 @@ class Reader:
 
     def more(self, n: int) -> bytes:
         """Return the next n octets. Raises ChannelError if fewer are left."""
-        found = self._data[self._at : self._at + n]
-        if len(found) != n:
-            raise ChannelError(E_BOVR, f"{n - len(found)} bytes are missing")
+        octets = self._data[self._at : self._at + n]
+        if len(octets) != n:
+            raise ChannelError(E_BOVR, f"{n - len(octets)} bytes are missing")
         self._at += n
-        return found
+        return octets
 
     def finish(self) -> None:
         """Raise ProtocolError if octets are left."""

@@ -86,12 +86,12 @@ class Replay:
             if name not in texts:
                 raise refused(f"the signature {name!r} is missing")
             common = self._recorded.get("allocator_cdl", "")
-            unit, found = read_text(common + texts[name], f"{name}.cdl")
-            if has_errors(found):
+            unit, diagnostics = read_text(common + texts[name], f"{name}.cdl")
+            if has_errors(diagnostics):
                 unit, others = read_text(common + "".join(texts.values()), "all.cdl")
                 if has_errors(others):
                     raise refused(
-                        str(next(d for d in found if has_errors([d])).message)
+                        str(next(d for d in diagnostics if has_errors([d])).message)
                     )
             self._units[name] = unit
         return self._units[name]
@@ -122,40 +122,40 @@ def _reply_differences(
     yield from _compare("reply", reply, function.encode_reply(kept, returned, outs))
     decoded = function.result_to_json(*function.decode_reply(reply, kept))
     returns = (function.layout.returned,)
-    expected, found = {"": case["return"]}, {"": decoded["return"]}
-    yield from _compare_values("return value", returns, expected, found)
+    expected, actual = {"": case["return"]}, {"": decoded["return"]}
+    yield from _compare_values("return value", returns, expected, actual)
     items = function.layout.outs
     yield from _compare_values("outs", items, case["outs"], decoded["outs"])
 
 
-def _compare(what: str, expected: bytes | str, found: bytes | str) -> Iterator[str]:
-    if expected != found:
-        shown = [v.hex() if isinstance(v, bytes) else v for v in (expected, found)]
+def _compare(what: str, expected: bytes | str, actual: bytes | str) -> Iterator[str]:
+    if expected != actual:
+        shown = [v.hex() if isinstance(v, bytes) else v for v in (expected, actual)]
         yield f"{what}: {shown[0]} was recorded, the codec encodes {shown[1]}"
 
 
 def _compare_values(
-    what: str, items: tuple[Item, ...], expected: Json, found: Json
+    what: str, items: tuple[Item, ...], expected: Json, actual: Json
 ) -> Iterator[str]:
-    if not _is_object(items, expected, found):
-        texts = (json.dumps(expected), json.dumps(found))
+    if not _is_object(items, expected, actual):
+        texts = (json.dumps(expected), json.dumps(actual))
         yield f"{what}: {texts[0]} was recorded, the codec decodes {texts[1]}"
 
 
-def _is_object(items: tuple[Item, ...], expected: Json, found: Json) -> bool:
-    if not isinstance(expected, dict) or not isinstance(found, dict):
-        return expected is None and found is None
+def _is_object(items: tuple[Item, ...], expected: Json, actual: Json) -> bool:
+    if not isinstance(expected, dict) or not isinstance(actual, dict):
+        return expected is None and actual is None
     return all(
-        _is_same(item, expected.get(item.name), found.get(item.name)) for item in items
+        _is_same(item, expected.get(item.name), actual.get(item.name)) for item in items
     )
 
 
-def _is_same(item: Item, expected: Json, found: Json) -> bool:
-    if item.pointer and isinstance(found, list) and isinstance(expected, list):
-        pairs = zip(expected, found, strict=False)
+def _is_same(item: Item, expected: Json, actual: Json) -> bool:
+    if item.pointer and isinstance(actual, list) and isinstance(expected, list):
+        pairs = zip(expected, actual, strict=False)
         same = all(_is_equal(item.node, a, b) for a, b in pairs)
-        return same and len(expected) == len(found)
-    return _is_equal(item.node, expected, found)
+        return same and len(expected) == len(actual)
+    return _is_equal(item.node, expected, actual)
 
 
 def _single(value: float) -> float:
@@ -163,21 +163,21 @@ def _single(value: float) -> float:
     return float(struct.unpack("f", struct.pack("f", value))[0])
 
 
-def _is_equal(node: Node, expected: Json, found: Json) -> bool:
+def _is_equal(node: Node, expected: Json, actual: Json) -> bool:
     """Return whether values are equal; of arrays with `count_is`, counted elements are compared."""
     match node:
         case Nothing():
             return True
         case Basic(Scalar.FLOAT32) if isinstance(expected, int | float):
-            return _single(expected) == found
+            return _single(expected) == actual
         case Record(items=items):
-            return _is_object(items, expected, found)
+            return _is_object(items, expected, actual)
         case FixedArray(element) | Counted(element) if isinstance(expected, list):
-            if not isinstance(found, list):
+            if not isinstance(actual, list):
                 return False
             is_cut = isinstance(node, Counted) and node.count is not node.size
-            expected = expected[: len(found)] if is_cut else expected
-            pairs = zip(expected, found, strict=False)
+            expected = expected[: len(actual)] if is_cut else expected
+            pairs = zip(expected, actual, strict=False)
             same = all(_is_equal(element, a, b) for a, b in pairs)
-            return same and len(expected) == len(found)
-    return expected == found
+            return same and len(expected) == len(actual)
+    return expected == actual

@@ -70,13 +70,13 @@ def item_to_json(item: Item, value: object) -> Json:
 
 def arguments_to_json(items: Sequence[Item], values: Sequence[object]) -> Json:
     """Convert the arguments of a request to JSON."""
-    found: dict[str, Json] = {}
+    arguments: dict[str, Json] = {}
     for item, value in zip(items, values, strict=True):
         if item.asked:
-            found[item.name] = {"want": True} if value else None
+            arguments[item.name] = {"want": True} if value else None
         else:
-            found[item.name] = item_to_json(item, value)
-    return found
+            arguments[item.name] = item_to_json(item, value)
+    return arguments
 
 
 def _member_to_json(item: Item, value: object) -> Json:
@@ -161,12 +161,12 @@ def arguments_from_json(
     items: Sequence[Item], value: Json, types: ModuleType
 ) -> tuple[object, ...]:
     """Convert JSON to the arguments of a request. Raises JsonError."""
-    found = _object(value, "arguments", {item.name: item for item in items})
+    values = _object(value, "arguments", {item.name: item for item in items})
     return tuple(
         (
-            _wanted(found[item.name], item.name)
+            _wanted(values[item.name], item.name)
             if item.asked
-            else item_from_json(item, found[item.name], types)
+            else item_from_json(item, values[item.name], types)
         )
         for item in items
     )
@@ -179,12 +179,12 @@ def outs_from_json(
 
     Raises JsonError.
     """
-    found = _object(value, "outs", {item.name: item for item in items})
+    values = _object(value, "outs", {item.name: item for item in items})
     return tuple(
         (
             None
-            if item.nullable and found[item.name] is None
-            else from_json(item.node, found[item.name], types, item.name)
+            if item.nullable and values[item.name] is None
+            else from_json(item.node, values[item.name], types, item.name)
         )
         for item in items
     )
@@ -223,10 +223,10 @@ def _record_from_json(
     types: ModuleType,
     place: str,
 ) -> object:
-    found = _object(value, place, {item.name: item for item in items})
+    entries = _object(value, place, {item.name: item for item in items})
     values = []
     for item in items:
-        inner = found[item.name]
+        inner = entries[item.name]
         if item.pointer and isinstance(inner, list) and len(inner) == 1:
             inner = inner[0]
         path = f"{place}.{item.name}"
@@ -274,13 +274,13 @@ def _text_from_json(node: String, value: Json, place: str) -> object:
     else:
         units = [ord(character) for character in value]
     low = -(_mask(node) + 1) // 2 if node.kind.islower() else 0
-    found = []
+    characters = []
     for unit in units:
         if not isinstance(unit, int) or not low <= unit <= _mask(node):
             raise JsonError(f"{place}: {unit!r} is not a code unit")
         wrapped = unit > _mask(node) // 2 and node.kind.islower()
-        found.append(unit - _mask(node) - 1 if wrapped else unit)
-    return found
+        characters.append(unit - _mask(node) - 1 if wrapped else unit)
+    return characters
 
 
 def _list(value: Json, place: str) -> Sequence[Json]:

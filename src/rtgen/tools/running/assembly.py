@@ -187,8 +187,8 @@ def _fill(
             own_properties(connection.properties),
         )
         span, hint = _failed_end(system, connection)
-        found = _findings(CONNECTION, span, _performing(system, action))
-        findings += (replace(finding, hint=hint) for finding in found)
+        diagnostics = _findings(CONNECTION, span, _performing(system, action))
+        findings += (replace(finding, hint=hint) for finding in diagnostics)
     known = system.instances
     for step in steps:
         if isinstance(step.action, SetParameter) and step.action.instance in known:
@@ -352,9 +352,9 @@ def _configure(
         for parameter, text in pairs:
             span = c.places.get((set_id, parameter), c.span)
             change = partial(sets.set, parameter, text, set_id)
-            if found := [*_findings(PARAMETER, span, change)]:
+            if diagnostics := [*_findings(PARAMETER, span, change)]:
                 wrong.add(set_id)
-                yield from found
+                yield from diagnostics
     # a set without a valid value is not created
     if any(pairs for _, pairs in c.parameter_sets) and c.active_set not in wrong:
         yield from _findings(PARAMETER, c.span, partial(sets.activate, c.active_set))

@@ -58,9 +58,9 @@ def port_lines(described: Description) -> Iterator[str]:
     for kind, ports in (("in", described.in_ports), ("out", described.out_ports)):
         for name, port in ports.items():
             yield f"{kind} {name}: {port.type}"
-    for kind, found in (
+    for kind, interfaces in (
         ("provides", described.providers),
         ("requires", described.consumers),
     ):
-        for each in found:
+        for each in interfaces:
             yield f"{kind} {each.port}.{each.instance}: {each.name}"

@@ -308,11 +308,13 @@ def _show(running: runtime.System, view: Progress, transport: object) -> None:
     def look() -> None:
         now = running.time
         view.at(now)
-        for instance, found in (foreign.foreign_states() if foreign else {}).items():
+        for instance, new_state in (
+            foreign.foreign_states() if foreign else {}
+        ).items():
             before = outside.get(instance, runtime.INACTIVE_STATE)
-            if found is not None and found is not before:
-                outside[instance] = found
-                view.state(now, instance, name_of(found))
+            if new_state is not None and new_state is not before:
+                outside[instance] = new_state
+                view.state(now, instance, name_of(new_state))
         for instance, before in known.items():
             state = running.state(instance)
             if state is not before:

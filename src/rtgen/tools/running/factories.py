@@ -107,7 +107,7 @@ def _advice(error: BaseException, module: str) -> str | None:
             if module == missing or module.startswith(f"{missing}."):
                 return "is its package installed, and `rtgen generate` done?"
             return f"is {missing.partition('.')[0]} installed in this environment?"
-        case AttributeError(name=str(name), obj=ModuleType() as found):
-            close = get_close_matches(name, vars(found), n=1)
+        case AttributeError(name=str(name), obj=ModuleType() as holder):
+            close = get_close_matches(name, vars(holder), n=1)
             return f"did you mean {close[0]}?" if close else None
     return None

@@ -101,8 +101,8 @@ class FailureReport:
         message = f"{failed.message}: {described(error)}"
         if place(error) is None:
             # The module or its attribute is missing, so there is no line to show.
-            found = getattr(error, "obj", None)
-            file = getattr(found, "__file__", None)
+            holder = getattr(error, "obj", None)
+            file = getattr(holder, "__file__", None)
             at = (
                 [Related(_span(FrameSummary(file, 1, "")), "the module")]
                 if file
@@ -256,9 +256,9 @@ def _frames(error: BaseException) -> list[FrameSummary]:
 def _own(frames: list[FrameSummary]) -> list[FrameSummary]:
     """Return the frames in the user's own files; else those of other packages; else all."""
     for wanted in (is_users, lambda f: not (is_rtgens(f) or f.startswith(_IMPORTING))):
-        found = [frame for frame in frames if wanted(frame.filename)]
-        if found:
-            return found
+        frames_shown = [frame for frame in frames if wanted(frame.filename)]
+        if frames_shown:
+            return frames_shown
     return frames
 
 

@@ -180,6 +180,6 @@ def _elsewhere(instance: str, option: str) -> Diagnostic:
 
 
 def _raise_if_any(findings: Sequence[Diagnostic] | Iterator[Diagnostic]) -> None:
-    found = [*findings]
-    if found:
-        raise InputError(found)
+    diagnostics = [*findings]
+    if diagnostics:
+        raise InputError(diagnostics)

@@ -118,20 +118,20 @@ def _joints(
             '[ros2.topics] "INSTANCE.PORT" = "TOPIC" in rtgen.toml, or [ros2.services]'
         )
         raise InputError([ROS_TOPIC.at(None, "no port is a topic", hint=hint)])
-    found: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     joints = []
     for entry in entries:
         problem = next(_problems(entry, running), None)
         if problem is not None:
-            found.append(ROS_TOPIC.at(entry.span, problem))
+            diagnostics.append(ROS_TOPIC.at(entry.span, problem))
             continue
         port = _ports(running, entry.instance)[entry.port]
         topic = node.qualified(entry.topic)
         marshaled = _marshaled(entry, running)
         shown = nodes.get(entry.instance, "")
         joints.append(Joint(port, topic, entry.profile, marshaled, shown))
-    if found:
-        raise InputError(found)
+    if diagnostics:
+        raise InputError(diagnostics)
     return joints
 
 
@@ -210,7 +210,7 @@ def _service_joints(
     if not (settings.services or settings.actions):
         return []
     info = message_classes(EVENT_INFO)[EVENT_INFO]
-    found: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     joints: list[ServiceJoint | EventJoint] = []
     for entry in settings.services:
         try:
@@ -218,7 +218,7 @@ def _service_joints(
             messages = messages_of(port.interface, entry.operation)
         except (LookupError, ServiceError) as error:
             problem = str(error.args[0])
-            found.append(ROS_TOPIC.at(entry.span, problem))
+            diagnostics.append(ROS_TOPIC.at(entry.span, problem))
             continue
         shown = nodes.get(entry.instance, "")
         name = node.qualified(entry.service)
@@ -231,9 +231,9 @@ def _service_joints(
             component = _component(action.instance, running)
             joints += joints_of(component, action.port, name, info, shown)
         except (LookupError, ServiceError) as error:
-            found.append(ROS_TOPIC.at(action.span, str(error.args[0])))
-    if found:
-        raise InputError(found)
+            diagnostics.append(ROS_TOPIC.at(action.span, str(error.args[0])))
+    if diagnostics:
+        raise InputError(diagnostics)
     return joints
 
 
@@ -251,14 +251,14 @@ def _service_port(entry: ServiceEntry, running: runtime.System) -> Any:
 
     component = _component(entry.instance, running)
     both: list[Any] = [*component.providers.values(), *component.consumers.values()]
-    found = [port for port in both if port.port == entry.port]
-    if not found:
+    ports = [port for port in both if port.port == entry.port]
+    if not ports:
         known = ", ".join(dict.fromkeys(port.port for port in both)) or "none"
         raise LookupError(
             f"{entry.instance} has no service port {entry.port!r}; known: {known}"
         )
-    having = (p for p in found if entry.operation in operations_of(p.interface))
-    port = next(having, found[0])
+    having = (p for p in ports if entry.operation in operations_of(p.interface))
+    port = next(having, ports[0])
     if getattr(port, "connected", False):
         raise LookupError(f"{entry.instance}.{entry.port} is connected in the system")
     return port

@@ -86,14 +86,14 @@ def divided(
 
     Raises InputError for an unknown instance, Refusal for one in two groups.
     """
-    found = [partition.named(group, profile, outside) for group in groups]
-    for number, group in enumerate(found):
-        for other in found[:number]:
+    partitions = [partition.named(group, profile, outside) for group in groups]
+    for number, group in enumerate(partitions):
+        for other in partitions[:number]:
             if twice := sorted(group & other):
                 raise Refusal(f"--group: {', '.join(twice)} is in two groups")
-    grouped = frozenset().union(*found)
+    grouped = frozenset().union(*partitions)
     rest = [c.instance for c in profile.components]
-    return found + [frozenset([n]) for n in rest if n not in grouped | {*outside}]
+    return partitions + [frozenset([n]) for n in rest if n not in grouped | {*outside}]
 
 
 def commands(

@@ -193,14 +193,14 @@ def stroke(number: int, count: int) -> dict[str, Any]:
 
 def add_legend(figure: Figure, axes: Sequence[Axes], most: int = 4) -> None:
     """Add one legend below all axes, with up to `most` entries per row."""
-    found: dict[str, Any] = {}
+    labels: dict[str, Any] = {}
     for each in axes:
         for handle, label in zip(*each.get_legend_handles_labels(), strict=True):
-            found.setdefault(label, handle)
-    if found:
-        columns = min(most, len(found))
+            labels.setdefault(label, handle)
+    if labels:
+        columns = min(most, len(labels))
         figure.legend(
-            found.values(), found.keys(), loc="outside lower center", ncols=columns
+            labels.values(), labels.keys(), loc="outside lower center", ncols=columns
         )
 
 

@@ -31,19 +31,19 @@ def copy_of(name: str) -> File:
     if name not in template_names():
         message, hint = no_template(name)
         raise InputError([UNKNOWN_TEMPLATE.at(None, message, hint=hint)])
-    found = find(Path.cwd())
-    if found is None:
+    project = find(Path.cwd())
+    if project is None:
         message = f"there is no {FILE_NAME} here, or in a folder above"
         hint = "rtgen new project NAME makes one"
         raise InputError([NO_PROJECT.at(None, message, hint=hint)])
-    folder = template_folder(file.read(found, shown(found)), found.parent)
+    folder = template_folder(file.read(project, shown(project)), project.parent)
     if folder is None:
-        message = f"{shown(found)} names no folder for templates"
+        message = f"{shown(project)} names no folder for templates"
         hint = 'add the section [templates] with path = "templates"'
         raise InputError([NO_TEMPLATES.at(None, message, hint=hint)])
     return File(folder / name, template_source(name))
 
 
 def _summary(text: str) -> str:
-    found = _SUMMARY.match(text)
-    return " ".join(found[1].split()) if found else ""
+    match = _SUMMARY.match(text)
+    return " ".join(match[1].split()) if match else ""

@@ -18,7 +18,7 @@ from rtgen.tools.scaffold.starters import File
 
 def require_absent(paths: Sequence[Path]) -> None:
     """Raise InputError for the paths that exist."""
-    found = [
+    diagnostics = [
         EXISTS.at(
             None,
             f"{shown(path)} exists already",
@@ -27,8 +27,8 @@ def require_absent(paths: Sequence[Path]) -> None:
         for path in paths
         if os.path.lexists(path)
     ]
-    if found:
-        raise InputError(found)
+    if diagnostics:
+        raise InputError(diagnostics)
 
 
 @contextmanager

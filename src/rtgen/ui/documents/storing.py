@@ -21,18 +21,18 @@ def store(
     `replace`, other content is kept in a file beside it, whose path is returned. Raises
     OtherContentError without `replace`, and OSError.
     """
-    found = _content(path)
-    if found is None:
+    content = _content(path)
+    if content is None:
         _create(path, data)
         return None
     backup = None
-    if found not in (known, data):
+    if content not in (known, data):
         if not replace:
             raise OtherContentError(
                 "it exists already" if known is None else "it has changed on the disk"
             )
-        backup = _kept(path, found)
-    files.replace_file(path, data, found)
+        backup = _kept(path, content)
+    files.replace_file(path, data, content)
     return backup
 
 

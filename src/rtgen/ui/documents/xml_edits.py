@@ -35,11 +35,13 @@ _STEP: Final = "    "
 def parse(text: str, file: str) -> Editable:
     """Return the root of a text. Raises InputError with one located diagnostic."""
 
-    def element(found: Element, place: Place) -> Editable:
-        pairs = zip(found.children, place.children, strict=True)
+    def element(element_read: Element, place: Place) -> Editable:
+        pairs = zip(element_read.children, place.children, strict=True)
         children = [element(*pair) for pair in pairs]
-        attributes = dict(found.attributes)
-        return Editable(found.name, attributes, children, found.text, place)
+        attributes = dict(element_read.attributes)
+        return Editable(
+            element_read.name, attributes, children, element_read.text, place
+        )
 
     root = located_xml.parse(text, file)
     return element(root, _root(text))

@@ -146,10 +146,10 @@ def _pairs(
         known = {_identity(before[i]): i for i in range(first, end)}
         last = first - 1
         for i in range(other, other_end):
-            found = known.get(_identity(after[i]), -1)
-            if found > last:
-                last = found
-                yield found, i
+            place = known.get(_identity(after[i]), -1)
+            if place > last:
+                last = place
+                yield place, i
 
 
 def _identity(item: Content) -> object:

@@ -117,9 +117,11 @@ class PdoDescription(msgspec.Struct, frozen=True, gc=False):
         cob_id = self.cob_id
         if self.relative and cob_id is not None:
             cob_id += node_id
-        found = in_force((self.communication_index, 1), cob_id, node_id, chosen=True)
-        assert found is not None
-        return found
+        cob_id_in_force = in_force(
+            (self.communication_index, 1), cob_id, node_id, chosen=True
+        )
+        assert cob_id_in_force is not None
+        return cob_id_in_force
 
     @property
     def communication_index(self) -> int:
@@ -247,9 +249,11 @@ class NodeDescription(msgspec.Struct, frozen=True, gc=False):
     @property
     def emergency_cob_id(self) -> int:
         """The COB-ID of its emergencies."""
-        found = in_force(COB_ID_EMERGENCY, self.emergency, self.id, chosen=True)
-        assert found is not None
-        return found
+        cob_id_in_force = in_force(
+            COB_ID_EMERGENCY, self.emergency, self.id, chosen=True
+        )
+        assert cob_id_in_force is not None
+        return cob_id_in_force
 
 
 class Network(msgspec.Struct, frozen=True, gc=False):

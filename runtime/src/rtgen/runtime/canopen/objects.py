@@ -147,8 +147,8 @@ def _entries(class_: type[Objects]) -> dict[str, Entry[Any]]:
 
 
 def _entry(class_: type[Objects], name: str) -> Entry[Any]:
-    found = vars(class_).get(name)
-    if not isinstance(found, Entry):
+    entry = vars(class_).get(name)
+    if not isinstance(entry, Entry):
         device = class_.__name__.removesuffix("Objects")
         raise KeyError(f"{device} has no object {name!r}")
-    return found
+    return entry

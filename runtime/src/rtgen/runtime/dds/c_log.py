@@ -36,8 +36,8 @@ def logged() -> AbstractContextManager[list[str]]:
 
     The context's list gets the messages of the creation, if that raises an exception.
     """
-    found = _log()
-    return nullcontext([]) if found is None else found.creation()
+    c_log = _log()
+    return nullcontext([]) if c_log is None else c_log.creation()
 
 
 @cache

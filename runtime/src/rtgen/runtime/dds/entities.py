@@ -98,18 +98,18 @@ def _handles(entity: Any, get: Callable[..., int]) -> list[int]:
 
 def matched_reader(writer: DataWriter[Any], handle: int) -> Endpoint | None:
     """Return the reader with this handle; None if it is no longer matched with the writer."""
-    found: Endpoint | None = _clayer.ddspy_get_matched_subscription_data(
+    endpoint: Endpoint | None = _clayer.ddspy_get_matched_subscription_data(
         writer._ref, handle, _endpoint, _user_data
     )
-    return found
+    return endpoint
 
 
 def matched_writer(reader: DataReader[Any], handle: int) -> Endpoint | None:
     """Return the writer with this handle; None if it is no longer matched with the reader."""
-    found: Endpoint | None = _clayer.ddspy_get_matched_publication_data(
+    endpoint: Endpoint | None = _clayer.ddspy_get_matched_publication_data(
         reader._ref, handle, _endpoint, _user_data
     )
-    return found
+    return endpoint
 
 
 def _endpoint(guid: bytes, *described: Any) -> Endpoint:
@@ -236,11 +236,11 @@ def condition(reader: DataReader[Any]) -> ReadCondition:
 def taken(reader: DataReader[Any]) -> Iterator[tuple[bytes, Any]]:
     """Take all samples, each with cyclonedds's information on it."""
     while True:
-        found = _clayer.ddspy_take(reader._ref, ANY, _AT_ONCE)
-        if isinstance(found, int):
-            raise MediumError(f"samples cannot be taken: {DDSException(found).msg}")
-        yield from found
-        if len(found) < _AT_ONCE:
+        samples = _clayer.ddspy_take(reader._ref, ANY, _AT_ONCE)
+        if isinstance(samples, int):
+            raise MediumError(f"samples cannot be taken: {DDSException(samples).msg}")
+        yield from samples
+        if len(samples) < _AT_ONCE:
             return
 
 

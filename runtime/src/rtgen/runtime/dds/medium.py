@@ -394,8 +394,8 @@ class DdsSubscription:
     def _writer(self, handle: int) -> Hashable:
         """The identity of a writer, which gets a new handle when it is found again."""
         endpoint = entities.matched_writer(self._reader, handle)
-        found: Hashable = handle if endpoint is None else endpoint.guid
-        self._writers[handle] = found
+        writer: Hashable = handle if endpoint is None else endpoint.guid
+        self._writers[handle] = writer
         if len(self._writers) > WRITERS:
             self._writers.popitem(last=False)
-        return found
+        return writer

@@ -170,15 +170,15 @@ class _Maker:
 
 
 def _annotations(members: Any) -> dict[str, dict[str, Any]]:
-    found: dict[str, dict[str, Any]] = {}
+    annotations: dict[str, dict[str, Any]] = {}
     for member in members:
         entry: dict[str, Any] = {"id": member.id}
         if member.key:
             entry["key"] = True
         if member.must_understand:
             entry["must_understand"] = True
-        found[member.name] = entry
-    return found
+        annotations[member.name] = entry
+    return annotations
 
 
 def _bitmask(python_name: str, name: str, members: Any, bound: int) -> Any:

@@ -130,8 +130,10 @@ class Served:
 
 
 def _state(system: System, instance: str, _: Mapping[str, str]) -> State:
-    found = system.statistics(instance)
-    return State(found.state.name, found.reason, found.ticks, found.overruns)
+    statistics = system.statistics(instance)
+    return State(
+        statistics.state.name, statistics.reason, statistics.ticks, statistics.overruns
+    )
 
 
 def _parameters(system: System, instance: str, _: Mapping[str, str]) -> Parameters:

@@ -17,13 +17,13 @@ _ESCAPE = re.compile(rb"-([0-9a-f]{2})")
 
 def escaped(text: str) -> str:
     """Return the text as a part of a name."""
-    return _OTHER.sub(lambda found: b"-%02x" % found[0][0], text.encode()).decode()
+    return _OTHER.sub(lambda match: b"-%02x" % match[0][0], text.encode()).decode()
 
 
 def unescaped(part: str) -> str:
     """Return the text of a part of a name; other programs' raise UnicodeDecodeError."""
     octets = part.encode()
-    return _ESCAPE.sub(lambda found: bytes([int(found[1], 16)]), octets).decode()
+    return _ESCAPE.sub(lambda match: bytes([int(match[1], 16)]), octets).decode()
 
 
 def out_topic(instance: str, port: str, type_: type[Any]) -> Topic:

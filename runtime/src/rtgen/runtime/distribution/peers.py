@@ -83,11 +83,11 @@ class Peers:
     def asker(self, instance: str) -> control.Asker:
         """Return a client of the instance's control service. Raises MediumError."""
         with self._changed:
-            found = self._askers.get(instance)
-            if found is None:
-                found = control.Asker(self._medium, instance, self._timeout)
-                self._askers[instance] = found
-            return found
+            client = self._askers.get(instance)
+            if client is None:
+                client = control.Asker(self._medium, instance, self._timeout)
+                self._askers[instance] = client
+            return client
 
     def description(self, instance: str) -> Description | None:
         """Return the description of an instance, which is queried once; None if it is absent."""
@@ -101,15 +101,15 @@ class Peers:
             return None
         processes = self._present.get(instance)
         try:
-            found = self.asker(instance).describe()
+            description = self.asker(instance).describe()
         except control.ControlError as error:
             log.debug("%s does not answer: %s", instance, error)
             self._silent[instance] = time.monotonic()
             return None
         with self._changed:
             if self._present.get(instance) is processes:
-                self._descriptions[instance] = found
-        return found
+                self._descriptions[instance] = description
+        return description
 
     def wait(self, seconds: float) -> None:
         """Wait for a change of presence, at most this time."""

@@ -63,8 +63,8 @@ class RpcServer:
     ) -> tuple[SampleIdentity, OperationTypes | None, Any]:
         """Return identity, operation (None: unknown) and value of a request. Raises CdrError."""
         value = received(self._types.request, octets)
-        found = self._types.labels.get(value.data.discriminator)
-        return value.header.request_id, found, value.data.value
+        operation = self._types.labels.get(value.data.discriminator)
+        return value.header.request_id, operation, value.data.value
 
     def answer(
         self, identity: SampleIdentity, operation: OperationTypes | None, value: Any
@@ -154,10 +154,10 @@ class RpcClient:
         if result.discriminator == OK:
             values = _values(types, result.value, types.call.reply)
             return (values or (None,))[0] if len(values) < 2 else values
-        found = types.exceptions.get(result.discriminator)
-        if found is None:
+        exception_type = types.exceptions.get(result.discriminator)
+        if exception_type is None:
             raise UnknownException(f"{operation} raised an undeclared exception")
-        _, exception = found
+        _, exception = exception_type
         if types.octets:
             raise exception.from_cdr(bytes(result.value.octets))
         names = [m.attribute for m in exception._descriptor_.members]

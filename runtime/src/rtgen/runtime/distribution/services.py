@@ -169,11 +169,11 @@ class RemoteProvider:
     def call(self, operation: str, arguments: tuple[object, ...]) -> object:
         """Call an operation. Raises declared exceptions, CdrError and ServiceError."""
         try:
-            found = self.find()
+            interface = self.find()
         except (TransportError, PortTypeError) as error:
             raise CommunicationFailure(f"{operation}: {error}") from error
         carrier = self._calls
-        if not found or carrier is None:
+        if not interface or carrier is None:
             raise ObjectNotExist(
                 f"{operation}: nobody serves {self.port}, to which {self.consumer} is connected"
             )
@@ -211,17 +211,17 @@ class RemoteProvider:
 
     def _choice(self, description: Description) -> Interface | None:
         """Return the matching provider; None if the port has none at all. Raises PortTypeError."""
-        found = {
+        providers = {
             p.instance: p for p in description.providers if p.port == self.port.port
         }
-        if not found:
+        if not providers:
             return None
         wanted = self._wanted
-        chosen = self._fitting(found, wanted.repository_id)
+        chosen = self._fitting(providers, wanted.repository_id)
         if chosen is None:
             raise PortTypeError(
                 f"{self.port} has no provider for {self.consumer}, which requires "
-                f"{wanted.repository_id}; it has: {', '.join(found)}"
+                f"{wanted.repository_id}; it has: {', '.join(providers)}"
             )
         missing = [s for s in wanted.operations if s not in chosen.operations]
         if missing:
@@ -231,14 +231,16 @@ class RemoteProvider:
             )
         return chosen
 
-    def _fitting(self, found: dict[str, Interface], identity: str) -> Interface | None:
+    def _fitting(
+        self, providers: dict[str, Interface], identity: str
+    ) -> Interface | None:
         """Return the provider selected by a property, by equal type and name, or the only one."""
         name = self.consumer.instance if self._selected is None else self._selected
-        if name in found and identity in found[name].lineage:
-            return found[name]
+        if name in providers and identity in providers[name].lineage:
+            return providers[name]
         fitting = [
             each
-            for each in found.values()
+            for each in providers.values()
             if self._selected is None and identity in each.lineage
         ]
         return fitting[0] if self._alone and len(fitting) == 1 else None

@@ -33,8 +33,12 @@ def known(descriptor: Descriptor) -> Descriptor:
 
     Types are equal if repository id and structure are.
     """
-    found = registered(getattr(descriptor, "repository_id", ""))
-    return found if found is not None and _same(descriptor, found) else descriptor
+    registered_one = registered(getattr(descriptor, "repository_id", ""))
+    return (
+        registered_one
+        if registered_one is not None and _same(descriptor, registered_one)
+        else descriptor
+    )
 
 
 def _same(a: Descriptor, b: Descriptor) -> bool:

@@ -374,14 +374,14 @@ _Derived = TypeVar("_Derived", InterfaceDescriptor, ValueDescriptor)
 
 def lineage(descriptor: _Derived) -> dict[str, _Derived]:
     """Return the descriptor and all its bases by repository id."""
-    found: dict[str, _Derived] = {}
+    classes: dict[str, _Derived] = {}
     waiting = [descriptor]
     while waiting:
         each = waiting.pop()
-        if each.repository_id not in found:
-            found[each.repository_id] = each
+        if each.repository_id not in classes:
+            classes[each.repository_id] = each
             waiting += reversed(each.bases)
-    return found
+    return classes
 
 
 class BoxDescriptor(Named, frozen=True):
@@ -495,8 +495,8 @@ def until_registration(table: _T) -> _T:
 
 def registered(repository_id: str) -> Descriptor | None:
     """Return the generated type's descriptor by repository id; None if there is none."""
-    found: Any = _REGISTERED.get(repository_id)
-    return found  # type: ignore[no-any-return]
+    descriptor: Any = _REGISTERED.get(repository_id)
+    return descriptor  # type: ignore[no-any-return]
 
 
 def class_of(descriptor: Descriptor) -> Any:

@@ -272,8 +272,8 @@ def listed(items: Any, depth: int = 1) -> list[Any]:
     if items.__class__ is not list:
         tolist = getattr(items, "tolist", None)
         if tolist is not None and not isinstance(items, memoryview):
-            found: list[Any] = tolist()
-            return found
+            numbers_list: list[Any] = tolist()
+            return numbers_list
         try:
             view = memoryview(items)
         except TypeError:

@@ -104,9 +104,9 @@ _READ_EXACTLY: dict[tuple[int, bytes], Descriptor] = until_registration({})
 
 def type_code_octets(descriptor: Any, little_endian: bool) -> tuple[int, bytes]:
     """Return the kind of a type code and its parameters, which begin at a multiple of 4."""
-    found = _WRITTEN.get((id(descriptor), little_endian))
-    if found is not None:
-        return found[1:]
+    octets = _WRITTEN.get((id(descriptor), little_endian))
+    if octets is not None:
+        return octets[1:]
     writer = _Writer()
     writer.type(descriptor, little_endian)
     kind = struct.unpack_from("<I" if little_endian else ">I", writer.out)[0]
@@ -118,12 +118,12 @@ def type_code_octets(descriptor: Any, little_endian: bool) -> tuple[int, bytes]:
 
 def type_of_code(kind: int, encapsulation: bytes) -> Descriptor:
     """Return the type of a kind whose parameters are in the encapsulation. Raises Fault."""
-    found = _READ_EXACTLY.get((kind, encapsulation))
-    if found is None:
-        found = _type_of_code(kind, encapsulation)
+    descriptor = _READ_EXACTLY.get((kind, encapsulation))
+    if descriptor is None:
+        descriptor = _type_of_code(kind, encapsulation)
         if len(encapsulation) <= _MAX_CACHED_OCTETS:
-            _keep(_READ_EXACTLY, (kind, encapsulation), found)
-    return found
+            _keep(_READ_EXACTLY, (kind, encapsulation), descriptor)
+    return descriptor
 
 
 def _type_of_code(kind: int, encapsulation: bytes) -> Descriptor:
@@ -133,9 +133,9 @@ def _type_of_code(kind: int, encapsulation: bytes) -> Descriptor:
         encapsulation[4:8], "little" if encapsulation[0] else "big"
     )
     key = kind, len(encapsulation), encapsulation[8:end]
-    found = _READ.get(key)
-    if found is not None:
-        paddings, octets, descriptor = found
+    type_ = _READ.get(key)
+    if type_ is not None:
+        paddings, octets, descriptor = type_
         if _with_zeros(encapsulation, paddings) == octets:
             return descriptor
     reader = _Reader(encapsulation)

@@ -46,12 +46,12 @@ def check_signature(channel: Channel, codec: Codec) -> None:
     Raises ProtocolError (E_MAGIC) if the peer was made from another signature, such as one with
     two parameters swapped, and what `peer_digest` raises.
     """
-    found = peer_digest(channel, codec)
-    if found != codec.digest:
+    digest = peer_digest(channel, codec)
+    if digest != codec.digest:
         raise ProtocolError(
             E_MAGIC,
             f"{codec.signature}: the peer was made from another signature "
-            f"(digest {found}, here {codec.digest})",
+            f"(digest {digest}, here {codec.digest})",
         )
 
 

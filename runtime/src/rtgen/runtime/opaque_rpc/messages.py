@@ -236,10 +236,10 @@ class SharedUnmarshaller:
         self._expect(reader.more(2), SHARED_END)
 
     def _expect(self, data: bytes, magic: int) -> None:
-        found = int.from_bytes(data, self._order)
-        if found != magic:
+        word = int.from_bytes(data, self._order)
+        if word != magic:
             raise ProtocolError(
-                E_MAGIC, f"0x{found:04X} in place of 0x{magic:04X} of a shared channel"
+                E_MAGIC, f"0x{word:04X} in place of 0x{magic:04X} of a shared channel"
             )
 
 

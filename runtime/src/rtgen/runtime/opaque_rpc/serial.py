@@ -214,17 +214,17 @@ class _SerialReader(MessageReader):
 
     def head(self, n: int) -> bytes:
         """See `MessageReader`. Skips input that is not the start of a request."""
-        found = super().head(1)
-        while found:
-            if not any(start.startswith(found) for start in self._server.starts):
-                found = found[1:] or super().head(1)
-            elif len(found) == 1:
-                found += self.more(1)
+        octets = super().head(1)
+        while octets:
+            if not any(start.startswith(octets) for start in self._server.starts):
+                octets = octets[1:] or super().head(1)
+            elif len(octets) == 1:
+                octets += self.more(1)
             else:
                 break
-        self._data = found + self._data[self._at :]
+        self._data = octets + self._data[self._at :]
         self._at = 0
-        return super().head(n) if found else b""
+        return super().head(n) if octets else b""
 
     def _wait(self) -> bytes:
         while not self._server.closed:

@@ -318,16 +318,16 @@ class _Source:
 
     def _size(self, struct: StructDescriptor) -> int:
         """Return the number of fields and inner structs; one above `_INLINE` for calls."""
-        found = self._sizes.get(id(struct))
-        if found is None:
-            found = 1 + _INLINE * _holds_values(struct)
+        size = self._sizes.get(id(struct))
+        if size is None:
+            size = 1 + _INLINE * _holds_values(struct)
             for member in struct.members:
-                if found > _INLINE:
+                if size > _INLINE:
                     break
                 inner = plain(member.type)
-                found += self._size(inner) if isinstance(inner, StructDescriptor) else 1
-            self._sizes[id(struct)] = found
-        return found
+                size += self._size(inner) if isinstance(inner, StructDescriptor) else 1
+            self._sizes[id(struct)] = size
+        return size
 
     def _fill_union(self, union: UnionDescriptor) -> Iterator[str]:
         yield "state = wire.__dict__"

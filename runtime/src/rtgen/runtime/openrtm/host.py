@@ -249,9 +249,9 @@ class Host:
 
     def _participant(self, ec_id: int) -> Participant:
         """Return the behaviour's participant in a context of OpenRTM."""
-        found = self._participants.get(ec_id)
-        if found is not None:
-            return found
+        member = self._participants.get(ec_id)
+        if member is not None:
+            return member
         behaviour = self.behaviour
         context = HostContext(
             lambda: self._context(ec_id),

@@ -44,13 +44,13 @@ def load(folder: Path | str, stems: Iterable[str]) -> None:
     for stem in stems:
         name = f"{stem}_idl"
         try:
-            found = import_module(name)
+            module = import_module(name)
         except ModuleNotFoundError as error:
             if error.name != name:
                 raise
             raise StubsMissingError(f"{stem}.idl in {path}") from error
         file = Path(path, f"{name}.py")
-        if found.__file__ != str(file) and file.is_file():
+        if module.__file__ != str(file) and file.is_file():
             _load_beside(name, file)
     _claim(path)
 
@@ -81,7 +81,7 @@ def _claim(folder: str) -> None:
 
 def _is_stub(name: str) -> bool:
     """Return whether an import would find omniidl's package, with stubs beside it."""
-    found = find_spec(name)
-    if found is None or found.origin is None:
+    spec = find_spec(name)
+    if spec is None or spec.origin is None:
         return False
-    return any(Path(found.origin).parent.parent.glob("*_idl.py"))
+    return any(Path(spec.origin).parent.parent.glob("*_idl.py"))

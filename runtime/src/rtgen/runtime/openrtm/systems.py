@@ -266,18 +266,20 @@ class Client:
             address = instance.foreign
             return self._living(lambda: self._orb.string_to_object(address))
         service, _, path = instance.foreign.partition("/")
-        found = self._living(lambda: naming.resolve(path)) if path else None
-        found = found or self._living(lambda: naming.resolve(name))
-        if found is None and path:
+        reference = self._living(lambda: naming.resolve(path)) if path else None
+        reference = reference or self._living(lambda: naming.resolve(name))
+        if reference is None and path:
             text = f"corbaname::{service}#{path}"
-            found = self._living(lambda: self._orb.string_to_object(text))
-        return found
+            reference = self._living(lambda: self._orb.string_to_object(text))
+        return reference
 
     def _living(self, find: Callable[[], Any]) -> Any:
         """Return the result if it is a component whose process responds, else None."""
         try:
-            found = find()
-            component = None if found is None else found._narrow(self._rtc.RTObject)
+            reference = find()
+            component = (
+                None if reference is None else reference._narrow(self._rtc.RTObject)
+            )
             alive = component is not None and not component._non_existent()
         except self._corba.Exception:  # not bound, or bound by a process that has ended
             return None
@@ -356,20 +358,20 @@ class Client:
                     raise StartError(f"rate {instance.rate * scale:g} Hz: {code}")
 
     def _set(self, sets: Any, set_id: str, values: Mapping[str, str]) -> None:
-        found = sets.get_configuration_set(set_id)
-        known = {item.name for item in found.configuration_data}
+        configuration_set = sets.get_configuration_set(set_id)
+        known = {item.name for item in configuration_set.configuration_data}
         unknown = sorted(values.keys() - known)
         if unknown and set_id == "default":
             raise StartError(f"it has no parameter {', '.join(unknown)}")
         any_ = import_module("omniORB.any")
         pairs = import_module("SDOPackage").NameValue
-        for item in found.configuration_data:
+        for item in configuration_set.configuration_data:
             if item.name in values:
                 item.value = any_.to_any(values[item.name])
-        found.configuration_data += [
+        configuration_set.configuration_data += [
             pairs(name, any_.to_any(values[name])) for name in unknown
         ]
-        sets.set_configuration_set_values(found)
+        sets.set_configuration_set_values(configuration_set)
 
     # Connections
 

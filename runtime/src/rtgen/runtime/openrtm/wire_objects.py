@@ -40,12 +40,12 @@ def items_of(repository_id: str) -> tuple[Any, ...]:
 
 
 def _described(repository_id: str) -> Any:
-    found = omniORB.findType(repository_id)
-    while found is not None and found[0] == tcInternal.tv__indirect:
-        found = found[1][0]
-    if not isinstance(found, tuple):
+    description = omniORB.findType(repository_id)
+    while description is not None and description[0] == tcInternal.tv__indirect:
+        description = description[1][0]
+    if not isinstance(description, tuple):
         raise StubsMissingError(repository_id)
-    return found
+    return description
 
 
 def refill(

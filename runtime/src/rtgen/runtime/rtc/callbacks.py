@@ -69,8 +69,8 @@ def note_answer(component: CallbackOwner, callback: str, code: object) -> None:
 
 def _code(component: CallbackOwner, callback: str) -> CodeType | None:
     function = getattr(component, callback, None)
-    found: CodeType | None = getattr(function, "__code__", None)
-    return found
+    code: CodeType | None = getattr(function, "__code__", None)
+    return code
 
 
 def _keep_answer(component: CallbackOwner, callback: str, code: object) -> None:

@@ -141,10 +141,10 @@ class Checkpoint(Generic[T]):
         self._file = None
 
     def _read(self, file: CheckpointFile) -> T | None:
-        found = file.read()
-        if found is None:
+        content = file.read()
+        if content is None:
             return None
-        digest, octets = found
+        digest, octets = content
         try:
             if digest == self._digest:
                 return self._type.from_cdr(octets)

@@ -156,10 +156,10 @@ class Component:
 
     def _type_name(self, port: str, instance: str) -> str:
         """Return OpenRTM's name of an interface's type; empty for the scoped name."""
-        found = (
+        ports = (
             p for p in self.profile.ports if (p.port, p.instance) == (port, instance)
         )
-        return next((each.type_name for each in found), "")
+        return next((each.type_name for each in ports), "")
 
     def add_configuration(self, values: C) -> C:
         """Bind the fields of `values`, which are the defaults, to the profile's parameters."""

@@ -94,7 +94,7 @@ def _logical_lines(text: str) -> list[tuple[int, str]]:
 
 
 def _unescaped(text: str) -> str:
-    return _ESCAPED.sub(lambda found: _CONTROLS.get(found[1], found[1]), text)
+    return _ESCAPED.sub(lambda match: _CONTROLS.get(match[1], match[1]), text)
 
 
 def _rate(text: str, place: str) -> float:

@@ -259,8 +259,8 @@ class ExecutionContext:
         return BAD_PARAMETER if participant is None else participant.request(request)
 
     def _find(self, component: Component) -> Participant | None:
-        found = (p for p in self._participants if p.component is component)
-        return next(found, None)
+        participants = (p for p in self._participants if p.component is component)
+        return next(participants, None)
 
     def _expel(self, component: Component) -> bool:
         """Remove a participant in any state, for a component that exits.

@@ -98,18 +98,18 @@ def calls_of(interface: type[Servant]) -> dict[str, Call]:
     name = interface._descriptor_.name
     if interface._descriptor_.local:
         raise ServiceError(f"{name} is local: its objects do not leave their process")
-    found: dict[str, Call] = {}
+    calls: dict[str, Call] = {}
     for base in reversed(interface.__mro__):
         if "_calls_" in vars(base) and issubclass(base, Servant):
             package = base.__module__.rpartition(".")[0]
             tables = import_module(base._calls_, package)._CALLS
-            found |= tables[base._descriptor_.repository_id]
-    if not found and operations_of(interface):
+            calls |= tables[base._descriptor_.repository_id]
+    if not calls and operations_of(interface):
         raise ServiceError(
             f"calls of {name} have no codecs; for a service of a TECS board set"
             " corba = true in the section [tecs] of rtgen.toml"
         )
-    return found
+    return calls
 
 
 class Client:

@@ -103,12 +103,12 @@ def operations_of(interface: type[Servant]) -> Mapping[str, Operation]:
 
     These are the abstract methods and properties of the interface's classes.
     """
-    found: dict[str, Operation] = {}
+    operations: dict[str, Operation] = {}
     for base in reversed(interface.__mro__):
         if "_descriptor_" in vars(base):
             for name, member in vars(base).items():
-                found.update(_declared(name, member))
-    return found
+                operations.update(_declared(name, member))
+    return operations
 
 
 def _declared(python_name: str, member: Any) -> Iterator[tuple[str, Operation]]:
@@ -138,15 +138,15 @@ class Stub:
         if "_stub_" not in vars(interface):
             interface._stub_ = cls
         attributes: dict[str, dict[str, Callable[..., Any]]] = {}
-        for key, found in operations_of(cls).items():
-            member = getattr(cls, found.python_name)
+        for key, operation in operations_of(cls).items():
+            member = getattr(cls, operation.python_name)
             if not getattr(member, "__isabstractmethod__", False):
                 continue
-            if found.kind == "call":
-                setattr(cls, found.python_name, _calling(key, member))
+            if operation.kind == "call":
+                setattr(cls, operation.python_name, _calling(key, member))
             else:
-                accessors = attributes.setdefault(found.python_name, {})
-                accessors[found.kind] = _accessor(key)
+                accessors = attributes.setdefault(operation.python_name, {})
+                accessors[operation.kind] = _accessor(key)
         for name, accessors in attributes.items():
             setattr(cls, name, property(accessors.get("get"), accessors.get("set")))
 
@@ -201,25 +201,25 @@ class Skeleton:
         BadOperation for an unknown operation or a wrong number of arguments. KeyboardInterrupt and
         the debugger's quit are not caught, since they end the run.
         """
-        found = self._operations.get(operation)
-        if found is None:
+        entry = self._operations.get(operation)
+        if entry is None:
             raise BadOperation(f"there is no operation {operation}")
-        if len(arguments) != found.count:
-            counts = f"{found.count} arguments, not {len(arguments)}"
+        if len(arguments) != entry.count:
+            counts = f"{entry.count} arguments, not {len(arguments)}"
             raise BadOperation(f"{operation} takes {counts}")
         try:
-            if found.kind == "get":
-                return getattr(self._servant, found.python_name)
-            if found.kind == "set":
-                setattr(self._servant, found.python_name, *arguments)
+            if entry.kind == "get":
+                return getattr(self._servant, entry.python_name)
+            if entry.kind == "set":
+                setattr(self._servant, entry.python_name, *arguments)
                 return None
-            return getattr(self._servant, found.python_name)(*arguments)
+            return getattr(self._servant, entry.python_name)(*arguments)
         except BaseException as error:
-            is_declared = isinstance(error, (*found.raises, ServiceError))
-            if ends_run(error) or (is_declared and not found.oneway):
+            is_declared = isinstance(error, (*entry.raises, ServiceError))
+            if ends_run(error) or (is_declared and not entry.oneway):
                 raise
             self._report(operation, error)
-            if found.oneway:
+            if entry.oneway:
                 return None  # no client waits for the result
             raise UnknownException(f"{operation}: {described(error)}") from error
 

@@ -23,21 +23,21 @@ class Dependencies:
 
         Instances in a cycle, or without dependencies, keep their order.
         """
-        found: list[str] = []
+        ordered: list[str] = []
         under_way: set[str] = set()
 
         def add(instance: str) -> None:
-            if instance in found or instance in under_way:
+            if instance in ordered or instance in under_way:
                 return
             under_way.add(instance)
             for provider in self._providers(instance):
                 if provider in instances:
                     add(provider)
-            found.append(instance)
+            ordered.append(instance)
 
         for instance in instances:
             add(instance)
-        return found
+        return ordered
 
     def awaited(self, instance: str) -> str:
         """Return a provider that is being activated and does not wait for this instance itself."""
@@ -53,24 +53,24 @@ class Dependencies:
 
     def _providers(self, instance: str) -> list[str]:
         """Return the instances of this system that provide services to a component."""
-        found = []
+        providers = []
         for connector in tuple(self._connectors.values()):
             if isinstance(connector, ServiceConnector):
                 for consumer, provider in connector.pairs:
                     if consumer.owner == instance and provider.owner != instance:
-                        found.append(provider.owner)
-        return found
+                        providers.append(provider.owner)
+        return providers
 
     def _awaited_by(self, instance: str) -> set[str]:
         """Return the providers that an instance waits for, directly or indirectly."""
-        found: set[str] = set()
+        instances: set[str] = set()
         waiting = [instance]
         while waiting:
             for provider in self._providers(waiting.pop()):
-                if provider not in found and self._is_activating(provider):
-                    found.add(provider)
+                if provider not in instances and self._is_activating(provider):
+                    instances.add(provider)
                     waiting.append(provider)
-        return found
+        return instances
 
     def _is_activating(self, instance: str) -> bool:
         participant = self._participants.get(instance)

@@ -103,8 +103,8 @@ class _Compiler:
         ]
         source = "def printed(value):\n" + "".join(f"    {line}\n" for line in body)
         exec(compile(source, "<json printer>", "exec"), self._names)
-        found: Printer = self._names["printed"]
-        return found
+        printer: Printer = self._names["printed"]
+        return printer
 
     def _end_text(self) -> None:
         if self._text:

@@ -15,9 +15,9 @@ def cannot_join(
         if name not in port_names(component):
             return unknown_port(component, name)
     ends = f"{source.instance_name}.{port} and {target.instance_name}.{other}"
-    found = f"{kinds(source, port)} and {kinds(target, other)}"
+    pair = f"{kinds(source, port)} and {kinds(target, other)}"
     return PolarityError(
-        f"{ends} cannot be connected: they are {found}; "
+        f"{ends} cannot be connected: they are {pair}; "
         "an OutPort goes with an InPort, a service port with a service port"
     )
 

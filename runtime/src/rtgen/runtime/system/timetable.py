@@ -40,12 +40,12 @@ class Timetable:
         self._tasks = sorted(tasks, key=lambda due: due[1])
         self.begin = begin
         self.length = length
-        found: dict[int, list[Task]] = {}
+        tasks_of: dict[int, list[Task]] = {}
         for due, _, task in self._tasks:
             for offset in range(due - begin, length, task.period):
-                found.setdefault(offset, []).append(task)
+                tasks_of.setdefault(offset, []).append(task)
         self.rows: dict[int, Row] = {
-            offset: tuple(enumerate(found[offset])) for offset in sorted(found)
+            offset: tuple(enumerate(tasks_of[offset])) for offset in sorted(tasks_of)
         }
         """The offset of each time from `begin`, with its tasks."""
         self.entries = sum(map(len, self.rows.values()))

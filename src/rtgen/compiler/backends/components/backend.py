@@ -48,18 +48,18 @@ class ComponentsBackend:
     def emit(self, model: Model, options: Options) -> Emission:
         """All files of all components; none where a component has errors."""
         packages = list(parts(model, options))
-        found: list[Diagnostic] = []
+        diagnostics: list[Diagnostic] = []
         for part in packages:
-            found += check(part.model)
-        found += check_skeletons(packages)
-        if has_errors(found):
-            return Emission((), found)
+            diagnostics += check(part.model)
+        diagnostics += check_skeletons(packages)
+        if has_errors(diagnostics):
+            return Emission((), diagnostics)
         artifacts: dict[str, Artifact] = {}
         for part in packages:
             for artifact in _of_part(part):
                 # Boards with a signature of one name share the skeleton of its client.
                 artifacts.setdefault(artifact.path, artifact)
-        return Emission(list(artifacts.values()), found, _types(packages))
+        return Emission(list(artifacts.values()), diagnostics, _types(packages))
 
 
 BACKEND = ComponentsBackend()
@@ -100,16 +100,16 @@ def _origin(part: Part, component: Component) -> tuple[str, ...]:
 
 def _types(packages: Sequence[Part]) -> ComponentTypes:
     """Return all component types; of two types with one name, that of the first part."""
-    found = ComponentTypes()
+    types = ComponentTypes()
     for part in packages:
         components = components_of(part.model)
-        found = found.joined(
+        types = types.joined(
             ComponentTypes(
                 {c.name[-1]: ":".join(factory(c, part.options)) for c in components},
                 {c.name[-1]: _language(c) for c in components if c.is_foreign},
             )
         )
-    return found
+    return types
 
 
 def _language(component: Component) -> str:

@@ -74,10 +74,10 @@ def own_components(model: Model) -> list[Component]:
 def check(model: Model) -> list[Diagnostic]:
     """All diagnostics about the components to emit."""
     components = components_of(model)
-    found = list(_module_clashes(components))
+    diagnostics = list(_module_clashes(components))
     for component in components:
-        found += check_component(model, component)
-    return found
+        diagnostics += check_component(model, component)
+    return diagnostics
 
 
 def check_component(model: Model, component: Component) -> list[Diagnostic]:

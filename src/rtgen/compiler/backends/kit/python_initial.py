@@ -45,10 +45,10 @@ class PythonInitial:
 
     def expression(self, type_: Type, own: InitialValue | None = None) -> str:
         """Return an expression for the initial value."""
-        found = default_of(self._model, type_, own)
+        default = default_of(self._model, type_, own)
         type_ = self._model.unalias(type_)
-        if found is not None:
-            return self.explicit(type_, found)
+        if default is not None:
+            return self.explicit(type_, default)
         mapping = self._mapping
         match type_:
             case PrimitiveType(kind):
@@ -135,10 +135,10 @@ class PythonInitial:
         mask = self._model.find(type_.name)
         assert isinstance(mask, Bitmask)
         names = distinct((m.name for m in mask.members), OWN_NAMES[Enum])
-        found = [m for m in mask.members if number >> m.value & 1]
-        if not found or sum(1 << m.value for m in found) != number:
+        flags = [m for m in mask.members if number >> m.value & 1]
+        if not flags or sum(1 << m.value for m in flags) != number:
             return f"{class_}({number})"
-        return " | ".join(f"{class_}.{names[m.name]}" for m in found)
+        return " | ".join(f"{class_}.{names[m.name]}" for m in flags)
 
     def _items(
         self, type_: SequenceType | ArrayType, values: Sequence[ConstantValue]
@@ -205,9 +205,9 @@ class PythonInitial:
 
     def _is_zero(self, type_: Type, own: InitialValue | None = None) -> bool:
         """Return whether a number, or each number in an array or a struct, starts as zero."""
-        found = default_of(self._model, type_, own)
-        if found is not None:
-            return not any(found if isinstance(found, tuple) else (found,))
+        default = default_of(self._model, type_, own)
+        if default is not None:
+            return not any(default if isinstance(default, tuple) else (default,))
         match self._model.unalias(type_):
             case ArrayType(element):
                 return self._is_zero(element)

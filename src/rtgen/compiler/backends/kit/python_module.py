@@ -100,11 +100,11 @@ def _imports_at_head(body: str) -> tuple[list[Import], str]:
     imports = []
     lines = body.split("\n")
     for number, line in enumerate(lines):
-        found = _IMPORT.fullmatch(line)
-        if found is not None:
-            items = (item.partition(" as ") for item in found[2].split(", "))
+        match = _IMPORT.fullmatch(line)
+        if match is not None:
+            items = (item.partition(" as ") for item in match[2].split(", "))
             imports += [
-                Import(found[1], name, local or name) for name, _, local in items
+                Import(match[1], name, local or name) for name, _, local in items
             ]
         elif line:
             return imports, "\n".join(lines[number:])

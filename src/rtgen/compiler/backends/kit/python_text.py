@@ -43,7 +43,7 @@ _LITERAL = re.compile(r''''(?:[^'\\]|\\.)*'|"(?:[^"\\]|\\.)*"''')
 
 def _split(text: str, separator: str, most: int = -1) -> list[str]:
     """Like `text.split(separator, most)`, but string literals are not split."""
-    hidden = _LITERAL.sub(lambda found: "\0" * len(found[0]), text)
+    hidden = _LITERAL.sub(lambda match: "\0" * len(match[0]), text)
     parts, start = [], 0
     for part in hidden.split(separator, most):
         parts.append(text[start : start + len(part)])
@@ -223,24 +223,24 @@ class _Statement:
     def _outermost(self) -> list[_Group]:
         outermost: list[_Group] = []
         enclosing: list[_Group] = []
-        for found in _MARK.finditer(self._text):
-            mark = found[0]
+        for match in _MARK.finditer(self._text):
+            mark = match[0]
             if mark in "([{":
-                group = _Group(found.start())
+                group = _Group(match.start())
                 (enclosing[-1].inner if enclosing else outermost).append(group)
                 enclosing.append(group)
             elif mark in ")]}":
                 group = enclosing.pop()
-                group.end = found.end()
+                group.end = match.end()
                 if _SUBSCRIPT.match(self._text, max(group.start - 1, 0)):
                     group.comma &= bool(group.separators)
             elif not enclosing:
-                self._outside(mark, found.start())
+                self._outside(mark, match.start())
             elif mark == " for ":
-                enclosing[-1].separators.append((found.start(), found.start() + 1))
+                enclosing[-1].separators.append((match.start(), match.start() + 1))
                 enclosing[-1].comma = False
             elif mark[0] == "," and enclosing[-1].comma:
-                enclosing[-1].separators.append(found.span())
+                enclosing[-1].separators.append(match.span())
         return outermost
 
     def _outside(self, mark: str, place: int) -> None:

@@ -118,10 +118,12 @@ class RtcProfileBackend:
     def emit(self, model: Model, options: Options) -> Emission:
         """Return the profiles of all packages; none if a component has errors."""
         packages = list(parts(model, options))
-        found = [finding for part in packages for finding in check(part.model)]
-        if has_errors(found):
-            return Emission((), found)
-        return Emission([each for part in packages for each in _profiles(part)], found)
+        diagnostics = [finding for part in packages for finding in check(part.model)]
+        if has_errors(diagnostics):
+            return Emission((), diagnostics)
+        return Emission(
+            [each for part in packages for each in _profiles(part)], diagnostics
+        )
 
 
 BACKEND = RtcProfileBackend()
@@ -235,8 +237,8 @@ def _service_ports(model: Model, component: Component) -> list[_ServicePort]:
 
 def _of_interfaces(ports: Sequence[Port]) -> profile_facts.Facts:
     """Return the facts of a service port's interfaces, by identifier."""
-    found = {port.identifier: profile_facts.of_port(port) for port in ports}
-    return {identifier: facts for identifier, facts in found.items() if facts}
+    port_facts = {port.identifier: profile_facts.of_port(port) for port in ports}
+    return {identifier: facts for identifier, facts in port_facts.items() if facts}
 
 
 def _property(facts: profile_facts.Facts) -> str:

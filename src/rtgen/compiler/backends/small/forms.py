@@ -278,18 +278,18 @@ def reachable(model: Model, name: ScopedName) -> list[ScopedName]:
 
     Recursive types have no form.
     """
-    found: dict[ScopedName, bool] = {}
-    _reach(model, name, found)
-    return list(found)
+    names: dict[ScopedName, bool] = {}
+    _reach(model, name, names)
+    return list(names)
 
 
-def _reach(model: Model, name: ScopedName, found: dict[ScopedName, bool]) -> None:
+def _reach(model: Model, name: ScopedName, names: dict[ScopedName, bool]) -> None:
     """Add a type after those that it uses; types in progress are False."""
-    if found.get(name) is False:
+    if names.get(name) is False:
         raise NoFormError(f"{'::'.join(name)}, which holds itself")
-    if name in found:
+    if name in names:
         return
-    found[name] = False
+    names[name] = False
     declaration = model.find(name)
     if isinstance(declaration, Struct):
         for member in members_of(model, declaration):
@@ -297,9 +297,9 @@ def _reach(model: Model, name: ScopedName, found: dict[ScopedName, bool]) -> Non
             if isinstance(type_, SequenceType | ArrayType):
                 type_ = model.unalias(type_.element)
             if isinstance(type_, NamedType):
-                _reach(model, type_.name, found)
-    del found[name]
-    found[name] = True
+                _reach(model, type_.name, names)
+    del names[name]
+    names[name] = True
 
 
 def _plain(made: str, put: str, take: str) -> Form:

@@ -273,10 +273,10 @@ def _default(
             declaration = model.find(of)
             assert isinstance(declaration, Enum)
             python_names = names.enumerators(declaration)
-            found = (
+            values = (
                 m.value for m in declaration.members if python_names[m.name] == member
             )
-            return str(next(found))
+            return str(next(values))
         case None:
             if type_ == PrimitiveType(Primitive.BOOLEAN):
                 return "False"

@@ -98,8 +98,10 @@ class Calls:
 
     def interfaces(self, file: str) -> list[Interface]:
         """The interfaces whose bodies a file contains."""
-        found = (self._before.find(name) for name in self.of)
-        return [i for i in found if isinstance(i, Interface) and self.file(i) == file]
+        declarations = (self._before.find(name) for name in self.of)
+        return [
+            i for i in declarations if isinstance(i, Interface) and self.file(i) == file
+        ]
 
     def raised(self, exception: ScopedName) -> ScopedName:
         """The body of a reply that carries a user exception."""

@@ -66,7 +66,7 @@ def packages(
 ) -> list[Package]:
     """The packages in order of first declaration; the root package first."""
     files = {file.name: file for file in model.files}
-    found: dict[ScopedName, Package] = {(): Package((), names.package)}
+    packages_of: dict[ScopedName, Package] = {(): Package((), names.package)}
     for declaration in model.declarations:
         scope = declaration.name[:-1]
         exported = files[declaration.file].exported and is_emitted(declaration)
@@ -75,9 +75,9 @@ def packages(
         for depth in range(len(scope) + 1):
             inner = scope[:depth]
             name = ".".join((names.package, *package_path(inner)))
-            found.setdefault(inner, Package(inner, name))
-        _fill(found[scope], names, declaration, declaration.name in codecs)
-    return list(found.values())
+            packages_of.setdefault(inner, Package(inner, name))
+        _fill(packages_of[scope], names, declaration, declaration.name in codecs)
+    return list(packages_of.values())
 
 
 def _fill(

@@ -129,10 +129,10 @@ class Valuetypes:
         `own` is the default of the member.
         """
         key = type_, own, dataclass
-        found = self._fields.get(key)
-        if found is None:
-            found = self._fields[key] = self._field(*key)
-        return found
+        field_text = self._fields.get(key)
+        if field_text is None:
+            field_text = self._fields[key] = self._field(*key)
+        return field_text
 
     def _field(self, type_: Type, own: InitialValue | None, dataclass: bool) -> str:
         annotation = self._mapping.annotation(type_)

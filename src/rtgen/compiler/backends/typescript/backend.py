@@ -47,7 +47,7 @@ class TypescriptBackend:
         xcdr2 = options.representation == "xcdr2"
         representations = Representations(model, xcdr2, options.extensibility)
         types = Types(model, representations)
-        found: list[Diagnostic] = []
+        diagnostics: list[Diagnostic] = []
         kept: list[Declaration] = []
         for declaration in model.declarations:
             if isinstance(declaration, Const):
@@ -59,11 +59,11 @@ class TypescriptBackend:
                     kept.append(declaration)
                 else:
                     message = f"`{declaration.scoped}` is left out: {what} has no codec"
-                    found.append(NOT_IN_TYPESCRIPT.at(declaration.span, message))
+                    diagnostics.append(NOT_IN_TYPESCRIPT.at(declaration.span, message))
         if not kept:
-            return Emission((), found)
+            return Emission((), diagnostics)
         tree = _Tree(model, types, kept, options)
-        return Emission(tuple(tree.artifacts()), found)
+        return Emission(tuple(tree.artifacts()), diagnostics)
 
 
 BACKEND = TypescriptBackend()

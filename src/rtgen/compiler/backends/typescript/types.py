@@ -102,8 +102,8 @@ class Types:
                 return None
             case _:
                 return declaration.scoped
-        found = (self._missing_of(part) for part in parts)
-        return next((what for what in found if what is not None), None)
+        reasons = (self._missing_of(part) for part in parts)
+        return next((what for what in reasons if what is not None), None)
 
     def _missing_of(self, type_: Type) -> str | None:
         match type_:
@@ -200,10 +200,10 @@ class Types:
         inner = self._model.unalias(type_.element)
         if not isinstance(inner, ArrayType):
             return None
-        found = self.initial(inner, default_of(self._model, type_.element))
-        for length in reversed(type_.dimensions) if found is not None else ():
-            found = f"Array.from({{ length: {length} }}, () => {found})"
-        return found
+        text = self.initial(inner, default_of(self._model, type_.element))
+        for length in reversed(type_.dimensions) if text is not None else ():
+            text = f"Array.from({{ length: {length} }}, () => {text})"
+        return text
 
     def _default(self, type_: Type, value: InitialValue) -> str:
         """Return the expression of a default: a literal, or a list with its items."""

@@ -36,19 +36,19 @@ def folded(
     for box, (column, row) in cells.items():
         if box in linked:
             bands[used[column] // columns][box] = used[column] % columns, row
-    found: dict[Box, Cell] = {}
+    placed: dict[Box, Cell] = {}
     first = 0
     for _, band in sorted(bands.items()):
         rows = {row: n for n, row in enumerate(sorted({r for _, r in band.values()}))}
         for box, (column, row) in band.items():
-            found[box] = column, first + rows[row]
+            placed[box] = column, first + rows[row]
         first += len(rows)
     others = sorted(
         (cells[box][::-1], n, box) for n, box in enumerate(cells) if box not in linked
     )
     for place, (_, _, box) in enumerate(others):
-        found[box] = place % columns, first + place // columns
-    return {box: found[box] for box in cells}
+        placed[box] = place % columns, first + place // columns
+    return {box: placed[box] for box in cells}
 
 
 def _by_location(boxes: Sequence[Box]) -> dict[Box, Cell] | None:

@@ -124,8 +124,8 @@ def notes(diagram: Diagram) -> dict[Tab, str]:
         if link.times:
             times[link.target] |= set(link.times)
     return {
-        tab: ", ".join(f"{time:g}" for time in sorted(found)) + " s"
-        for tab, found in times.items()
+        tab: ", ".join(f"{time:g}" for time in sorted(times_of_tab)) + " s"
+        for tab, times_of_tab in times.items()
     }
 
 

@@ -77,17 +77,21 @@ def _mappings(node: BusNode) -> Iterator[Diagnostic]:
         PdoReader(
             objects, device.info, device.dummies, node.id, findings, accepted
         ).read()
-        for found in findings.diagnostics:
-            yield from _problem(node, found)
+        for diagnostic in findings.diagnostics:
+            yield from _problem(node, diagnostic)
 
 
-def _problem(node: BusNode, found: Diagnostic) -> Iterator[Diagnostic]:
-    if found.code in _IMPOSSIBLE:
-        message = f"{node.name}: {found.message}"
-        place = [] if found.span is None else [Related(found.span, found.code)]
+def _problem(node: BusNode, diagnostic: Diagnostic) -> Iterator[Diagnostic]:
+    if diagnostic.code in _IMPOSSIBLE:
+        message = f"{node.name}: {diagnostic.message}"
+        place = (
+            []
+            if diagnostic.span is None
+            else [Related(diagnostic.span, diagnostic.code)]
+        )
         yield rules.BAD_MAPPING.at(node.span, message, related=place)
-    elif found.code in _DOUBTFUL:
-        message = f"{node.name} may refuse a mapping: {found.message}"
+    elif diagnostic.code in _DOUBTFUL:
+        message = f"{node.name} may refuse a mapping: {diagnostic.message}"
         yield rules.REFUSED_CHANGE.at(node.span, message)
 
 
@@ -129,8 +133,8 @@ def _supervision(node: BusNode) -> Iterator[Diagnostic]:
         (
             f'`"{number}" = 100` in its `values` sets {what}, in ms'
             for number, what in numbers
-            if (found := node.device.find(int(number, 16))) is not None
-            and found.access.writable
+            if (variable := node.device.find(int(number, 16))) is not None
+            and variable.access.writable
         ),
         f"{node.kind.path} has neither 1017h nor 100Ch",
     )

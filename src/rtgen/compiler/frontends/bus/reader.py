@@ -233,20 +233,22 @@ class _Reader:
         """Return the factors of a kind, including those computed by CiA 402."""
         declared = self._toml.content["device"][name]
         units = dict(_by_number(declared.get("units", {})))
-        found = {}
+        factors = {}
         for text, factor in declared.get("factors", {}).items():
             number, place = number_of(text), ("device", name, "factors", text)
             if factor != BY_DESCRIPTION:
-                found[number] = factor
+                factors[number] = factor
                 if not (isfinite(factor) and factor):
                     message = f"the factor of {text} is {factor}"
                     self._report(rules.BAD_CONTENT, place, message)
             elif device.find(*number) is not None:
                 try:
-                    found[number] = drive_factor(device, number, units.get(number, ""))
+                    factors[number] = drive_factor(
+                        device, number, units.get(number, "")
+                    )
                 except NoFactorError as error:
                     self._report(rules.NO_FACTOR, place, f"{text}: {error}")
-        return tuple(sorted(found.items()))
+        return tuple(sorted(factors.items()))
 
     def _check_objects(self, kind: DeviceKind) -> None:
         """Check the objects in the settings of a kind: each exists, and is listed once."""
@@ -318,15 +320,15 @@ class _Reader:
 
     def _links(self, nodes: list[BusNode]) -> list[PdoLink]:
         devices = {node.name: node.device for node in nodes}
-        found: list[PdoLink] = []
+        links: list[PdoLink] = []
         for number, entry in enumerate(self._toml.content.get("link", ())):
             source, target = _end(entry["from"]), _end(entry["to"])
-            wrong = _wrong(source, target, devices, found)
+            wrong = _wrong(source, target, devices, links)
             if wrong is not None:
                 self._report(rules.BAD_LINK, ("link", number), wrong)
             else:
-                found.append(PdoLink(source[::2], target[::2]))
-        return found
+                links.append(PdoLink(source[::2], target[::2]))
+        return links
 
     def _linked(self, nodes: list[BusNode], links: list[PdoLink]) -> list[BusNode]:
         """Return the nodes with the COB-IDs of their links: valid, and the TPDO's at both ends."""

@@ -182,8 +182,8 @@ class _Run:
         return read
 
     def _merge(self, read: _Read) -> None:
-        for found in read.findings:
-            self._report(found)
+        for finding in read.findings:
+            self._report(finding)
         if self._observe is not None:
             self._observe(read.table, read.units)
         self._sources |= {source.name: source.text for source in read.sources}
@@ -218,24 +218,26 @@ class _Run:
     def read(self, source: Source) -> _Read:
         """Read a main file with its imports, independently of other main files."""
         stages.file(source.name)
-        found = Findings()
+        findings = Findings()
         libraries = self._library, self._headers, self._plugins
         for library in libraries:
             library.trail.clear()
         names = frozenset(kernel.TYPES) if self._with_prelude else frozenset[str]()
-        reader = Reader(self._library, self._headers, self._define, names, found.report)
+        reader = Reader(
+            self._library, self._headers, self._define, names, findings.report
+        )
         with stages.stage("parse"):
             unit = reader.read(source)
         broken = any(each.skipped for each in reader.units)
-        report = _without_absences(found.report) if broken else found.report
+        report = _without_absences(findings.report) if broken else findings.report
         table = Table(
             report, with_prelude=self._with_prelude, has_plugin=self._has_plugin
         )
         table.lacking = reader.incomplete
         with stages.stage("analyse"):
             Analysis(table).run(unit)
-        _note_prelude(table, found.report)
-        reader.report_missing(failed=table.excused or found.errors > 0)
+        _note_prelude(table, findings.report)
+        reader.report_missing(failed=table.excused or findings.errors > 0)
         self._library.trail[absolute_path(source.path)] = None
         return _Read(
             source=source,
@@ -244,7 +246,7 @@ class _Run:
             units=tuple(reader.units),
             sources=(source, *self._library.found),
             headers=tuple(self._headers.found),
-            findings=found.diagnostics,
+            findings=findings.diagnostics,
             dependencies=tuple(
                 library.dependency(path)
                 for library in libraries
@@ -280,9 +282,9 @@ def _without_absences(
 ) -> Callable[[Diagnostic], None]:
     """Leave out what a statement that was skipped after a syntax error may contain."""
 
-    def filtered(found: Diagnostic) -> None:
-        if found.code not in _ABSENCES:
-            report(found)
+    def filtered(diagnostic: Diagnostic) -> None:
+        if diagnostic.code not in _ABSENCES:
+            report(diagnostic)
 
     return filtered
 

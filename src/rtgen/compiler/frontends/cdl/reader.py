@@ -70,21 +70,24 @@ class Reader:
 
     def _tool_imports(self, unit: Unit) -> tuple[statements.Item, ...]:
         """Apply the `__tool_info__` of a file; return the imports in it."""
-        found = tool_information(unit.source)
-        if found is None:
+        information = tool_information(unit.source)
+        if information is None:
             return ()
-        self._folders += [Path(folder) for folder in found.folders]
-        for macro in found.macros:
+        self._folders += [Path(folder) for folder in information.folders]
+        for macro in information.macros:
             name, equals, value = macro.partition("=")
             if _DEFINITION.fullmatch(macro):
                 self._define.setdefault(name, value if equals else "1")
         imports = [
-            statements.Import(name, False, found.start, found.end)
-            for name in found.imports
+            statements.Import(name, False, information.start, information.end)
+            for name in information.imports
         ]
         for statement in imports:
             self.import_file(statement, unit)
-        return tuple(statements.Item(None, i, found.start, found.end) for i in imports)
+        return tuple(
+            statements.Item(None, i, information.start, information.end)
+            for i in imports
+        )
 
     def import_file(self, statement: statements.Import, unit: Unit) -> None:
         span = unit.span(statement.start, statement.end)

@@ -107,12 +107,12 @@ def _taken(
     """Return what is in force in place of a stated COB-ID."""
     service = service_of(number)
     assert service is not None
-    found = cob_id_in_force(number, stated, node_id, chosen=chosen)
-    offset = found.offset if isinstance(found, NodeRelative) else found
+    cob_id = cob_id_in_force(number, stated, node_id, chosen=chosen)
+    offset = cob_id.offset if isinstance(cob_id, NodeRelative) else cob_id
     assert isinstance(offset, int)
     if service.base is None or (not service.on and offset & INVALID):
         return f"{service.name} is not valid"
     if service.on and standing(service, offset) is Standing.OFF:
         return f"there is no {service.name}"
-    shown = found if isinstance(found, NodeRelative) else f"{offset:X}h"
+    shown = cob_id if isinstance(cob_id, NodeRelative) else f"{offset:X}h"
     return f"{shown} is taken"

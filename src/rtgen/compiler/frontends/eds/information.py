@@ -106,9 +106,9 @@ class Information:
     def _bit_rates(self, section: Section) -> tuple[int, ...]:
         rates = []
         for key, entry in section.entries.items():
-            found = _RATE.fullmatch(key)
-            if found is not None and entry.value and self._flag(section, entry.key):
-                rates.append(int(found[1]))
+            match = _RATE.fullmatch(key)
+            if match is not None and entry.value and self._flag(section, entry.key):
+                rates.append(int(match[1]))
         return tuple(sorted(set(rates)))
 
     def commissioning(self) -> Commissioning | None:
@@ -154,10 +154,10 @@ class Information:
         section = self._section("dummyusage")
         allowed = []
         for key, entry in section.entries.items():
-            found = _DUMMY.fullmatch(key)
-            if found is None or not entry.value:
+            match = _DUMMY.fullmatch(key)
+            if match is None or not entry.value:
                 continue
-            code = int(found[1], 16)
+            code = int(match[1], 16)
             if code not in BITS:
                 message = f"{entry.key}: no data type of fixed width"
                 self._findings.add(information.BAD_DUMMY, entry.key_span, message)

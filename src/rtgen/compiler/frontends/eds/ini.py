@@ -86,9 +86,9 @@ class Document(msgspec.Struct, eq=False):
         """Return the name of the section that contains a line; None for a header."""
         if self._headers is None:
             self._headers = [
-                (number, found[1].strip())
+                (number, match[1].strip())
                 for number, text in enumerate(self.text.split("\n"), 1)
-                if text.lstrip()[:1] == "[" and (found := _HEADER.fullmatch(text))
+                if text.lstrip()[:1] == "[" and (match := _HEADER.fullmatch(text))
             ]
         at = bisect_left(self._headers, (line, "")) - 1
         following = self._headers[at + 1 : at + 2]
@@ -185,12 +185,12 @@ class _Reader:
             self._findings.add(
                 lexical.STRAY_COMMENT, self._whole(number, line), message
             )
-        elif (found := _KEY_WITH_COLON.fullmatch(line)) is not None:
-            message = f"the ':' after {found[1]} is read as '='"
+        elif (match := _KEY_WITH_COLON.fullmatch(line)) is not None:
+            message = f"the ':' after {match[1]} is read as '='"
             self._findings.add(lexical.COLON, self._whole(number, line), message)
-            self._entry(number, found)
-        elif (found := _KEY.fullmatch(line)) is not None:
-            self._entry(number, found)
+            self._entry(number, match)
+        elif (match := _KEY.fullmatch(line)) is not None:
+            self._entry(number, match)
         else:
             message = "this line is neither a section nor a key; it is ignored"
             self._findings.add(lexical.STRAY_LINE, self._whole(number, line), message)
@@ -200,11 +200,11 @@ class _Reader:
         return Span(self._document.file, number, start, number, len(line.rstrip()) + 1)
 
     def _header(self, number: int, line: str) -> None:
-        found = _HEADER.fullmatch(line)
-        name = "" if found is None else found[1].strip()
+        match = _HEADER.fullmatch(line)
+        name = "" if match is None else match[1].strip()
         span = self._whole(number, line)
         clean = _CLEAN_HEADER.fullmatch(line) is not None
-        rest = "" if found is None else found[2]
+        rest = "" if match is None else match[2]
         if not name or (not clean and rest[:1] != ";"):
             message = "malformed header of a section"
             self._findings.add(lexical.BAD_HEADER, span, message)
@@ -224,21 +224,21 @@ class _Reader:
             self._findings.add(lexical.SAME_SECTION, span, message)
         self._section = known
 
-    def _entry(self, number: int, found: re.Match[str]) -> None:
+    def _entry(self, number: int, match: re.Match[str]) -> None:
         entry = Entry(
             self._document.file,
             number,
-            found.start(1) + 1,
-            found[1],
-            found[2],
-            found.start(2) + 1,
+            match.start(1) + 1,
+            match[1],
+            match[2],
+            match.start(2) + 1,
         )
         if self._section is None:
             message = "this key precedes the first section; it is ignored"
             self._findings.add(lexical.OUTSIDE, entry.key_span, message)
         elif not entry.key:
             message = "there is no key before the '='; the line is ignored"
-            span = self._whole(number, found.string)
+            span = self._whole(number, match.string)
             self._findings.add(lexical.STRAY_LINE, span, message)
         else:
             known = self._section.entries.setdefault(entry.key.lower(), entry)

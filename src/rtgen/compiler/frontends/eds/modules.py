@@ -53,15 +53,15 @@ class ModuleReader:
             return ()
         entries = sorted(section.numbered(), key=lambda pair: pair[0])[:_MAX_SLOTS]
         check_count(section, "NrOfEntries", len(entries), self._findings)
-        found = []
+        modules = []
         for _, entry in entries:
             declared = parse(entry.value)
             if declared is None or declared.value not in self._outline.modules:
                 message = f"there is no module {entry.value[:20]}"
                 self._findings.add(rules.NO_MODULE, entry.span, message)
             else:
-                found.append(declared.value)
-        return tuple(found)
+                modules.append(declared.value)
+        return tuple(modules)
 
     def apply(self, objects: list[Object], connected: Sequence[int]) -> list[Object]:
         """Return the object dictionary extended by the modules."""

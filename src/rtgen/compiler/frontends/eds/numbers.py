@@ -40,14 +40,14 @@ class Number(NamedTuple):
 
 def parse(text: str) -> Number | None:
     """Parse a number: decimal, hexadecimal with `0x`, or (non-standard) with suffix `h`."""
-    found = _NUMBER.fullmatch(text)
-    if found is None:
-        found = _HEX_BEHIND.fullmatch(text)
-        return None if found is None else Number(int(found[1], 16), odd=True)
-    digits = found[2] or found[3]
-    value = int(digits, 16 if found[2] else 10)
-    octal = not found[2] and digits[0] == "0" and value > 7
-    return Number(-value if found[1] == "-" else value, octal)
+    match = _NUMBER.fullmatch(text)
+    if match is None:
+        match = _HEX_BEHIND.fullmatch(text)
+        return None if match is None else Number(int(match[1], 16), odd=True)
+    digits = match[2] or match[3]
+    value = int(digits, 16 if match[2] else 10)
+    octal = not match[2] and digits[0] == "0" and value > 7
+    return Number(-value if match[1] == "-" else value, octal)
 
 
 def number(entry: Entry, findings: Findings) -> int | None:
@@ -107,8 +107,8 @@ def limit(
         message = f"{entry.key}: values of this data type have no order"
         findings.add(values.NO_LIMIT, entry.key_span, message)
         return None
-    found = value(entry, type_, findings)
-    return found if isinstance(found, int | float | NodeRelative) else None
+    number = value(entry, type_, findings)
+    return number if isinstance(number, int | float | NodeRelative) else None
 
 
 def _bad(entry: Entry, findings: Findings, kind: str) -> None:
@@ -117,14 +117,14 @@ def _bad(entry: Entry, findings: Findings, kind: str) -> None:
 
 
 def _octets(text: str, entry: Entry, findings: Findings) -> bytes | None:
-    found = _HEX_OCTETS.fullmatch(re.sub(r"\s+", "", text))
-    if found is None:
+    match = _HEX_OCTETS.fullmatch(re.sub(r"\s+", "", text))
+    if match is None:
         _bad(entry, findings, "hexadecimal octets")
         return None
     if text[:2] in ("0x", "0X"):
         message = "octets have no 0x in front"
         findings.add(values.ODD_NUMBER, entry.span, message)
-    return bytes.fromhex(found[1])
+    return bytes.fromhex(match[1])
 
 
 def _real(text: str, entry: Entry, type_: DataType, findings: Findings) -> float | None:
@@ -136,8 +136,8 @@ def _real(text: str, entry: Entry, type_: DataType, findings: Findings) -> float
             findings.add(values.ODD_NUMBER, entry.span, message)
             [result] = struct.unpack(form, struct.pack(bits, parsed.value))
             return float(result)
-    elif (found := _REAL.fullmatch(text)) is not None and len(text) <= 80:
-        if found[1]:
+    elif (match := _REAL.fullmatch(text)) is not None and len(text) <= 80:
+        if match[1]:
             message = f"{text} is taken for {text[:-1]}"
             findings.add(values.ODD_NUMBER, entry.span, message)
         result = float(text.rstrip("fF"))

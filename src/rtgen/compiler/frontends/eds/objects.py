@@ -41,11 +41,11 @@ class ObjectReader:
     def read(self) -> list[Object]:
         """Return the objects by index, without DEFTYPE, DEFSTRUCT and NULL."""
         sections = self._sections
-        found = []
+        objects = []
         for index in sorted({*sections.heads, *sections.subs}):
             if index >= _TYPES_END:
                 made = self._object(index)
-                found += [made] if made is not None else []
+                objects += [made] if made is not None else []
             if self._room < 0 or self._whole_room < 0:
                 subs = sections.subs.get(index, {})
                 places = (sections.heads.get(index), *subs.values())
@@ -57,9 +57,9 @@ class ObjectReader:
                 )
                 self._findings.add(lexical.TOO_MANY_OBJECTS, span, message)
                 return []
-        known = {o.index: o for o in found}
+        known = {o.index: o for o in objects}
         compact.check_lists(sections, known, self._findings)
-        return found
+        return objects
 
     @staticmethod
     def _defined_types(sections: ObjectSections) -> dict[int, int]:

@@ -98,8 +98,8 @@ def _place(name: str, section: Section, result: Outline, findings: Findings) -> 
         _keep(result.plain, plain, section, findings)
     elif _TOOL.fullmatch(name):
         result.plain[name] = section
-    elif (found := _MODULE.fullmatch(name)) is not None:
-        _place_module(found, section, result, findings)
+    elif (match := _MODULE.fullmatch(name)) is not None:
+        _place_module(match, section, result, findings)
     elif not _place_object(name, "", section, result.objects, findings):
         message = f"[{section.name}] is not a section of CiA 306"
         meant = None
@@ -111,12 +111,12 @@ def _place(name: str, section: Section, result: Outline, findings: Findings) -> 
 
 
 def _place_module(
-    found: re.Match[str], section: Section, result: Outline, findings: Findings
+    match: re.Match[str], section: Section, result: Outline, findings: Findings
 ) -> None:
-    module = result.modules.setdefault(int(found[1]), ModuleSections())
+    module = result.modules.setdefault(int(match[1]), ModuleSections())
     module.first = module.first or section
-    prefix = section.name[: found.start(3)]
-    match found[2], found[3]:
+    prefix = section.name[: match.start(3)]
+    match match[2], match[3]:
         case "moduleinfo", "":
             module.info = section
         case "comments" | "fixedobjects" | "subextends", "":
@@ -137,10 +137,10 @@ def _place_object(
     name: str, prefix: str, section: Section, into: ObjectSections, findings: Findings
 ) -> bool:
     """Store the section if its name, after the prefix, is that of an object."""
-    found = _OBJECT.fullmatch(name)
-    if found is None:
+    match = _OBJECT.fullmatch(name)
+    if match is None:
         return False
-    zero_x, digits, sub, kind = found.groups()
+    zero_x, digits, sub, kind = match.groups()
     if len(digits) < 4 and not (zero_x or any(c.isdigit() for c in digits)):
         return False
     index = int(digits, 16)

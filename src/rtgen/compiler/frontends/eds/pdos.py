@@ -63,12 +63,12 @@ class PdoReader:
 
     def read(self) -> tuple[Pdo, ...]:
         """Return the TPDOs, then the RPDOs, by number."""
-        found = [
+        pdos = [
             *self._direction(PdoDirection.TPDO, TPDO_COMMUNICATION),
             *self._direction(PdoDirection.RPDO, RPDO_COMMUNICATION),
         ]
-        self._check_cob_ids(found)
-        return tuple(found)
+        self._check_cob_ids(pdos)
+        return tuple(pdos)
 
     def _direction(self, direction: PdoDirection, base: int) -> Iterator[Pdo]:
         bases = (base, base + _TO_MAPPING)
@@ -120,13 +120,13 @@ class PdoReader:
         """Return the COB-ID in force."""
         number = communication.index, 1
         variable = self._variables.get(number)
-        found = (
+        cob_id = (
             cob_id_in_force(number, None, self._node_id)
             if variable is None
             else variable.in_force(self._node_id)
         )
-        assert isinstance(found, int | NodeRelative)
-        return found
+        assert isinstance(cob_id, int | NodeRelative)
+        return cob_id
 
     @staticmethod
     def _count(mapping: Object) -> int | None:

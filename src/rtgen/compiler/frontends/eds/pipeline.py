@@ -112,8 +112,10 @@ class _Run:
             data, known = file.data, self._encoding
             if isinstance(data, Encoded):
                 known = data.encoding
-            device, text, found = _read(data, file.name, file.key, self._node_id, known)
-            self._diagnostics += found
+            device, text, diagnostics = _read(
+                data, file.name, file.key, self._node_id, known
+            )
+            self._diagnostics += diagnostics
         self._texts[file.name] = text
         self._devices += [device] if device is not None else []
 
@@ -135,7 +137,7 @@ def _read(
         hint = "the two formats have no more in common than the suffix"
         findings.add(lexical.NO_DEVICE, document.start, message, hint=hint)
     device = None if findings.failed else _described(document, findings, node_id)
-    findings.rewrite(lambda found: _in_section(found, document))
+    findings.rewrite(lambda diagnostic: _in_section(diagnostic, document))
     if device is not None:
         device = replace(device, key=key or file, sha256=digest(data))
     if findings.failed:
@@ -143,13 +145,13 @@ def _read(
     return device, document.text, findings.diagnostics
 
 
-def _in_section(found: Diagnostic, document: ini.Document) -> Diagnostic:
+def _in_section(diagnostic: Diagnostic, document: ini.Document) -> Diagnostic:
     """Add the section of the line to a diagnostic."""
-    assert found.span is not None
-    name = document.section_at(found.span.line)
+    assert diagnostic.span is not None
+    name = document.section_at(diagnostic.span.line)
     if not name:
-        return found
-    return replace(found, message=f"{found.message} (in [{name}])")
+        return diagnostic
+    return replace(diagnostic, message=f"{diagnostic.message} (in [{name}])")
 
 
 def _described(
@@ -227,10 +229,10 @@ def _check_counts(
         ("NrOfRXPDO", info.rpdos, RPDO_COMMUNICATION),
         ("NrOfTXPDO", info.tpdos, TPDO_COMMUNICATION),
     ):
-        found = sum(base <= o.index < base + PDOS for o in objects)
+        count = sum(base <= o.index < base + PDOS for o in objects)
         entry = None if section is None else section.get(key)
-        if entry is not None and declared is not None and declared != found:
-            message = f"{key} is {declared}; {found} are described"
+        if entry is not None and declared is not None and declared != count:
+            message = f"{key} is {declared}; {count} are described"
             findings.add(information_rules.PDO_COUNT, entry.span, message)
 
 

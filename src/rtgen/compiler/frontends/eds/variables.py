@@ -223,8 +223,8 @@ class VariableReader:
         entry = section.get("Factor")
         if entry is None:
             return None
-        found = numbers.value(entry, DataType.REAL64, self._findings)
-        return found if isinstance(found, float) else None
+        factor = numbers.value(entry, DataType.REAL64, self._findings)
+        return factor if isinstance(factor, float) else None
 
     def flags(self, section: Section) -> int:
         """Return the object flags, 0 by default."""

@@ -173,10 +173,10 @@ class _Run:
         """Return the unit of a main file from an earlier run, if it is still valid."""
         if self._memo is None:
             return None
-        found: Translation | None = self._memo.find((*self._key, name))
-        if found is None or not self._translator.is_printed(found.printed):
+        translation: Translation | None = self._memo.find((*self._key, name))
+        if translation is None or not self._translator.is_printed(translation.printed):
             return None
-        return found
+        return translation
 
     def _translated(self, source: Source, macros: Mapping[str, Macro]) -> Translation:
         virtual = source.name in self._given

@@ -91,7 +91,7 @@ class Translator:
             source=source,
             tables=tables,
             declarations=declarations,
-            findings=tuple(found for each in parts for found in each.diagnostics),
+            findings=tuple(finding for each in parts for finding in each.diagnostics),
             sources=tuple(
                 dict.fromkeys(s for each in units for s in (each.source, *each.nested))
             ),

@@ -120,8 +120,8 @@ class Characters:
         """Report a doubt about the encoding, at the first character that is not ASCII."""
         starts = self._lines.starts
         first = starts[min(line, len(starts)) - 1]
-        found = _NOT_ASCII.search(self.text, first)
-        span = self._lines.span(*((first, first) if found is None else found.span()))
+        match = _NOT_ASCII.search(self.text, first)
+        span = self._lines.span(*((first, first) if match is None else match.span()))
         self.problems.append(rule.at(span, message))
 
     def check(self, joined: Joined, readers: str, *, literals: bool) -> None:
@@ -158,13 +158,13 @@ class Characters:
         """Report a literal at [start, end) of the text with such an octet."""
         if not (self.has_octets and self._is_sjis):
             return
-        found = _ends_in_backslash().search(self.text, start, end)
-        if found is not None:
+        match = _ends_in_backslash().search(self.text, start, end)
+        if match is not None:
             message = (
-                f"the last octet of {found[0]} is 5Ch, a backslash: to {readers} it begins"
+                f"the last octet of {match[0]} is 5Ch, a backslash: to {readers} it begins"
                 " an escape sequence"
             )
-            span = self._lines.span(*found.span())
+            span = self._lines.span(*match.span())
             self.problems.append(OCTET_OF_LITERAL.at(span, message))
 
     def _check_continued(self, start: int, end: int, joined: Joined) -> None:

@@ -52,11 +52,11 @@ class Docs:
         """
         if not self._comments:
             return ""
-        found = self._known.get((start, end))
-        if found is None:
+        text = self._known.get((start, end))
+        if text is None:
             parts = (*map(self._above, (start, *inner)), self._after(end))
-            found = self._known[start, end] = "\n\n".join(filter(None, parts))
-        return found
+            text = self._known[start, end] = "\n\n".join(filter(None, parts))
+        return text
 
     def say_key(self, end: int) -> bool:
         """Return whether the comment after an entry is `//@key`, as in DDS before annotations."""
@@ -69,7 +69,7 @@ class Docs:
 
     def _above(self, start: int) -> str:
         index = bisect_left(self._starts, start) - 1
-        found: list[Comment] = []
+        comments: list[Comment] = []
         position = start
         while index >= 0:
             comment = self._comments[index]
@@ -79,8 +79,8 @@ class Docs:
                 break
             line = self._text.rfind("\n", 0, comment.start) + 1
             if self._text[line : comment.start].strip():
-                if not (found or _SUPPRESSION.match(text) or self._trails(comment)):
-                    found += [comment] if is_documentation(text) else []
+                if not (comments or _SUPPRESSION.match(text) or self._trails(comment)):
+                    comments += [comment] if is_documentation(text) else []
                 break
             if _SUPPRESSION.match(text):
                 position = line
@@ -89,9 +89,9 @@ class Docs:
             adjacent = between.count("\n") == 1
             if not is_documentation(text) and not (text.startswith("//") and adjacent):
                 break
-            if found and (not adjacent or text[:2] != "//"):
+            if comments and (not adjacent or text[:2] != "//"):
                 break
-            found.append(comment)
+            comments.append(comment)
             if text.startswith("/*"):
                 break
             position = line
@@ -100,9 +100,9 @@ class Docs:
                 gap = self._text[self._comments[index].end : line]
                 if gap.count("\n") > 1:
                     break
-        if not found:
+        if not comments:
             return ""
-        texts = [_stripped(comment.text) for comment in reversed(found)]
+        texts = [_stripped(comment.text) for comment in reversed(comments)]
         joined = _tidy("\n".join(texts))
         return "" if _OF_A_FILE.search(joined) else joined
 

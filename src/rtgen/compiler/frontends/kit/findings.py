@@ -54,10 +54,10 @@ class Findings:
             self._found[diagnostic] = None
         else:
             message = f"more than {self._most} {severity}s: the rest is not shown"
-            found = self._overflow.at(diagnostic.span, message)
+            overflow = self._overflow.at(diagnostic.span, message)
             if severity is not Severity.ERROR:
-                found = replace(found, severity=Severity.NOTE)
-            self._found[found] = None
+                overflow = replace(overflow, severity=Severity.NOTE)
+            self._found[overflow] = None
 
     def add(
         self, rule: Rule, span: Span, message: str, *, hint: str | None = None

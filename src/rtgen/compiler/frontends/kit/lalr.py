@@ -45,9 +45,9 @@ def token(kind: str, start: int, text: str = "") -> Token:
 class UnexpectedTokenError(Exception):
     """Raised for a token that is not allowed at its place."""
 
-    def __init__(self, found: Token) -> None:
-        super().__init__(f"unexpected {found.type}")
-        self.token = found
+    def __init__(self, token: Token) -> None:
+        super().__init__(f"unexpected {token.type}")
+        self.token = token
 
 
 class UnexpectedCharacterError(Exception):
@@ -57,9 +57,9 @@ class UnexpectedCharacterError(Exception):
 class TooDeepError(Exception):
     """Raised at a token that is nested too deeply."""
 
-    def __init__(self, found: Token) -> None:
-        super().__init__(f"nested too deeply at {found.start_pos}")
-        self.token = found
+    def __init__(self, token: Token) -> None:
+        super().__init__(f"nested too deeply at {token.start_pos}")
+        self.token = token
 
 
 class Grammar:
@@ -121,10 +121,10 @@ class Parser:
         self._feed(self._tokens())
         return self.feed(token(END, len(self._text)))
 
-    def feed(self, found: Token) -> Any:
+    def feed(self, token: Token) -> Any:
         """Shift a token after the necessary reductions; returns the result at the end."""
-        self._feed((found,))
-        return self.values[0] if found.type == END else None
+        self._feed((token,))
+        return self.values[0] if token.type == END else None
 
     def _tokens(self) -> Iterator[Token]:
         """Yield the tokens from `position` on, each one read when those before it are shifted."""
@@ -141,32 +141,32 @@ class Parser:
                 row = actions[states[-1]]
                 if kind == WORD:
                     kind = reserved[text] if text in reserved else word(text, end)
-                found = Token(text)
-                found.type = kind
-                found.start_pos = end - len(text)
-                found.end_pos = end
+                token = Token(text)
+                token.type = kind
+                token.start_pos = end - len(text)
+                token.end_pos = end
                 if kind not in row:
-                    found = self.other(found)
-                yield found
-                if found.end_pos != end:
-                    self.position = found.end_pos
+                    token = self.other(token)
+                yield token
+                if token.end_pos != end:
+                    self.position = token.end_pos
                     break
 
     def _feed(self, tokens: Iterable[Token]) -> None:
         states, values, watched = self.states, self.values, self.watched
         actions, rules = self._grammar.actions, self._grammar.rules
-        for found in tokens:
-            kind = found.type
+        for token in tokens:
+            kind = token.type
             if len(states) > self.most:
-                raise TooDeepError(found)
+                raise TooDeepError(token)
             row = actions[states[-1]]
             while True:
                 if kind not in row:
-                    raise UnexpectedTokenError(found)
+                    raise UnexpectedTokenError(token)
                 action = row[kind]
                 if action >= 0:
                     states.append(action)
-                    values.append(found)
+                    values.append(token)
                     break
                 size, origin, make = rules[~action]
                 if size == 1:
@@ -184,9 +184,9 @@ class Parser:
                     states.append(row[origin])
                 row = actions[states[-1]]
             if kind in watched:
-                self.shifted(found)
+                self.shifted(token)
 
-    def shifted(self, found: Token) -> None:
+    def shifted(self, token: Token) -> None:
         """Called when a token of a watched terminal is shifted."""
 
     def word(self, text: str, end: int) -> str:
@@ -198,19 +198,19 @@ class Parser:
                 return keyword
         return WORD
 
-    def other(self, found: Token) -> Token:
+    def other(self, unexpected: Token) -> Token:
         """Return another token with the same start that the state accepts; raises if none is."""
         row = self._grammar.actions[self.states[-1]]
-        start = found.start_pos
+        start = unexpected.start_pos
         for kind, pattern in self._grammar.terminals.items():
             if kind in row and kind != WORD:
                 match = re.compile(pattern).match(self._text, start)
                 if match is not None:
                     return token(kind, start, match[0])
         self.position = start
-        if found.type == _UNKNOWN:
+        if unexpected.type == _UNKNOWN:
             raise UnexpectedCharacterError
-        raise UnexpectedTokenError(found)
+        raise UnexpectedTokenError(unexpected)
 
     def takes(self, kind: str) -> bool:
         """Return whether the state has an action for a terminal, even if that is a reduction."""
@@ -270,9 +270,9 @@ def _rule(
         if place == 0:
 
             def spread_first(parts: list[Any]) -> Any:
-                found: list[Any] = parts[0]  # not copied: the list grows on the left
-                found += parts[1:]
-                return make(found)
+                items: list[Any] = parts[0]  # not copied: the list grows on the left
+                items += parts[1:]
+                return make(items)
 
             return size, origin, spread_first
 
@@ -283,15 +283,15 @@ def _rule(
         return size, origin, spread_one
 
     def select(parts: list[Any]) -> Any:
-        found: list[Any] = []
+        items: list[Any] = []
         for index, spread in kept:
             if not spread:
-                found.append(parts[index])
-            elif found:
-                found += parts[index]
+                items.append(parts[index])
+            elif items:
+                items += parts[index]
             else:  # not copied: the list grows on the left
-                found = parts[index]
-        return found[0] if single and len(found) == 1 else make(found)
+                items = parts[index]
+        return items[0] if single and len(items) == 1 else make(items)
 
     return size, origin, select
 
@@ -301,6 +301,6 @@ def _as_they_are(parts: list[Any]) -> list[Any]:
 
 
 def _appended(parts: list[Any]) -> list[Any]:
-    found: list[Any] = parts[0]
-    found.append(parts[-1])
-    return found
+    items: list[Any] = parts[0]
+    items.append(parts[-1])
+    return items

@@ -66,13 +66,13 @@ _START = "specification"
 
 def _numbers(table: Any) -> dict[int, int]:
     """Number the states in the order of a traversal: lark's own numbers depend on hashes."""
-    found = {table.start_states[_START]: 0}
-    for state in (waiting := [*found]):
+    numbers = {table.start_states[_START]: 0}
+    for state in (waiting := [*numbers]):
         for _, (_, arg) in sorted(table.states[state].items()):
-            if isinstance(arg, int) and arg not in found:
-                found[arg] = len(found)
+            if isinstance(arg, int) and arg not in numbers:
+                numbers[arg] = len(numbers)
                 waiting.append(arg)
-    return found
+    return numbers
 
 
 def _row(

@@ -82,8 +82,8 @@ class Library(Generic[F]):
 
     def dependency(self, absolute: str) -> Dependency:
         """Return what was found at an absolute path that was searched."""
-        found = self._dependencies.get(absolute)
-        return Dependency(Path(absolute), None) if found is None else found
+        known = self._dependencies.get(absolute)
+        return Dependency(Path(absolute), None) if known is None else known
 
     @property
     def found(self) -> list[F]:

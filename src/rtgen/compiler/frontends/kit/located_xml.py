@@ -209,14 +209,14 @@ class _Builder:
         while True:
             while offset < len(self._text) and self._text[offset].isspace():
                 offset += 1
-            found = _ATTRIBUTE.match(self._text, offset)
-            if found is None:
+            match = _ATTRIBUTE.match(self._text, offset)
+            if match is None:
                 return places
-            key = found[1].rpartition(":")[2]
+            key = match[1].rpartition(":")[2]
             places.setdefault(
-                key, self._span(found.start(2) + 1, max(len(found[2]) - 2, 1))
+                key, self._span(match.start(2) + 1, max(len(match[2]) - 2, 1))
             )
-            offset = found.end()
+            offset = match.end()
 
     def _characters(self, text: str) -> None:
         if self._open:

@@ -45,5 +45,5 @@ def nearest(word: str, candidates: Iterable[str]) -> str | None:
         return None
     from difflib import get_close_matches
 
-    found = get_close_matches(word, choices, n=1, cutoff=0.7)
-    return found[0] if found else None
+    matches = get_close_matches(word, choices, n=1, cutoff=0.7)
+    return matches[0] if matches else None

@@ -216,11 +216,11 @@ def _mapping(form: _Form, element: ProfileTree) -> dict[str, Any]:
 
 def _date(text: str) -> object:
     """Return the parts of a date; those unknown to rtshell only if present."""
-    found = _DATE.fullmatch(text)
-    if found is None:
+    match = _DATE.fullmatch(text)
+    if match is None:
         return text
-    parts: dict[str, int | str] = {k: int(found[k]) for k in _DATE_PARTS}
-    return parts | {k: found[k] for k in _DATE_REST if found[k]}
+    parts: dict[str, int | str] = {k: int(match[k]) for k in _DATE_PARTS}
+    return parts | {k: match[k] for k in _DATE_REST if match[k]}
 
 
 def _key(form: _Form, name: tuple[str, str], inside: str) -> str:
@@ -251,10 +251,10 @@ def parse(text: str, file: str) -> Element:
         root = located_yaml.parse(text, file)
         for form in _FORMS:
             content = root.content
-            found = content.get(form.key) if isinstance(content, Mapping) else None
-            if found is not None and isinstance(found.content, Mapping):
+            body = content.get(form.key) if isinstance(content, Mapping) else None
+            if body is not None and isinstance(body.content, Mapping):
                 name = (form.namespaces[form.base], form.root)
-                return _element(form, name, found, 0)
+                return _element(form, name, body, 0)
         raise YamlError("there is neither `rtcProfile` nor `rtsProfile`", root.span)
     except YamlError as error:
         raise InputError([BAD_YAML.at(error.span, str(error))]) from None

@@ -31,7 +31,7 @@ def kinds_of(
     devices: Sequence[Device], buses: Sequence[Bus]
 ) -> tuple[list[DeviceKind], list[Diagnostic]]:
     """A kind for each module, in the order of bus files, then files; and diagnostics."""
-    found: dict[str, DeviceKind] = {}
+    kinds: dict[str, DeviceKind] = {}
     findings: list[Diagnostic] = []
     of_buses = [kind for bus in buses for kind in bus.kinds]
     known = {_file(kind.device) for kind in of_buses}
@@ -41,7 +41,7 @@ def kinds_of(
         if taken is not None:
             findings.append(taken)
             continue
-        other = found.setdefault(kind.module.lower(), kind)
+        other = kinds.setdefault(kind.module.lower(), kind)
         if _settings(other) != _settings(kind):
             findings.append(
                 SAME_MODULE.at(
@@ -51,7 +51,7 @@ def kinds_of(
                     hint="give one of them another `name` in its bus file",
                 )
             )
-    return list(found.values()), findings
+    return list(kinds.values()), findings
 
 
 OBJECT_ACCESS = "ObjectAccess"

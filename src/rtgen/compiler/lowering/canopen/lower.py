@@ -191,9 +191,9 @@ def _same(made: Declaration, other: Declaration) -> bool:
 
 def _networks(ports: DevicePorts, buses: Sequence[Bus]) -> dict[str, int]:
     """The networks that a kind of device is in, each with the node-id of the first one there."""
-    found: dict[str, int] = {}
+    networks: dict[str, int] = {}
     for bus in buses:
         for node in bus.nodes:
             if node.kind.module == ports.kind.module:
-                found.setdefault(bus.name, node.id)
-    return found
+                networks.setdefault(bus.name, node.id)
+    return networks

@@ -140,8 +140,10 @@ class Lowering:
             if given or known.file == profile.file:
                 message = f"there is a component {known.scoped} already"
                 related = [Related(known.span, "the other one")]
-                found = rules.SAME_COMPONENT.at(profile.span, message, related=related)
-                self.diagnostics.append(found)
+                diagnostic = rules.SAME_COMPONENT.at(
+                    profile.span, message, related=related
+                )
+                self.diagnostics.append(diagnostic)
         elif self._is_taken(name):
             last, why = f"{last}Component", "is the name of a type or module, too"
             name = (*name[:-1], last)
@@ -400,8 +402,8 @@ def _scopes(name: ScopedName) -> Iterator[ScopedName]:
 def _scoped(text: str) -> ScopedName:
     """Parse a type's name in its variants: IDL, repository id, with dots or slashes."""
     text = text.strip()
-    if (found := _REPOSITORY_ID.fullmatch(text)) is not None:
-        text = found[1]
+    if (match := _REPOSITORY_ID.fullmatch(text)) is not None:
+        text = match[1]
     if "::" not in text:
         text = text.replace("/", "::").replace(".", "::")
     return tuple(part.strip() for part in text.split("::") if part.strip())

@@ -81,14 +81,14 @@ class Definitions:
             text = parameter.facts.get("type")
             if text is None:
                 return None
-            found = parsed(text)
-            for named in names_in(found):
+            type_ = parsed(text)
+            for named in names_in(type_):
                 if named.name not in self.declared:
                     raise ValueError(f"{named} is not found")
-            if not self.parameters.is_supported(found):
-                raise ValueError(f"{found} cannot be the type of a parameter")
-            word = self.parameters.profile_type(found)
-            return found if word == " ".join(parameter.type.split()) else None
+            if not self.parameters.is_supported(type_):
+                raise ValueError(f"{type_} cannot be the type of a parameter")
+            word = self.parameters.profile_type(type_)
+            return type_ if word == " ".join(parameter.type.split()) else None
         return None
 
     def default(
@@ -269,8 +269,8 @@ class Definitions:
 
 def identifier_of(variable: str, facts: Facts) -> str | None:
     """Return the identifier in the facts, if the attribute matches."""
-    found = facts.get("identifier")
-    return variable if found == variable else None
+    identifier = facts.get("identifier")
+    return variable if identifier == variable else None
 
 
 def _with_doc(made: _Item, facts: Facts) -> _Item:

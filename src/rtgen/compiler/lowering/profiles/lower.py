@@ -15,7 +15,7 @@ def lower(model: Model, settings: Settings) -> Lowered:
 
     The component of a profile replaces the one of its name in an IDL file.
     """
-    made, found = components(model.profiles, model, settings.definitions)
+    made, diagnostics = components(model.profiles, model, settings.definitions)
     names = {declaration.name for declaration in made}
     rest = (each for each in model.declarations if each.name not in names)
-    return Lowered(replace(model, declarations=(*rest, *made)), found)
+    return Lowered(replace(model, declarations=(*rest, *made)), diagnostics)

@@ -39,9 +39,9 @@ def lower(model: Model, settings: Settings) -> Lowered:
     communication = communication_model(sources)
     made = [Package(name=FOLDER, model=communication, sources=sources)]
     for plan in planned:
-        side, found = idl_side(plan, communication)
+        side, diagnostics = idl_side(plan, communication)
         layouts, untransferable = _layouts(plan, side)
-        findings += [*found, *untransferable]
+        findings += [*diagnostics, *untransferable]
         made.append(
             BoardPackage(
                 name=plan.name,
@@ -82,7 +82,7 @@ def _layouts(
 ) -> tuple[list[SignatureLayout], list[Diagnostic]]:
     """The layouts of all signatures, and diagnostics for what OpaqueRPC cannot carry."""
     layouts = []
-    found = []
+    diagnostics = []
     for service in package.services:
         signature = service.signature
         try:
@@ -91,5 +91,5 @@ def _layouts(
             kept = [f for f in signature.functions if f.span not in side.refused]
             sound = replace(signature, functions=tuple(kept))
             for p in problems(package.unit, sound):
-                found.append(NOT_TRANSFERRED.at(p.span, p.reason, hint=p.hint))
-    return layouts, found
+                diagnostics.append(NOT_TRANSFERRED.at(p.span, p.reason, hint=p.hint))
+    return layouts, diagnostics

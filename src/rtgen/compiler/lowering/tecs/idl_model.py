@@ -249,30 +249,30 @@ class _Builder:
         name = identifier(service.name)
         made = ("Proxy", "Target", *RTCS, *(f"{each}Base" for each in RTCS))
         structs = (struct_class(each) for each in self._structs)
-        found = self._in_views().union(
+        names = self._in_views().union(
             structs,
             (f"{name}{each}" for each in made),
             (f"_{name}Servant", codec_class(service.signature)),
             MARSHALLER_NAMES,
             BASE_NAMES,
         )
-        return found.difference(HOMES)  # which are imported from the same places
+        return names.difference(HOMES)  # which are imported from the same places
 
     # Types and constants.
 
     def _declarations(self) -> Iterator[Declaration]:
         """All declarations of the unit that IDL can express, in order."""
         for declaration in self._unit.declarations:
-            found: Declaration | None = None
+            lowered: Declaration | None = None
             match declaration:
                 case TecsStruct():
-                    found = self._quietly(self._struct, declaration)
+                    lowered = self._quietly(self._struct, declaration)
                 case TecsTypedef() if declaration.name in self._typedefs:
-                    found = self._quietly(self._typedef, declaration)
+                    lowered = self._quietly(self._typedef, declaration)
                 case TecsConst():
-                    found = self._const(declaration)
-            if found is not None:
-                yield found
+                    lowered = self._const(declaration)
+            if lowered is not None:
+                yield lowered
 
     def _quietly(self, make: Callable[[_D], Declaration], of: _D) -> Declaration | None:
         try:
@@ -415,14 +415,14 @@ def _is_sized(parameter: TecsParameter) -> bool:
 def _needed(
     roots: Sequence[Declaration], declared: dict[ScopedName, Declaration]
 ) -> set[ScopedName]:
-    found: set[ScopedName] = set()
+    names: set[ScopedName] = set()
     waiting = [name for root in roots for name in referred(root)]
     while waiting:
         name = waiting.pop()
-        if name in declared and name not in found:
-            found.add(name)
+        if name in declared and name not in names:
+            names.add(name)
             waiting += referred(declared[name])
-    return found
+    return names
 
 
 def _fitting(type_: Type, plain: object, value: ConstantValue) -> ConstantValue:

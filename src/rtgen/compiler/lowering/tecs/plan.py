@@ -128,12 +128,12 @@ class _Planner:
         services: dict[ScopedName, Service] = {}
         joins: list[RtcJoin] = []
         for number, (cell, join, through) in enumerate(joined):
-            options, found = read_options(through)
-            self.findings += found
+            options, diagnostics = read_options(through)
+            self.findings += diagnostics
             signature = self._signature(join)
             service = services.setdefault(signature.name, _service(signature, options))
             made = RtcJoin(number, cell, join, through, service, options)
-            if not found:
+            if not diagnostics:
                 self._compare(made, joins)
             joins.append(made)
         if not joins:
@@ -149,9 +149,9 @@ class _Planner:
         )
 
     def _signature(self, join: Join) -> Signature:
-        found = self._unit.find(join.signature, Signature)
-        assert isinstance(found, Signature)
-        return found
+        signature = self._unit.find(join.signature, Signature)
+        assert isinstance(signature, Signature)
+        return signature
 
     def _sources(self, joins: Iterable[RtcJoin]) -> tuple[SourceFile, ...]:
         """Return the main file, and the files of the signatures and joins."""

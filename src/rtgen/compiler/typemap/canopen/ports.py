@@ -157,15 +157,15 @@ class DevicePorts:
 
         The number is appended to a name that every proxy uses.
         """
-        found = []
+        quantities = []
         for number in self.kind.parameters:
             variable = self.device.find(*number)
             if variable is not None:
                 quantity = self.quantity(variable)
                 if quantity.name.lower() in OWN_PARAMETERS:
                     quantity = replace(quantity, name=numbered(quantity.name, number))
-                found.append(quantity)
-        return tuple(found)
+                quantities.append(quantity)
+        return tuple(quantities)
 
     @property
     def operations(self) -> tuple[Quantity, ...]:
@@ -180,20 +180,20 @@ class DevicePorts:
     @property
     def object_ports(self) -> tuple[ObjectPort, ...]:
         """A port for each mapped object, named `_in` and `_out` if there are both directions."""
-        found: dict[tuple[PdoDirection, tuple[int, int]], list[tuple[int, int]]] = {}
+        pdos: dict[tuple[PdoDirection, tuple[int, int]], list[tuple[int, int]]] = {}
         quantities: dict[tuple[int, int], Quantity] = {}
         for sample in self.samples:
             for place, field in enumerate(sample.fields):
                 number = field.variable.index, field.variable.subindex
                 quantities[number] = self.quantity(field.variable)
                 key = sample.pdo.direction, number
-                found.setdefault(key, []).append((sample.pdo.number, place))
+                pdos.setdefault(key, []).append((sample.pdo.number, place))
         ports = []
-        for (direction, number), places in found.items():
+        for (direction, number), places in pdos.items():
             quantity = quantities[number]
             name = quantity.name
             other = next(d for d in PdoDirection if d is not direction)
-            if (other, number) in found:
+            if (other, number) in pdos:
                 name += "_out" if direction is PdoDirection.TPDO else "_in"
             ports.append(ObjectPort(name, direction, quantity, tuple(places)))
         return tuple(ports)
@@ -204,17 +204,17 @@ class DevicePorts:
             mapped: list[Mapped] = []
             struct = f"{pdo.direction}{pdo.number}"
             for entry in pdo.entries:
-                found = (
+                samples = (
                     None
                     if entry.dummy
                     else self.device.find(entry.index, entry.subindex)
                 )
-                if found is None:
+                if samples is None:
                     mapped.append(Mapped(None, 0, entry.bits))
                     continue
-                quantity = self._member(found, fields, struct)
+                quantity = self._member(samples, fields, struct)
                 fields.append(quantity)
-                mapped.append(Mapped(quantity.name, found.data_type, entry.bits))
+                mapped.append(Mapped(quantity.name, samples.data_type, entry.bits))
             if not fields:
                 continue
             try:

@@ -142,9 +142,9 @@ def annotations_from(
     """Return the annotations of an item as written, unless its fields contradict them."""
     made: list[Annotation] = []
     for entry in entries:
-        found = entry if isinstance(entry, Annotation) else _of_fields(item, entry)
-        if found is not None:
-            made.append(found)
+        written = entry if isinstance(entry, Annotation) else _of_fields(item, entry)
+        if written is not None:
+            made.append(written)
     said = {(a.name, key) for a in made for key, _ in a.arguments}
     fields = {_FIELDS[each] for each in said if each in _FIELDS}
     for annotation in annotations_of(item):

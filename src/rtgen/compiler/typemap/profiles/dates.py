@@ -22,5 +22,5 @@ def is_date(text: str) -> bool:
 
 def has_zone(text: str) -> bool:
     """Return whether a date has a zone."""
-    found = _DATE.fullmatch(text)
-    return found is not None and found[2] is not None
+    match = _DATE.fullmatch(text)
+    return match is not None and match[2] is not None

@@ -84,24 +84,24 @@ def facts_from(text: str) -> Facts:
     if len(text) > _MAX_LENGTH:
         raise ValueError(f"it is longer than {_MAX_LENGTH:,} characters")
     try:
-        found = json.loads(text)
+        facts = json.loads(text)
     except RecursionError:
         raise ValueError("it is nested too deep") from None
-    if not isinstance(found, dict):
+    if not isinstance(facts, dict):
         raise ValueError("it is not an object of JSON")
-    return found
+    return facts
 
 
-def checked(found: Any) -> tuple[Facts, list[str]]:
+def checked(data: Any) -> tuple[Facts, list[str]]:
     """Return the facts of valid types, and messages about the others."""
-    if not isinstance(found, dict):
+    if not isinstance(data, dict):
         return {}, ["it is not an object of JSON"]
     wrong = {
         key: f"`{key}` is not {word}"
         for key, (kind, word) in _KINDS.items()
-        if found.get(key) is not None and not isinstance(found[key], kind)
+        if data.get(key) is not None and not isinstance(data[key], kind)
     }
-    facts = {key: value for key, value in found.items() if key not in wrong}
+    facts = {key: value for key, value in data.items() if key not in wrong}
     return facts, list(wrong.values())
 
 
@@ -117,11 +117,11 @@ def value_to_json(value: ConstantValue) -> Any:
     return value
 
 
-def value_from_json(found: Any) -> ConstantValue:
+def value_from_json(value: Any) -> ConstantValue:
     """Convert the result of `value_to_json` back. Raises ValueError."""
-    match found:
+    match value:
         case bool() | int() | float() | str():
-            return found
+            return value
         case {"enumerator": str(name)}:
             return EnumeratorName(tuple(name.split("::")))
         case {"float": str(name)}:
@@ -131,7 +131,7 @@ def value_from_json(found: Any) -> ConstantValue:
                 return Decimal(digits)
             except InvalidOperation:
                 pass
-    raise ValueError(f"{str(found)[:40]} is not a value")
+    raise ValueError(f"{str(value)[:40]} is not a value")
 
 
 def annotations_to_json(entries: Sequence[WrittenAnnotation]) -> list[Any]:
@@ -151,15 +151,15 @@ def annotations_to_json(entries: Sequence[WrittenAnnotation]) -> list[Any]:
     ]
 
 
-def annotations_from_json(found: list[Any]) -> list[WrittenAnnotation]:
+def annotations_from_json(entries: list[Any]) -> list[WrittenAnnotation]:
     """Convert the result of `annotations_to_json` back. Raises ValueError."""
-    return [_entry(entry) for entry in found]
+    return [_entry(entry) for entry in entries]
 
 
-def _entry(found: Any) -> WrittenAnnotation:
-    match found:
-        case [_, *_] if all(isinstance(part, str) for part in found):
-            return tuple(found)
+def _entry(entry: Any) -> WrittenAnnotation:
+    match entry:
+        case [_, *_] if all(isinstance(part, str) for part in entry):
+            return tuple(entry)
         case {"name": str(name), "arguments": list(arguments)}:
             pairs = []
             for pair in arguments:
@@ -169,7 +169,7 @@ def _entry(found: Any) -> WrittenAnnotation:
                     case _:
                         raise ValueError(f"{str(pair)[:40]} is not an argument")
             return Annotation(name, tuple(pairs))
-    raise ValueError(f"{str(found)[:40]} is not an annotation")
+    raise ValueError(f"{str(entry)[:40]} is not an annotation")
 
 
 # What attributes do not express

@@ -154,11 +154,11 @@ class PythonNames:
     @cached_property
     def _files_of(self) -> dict[str, list[str]]:
         """The files of each implementation module, without those that belong to others."""
-        found: dict[str, list[str]] = {}
+        files: dict[str, list[str]] = {}
         for name, module in self._modules.items():
             if self._files[name].belongs_to is None:
-                found.setdefault(module, []).append(name)
-        return found
+                files.setdefault(module, []).append(name)
+        return files
 
     def declarations(self, module: str) -> list[Declaration]:
         """Return the declarations in an implementation module, in order."""
@@ -221,11 +221,11 @@ class PythonNames:
     @cached_property
     def _members_of(self) -> dict[ScopedName, set[str]]:
         """The names that each scope declares."""
-        found: dict[ScopedName, set[str]] = {}
+        members: dict[ScopedName, set[str]] = {}
         for declaration in self._model.declarations:
             *scope, name = declaration.name
-            found.setdefault(tuple(scope), set()).add(name)
-        return found
+            members.setdefault(tuple(scope), set()).add(name)
+        return members
 
     def is_nested(self, name: ScopedName) -> bool:
         """Return whether a declaration is inside an interface, struct or similar."""
@@ -353,30 +353,30 @@ class PythonNames:
         return self._attributes[module]
 
     def _new_attribute_names(self, module: str) -> set[str]:
-        found: set[str] = set()
+        names: set[str] = set()
         for declaration in self.declarations(module):
             match declaration:
                 case Struct() | ExceptionDecl() | Union() | Bitset():
-                    found.update(self.members(declaration).values())
+                    names.update(self.members(declaration).values())
                     if isinstance(declaration, Union):
-                        found.update(_UNION_FIELDS)
+                        names.update(_UNION_FIELDS)
                 case Valuetype():
-                    found.update(self.members(declaration).values())
-                    found.update(self.operations(declaration).values())
+                    names.update(self.members(declaration).values())
+                    names.update(self.operations(declaration).values())
                 case ValueBox():
-                    found.add("value")
+                    names.add("value")
                 case Interface():
-                    found.update(self.operations(declaration).values())
-                    found.update(self.contested(declaration))
+                    names.update(self.operations(declaration).values())
+                    names.update(self.contested(declaration))
             if self.is_nested(declaration.name):
-                found.add(self._attribute(declaration.name))
+                names.add(self._attribute(declaration.name))
                 if isinstance(declaration, Enum):
                     scope = declaration.name[:-1]
-                    found.update(
+                    names.update(
                         self._attribute((*scope, member.name))
                         for member in declaration.members
                     )
-        return found
+        return names
 
     def _depth(self, name: ScopedName) -> int:
         """Return how many leading parts are IDL modules."""
@@ -431,10 +431,10 @@ class PythonNames:
                 yield declaration
 
         return [
-            found
+            each
             for declaration in self._model.declarations
             if not self.is_nested(declaration.name)
-            for found in with_inner(declaration)
+            for each in with_inner(declaration)
         ]
 
     @cached_property
@@ -475,12 +475,12 @@ def _referred_ahead(declarations: Iterable[Declaration]) -> set[ScopedName]:
     mypy takes the name of a builtin in such a typedef for the builtin.
     """
     before: set[ScopedName] = set()
-    found: set[ScopedName] = set()
+    names: set[ScopedName] = set()
     for declaration in declarations:
         if isinstance(declaration, Typedef):
-            found.update(name for name in referred(declaration) if name not in before)
+            names.update(name for name in referred(declaration) if name not in before)
         before.add(declaration.name)
-    return found
+    return names
 
 
 def distinct(names: Iterable[str], reserved: Collection[str]) -> dict[str, str]:

@@ -18,19 +18,19 @@ def function_text(function: TecsFunction, name: str | None = None) -> str:
 
 def sizes_text(sizes: Sizes) -> list[str]:
     """Return the specifiers of a parameter other than its direction."""
-    found = []
+    texts = []
     if sizes.size_is is not None:
         most = "" if sizes.max_size is None else f", {sizes.max_size}"
-        found.append(f"size_is({sizes.size_is}{most})")
+        texts.append(f"size_is({sizes.size_is}{most})")
     if sizes.count_is is not None:
-        found.append(f"count_is({sizes.count_is})")
+        texts.append(f"count_is({sizes.count_is})")
     if sizes.string is not None:
-        found.append(f"string({sizes.string})")
+        texts.append(f"string({sizes.string})")
     elif sizes.is_string:
-        found.append("string")
+        texts.append("string")
     if sizes.nullable:
-        found.append("nullable")
-    return found
+        texts.append("nullable")
+    return texts
 
 
 def _declared(type_: object, name: str) -> str:

@@ -145,13 +145,13 @@ class Decoder:
 
     def _wire(self) -> None:
         """Rebuild the tables from identifier to message, from the nodes' parameters."""
-        found: defaultdict[tuple[int, bool], list[Route]] = defaultdict(list)
+        by_identifier: defaultdict[tuple[int, bool], list[Route]] = defaultdict(list)
         self._emergencies, self._servers = {}, {}
         self._syncs, self._times = {(SYNC, False)}, {(TIME, False)}
         for node in self.known.nodes.values():
             parameters = self._parameters[node.id]
             for key, route in routes(node, parameters):
-                found[key].append(route)
+                by_identifier[key].append(route)
             for number, keys in (
                 (COB_ID_SYNC, self._syncs),
                 (COB_ID_TIME, self._times),
@@ -164,9 +164,9 @@ class Decoder:
                 self._emergencies[cob_id.can_id, cob_id.extended] = node.id
             for server in self._further_servers[node.id]:
                 self._add_server(node.id, server, parameters)
-        for sharing in found.values():
+        for sharing in by_identifier.values():
             sharing.sort(key=lambda r: r.direction is PdoDirection.RPDO)
-        self._routes = dict(found)
+        self._routes = dict(by_identifier)
 
     def _add_server(
         self, node_id: int, server: int, parameters: dict[Number, int]

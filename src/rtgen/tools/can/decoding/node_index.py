@@ -86,8 +86,8 @@ class DescribedNode:
     def identity(self) -> tuple[int | None, ...]:
         """Device type, vendor, product and revision, as described (1000h, 1018h)."""
         numbers = ((0x1000, 0), (0x1018, 1), (0x1018, 2), (0x1018, 3))
-        found = (self.device.find(*number) for number in numbers)
-        values = (None if v is None else v.current for v in found)
+        variables = (self.device.find(*number) for number in numbers)
+        values = (None if v is None else v.current for v in variables)
         return tuple(value if isinstance(value, int) else None for value in values)
 
     @property
@@ -96,12 +96,12 @@ class DescribedNode:
 
         COB-IDs are those in force.
         """
-        found = {}
+        values = {}
         for variable in self.device.variables:
             value = resolved(variable.in_force(self.id), self.id)
             if 0x1000 <= variable.index < 0x2000 and isinstance(value, int):
-                found[variable.index, variable.subindex] = value
-        return found
+                values[variable.index, variable.subindex] = value
+        return values
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -153,16 +153,16 @@ class NodeIndex:
             if node is None:
                 raise Refusal(f"nothing is known of the objects of {name}")
             return [(node, node.object(thing))]
-        found = []
+        objects = []
         missing = Refusal(f"no node is known that has {text!r}: give --bus or --eds")
         for node in self.nodes.values():
             try:
-                found.append((node, node.object(text)))
+                objects.append((node, node.object(text)))
             except Refusal as error:
                 missing = error
-        if not found:
+        if not objects:
             raise missing
-        return found
+        return objects
 
 
 def number_of(text: str) -> Number | None:
@@ -188,7 +188,7 @@ def read_node_index(
     A description without a node-id must be a DCF that contains one. Descriptions take precedence
     over the bus file.
     """
-    found: list[Diagnostic] = []
+    findings: list[Diagnostic] = []
     nodes: dict[int, DescribedNode] = {}
     bus = None
     _check_suffixes(bus_file, descriptions)
@@ -196,7 +196,7 @@ def read_node_index(
         from rtgen.compiler.frontends import bus as front_end
 
         result = front_end.load(bus_file, root=Path.cwd())
-        found += result.diagnostics
+        findings += result.diagnostics
         bus = result.bus
         for node in bus.nodes if bus else ():
             made = node.kind
@@ -210,11 +210,11 @@ def read_node_index(
     described = []
     for node_id, path in descriptions:
         device, diagnostics = _described(node_id, path)
-        found += diagnostics
+        findings += diagnostics
         if device is not None:
             described.append(device)
-    if has_errors(found):
-        raise InputError(d for d in found if d.severity is Severity.ERROR)
+    if has_errors(findings):
+        raise InputError(d for d in findings if d.severity is Severity.ERROR)
     for node_id, name, device in _named(described):
         nodes[node_id] = describe_node(node_id, name, device)
     return NodeIndex(nodes=dict(sorted(nodes.items())), bus=bus)

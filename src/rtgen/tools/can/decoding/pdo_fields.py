@@ -61,13 +61,13 @@ class Route:
         if self.multiplexed:
             return self._multiplexed(data)
         whole = int.from_bytes(data, "little")
-        found = []
+        result = []
         for entry in self.mapped:
             if entry.first + entry.bits > 8 * len(data):
                 break
             raw = whole >> entry.first & (1 << entry.bits) - 1
-            found.append(self._field(entry, raw))
-        return tuple(found)
+            result.append(self._field(entry, raw))
+        return tuple(result)
 
     def _field(self, entry: MappedObject, raw: int) -> Field:
         thing, bits = entry.thing, entry.bits

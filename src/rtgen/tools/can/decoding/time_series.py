@@ -51,35 +51,35 @@ def check_output(path: Path) -> None:
     require_matplotlib(suffix, "pip install 'rtgen[plot]', or write .csv")
 
 
-def write_csv(path: Path, found: Sequence[Series]) -> None:
+def write_csv(path: Path, curves: Sequence[Series]) -> None:
     """Write a row for each value and a column for each series. Raises ToolError."""
     rows = sorted(
         (time, column, value)
-        for column, series in enumerate(found)
+        for column, series in enumerate(curves)
         for time, value in zip(series.times, series.values, strict=True)
     )
     try:
         with TextIOWrapper(create_file(path), encoding="utf-8", newline="") as stream:
             writer = csv.writer(stream, lineterminator="\n")
-            writer.writerow(["t", *(series.title for series in found)])
+            writer.writerow(["t", *(series.title for series in curves)])
             for time, column, value in rows:
-                cells = [""] * len(found)
+                cells = [""] * len(curves)
                 cells[column] = repr(value)
                 writer.writerow([f"{time:.6f}", *cells])
     except OSError as error:
         raise ToolError(f"cannot write {path}: {error.strerror}") from error
 
 
-def draw(path: Path, found: Sequence[Series]) -> None:
+def draw(path: Path, curves: Sequence[Series]) -> None:
     """Draw one diagram for each unit, above a common time axis. Raises ToolError."""
     from matplotlib.figure import Figure
 
-    units = list(dict.fromkeys(series.unit for series in found))
+    units = list(dict.fromkeys(series.unit for series in curves))
     with reproducible():
         figure = Figure((_WIDTH, 1.0 + _HEIGHT * len(units)), layout="constrained")
         rows = figure.subplots(len(units), sharex=True, squeeze=False)
         for unit, (axes,) in zip(units, rows, strict=True):
-            for series in found:
+            for series in curves:
                 if series.unit == unit:
                     # A value holds until the next sample.
                     axes.step(

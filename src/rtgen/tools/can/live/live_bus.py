@@ -101,16 +101,16 @@ class FrameIterator:
         if self._left == 0 or left <= 0 or self._ended.is_set():
             raise StopIteration
         try:
-            found = self._waiting.get(timeout=left)
+            message = self._waiting.get(timeout=left)
         except queue.Empty:
             return None
-        if isinstance(found, Exception):
-            raise ToolError(f"the bus is gone: {found}") from found
+        if isinstance(message, Exception):
+            raise ToolError(f"the bus is gone: {message}") from message
         if self._left is not None:
             self._left -= 1
-        if not found.timestamp:
-            found.timestamp = steady_utc() / SECOND
-        return found
+        if not message.timestamp:
+            message.timestamp = steady_utc() / SECOND
+        return message
 
 
 @contextmanager

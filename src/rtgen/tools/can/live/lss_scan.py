@@ -32,26 +32,26 @@ def unconfigured(session: BusSession) -> list[LssAddress]:
     outcomes: list[list[LssAddress] | LssError] = []
     session.send(master.submit(_all(), outcomes.append, time.monotonic_ns()))
     session.run([master])
-    found = outcomes[0]
-    assert not isinstance(found, LssError)
-    return found
+    outcome = outcomes[0]
+    assert not isinstance(outcome, LssError)
+    return outcome
 
 
 def _all() -> Procedure[list[LssAddress]]:
     yield switch(lss.WAITING)
-    found: list[LssAddress] = []
+    addresses: list[LssAddress] = []
     tries = _TRIES
-    while tries and len(found) < _MAX_NODES:
+    while tries and len(addresses) < _MAX_NODES:
         address = yield from scan()
         if address is None:
             tries -= 1
-        elif address in found:
+        elif address in addresses:
             break
         else:
-            found.append(address)
+            addresses.append(address)
             tries = _TRIES
     confirmed = []
-    for address in found:
+    for address in addresses:
         yield switch(lss.WAITING)
         if (yield from select(address)):
             confirmed.append(address)

@@ -97,13 +97,13 @@ def scanned(bus: OpenBus, seconds: float) -> dict[int, Found]:
     ids = list(range(1, MAX_NODE_ID + 1))
     for first in range(0, len(ids), _AT_ONCE):
         _asked(session, ids[first : first + _AT_ONCE], _DEVICE_TYPE, timeout)
-    for node_id, found in list(nodes.found.items()):
+    for node_id, node in list(nodes.found.items()):
         octets = _one(session, node_id, _DEVICE_TYPE, seconds)
         if octets is None:
             continue
         parts = [_number(_one(session, node_id, n, seconds)) for n in _IDENTITY]
-        found.identity = (_number(octets), *parts)
-        found.name = _printable(_one(session, node_id, _NAME, seconds) or b"")
+        node.identity = (_number(octets), *parts)
+        node.name = _printable(_one(session, node_id, _NAME, seconds) or b"")
     session.listen(seconds - (time.monotonic() - begin))
     return dict(sorted(nodes.found.items()))
 

@@ -117,15 +117,15 @@ class WholeObjects:
     def _skip(self, head: bytes) -> int | None:
         """Skip to the next object; return the number of octets, None without one."""
         skipped, window = 1, head[1:]
-        while (found := window.find(_MAGIC)) < 0:
+        while (start := window.find(_MAGIC)) < 0:
             kept = window[-len(_MAGIC) + 1 :]
             more = self._source.read(_PIECE)
             if not more:
                 return None
             skipped += len(window) - len(kept)
             window = kept + more
-        self._source.seek(found - len(window), 1)
-        return skipped + found
+        self._source.seek(start - len(window), 1)
+        return skipped + start
 
     def _inflated(self, data: bytes, at: int, is_whole: bool) -> tuple[bytes, int]:
         """Return the octets of a container, and how many octets of `data` follow it.

@@ -43,15 +43,15 @@ def frame_of_text(text: str, known: NodeIndex) -> Frame:
 
 
 def _raw(text: str) -> Frame:
-    found = _RAW.fullmatch(text)
+    match = _RAW.fullmatch(text)
     try:
-        if found is None:
+        if match is None:
             raise ValueError(text)
-        can_id, extended = int(found["id"], 16), len(found["id"]) > 3
-        if found["data"] == "R":
+        can_id, extended = int(match["id"], 16), len(match["id"]) > 3
+        if match["data"] == "R":
             return Frame(can_id, remote=True, extended=extended)
         return Frame(
-            can_id, bytes.fromhex(found["data"].replace(".", "")), False, extended
+            can_id, bytes.fromhex(match["data"].replace(".", "")), False, extended
         )
     except ValueError as error:
         raise Refusal(
@@ -81,11 +81,13 @@ def _pdo(head: str, assignments: list[str], known: NodeIndex) -> Frame:
     node = known.nodes.get(known.node(name))
     if node is None:
         raise Refusal(f"{name} is not described: give --bus or --eds, or write ID#HEX")
-    found = {route.pdo: (key, route) for key, route in routes(node, node.parameters)}
-    if pdo.lower() not in found:
-        known_pdos = ", ".join(sorted(found)) or "none"
+    routes_by_name = {
+        route.pdo: (key, route) for key, route in routes(node, node.parameters)
+    }
+    if pdo.lower() not in routes_by_name:
+        known_pdos = ", ".join(sorted(routes_by_name)) or "none"
         raise Refusal(f"{node.name} has no valid {pdo}; there are: {known_pdos}")
-    (can_id, extended), route = found[pdo.lower()]
+    (can_id, extended), route = routes_by_name[pdo.lower()]
     data = _packed(node, route, assignments)
     return Frame(can_id, data, extended=extended)
 

@@ -48,17 +48,17 @@ def _steps(path: Path, text: str, known: NodeIndex) -> Iterator[Step]:
         written = line.strip()
         if not written or written.startswith("#"):
             continue
-        found = _LINE.fullmatch(written)
-        assert found is not None
-        if found["time"] is not None:
-            time = float(found["time"])
-            due = at + time if found["plus"] else time
+        match = _LINE.fullmatch(written)
+        assert match is not None
+        if match["time"] is not None:
+            time = float(match["time"])
+            due = at + time if match["plus"] else time
             if due < at:
                 raise Refusal(
                     f"{path}:{number}: {time:g} s is before the line above ({at:g} s)"
                 )
             at = due
         try:
-            yield Step(at, frame_of_text(found["frame"], known))
+            yield Step(at, frame_of_text(match["frame"], known))
         except Refusal as error:
             raise Refusal(f"{path}:{number}: {error}") from error

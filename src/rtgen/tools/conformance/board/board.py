@@ -127,7 +127,7 @@ class BoardUnderTest:
         """
         if self.address is None:
             raise SkipError("a serial line has no connection that could be closed")
-        found = b""
+        octets = b""
         with self._connected(self.address) as line:
             try:
                 for number, segment in enumerate(segments):
@@ -135,22 +135,22 @@ class BoardUnderTest:
                         sleep(_PAUSE)
                     line.sendall(segment)
                 end = monotonic() + (self.answer if within is None else within)
-                while not wanted or len(found) < wanted:
+                while not wanted or len(octets) < wanted:
                     left = end - monotonic()
-                    if found and not wanted:
+                    if octets and not wanted:
                         left = min(left, self.quiet)
                     line.settimeout(max(left, 0.001))
                     part = line.recv(_PIECE)
                     if not part:
-                        return Answer(found, closed=True)
-                    found += part
-                    if len(found) > REPLY_LIMIT:
+                        return Answer(octets, closed=True)
+                    octets += part
+                    if len(octets) > REPLY_LIMIT:
                         raise ProtocolError(E_TMOUT, "the answer does not end")
             except TIME_OVER:
                 pass
             except OSError:
-                return Answer(found, closed=True)
-        return Answer(found, closed=False)
+                return Answer(octets, closed=True)
+        return Answer(octets, closed=False)
 
     def silent(self, octets: bytes) -> Answer:
         """Return the response to octets during the time in which the board should be quiet."""
@@ -160,12 +160,12 @@ class BoardUnderTest:
             line.sendall(octets)
             line.settimeout(self.quiet)
             try:
-                found = line.recv(_PIECE)
+                answer = line.recv(_PIECE)
             except TIME_OVER:
                 return Answer(b"", closed=False)
             except OSError:
-                found = b""
-            return Answer(found, closed=not found)
+                answer = b""
+            return Answer(answer, closed=not answer)
 
     @contextmanager
     def stalled(self, octets: bytes) -> Iterator[None]:

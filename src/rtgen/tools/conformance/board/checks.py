@@ -61,15 +61,15 @@ def digest(board: BoardUnderTest) -> Problems:
     """Check that the board has the digest of this signature."""
     channel, codec = board.channel(), board.service.codec
     try:
-        found = peer_digest(channel, codec)
+        reported = peer_digest(channel, codec)
     except ChannelError:
         raise SkipError(
             "the board does not report the digest of its signature"
         ) from None
     finally:
         channel.close()
-    same = found == codec.digest
-    yield None if same else f"the digest is {found}, that of the CDL {codec.digest}"
+    same = reported == codec.digest
+    yield None if same else f"the digest is {reported}, that of the CDL {codec.digest}"
 
 
 def wrong_starts(board: BoardUnderTest) -> Problems:
@@ -312,20 +312,20 @@ def order(board: BoardUnderTest) -> Problems:
 
     Replies do not name their functions; they are identified by their ascending lengths.
     """
-    found = []
+    problems = []
     for function in board.functions.values():
         if not function.oneway:
             values = function.arguments_from_json(arguments(function, Values()))
             request = function.encode_request(values)
             lengths = {_reply_length(board, function, values) for _ in range(2)}
             if len(lengths) == 1 and (length := lengths.pop()):
-                found.append((length, function, values, request))
-    found.sort(key=lambda each: each[0])
-    if len({length for length, *_ in found}) < 2:
+                problems.append((length, function, values, request))
+    problems.sort(key=lambda each: each[0])
+    if len({length for length, *_ in problems}) < 2:
         raise SkipError("no two functions have replies of different, fixed lengths")
-    together = b"".join(request for *_, request in found)
-    replies = board.raw([together], wanted=sum(length for length, *_ in found)).data
-    for length, function, values, _ in found:
+    together = b"".join(request for *_, request in problems)
+    replies = board.raw([together], wanted=sum(length for length, *_ in problems)).data
+    for length, function, values, _ in problems:
         reply, replies = replies[:length], replies[length:]
         wrong = _wrong_reply(function, values, reply)
         yield f"{function.name} is not answered in its turn: {wrong}" if wrong else None

@@ -46,8 +46,8 @@ def _address(node: NodeUnderTest) -> list[int]:
 def _ask(node: NodeUnderTest, data: bytes, within: int | None = None) -> bytes:
     """Return the response to a message; empty without a response."""
     node.line.send(Frame(LSS_REQUEST, data))
-    found = node.await_frame(LSS_RESPONSE, within or node.bounds.answer)
-    return b"" if found is None else found.data
+    frame = node.await_frame(LSS_RESPONSE, within or node.bounds.answer)
+    return b"" if frame is None else frame.data
 
 
 def _select(node: NodeUnderTest, address: list[int], within: int | None = None) -> int:
@@ -92,8 +92,8 @@ def lss_address(node: NodeUnderTest) -> Problems:
         for part, name in enumerate(_PARTS):
             other = list(address)
             other[part] ^= 1
-            found = _select(node, other, lss_master.TIMEOUT)
-            yield f"it is selected by another {name}" if found else None
+            response = _select(node, other, lss_master.TIMEOUT)
+            yield f"it is selected by another {name}" if response else None
         selected = _select(node, address)
         if not selected:
             yield "it is not selected by its identity"

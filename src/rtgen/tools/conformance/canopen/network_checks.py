@@ -35,8 +35,8 @@ _PERIOD: Final = 100
 
 def reset(node: NodeUnderTest) -> Problems:
     """Check that reset node leads to the boot-up message, and to a node that answers."""
-    found = node.restart(NmtCommand.RESET_NODE)
-    if found != NmtState.INITIALISING:
+    problem = node.restart(NmtCommand.RESET_NODE)
+    if problem != NmtState.INITIALISING:
         yield f"no boot-up within {node.bounds.boot // MILLISECOND} ms"
         return
     yield None if node.read_code((0x1000, 0)) is None else "1000h is refused after it"

@@ -120,10 +120,10 @@ class NodeUnderTest:
             return []
         stated = (variable.default, variable.value)
         in_force = (variable.initial(self.id), variable.in_force(self.id))
-        found = [resolved(v, self.id) for v in (*stated, *in_force)]
+        values = [resolved(v, self.id) for v in (*stated, *in_force)]
         return [
             v
-            for v in dict.fromkeys(found)
+            for v in dict.fromkeys(values)
             if not isinstance(v, bytes | NodeRelative | None)
         ]
 
@@ -169,9 +169,9 @@ class NodeUnderTest:
         """Return the values of objects, as soon as they are `wanted`, or after some cycles."""
         end, numbers = self.line.now() + self.bounds.cycles, [t.number for t in things]
         while True:
-            found = [self.upload(number) for number in numbers]
-            if found == wanted or self.line.now() >= end:
-                return found
+            values = [self.upload(number) for number in numbers]
+            if values == wanted or self.line.now() >= end:
+                return values
 
     def values_later(self, things: Iterable[DescribedObject]) -> list[bytes]:
         """Return the values of objects after some cycles."""
@@ -188,11 +188,11 @@ class NodeUnderTest:
 
     def next_answer(self) -> bytes:
         """Return the next SDO message of the node; without one, the transfer is aborted."""
-        found = self.await_frame(SDO_RESPONSE + self.id, self.bounds.answer)
-        if found is None:
+        frame = self.await_frame(SDO_RESPONSE + self.id, self.bounds.answer)
+        if frame is None:
             self.abandon(self._asked)
             raise SilenceError
-        return found.data
+        return frame.data
 
     def abandon(self, number: ObjectNumber) -> None:
         """Abort the transfer of an object, which has no response."""

@@ -334,9 +334,9 @@ def _remote(each: ChangedPdo, kind: int) -> str | None:
         if node.await_frame(each.can_id, _QUIET) is not None:
             return f"{each.name}, type {kind}: sent without a remote frame"
         node.line.send(Frame(each.can_id, remote=True))
-        found = node.await_frame(each.can_id, node.bounds.answer)
+        frame = node.await_frame(each.can_id, node.bounds.answer)
     problem = f"{each.name}, type {kind}: no answer to a remote frame"
-    return None if found is not None else problem
+    return None if frame is not None else problem
 
 
 def times(node: NodeUnderTest) -> Problems:
@@ -413,11 +413,11 @@ def present_entries(node: NodeUnderTest, pdo: Pdo) -> tuple[PdoEntry, ...]:
 
 def whole_objects(node: NodeUnderTest, pdo: Pdo) -> list[DescribedObject]:
     """Return the objects that a PDO maps, if it maps known ones with all their octets."""
-    found = []
+    objects = []
     for entry in present_entries(node, pdo):
         thing = node.described.objects.get((entry.index, entry.subindex))
         octets = b"" if thing is None else node.values.get(thing.number, b"")
         if thing is None or 8 * len(octets) != entry.bits:
             return []
-        found.append(thing)
-    return found
+        objects.append(thing)
+    return objects

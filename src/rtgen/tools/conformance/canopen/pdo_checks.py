@@ -42,7 +42,7 @@ def parameters(node: NodeUnderTest) -> Problems:
 
 def synchronous(node: NodeUnderTest) -> Problems:
     """Check that a TPDO of transmission type n is sent every n-th SYNC, with its length."""
-    found = []
+    problems = []
     for pdo in node.described.device.pdos:
         kind = int.from_bytes(node.values.get((pdo.communication, 2), b"\0"), "little")
         cob_id = CobId(
@@ -54,10 +54,10 @@ def synchronous(node: NodeUnderTest) -> Problems:
             and present_entries(node, pdo)
             and cob_id.valid
         ):
-            found.append((pdo, kind, cob_id.can_id))
+            problems.append((pdo, kind, cob_id.can_id))
     node.command(NmtCommand.START)
     try:
-        for pdo, kind, can_id in found:
+        for pdo, kind, can_id in problems:
             counted = 0
             bits = sum(entry.bits for entry in present_entries(node, pdo))
             for _ in range(2 * kind):
@@ -102,12 +102,12 @@ def reception(node: NodeUnderTest) -> Problems:
             for values in (other, before):
                 node.line.send(Frame(can_id, b"".join(values)))
                 now = node.values_soon(mapped, values)
-                for thing, found, wanted in zip(mapped, now, values, strict=True):
-                    same = found == wanted
+                for thing, actual, wanted in zip(mapped, now, values, strict=True):
+                    same = actual == wanted
                     yield (
                         None
                         if same
-                        else f"rpdo{pdo.number}: {thing} is {found.hex()}, sent was {wanted.hex()}"
+                        else f"rpdo{pdo.number}: {thing} is {actual.hex()}, sent was {wanted.hex()}"
                     )
     finally:
         node.command(NmtCommand.ENTER_PRE_OPERATIONAL)

@@ -196,7 +196,7 @@ def _upload_repeats(node: NodeUnderTest) -> str | None:
 
 def _block_of(node: NodeUnderTest, request: bytes) -> list[bytes]:
     """Return the segments up to the last one of a transfer, or up to an abort."""
-    found = [node.ask(request.ljust(sdo.FRAME, b"\0"))]
-    while not found[-1][0] & sdo.LAST_IN_BLOCK and len(found) < sdo.MAX_BLOCK:
-        found.append(node.next_answer())
-    return found
+    answers = [node.ask(request.ljust(sdo.FRAME, b"\0"))]
+    while not answers[-1][0] & sdo.LAST_IN_BLOCK and len(answers) < sdo.MAX_BLOCK:
+        answers.append(node.next_answer())
+    return answers

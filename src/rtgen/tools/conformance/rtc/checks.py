@@ -28,18 +28,18 @@ _SDO: Final = "OMG SDO, "
 def profile(rtc: RtcUnderTest) -> Problems:
     """Check that type name, category, vendor, version and description match the definition."""
     for name, wanted in rtc.expected.texts.items():
-        found = getattr(rtc.profile, name)
-        yield unequal(name.replace("_", " "), found, wanted)
+        actual = getattr(rtc.profile, name)
+        yield unequal(name.replace("_", " "), actual, wanted)
 
 
 def properties(rtc: RtcUnderTest) -> Problems:
     """Check that properties of the profile match the definition, if the component has them."""
-    found = texts(rtc.profile.properties)
+    actual = texts(rtc.profile.properties)
     for name, wanted in rtc.expected.properties.items():
-        if name in found:
-            known = found[name] in wanted
-            hint = rtc.expected.saying(name, found[name])
-            problem = f"{name} is {found[name]!r}, not {wanted[0]!r}{hint}"
+        if name in actual:
+            known = actual[name] in wanted
+            hint = rtc.expected.saying(name, actual[name])
+            problem = f"{name} is {actual[name]!r}, not {wanted[0]!r}{hint}"
             yield None if known else problem
 
 

@@ -205,8 +205,8 @@ class RtcUnderTest(RemoteRtc):
 
     def _made(self, port: Any) -> list[str]:
         """Return the ids of a port's connectors that checks have made."""
-        found = self.at_port(port, "get_connector_profiles")
-        names = [each.connector_id for each in found]
+        profiles = self.at_port(port, "get_connector_profiles")
+        names = [each.connector_id for each in profiles]
         return [name for name in names if name.startswith(CONNECTOR)]
 
     def _restore_values(self, before: Condition) -> str | None:

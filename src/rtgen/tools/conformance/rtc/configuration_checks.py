@@ -16,10 +16,10 @@ from rtgen.tools.conformance.rtc.expected import ExpectedParameter
 
 def parameter_names(rtc: RtcUnderTest) -> Problems:
     """Check that the set `default` has the parameters of the definition."""
-    found, wanted = rtc.sets().get("default", {}), rtc.expected.parameters
+    actual, wanted = rtc.sets().get("default", {}), rtc.expected.parameters
     for name in wanted:
-        yield None if name in found else f"there is no parameter {name}"
-    for name in found:
+        yield None if name in actual else f"there is no parameter {name}"
+    for name in actual:
         if name not in wanted:
             yield f"the definition has no parameter {name}"
 
@@ -60,8 +60,8 @@ def read_values(rtc: RtcUnderTest) -> Problems:
         yield unequal(f"get_configuration_set({set_id})", read, values_)
     if active not in sets:
         return
-    found = rtc.configure("get_active_configuration_set")
-    read = texts(found.configuration_data)
+    configuration_set = rtc.configure("get_active_configuration_set")
+    read = texts(configuration_set.configuration_data)
     yield unequal("get_active_configuration_set", read, sets[active])
     if not rtc.is_of_rtgen:
         return  # OpenRTM's operations for single parameters have no values.
@@ -102,10 +102,10 @@ def _reads_parameters(rtc: RtcUnderTest) -> bool:
     if known is None:
         return False
     try:
-        found = rtc.configure("get_configuration_parameter_value", known)
+        values = rtc.configure("get_configuration_parameter_value", known)
     except (SdoError, CORBA.SystemException):
         return False
-    return found.value() is not None
+    return values.value() is not None
 
 
 def _parameters(rtc: RtcUnderTest) -> Iterator[tuple[str, ExpectedParameter, str]]:
@@ -164,10 +164,10 @@ def added_set(rtc: RtcUnderTest) -> Problems:
         return
     try:
         taken = rtc.set_value(UNKNOWN, name, text, add=True)
-        found = rtc.sets()
-        there = found.pop(UNKNOWN, {}).get(name) == text
+        sets = rtc.sets()
+        there = sets.pop(UNKNOWN, {}).get(name) == text
         yield None if taken and there else "an added set is not there"
-        yield None if found == before else "other sets have changed"
+        yield None if sets == before else "other sets have changed"
     finally:
         taken = rtc.configure("remove_configuration_set", UNKNOWN)
     yield None if taken else "it was not removed"

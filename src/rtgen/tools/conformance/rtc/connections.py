@@ -140,10 +140,10 @@ def _connected(rtc: RtcUnderTest, port: Any, partner: _Partner) -> Problems:
     own = call("get_port_profile").connector_profiles
     shown = identity in [each.connector_id for each in own]
     yield None if shown else "its connector is not in its profile"
-    found = call("get_connector_profile", identity)
-    known = found.connector_id == identity and found.name == identity
+    profile = call("get_connector_profile", identity)
+    known = profile.connector_id == identity and profile.name == identity
     yield None if known else "get_connector_profile returned another profile"
-    yield _changed("get_connector_profile", asked, found)
+    yield _changed("get_connector_profile", asked, profile)
     code = call("disconnect", identity)
     yield None if code is RTC_OK else f"disconnect returned {code.name}"
     listed = [each.connector_id for each in call("get_connector_profiles")]
@@ -156,16 +156,16 @@ def _offered(rtc: RtcUnderTest, made: Mapping[str, str]) -> str | None:
     """Return the problem of the object that an InPort offers for its samples."""
     if _IN_IOR not in made:
         return f"it has offered no {_IN_IOR}"
-    found = rtc.exported.reference(made[_IN_IOR])
-    is_one = found is not None and found._is_a(IN_PORT_CDR.repository_id)
+    reference = rtc.exported.reference(made[_IN_IOR])
+    is_one = reference is not None and reference._is_a(IN_PORT_CDR.repository_id)
     return None if is_one else f"its {_IN_IOR} is not that of an InPort"
 
 
 def _changed(
-    operation: str, asked: ConnectorProfile, found: ConnectorProfile
+    operation: str, asked: ConnectorProfile, actual: ConnectorProfile
 ) -> str | None:
     """Return the problem of a profile that states another transfer of data."""
-    wanted, stated = texts(asked.properties), texts(found.properties)
+    wanted, stated = texts(asked.properties), texts(actual.properties)
     for key in ("dataport.interface_type", "dataport.dataflow_type"):
         if key in wanted and stated.get(key) != wanted[key]:
             return f"{operation}: {key} is {stated.get(key)!r}, not {wanted[key]!r}"
@@ -211,8 +211,8 @@ def _refused(rtc: RtcUnderTest, properties: Mapping[str, str]) -> Problems:
 
 def _dropped(rtc: RtcUnderTest, port: Any, connector_id: str) -> bool:
     """Return whether an unwanted connection exists, and end it."""
-    found = rtc.at_port(port, "get_connector_profiles")
-    stood = connector_id in [each.connector_id for each in found]
+    profiles = rtc.at_port(port, "get_connector_profiles")
+    stood = connector_id in [each.connector_id for each in profiles]
     if stood:
         rtc.at_port(port, "disconnect", connector_id)
     return stood
@@ -262,8 +262,8 @@ def _provided(
             text = next((offered[key] for key in keys if key in offered), None)
             if text is None:
                 return "the connector has no reference of it"
-            found = rtc.exported.reference(text)
-            is_one = found is not None and found._is_a(interface.identity)
+            reference = rtc.exported.reference(text)
+            is_one = reference is not None and reference._is_a(interface.identity)
             return None if is_one else f"its object is no {interface.names[0]}"
         finally:
             rtc.at_port(port, "disconnect", asked.connector_id)

@@ -191,7 +191,7 @@ def _ports(model: Model, component: Component) -> dict[str, ExpectedPort]:
 
     ordered = sorted(component.ports, key=key)
     names = registered_names(map(key, component.ports))
-    found = {}
+    by_name = {}
     for (way, name), group in groupby(ordered, key):
         ports = list(group)
         if way == SERVICE:
@@ -207,8 +207,8 @@ def _ports(model: Model, component: Component) -> dict[str, ExpectedPort]:
             if any(each.name == EVENT_PORT for each in ports[0].annotations):
                 types += (_ANY,)
             made = ExpectedPort(_TYPES[way], types)
-        found[known_name(names[way, name])] = made
-    return found
+        by_name[known_name(names[way, name])] = made
+    return by_name
 
 
 def _names(model: Model, port: Port) -> tuple[str, ...]:

@@ -59,21 +59,23 @@ def context_kinds(rtc: RtcUnderTest) -> Problems:
 def context_profiles(rtc: RtcUnderTest) -> Problems:
     """Check that the profile of a context has its kind, its rate and its owner."""
     for context in rtc.contexts:
-        found = rtc.ask(context, "get_profile")
-        yield unequal("its kind", found.kind, rtc.ask(context, "get_kind"))
-        yield unequal("its rate", found.rate, rtc.ask(context, "get_rate"))
-        owned = found.owner is not None and found.owner._is_equivalent(rtc.reference)
+        profile = rtc.ask(context, "get_profile")
+        yield unequal("its kind", profile.kind, rtc.ask(context, "get_kind"))
+        yield unequal("its rate", profile.rate, rtc.ask(context, "get_rate"))
+        owned = profile.owner is not None and profile.owner._is_equivalent(
+            rtc.reference
+        )
         yield None if owned else "its owner is another component"
-        others = [each for each in found.participants if each is not None]
+        others = [each for each in profile.participants if each is not None]
         once = all(
             not one._is_equivalent(other) for one, other in combinations(others, 2)
         )
         yield None if once else "it has a participant twice"
     for context in rtc.call("get_participating_contexts"):
-        found = rtc.ask(context, "get_profile")
+        profile = rtc.ask(context, "get_profile")
         listed = any(
             each is not None and each._is_equivalent(rtc.reference)
-            for each in found.participants
+            for each in profile.participants
         )
         yield None if listed else "a context of another component does not list it"
 
@@ -95,14 +97,14 @@ def context_handles(rtc: RtcUnderTest) -> Problems:
         handle = rtc.call("get_context_handle", context)
         yield f"it has context {handle} twice" if handle in handles else None
         handles.add(handle)
-        found = rtc.call("get_context", handle)
-        same = found is not None and found._is_equivalent(context)
+        actual = rtc.call("get_context", handle)
+        same = actual is not None and actual._is_equivalent(context)
         yield None if same else f"get_context({handle}) returned another context"
         alive = rtc.call("is_alive", context)
         yield None if alive else f"it is not alive in context {handle}"
     unknown = next(each for each in range(_MAX_HANDLES, 0, -1) if each not in handles)
-    found = rtc.call("get_context", unknown)
-    yield f"get_context({unknown}) returned a context" if found is not None else None
+    actual = rtc.call("get_context", unknown)
+    yield f"get_context({unknown}) returned a context" if actual is not None else None
 
 
 def states(rtc: RtcUnderTest) -> Problems:

@@ -20,22 +20,22 @@ def _found(rtc: RtcUnderTest) -> dict[str, Any]:
 
 def _common(rtc: RtcUnderTest) -> Iterator[tuple[str, ExpectedPort, Any]]:
     """Yield the ports both defined and present; `ports.names` reports others."""
-    found = _found(rtc)
+    ports = _found(rtc)
     for name, expected in rtc.expected.ports.items():
-        if name in found:
-            yield name, expected, found[name]
+        if name in ports:
+            yield name, expected, ports[name]
 
 
 def port_names(rtc: RtcUnderTest) -> Problems:
     """Check that the ports are those of the definition."""
-    found, wanted = _found(rtc), rtc.expected.ports
+    ports, wanted = _found(rtc), rtc.expected.ports
     for name in wanted:
-        yield None if name in found else f"there is no port {name}"
-    for name in found:
+        yield None if name in ports else f"there is no port {name}"
+    for name in ports:
         if name not in wanted:
             yield f"the definition has no port {name}"
     names = [known_name(port.name) for port in rtc.profile.port_profiles]
-    for name in found:
+    for name in ports:
         yield None if names.count(name) == 1 else f"port {name} is there twice"
 
 
@@ -61,21 +61,23 @@ def interfaces(rtc: RtcUnderTest) -> Problems:
     for name, expected, port in _common(rtc):
         if expected.interfaces is None:
             continue
-        found = {
+        actual = {
             (i.instance_name, i.polarity == PortInterfacePolarity.PROVIDED): i.type_name
             for i in port.interfaces
         }
         for key, interface in expected.interfaces.items():
             types = interface.names
             what = f"{name}: {'provided' if key[1] else 'required'} {key[0]}"
-            if key not in found:
+            if key not in actual:
                 yield f"{what} is missing"
             else:
-                known = found[key] in types
-                yield None if known else f"{what} has type {found[key]}, not {types[0]}"
-        for instance, _ in found.keys() - expected.interfaces.keys():
+                known = actual[key] in types
+                yield (
+                    None if known else f"{what} has type {actual[key]}, not {types[0]}"
+                )
+        for instance, _ in actual.keys() - expected.interfaces.keys():
             yield f"{name}: the definition has no such {instance}"
-        once = len(found) == len(port.interfaces)
+        once = len(actual) == len(port.interfaces)
         yield None if once else f"{name}: an interface is there twice"
 
 

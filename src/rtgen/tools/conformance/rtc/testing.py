@@ -50,8 +50,8 @@ def tested(
     try:
         with closing(Orb(timeout=timeout)) as orb:
             exported = Exported(orb, gives_up=False)
-            found = located(connect, exported, partial(Naming, orb.orb))
-            rtc = _answering(connect, expected, found, exported, timeout)
+            reference = located(connect, exported, partial(Naming, orb.orb))
+            rtc = _answering(connect, expected, reference, exported, timeout)
             subject = f"{expected.type_name} {rtc.profile.instance_name}"
             return checked(rtc, subject, file.as_posix(), permissions)
     except NoNamingServiceError as error:
@@ -73,16 +73,16 @@ def _expected(file: Path, name: str | None, include: tuple[str, ...]) -> Expecte
 
 
 def _answering(
-    connect: str, expected: Expected, found: Any, exported: Exported, timeout: float
+    connect: str, expected: Expected, reference: Any, exported: Exported, timeout: float
 ) -> RtcUnderTest:
     """Return the component at a place. Raises ToolError."""
-    if found is None:
+    if reference is None:
         raise ToolError(
             f"there is no component at {connect}",
             hint="rtls of rtshell shows the paths of running components",
         )
     try:
-        return RtcUnderTest(expected, found, exported, timeout)
+        return RtcUnderTest(expected, reference, exported, timeout)
     except CORBA.SystemException as error:
         raise ToolError(
             f"the object at {connect} does not respond as a component: {error!r}"

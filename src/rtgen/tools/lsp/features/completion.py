@@ -140,8 +140,8 @@ def _scope(view: View, offset: int) -> list[str]:
     """Return the keys of the scopes around an offset, innermost first, and the global one."""
     if view.file is None:
         return [""]
-    found = view.file.around(view.shift.back(offset))
-    return [*(d.key for d in reversed(found)), ""]
+    scope = view.file.around(view.shift.back(offset))
+    return [*(d.key for d in reversed(scope)), ""]
 
 
 # IDL
@@ -256,8 +256,8 @@ def _bus(view: View, line: str, offset: int) -> Iterator[CompletionItem]:
     elif table[:1] == ("device",) and len(table) == 2:
         yield from _objects(view, table[1])
     else:
-        found = schema.bus_table((*table, name.strip())).get("enum", ())
-        for value in found:
+        words = schema.bus_table((*table, name.strip())).get("enum", ())
+        for value in words:
             yield CompletionItem(str(value), kind=CompletionItemKind.Value)
 
 

@@ -12,10 +12,10 @@ _START = Range(Position(0, 0), Position(0, 0))
 
 def definition(view: View, position: Position) -> list[Location]:
     """Return the definitions of the name at a position; that of a file is its start."""
-    found = view.occurrence(position)
-    if found is None:
+    occurrence = view.occurrence(position)
+    if occurrence is None:
         return []
-    key = found[0].key
+    key = occurrence[0].key
     if key.startswith("file "):
         return [Location(uri_of(key.removeprefix("file ")), _START)]
     places = [place for place in view.index.places(key) if place.defines]

@@ -28,12 +28,12 @@ def folding(view: View) -> list[FoldingRange]:
     text = view.text
     match view.language:
         case Language.IDL | Language.CDL:
-            found = [*_braces(text), *_runs(text, _INCLUDE, FoldingRangeKind.Imports)]
+            ranges = [*_braces(text), *_runs(text, _INCLUDE, FoldingRangeKind.Imports)]
         case Language.PROFILE:
-            found = [*_tags(text)]
+            ranges = [*_tags(text)]
         case _:
-            found = [*_sections(text)]
-    return sorted(found, key=lambda f: (f.start_line, f.end_line))
+            ranges = [*_sections(text)]
+    return sorted(ranges, key=lambda f: (f.start_line, f.end_line))
 
 
 def _line(text: Text, offset: int) -> int:

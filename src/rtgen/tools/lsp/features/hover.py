@@ -17,11 +17,11 @@ _CODE = re.compile(r"[A-Z]{2,6}\d{3,4}")
 
 def hover(view: View, position: Position) -> Hover | None:
     """Return the description of the name at a position."""
-    found = view.occurrence(position)
-    if found is not None and view.analysis is not None:
-        text = described(view.analysis, found[0].key)
+    occurrence = view.occurrence(position)
+    if occurrence is not None and view.analysis is not None:
+        text = described(view.analysis, occurrence[0].key)
         if text is not None:
-            return Hover(MarkupContent(MarkupKind.Markdown, text), found[1])
+            return Hover(MarkupContent(MarkupKind.Markdown, text), occurrence[1])
     if view.language is Language.PROJECT:
         return _rule(view, position)
     if view.language is Language.BUS:

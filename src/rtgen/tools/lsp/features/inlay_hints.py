@@ -18,10 +18,10 @@ def inlay_hints(view: View, range_: Range) -> list[InlayHint]:
     """Return the hints in a range."""
     low, high = view.offset(range_.start), view.offset(range_.end)
     structs = view.language is Language.IDL
-    found = _of_structs(view, low, high) if structs else _of_pdos(view)
+    hints = _of_structs(view, low, high) if structs else _of_pdos(view)
     return [
         InlayHint(view.range(end, end).start, label, padding_left=True)
-        for end, label in found
+        for end, label in hints
         if low <= end <= high
     ]
 

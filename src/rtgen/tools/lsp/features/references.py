@@ -14,10 +14,10 @@ from rtgen.tools.lsp.workspace import View
 
 def references(view: View, position: Position, *, declaration: bool) -> list[Location]:
     """Return the places of the name at a position, including its `declaration` if requested."""
-    found = view.occurrence(position)
-    if found is None:
+    occurrence = view.occurrence(position)
+    if occurrence is None:
         return []
-    places = view.index.places(found[0].key)
+    places = view.index.places(occurrence[0].key)
     located = (
         view.workspace.location_of(place)
         for place in places
@@ -28,8 +28,8 @@ def references(view: View, position: Position, *, declaration: bool) -> list[Loc
 
 def highlights(view: View, position: Position) -> list[DocumentHighlight]:
     """Return the places of the name at a position in its document."""
-    found = view.occurrence(position)
-    if found is None:
+    occurrence = view.occurrence(position)
+    if occurrence is None:
         return []
     return [
         DocumentHighlight(
@@ -41,5 +41,5 @@ def highlights(view: View, position: Position) -> list[DocumentHighlight]:
             ),
         )
         for start, end, each in view.occurrences()
-        if each.key == found[0].key
+        if each.key == occurrence[0].key
     ]

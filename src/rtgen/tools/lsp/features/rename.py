@@ -30,10 +30,10 @@ class RenameError(Exception):
 
 def prepared(view: View, position: Position) -> PrepareRenamePlaceholder | None:
     """Return the name at a position with its range; None if it cannot be renamed."""
-    found = view.occurrence(position)
-    if found is None or view.index.definition(found[0].key) is None:
+    target = view.occurrence(position)
+    if target is None or view.index.definition(target[0].key) is None:
         return None
-    occurrence, place = found
+    occurrence, place = target
     if occurrence.key.split(" ", 1)[0] not in _LANGUAGES:
         return None
     definition = view.index.definition(occurrence.key)
@@ -43,10 +43,10 @@ def prepared(view: View, position: Position) -> PrepareRenamePlaceholder | None:
 
 def renamed(view: View, position: Position, name: str) -> WorkspaceEdit:
     """Return the edits that rename the name at a position. Raises RenameError."""
-    found = view.occurrence(position)
-    if found is None:
+    occurrence = view.occurrence(position)
+    if occurrence is None:
         raise RenameError("there is no name here")
-    key = found[0].key
+    key = occurrence[0].key
     definition = view.index.definition(key)
     language = key.split(" ", 1)[0]
     if definition is None or language not in _LANGUAGES:

@@ -28,10 +28,10 @@ class Key:
 
 def table_at(source: str, offset: int) -> tuple[str, ...]:
     """Return the names of the table at an offset."""
-    found: tuple[str, ...] = ()
+    table: tuple[str, ...] = ()
     for match in _HEADER.finditer(source, 0, offset):
-        found = tuple(part.strip("\"'") for part in _PART.findall(match[2]))
-    return found
+        table = tuple(part.strip("\"'") for part in _PART.findall(match[2]))
+    return table
 
 
 def bus_table(path: tuple[str, ...]) -> Mapping[str, Any]:
@@ -41,8 +41,8 @@ def bus_table(path: tuple[str, ...]) -> Mapping[str, Any]:
         schema = _below(schema, name)
         if schema.get("type") == "array":
             schema = schema.get("items", {})
-    found: Mapping[str, Any] = schema
-    return found
+    table: Mapping[str, Any] = schema
+    return table
 
 
 def _below(schema: Mapping[str, Any], name: str) -> Any:

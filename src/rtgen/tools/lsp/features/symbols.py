@@ -87,7 +87,7 @@ def _after(one: Position, two: Position) -> bool:
 def workspace_symbols(workspace: Workspace, query: str) -> list[WorkspaceSymbol]:
     """Return the names that contain the letters of a query in order, best matches first."""
     wanted = query.lower()
-    found: dict[tuple[str, str, int], tuple[tuple[int, str], WorkspaceSymbol]] = {}
+    symbols: dict[tuple[str, str, int], tuple[tuple[int, str], WorkspaceSymbol]] = {}
     for analysis in workspace.analyses():
         for file, d in analysis.index.all():
             rank = _rank(wanted, d.name.lower())
@@ -103,10 +103,10 @@ def workspace_symbols(workspace: Workspace, query: str) -> list[WorkspaceSymbol]
                 kind=SYMBOLS[d.kind],
                 container_name=_named(d.container) or None,
             )
-            found[file.path, d.key, d.start] = (rank, d.name), symbol
-            if len(found) > 16 * MAX_SYMBOLS:
+            symbols[file.path, d.key, d.start] = (rank, d.name), symbol
+            if len(symbols) > 16 * MAX_SYMBOLS:
                 break
-    ordered = sorted(found.items(), key=lambda item: (item[1][0], item[0]))
+    ordered = sorted(symbols.items(), key=lambda item: (item[1][0], item[0]))
     return [symbol for _, (_, symbol) in ordered[:MAX_SYMBOLS]]
 
 

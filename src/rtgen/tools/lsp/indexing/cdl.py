@@ -150,7 +150,7 @@ class _Walk:
 
     def _refer(self, name: tree.ScopedName, scope: Scope) -> Entity | None:
         """Record a use of a name with its parts, and return its entity."""
-        found = scope.find(name)
+        entity = scope.find(name)
         part_of: Scope | None = None
         for part in name.parts[:-1]:
             if part_of is None:
@@ -161,9 +161,9 @@ class _Walk:
             if part_of is None:
                 break
             self._collector.refer(self._scope_key(part_of), self._span(part))
-        if isinstance(found, Entity):
-            self._collector.refer(key_of(found), self._span(name.parts[-1]))
-            return found
+        if isinstance(entity, Entity):
+            self._collector.refer(key_of(entity), self._span(name.parts[-1]))
+            return entity
         return None
 
     def _type(self, node: tree.QualifiedType, scope: Scope) -> None:

@@ -116,12 +116,17 @@ class BusNames:
     def _inside(self, span: Span, text: str, after: str = "") -> Span | None:
         """Return the place of a text in the lines of a key and its value."""
         start, _ = self._text.offsets(span)
-        found = self._text.source.find(after, start)
-        if found < 0:
+        start_of_text = self._text.source.find(after, start)
+        if start_of_text < 0:
             return None
         pattern = rf"(?<![\w:]){re.escape(text)}(?![\w:])"
-        match = re.compile(pattern).search(self._text.source, found + len(after))
-        if match is None or _next_key(self._text.source, found) <= match.start():
+        match = re.compile(pattern).search(
+            self._text.source, start_of_text + len(after)
+        )
+        if (
+            match is None
+            or _next_key(self._text.source, start_of_text) <= match.start()
+        ):
             return None
         return self._text.span(span.file, *match.span())
 
@@ -184,8 +189,8 @@ def _tables(content: Mapping[str, Any], name: str) -> Iterator[tuple[str, Any]]:
 
 def _next_key(text: str, offset: int) -> int:
     """Return the start of the next table header, or the end of the text."""
-    found = re.compile(r"^\s*\[", re.MULTILINE).search(text, offset)
-    return len(text) if found is None else found.start()
+    match = re.compile(r"^\s*\[", re.MULTILINE).search(text, offset)
+    return len(text) if match is None else match.start()
 
 
 def object_of(key: str) -> tuple[str, int, int | None]:

@@ -69,9 +69,9 @@ class IdlNames:
             here.add(identity)
             for name, entity in entities[first:last]:
                 self._entity(name, entity, unit, tables.openings.get(name))
-            for reference, found in references[begin:end]:
-                if isinstance(found, Entity):
-                    self._reference(reference, found, unit)
+            for reference, target in references[begin:end]:
+                if isinstance(target, Entity):
+                    self._reference(reference, target, unit)
         self._known |= here
 
     def _includes(self, unit: Unit) -> None:
@@ -102,15 +102,15 @@ class IdlNames:
             detail=_detail(entity, unit),
         )
 
-    def _reference(self, name: tree.ScopedName, found: Entity, unit: Unit) -> None:
-        for part, entity in _parts(name, found):
+    def _reference(self, name: tree.ScopedName, target: Entity, unit: Unit) -> None:
+        for part, entity in _parts(name, target):
             key = key_of(entity.path)
             self._collector.refer(key, unit.span(part.start, part.end))
 
 
-def _parts(name: tree.ScopedName, found: Entity) -> Iterator[tuple[tree.Name, Entity]]:
+def _parts(name: tree.ScopedName, target: Entity) -> Iterator[tuple[tree.Name, Entity]]:
     """Yield the parts of a scoped name with their entities, the last one first."""
-    entity: Entity | None = found
+    entity: Entity | None = target
     for part in reversed(name.parts):
         if entity is None or entity.name != part.text:
             return

@@ -89,14 +89,15 @@ class FileIndex:
 
     def at(self, offset: int) -> Occurrence | None:
         """Return the innermost name that contains an offset or ends there."""
-        found = None
+        occurrence = None
         index = bisect_right(self._starts, offset)
         for each in reversed(self.occurrences[max(index - 8, 0) : index]):
             if each.end >= offset and (
-                found is None or each.end - each.start < found.end - found.start
+                occurrence is None
+                or each.end - each.start < occurrence.end - occurrence.start
             ):
-                found = each
-        return found
+                occurrence = each
+        return occurrence
 
     def between(self, start: int, end: int) -> Iterator[Occurrence]:
         """Yield the names that start in [start, end)."""
@@ -143,8 +144,8 @@ class Index:
 
     def definition(self, key: str) -> Definition | None:
         """Return the first definition of a key."""
-        found = self._definitions.get(key)
-        return found[0][1] if found else None
+        definitions = self._definitions.get(key)
+        return definitions[0][1] if definitions else None
 
     def places(self, key: str) -> list[Place]:
         """Return all places of a key's name."""
@@ -156,8 +157,8 @@ class Index:
 
     def all(self) -> Iterator[tuple[FileIndex, Definition]]:
         """Yield all definitions."""
-        for found in self._definitions.values():
-            yield from found
+        for definitions in self._definitions.values():
+            yield from definitions
 
 
 @dataclass(slots=True)

@@ -134,15 +134,15 @@ class ProfileNames:
             return None
         start, end = text.offsets(span)
         pattern = re.compile(rf"(?<!\w){re.escape(word)}(?!\w)")
-        found = list(pattern.finditer(text.source, start, end))
-        if not found:
+        matches = list(pattern.finditer(text.source, start, end))
+        if not matches:
             begin = text.source.rfind("<", 0, start) + 1
             stop = text.source.find(">", start)
-            found = list(
+            matches = list(
                 pattern.finditer(
                     text.source, begin, stop if stop > 0 else len(text.source)
                 )
             )
-        if not found:
+        if not matches:
             return None
-        return text.span(span.file, *found[-1 if last else 0].span())
+        return text.span(span.file, *matches[-1 if last else 0].span())

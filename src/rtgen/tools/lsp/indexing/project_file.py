@@ -53,7 +53,7 @@ def _value(
     """Return the place of a quoted text after a key."""
     start, _ = text.offsets(toml.span(path))
     for quote in "\"'":
-        found = text.source.find(quote + written + quote, start)
-        if found >= 0:
-            return found + 1, found + 1 + len(written)
+        place = text.source.find(quote + written + quote, start)
+        if place >= 0:
+            return place + 1, place + 1 + len(written)
     return None

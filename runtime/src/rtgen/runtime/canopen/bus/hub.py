@@ -451,8 +451,8 @@ class Hub:
 
     async def listen(self, host: str, port: int) -> tuple[str, int]:
         """Start listening; return the address (port 0 picks a free port). Raises OSError."""
-        found = await self.loop.getaddrinfo(host, port, type=socket.SOCK_STREAM)
-        family, _, _, _, address = found[0]
+        addresses = await self.loop.getaddrinfo(host, port, type=socket.SOCK_STREAM)
+        family, _, _, _, address = addresses[0]
         self._server = await self.loop.create_server(
             lambda: SocketcandPort(self), str(address[0]), port, family=family
         )

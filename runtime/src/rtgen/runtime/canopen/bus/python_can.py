@@ -80,7 +80,7 @@ def bus_address(
     """Parse the address in a component's parameters; options: "name=value,name=value"."""
     if bitrate < 0:
         raise LinkError(f"{bitrate} is not a bit rate")
-    found: dict[str, Option] = {}
+    arguments: dict[str, Option] = {}
     for part in filter(None, (part.strip() for part in options.split(","))):
         name, equals, text = (word.strip() for word in part.partition("="))
         if not equals or not name.isidentifier():
@@ -89,8 +89,8 @@ def bus_address(
             )
         if name in ("interface", "channel", "bitrate"):
             raise LinkError(f"{name} is a parameter of its own, and no option")
-        found[name] = option(text)
-    address = BusAddress(interface, channel, bitrate, tuple(sorted(found.items())))
+        arguments[name] = option(text)
+    address = BusAddress(interface, channel, bitrate, tuple(sorted(arguments.items())))
     if not channel or not channel.isprintable():
         raise LinkError(f"{channel!r} is not a channel")
     # An invalid host or port of the hub raises here.
@@ -121,25 +121,25 @@ class OpenBus:
 
     def receive(self, timeout: float) -> can.Message | None:
         """Return the next message, None if there is none within `timeout` s. Raises LinkError."""
-        found = self.receive_some(timeout, 1)
-        return found[0] if found else None
+        messages = self.receive_some(timeout, 1)
+        return messages[0] if messages else None
 
     def receive_some(self, timeout: float, most: int) -> list[can.Message]:
         """Like `receive`, but return up to `most` messages that are already available."""
         import can
 
-        found: list[can.Message] = []
+        messages: list[can.Message] = []
         try:
             message = self.bus.recv(timeout)
             while message is not None:
-                found.append(message)
-                if len(found) >= most:
+                messages.append(message)
+                if len(messages) >= most:
                     break
                 message = self.bus.recv(0)
         except (can.CanError, OSError, ValueError, LookupError) as error:
-            if not found:
+            if not messages:
                 raise LinkError(f"{self._address}: {_reason(error)}") from error
-        return found
+        return messages
 
     def receive_events(self, timeout: float, most: int) -> list[Event]:
         """Like `receive_some`, but return only what is relevant to a link."""
@@ -147,19 +147,19 @@ class OpenBus:
             return [
                 self._event(message) for message in self.receive_some(timeout, most)
             ]
-        found: list[Event] = []
+        events: list[Event] = []
         try:
             received = self._hub.receive(timeout)
             while received is not None:
                 event = received[0]
-                found.append(event if isinstance(event, Frame) else _bus_off(event))
-                if len(found) >= most:
+                events.append(event if isinstance(event, Frame) else _bus_off(event))
+                if len(events) >= most:
                     break
                 received = self._hub.receive(0)
         except self._errors as error:
-            if not found:
+            if not events:
                 raise LinkError(f"{self._address}: {_reason(error)}") from error
-        return found
+        return events
 
     def _event(self, message: can.Message) -> Event:
         if message.is_error_frame:

@@ -93,8 +93,8 @@ class SimulatedCanBus(SharedLink):
     def _switch(self, stations: tuple[Station, ...], up: bool) -> None:
         if not stations:
             self._up = up
-        found = [self._attached.find(station) for station in stations]
-        known = [attached for attached in found if attached is not None]
+        ends = [self._attached.find(station) for station in stations]
+        known = [attached for attached in ends if attached is not None]
         for attached in known if stations else self._attached:
             if not up:
                 self._drop(attached)

@@ -79,15 +79,17 @@ class DeviceDictionary:
 
     def describe(self, number: ObjectNumber) -> ObjectDescription:
         """Return the description of an object. Raises SdoAbort if it does not exist."""
-        found = self._objects.get(number)
-        if found is None:
+        description = self._objects.get(number)
+        if description is None:
             known = number[0] in self._indices
             raise SdoAbort(sdo.NO_SUBINDEX if known else sdo.NO_OBJECT)
-        return found
+        return description
 
     def subindices(self, index: int) -> list[int]:
         """Return the sub-indices of an index, ascending."""
-        return sorted(sub for found, sub in self._objects if found == index)
+        return sorted(
+            sub for index_of_object, sub in self._objects if index_of_object == index
+        )
 
     # Hooks
 
@@ -263,8 +265,8 @@ class DeviceDictionary:
         }
 
     def _known(self, number: ObjectNumber) -> ObjectDescription:
-        found = self._objects.get(number)
-        if found is None:
+        description = self._objects.get(number)
+        if description is None:
             name = self.description.name
             raise KeyError(f"{name} has no object {number[0]:04X}h:{number[1]:02X}")
-        return found
+        return description

@@ -103,7 +103,7 @@ class ParameterFile:
         numbers = {
             f"{o.index:04X}:{o.subindex:X}": o for o in self._description.objects
         }
-        found: dict[ObjectNumber, bytes] = {}
+        stored: dict[ObjectNumber, bytes] = {}
         for key, digits in content.items():
             described = numbers.get(key)
             if described is None or not described.writable:
@@ -115,8 +115,8 @@ class ParameterFile:
             except (TypeError, ValueError):
                 shown = str(digits)[:40]
                 raise self._error(f"{key} cannot have the octets {shown!r}") from None
-            found[described.index, described.subindex] = octets
-        return found
+            stored[described.index, described.subindex] = octets
+        return stored
 
     def _error(self, message: str) -> ParameterFileError:
         return ParameterFileError(f"{self._name}: {message}")

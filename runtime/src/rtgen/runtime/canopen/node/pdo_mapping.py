@@ -69,16 +69,18 @@ def checked_field(
 
 def own_entries(description: DeviceDescription) -> dict[Direction, frozenset[int]]:
     """Return the entries that a description maps, by direction: used and unused ones."""
-    found: dict[Direction, set[int]] = {"tpdo": set(), "rpdo": set()}
+    by_direction: dict[Direction, set[int]] = {"tpdo": set(), "rpdo": set()}
     for pdo in description.pdos:
-        found[pdo.direction].update(entry_of(*entry) for entry in pdo.mapping)
+        by_direction[pdo.direction].update(entry_of(*entry) for entry in pdo.mapping)
     for described in description.objects:
         communication = pdo_of(described.index)
         is_entry = communication not in (None, described.index) and described.subindex
         if is_entry and isinstance(described.default, int) and described.default:
             sent = described.index >= TPDO_MAPPING
-            found["tpdo" if sent else "rpdo"].add(described.default)
-    return {direction: frozenset(entries) for direction, entries in found.items()}
+            by_direction["tpdo" if sent else "rpdo"].add(described.default)
+    return {
+        direction: frozenset(entries) for direction, entries in by_direction.items()
+    }
 
 
 def own_field(description: DeviceDescription, entry: int) -> MappedField:
@@ -117,13 +119,13 @@ class Mapping:
     @cached_property
     def _places(self) -> list[tuple[ObjectNumber, slice]]:
         """The octets of each object, if all fields are whole octets."""
-        found, offset = [], 0
+        places, offset = [], 0
         for field in self.fields:
             end = offset + field.bits // 8
             if field.number is not None:
-                found.append((field.number, slice(offset, end)))
+                places.append((field.number, slice(offset, end)))
             offset = end
-        return found
+        return places
 
     @property
     def size(self) -> int:

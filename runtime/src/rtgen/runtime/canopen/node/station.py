@@ -304,15 +304,15 @@ class DeviceStation:
 
     def _handlers_of_now(self) -> dict[int, tuple[Handler, ...]]:
         """Return the handlers by CAN identifier."""
-        found: dict[int, tuple[Handler, ...]] = {}
+        handlers: dict[int, tuple[Handler, ...]] = {}
 
         def add(can_id: int, handler: Handler) -> None:
-            found[can_id] = (*found.get(can_id, ()), handler)
+            handlers[can_id] = (*handlers.get(can_id, ()), handler)
 
         if self._has_lss:
             add(LSS_REQUEST, self._configure_layers)
         if self._nmt is None:
-            return found
+            return handlers
         node_id = self.node_id
         # Identifiers that only this node sends.
         for can_id in self._servers.responses:
@@ -330,7 +330,7 @@ class DeviceStation:
             add(can_id, self._take_time)
         for can_id in self.pdos.identifiers:
             add(can_id, self._serve_pdo)
-        return found
+        return handlers
 
     def _serve_sdo(self, frame: Frame) -> None:
         if self._allows(Service.SDO):

@@ -127,13 +127,13 @@ class EmergencyPolicy:
     def __init__(self, patterns: str) -> None:
         self._rules: list[tuple[bool, re.Pattern[str]]] = []
         for text in patterns.split(","):
-            found = _PATTERN.fullmatch(text.strip())
-            if found is None:
+            match = _PATTERN.fullmatch(text.strip())
+            if match is None:
                 raise ValueError(
                     f"{text.strip()!r} is not a pattern of emergency codes, such as 23xx or -82xx"
                 )
-            digits = re.sub("[xX]", ".", found[2].upper())
-            self._rules.append((not found[1], re.compile(digits)))
+            digits = re.sub("[xX]", ".", match[2].upper())
+            self._rules.append((not match[1], re.compile(digits)))
 
     def stops(self, emergency: Emergency) -> bool:
         """Return whether an emergency message stops the component."""

@@ -113,13 +113,13 @@ class HeartbeatConsumer:
                 HeartbeatNews.BOOT_UP, state, self._take_request(state)
             )
         before = self.state
-        found = before is None or not self._beating
+        is_new = before is None or not self._beating
         self._beating, self.state = True, state
         self.deadline = now + self._timeout if self._timeout else None
-        if state is before and not found:
+        if state is before and not is_new:
             self._take_request(state)
             return None
-        news = HeartbeatNews.FOUND if found else HeartbeatNews.CHANGED
+        news = HeartbeatNews.FOUND if is_new else HeartbeatNews.CHANGED
         asked = self._take_request(state)
         return HeartbeatEvent(news, state, asked)
 

@@ -88,7 +88,7 @@ def scan(
     """
     if not (yield _scanned(0, lss.START_OF_SCAN, 0, 0)):
         return None
-    found = []
+    identity = []
     for part, number in enumerate(known):
         if number is None:
             number = 0
@@ -97,8 +97,8 @@ def scan(
                     number |= 1 << bit
         if not (yield _scanned(number, 0, part, (part + 1) % 4)):
             return None
-        found.append(number)
-    return LssAddress(*found)
+        identity.append(number)
+    return LssAddress(*identity)
 
 
 def _scanned(number: int, bit: int, part: int, following: int) -> Request:
@@ -117,12 +117,12 @@ def find(wanted: PartialAddress) -> Procedure[LssAddress]:
         address = LssAddress(vendor or 0, product or 0, revision or 0, serial or 0)
         if (yield from select(address)):
             return address
-        found = None
+        identity = None
     else:
-        found = yield from scan(wanted)
-    if found is None:
+        identity = yield from scan(wanted)
+    if identity is None:
         raise LssError(f"no node answers to the LSS address {address_text(wanted)}")
-    return found
+    return identity
 
 
 def assign(wanted: PartialAddress, node_id: int) -> Procedure[Assigned]:

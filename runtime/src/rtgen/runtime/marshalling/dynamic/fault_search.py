@@ -122,9 +122,9 @@ class _Search:
         body = self._body(descriptor)
         names = {m.attribute: m.name for m in descriptor.members}
         if isinstance(body, MemberList):
-            found, offset = self._list(body.members, names, data, offset)
+            names_read, offset = self._list(body.members, names, data, offset)
             for attribute, member in body.members:
-                if member.key and attribute not in found:
+                if member.key and attribute not in names_read:
                     raise located(Fault("a key is missing"), f".{names[attribute]}")
             return offset
         for attribute, node in body.members:
@@ -197,8 +197,8 @@ class _Search:
                     else (None, offset + 1)
                 )
             case Parameter(node=inner, id=id_):
-                found, _, start, stop = next_parameter(data, offset, self._little)
-                if found != id_:
+                member_id, _, start, stop = next_parameter(data, offset, self._little)
+                if member_id != id_:
                     raise Fault(f"the parameter {id_} is needed")
                 if start != stop:
                     self._filled(inner, memoryview(data)[start:stop], 0)
@@ -326,7 +326,7 @@ class _Search:
     ) -> tuple[set[str], int]:
         """Return the attributes of the members in a list, and the next offset."""
         known = {member.id: (attribute, member) for attribute, member in members}
-        found: set[str] = set()
+        names_read: set[str] = set()
         while self._format.version == 1 or offset < len(data):
             if self._format.version == 1:
                 id_, required, start, offset = next_parameter(
@@ -344,15 +344,15 @@ class _Search:
                 continue
             attribute, member = known[id_]
             part = f".{names[attribute]}"
-            if attribute in found:
+            if attribute in names_read:
                 raise located(Fault("the member stands twice"), part)
-            found.add(attribute)
+            names_read.add(attribute)
             padding = 3 if isinstance(member, Parameter) else 0
             try:
                 self._filled(member.node, memoryview(data)[start:offset], padding)
             except LOCATED as failure:
                 raise _extended(failure, part) from failure
-        return found, offset
+        return names_read, offset
 
     def _filled(self, node: Node, content: Octets, padding: int) -> None:
         """Read a value that fills the content, except for up to `padding` octets."""

@@ -368,18 +368,18 @@ class Reader(OctetReader):
         if not 0 <= place < before:
             raise Fault("an indirection to no repository id")
         self.offset = place
-        found = read()
+        value = read()
         self.offset = after
-        return found
+        return value
 
     def _shared(
         self, place: int, formal: ValueDescriptor | BoxDescriptor | None
     ) -> Any:
         if place not in self._data.values:
             raise Fault("an indirection to no value")
-        found = self._data.values[place]
-        self._fits(formal, found.described())
-        return found
+        value = self._data.values[place]
+        self._fits(formal, value.described())
+        return value
 
     def _fits(
         self, formal: ValueDescriptor | BoxDescriptor | None, actual: Any
@@ -396,12 +396,12 @@ class Reader(OctetReader):
                 raise Fault("a value without its type")
             return formal, False
         for index, repository_id in enumerate(ids):
-            found = registered(repository_id)
+            actual = registered(repository_id)
             if formal is not None and repository_id == formal.repository_id:
-                found = formal
-            if isinstance(found, ValueDescriptor | BoxDescriptor):
-                self._fits(formal, found)
-                return found, index > 0
+                actual = formal
+            if isinstance(actual, ValueDescriptor | BoxDescriptor):
+                self._fits(formal, actual)
+                return actual, index > 0
         raise Fault(f"{ids[0]} is not known")
 
     def _state(

@@ -218,11 +218,11 @@ class _Trees:
                 return Atom("H", 2, 2, Form.UNIT)
             case PrimitiveDescriptor(name) if name in ATOMS:
                 return self._atom(ATOMS[name])
-        found = None if self._version else self._of_corba(descriptor)
-        if found is None:
+        tree = None if self._version else self._of_corba(descriptor)
+        if tree is None:
             name = "XCDR" if self._version else "CDR"
             raise UnsupportedError(f"{name} has no representation of {descriptor}")
-        return found
+        return tree
 
     def _of_corba(self, descriptor: Descriptor) -> Node | None:
         """Return the node of a type that only CORBA marshals; None for any other."""
@@ -259,13 +259,13 @@ class _Trees:
         return Parameter(node, entry.id, *traits, in_list)
 
     def _struct(self, descriptor: StructDescriptor) -> Group | Call:
-        found = self._structs.get(id(descriptor))
-        if found is None:
+        node = self._structs.get(id(descriptor))
+        if node is None:
             body = self.body(descriptor)
             assert isinstance(body, Group)
-            found = body if self._in_place else _called_if_large(body)
-            self._structs[id(descriptor)] = found
-        return found
+            node = body if self._in_place else _called_if_large(body)
+            self._structs[id(descriptor)] = node
+        return node
 
     def _member(self, member: MemberDescriptor) -> Node:
         if not member.optional or not self._version:
@@ -375,8 +375,8 @@ def unsupported(descriptor: Descriptor, format_: Format) -> tuple[str, str]:
             case MapDescriptor(key=key, value=value):
                 return search(key, path) or search(value, path)
             case StructDescriptor(members=entries) | UnionDescriptor(branches=entries):
-                found = (search(e.type, f"{path}.{e.name}") for e in entries)
-                return next(filter(None, found), None)
+                results = (search(e.type, f"{path}.{e.name}") for e in entries)
+                return next(filter(None, results), None)
         try:
             trees.of(part)
         except UnsupportedError as failure:
@@ -429,13 +429,13 @@ def _is_link(descriptor: Descriptor) -> bool:
 
 def parts(descriptor: Descriptor) -> list[Descriptor]:
     """Return all types in a type, including itself, each once."""
-    found: dict[int, Descriptor] = {}
+    descriptors: dict[int, Descriptor] = {}
     waiting = [descriptor]
     while waiting:
         each = plain(waiting.pop())
-        if id(each) in found:
+        if id(each) in descriptors:
             continue
-        found[id(each)] = each
+        descriptors[id(each)] = each
         match each:
             case SequenceDescriptor(element=element) | ArrayDescriptor(element=element):
                 waiting.append(element)
@@ -447,7 +447,7 @@ def parts(descriptor: Descriptor) -> list[Descriptor]:
                 waiting += (member.type for member in members)
             case UnionDescriptor(branches=branches):
                 waiting += (branch.type for branch in branches)
-    return list(found.values())
+    return list(descriptors.values())
 
 
 def _text(element: Descriptor) -> Text | None:

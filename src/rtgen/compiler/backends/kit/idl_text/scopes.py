@@ -72,8 +72,8 @@ class ScopedNames:
 
     def _bound(self, scope: ScopedName) -> frozenset[str]:
         """Return the names bound in a scope, in lower case."""
-        found = self._bound_names.get(scope)
-        if found is None:
+        bound = self._bound_names.get(scope)
+        if bound is None:
             depth = len(scope)
             names = {
                 name[depth].lower()
@@ -82,8 +82,8 @@ class ScopedNames:
             }
             if scope in self._names:
                 names.update(map(str.lower, _parts(self._model.find(scope))))
-            found = self._bound_names[scope] = frozenset(names)
-        return found
+            bound = self._bound_names[scope] = frozenset(names)
+        return bound
 
 
 def _parts(declaration: Declaration) -> Iterator[str]:

@@ -22,8 +22,8 @@ class Markdown(Code):
     __slots__ = ()
 
 
-def _reference(found: re.Match[str]) -> str:
-    return "".join(f"&#{ord(c)};" for c in found[0])
+def _reference(match: re.Match[str]) -> str:
+    return "".join(f"&#{ord(c)};" for c in match[0])
 
 
 def text(value: object) -> Markdown:

@@ -111,4 +111,4 @@ def _is_plain(text: str) -> bool:
 def _escaped(text: str) -> str:
     """Escape the text for use in triple quotes."""
     text = _CONTROL.sub(" ", text.replace("\\", "\\\\"))
-    return _QUOTES.sub(lambda found: '\\"' * len(found[0]), text)
+    return _QUOTES.sub(lambda match: '\\"' * len(match[0]), text)

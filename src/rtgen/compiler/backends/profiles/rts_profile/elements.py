@@ -215,13 +215,13 @@ def _steps(
 
 def _connected_ports(system: System) -> dict[str, InstancePorts]:
     """Return the ports in connectors, by instance."""
-    found: dict[str, tuple[dict[str, None], dict[str, None]]] = {
+    ports: dict[str, tuple[dict[str, None], dict[str, None]]] = {
         c.instance: ({}, {}) for c in system.components
     }
     for connection in system.connections:
         for end in (connection.source, connection.target):
-            found[end.instance][connection.service].setdefault(end.port)
+            ports[end.instance][connection.service].setdefault(end.port)
     return {
         instance: InstancePorts(tuple(data), tuple(service))
-        for instance, (data, service) in found.items()
+        for instance, (data, service) in ports.items()
     }

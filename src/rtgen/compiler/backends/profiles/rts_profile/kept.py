@@ -138,15 +138,15 @@ class _Merge:
         waiting = defaultdict(list)
         for child in made.children:
             waiting[child.name, _key(child)].append(child)
-        found = []
+        children = []
         for child in old.children:
             same = waiting[child.name, _key(child)]
             if same:
-                found.append(self.element(same.pop(0), child))
+                children.append(self.element(same.pop(0), child))
             elif self._is_kept(child, made):
-                found += self._without_lost(child)
-        found += [child for listed in waiting.values() for child in listed]
-        return sorted(found, key=lambda child: position(child.name))
+                children += self._without_lost(child)
+        children += [child for listed in waiting.values() for child in listed]
+        return sorted(children, key=lambda child: position(child.name))
 
     def _is_kept(self, child: ProfileElement, parent: ProfileElement) -> bool:
         kind, inside = child.name[1], parent.name[1]

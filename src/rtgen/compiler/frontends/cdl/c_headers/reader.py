@@ -299,14 +299,14 @@ class _Preprocessor(Preprocessor):  # type: ignore[misc]  # pcpp has no types
             if name not in _STANDARD:
                 raise OSError(includepath)
             return StringIO(_STANDARD[name] + "\n")
-        found = self._library.open(includepath)
-        if found is None:
+        header = self._library.open(includepath)
+        if header is None:
             raise OSError(includepath)
         self._opened += 1
         if self._opened > MAX_FILES or len(self.temp_path) > MAX_DEPTH:
-            raise LimitError(f"it includes too many files: {found.name} among them")
-        self.spans[includepath] = found.name
-        return StringIO(self._text_of(found))
+            raise LimitError(f"it includes too many files: {header.name} among them")
+        self.spans[includepath] = header.name
+        return StringIO(self._text_of(header))
 
     def _text_of(self, file: HeaderFile) -> str:
         for problem in file.problems:

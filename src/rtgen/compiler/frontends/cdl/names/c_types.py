@@ -20,17 +20,17 @@ MAX_DEPTH = 64
 
 def depth(type_: CType) -> int:
     """Return the nesting depth of a type."""
-    found = 1
+    depth_so_far = 1
     while True:
         if isinstance(type_, CPointerType | CTypedefType):
             type_ = type_.target
         elif isinstance(type_, CArrayType):
             type_ = type_.element
         elif isinstance(type_, CFunctionType):
-            return found + max(map(depth, (type_.returns, *type_.parameters)))
+            return depth_so_far + max(map(depth, (type_.returns, *type_.parameters)))
         else:
-            return found
-        found += 1
+            return depth_so_far
+        depth_so_far += 1
 
 
 OPAQUE = "unknown "
@@ -44,9 +44,9 @@ def opaque(name: str) -> CStructType:
 def pointer_depth(type_: CType) -> int:
     """Return the number of pointer levels; arrays do not count."""
     depth = 0
-    found = resolve(type_)
-    while isinstance(found, CPointerType):
-        found = resolve(found.target)
+    resolved = resolve(type_)
+    while isinstance(resolved, CPointerType):
+        resolved = resolve(resolved.target)
         depth += 1
     return depth
 
@@ -64,5 +64,5 @@ def is_const(type_: CType) -> bool:
 
 def is_void(type_: CType) -> bool:
     """Return whether a type is `void`, directly or by a typedef."""
-    found = resolve(type_)
-    return isinstance(found, CScalarType) and found.kind is Scalar.VOID
+    resolved = resolve(type_)
+    return isinstance(resolved, CScalarType) and resolved.kind is Scalar.VOID

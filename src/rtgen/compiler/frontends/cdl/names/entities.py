@@ -23,14 +23,14 @@ DECLARE = "declare it before, or import the file that does"
 Report: TypeAlias = Callable[[Diagnostic], None]
 
 
-def component(found: Entity | Scope | None) -> object:
+def component(entity: Entity | Scope | None) -> object:
     """Return the celltype, composite or cell of an entity; None for an invalid or other entity."""
-    return found.component if isinstance(found, Entity) else None
+    return entity.component if isinstance(entity, Entity) else None
 
 
-def here(found: Entity | Scope, label: str = "declared here") -> list[Related]:
+def here(entity: Entity | Scope, label: str = "declared here") -> list[Related]:
     """Return the place of a declaration as related information, if it has one."""
-    return [] if found.place is None else [Related(found.place, label)]
+    return [] if entity.place is None else [Related(entity.place, label)]
 
 
 class Spanned(Protocol):
@@ -59,7 +59,7 @@ class Place(msgspec.Struct, frozen=True):
 
     def near(self, name: tree.Name, *kinds: Kind) -> str | None:
         """Return a hint with a similar visible name of those kinds; None if there is none."""
-        found = nearest(
+        similar = nearest(
             name.text,
             (
                 known
@@ -69,7 +69,7 @@ class Place(msgspec.Struct, frozen=True):
                 if entity.kind in kinds
             ),
         )
-        return f"did you mean {found}?" if found else None
+        return f"did you mean {similar}?" if similar else None
 
     def may_be_declared(self, name: tree.ScopedName) -> bool:
         """Return whether a statement with a syntax error may have declared the name."""
@@ -300,24 +300,24 @@ class Composite(Celltype, eq=False):
 
     def close(self) -> None:
         """Summarize the inner cells once all of them are read."""
-        found = _Inside()
+        inside = _Inside()
         kept: dict[Port, None] = {}
         for cell in self.inner.values():
             type_ = cell.celltype
             if type_ is None:
                 continue
-            found.real.update(type_.real())
-            found.inactive = found.inactive and type_.inactive
+            inside.real.update(type_.real())
+            inside.inactive = inside.inactive and type_.inactive
             for port, name in type_.fixed():
                 if name in cell.exported:
-                    found.fixed.append((port, cell.exported[name].name))
+                    inside.fixed.append((port, cell.exported[name].name))
                 else:
                     kept[port] = None
             if isinstance(type_, Composite):
-                found.levels = max(found.levels, type_.levels + 1)
+                inside.levels = max(inside.levels, type_.levels + 1)
                 kept.update(dict.fromkeys(type_.kept()))
-        found.kept = list(kept)
-        self._inside = found
+        inside.kept = list(kept)
+        self._inside = inside
 
 
 class Plugin(msgspec.Struct, frozen=True):

@@ -56,15 +56,17 @@ class ExpressionError(Exception):
 
 def operand_class_of(type_: CType) -> OperandClass:
     """Return the operand class of values of a type."""
-    found = resolve(type_)
-    if isinstance(found, CPointerType | CArrayType):
+    resolved = resolve(type_)
+    if isinstance(resolved, CPointerType | CArrayType):
         return OperandClass.POINTER
-    if isinstance(found, CStructType):
+    if isinstance(resolved, CStructType):
         return OperandClass.STRUCT
-    if not isinstance(found, CScalarType):
+    if not isinstance(resolved, CScalarType):
         return OperandClass.UNKNOWN
-    if found.kind is Scalar.BOOL:
+    if resolved.kind is Scalar.BOOL:
         return OperandClass.BOOL
-    if found.kind in (Scalar.FLOAT32, Scalar.DOUBLE64):
+    if resolved.kind in (Scalar.FLOAT32, Scalar.DOUBLE64):
         return OperandClass.FLOAT
-    return OperandClass.UNKNOWN if found.kind is Scalar.VOID else OperandClass.INTEGER
+    return (
+        OperandClass.UNKNOWN if resolved.kind is Scalar.VOID else OperandClass.INTEGER
+    )

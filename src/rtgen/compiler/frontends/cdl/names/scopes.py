@@ -90,19 +90,19 @@ class Scope(msgspec.Struct, eq=False):
     def find(self, name: tree.ScopedName) -> Entity | Scope | None:
         """Look a name up: its first part in this scope and the enclosing ones."""
         first = name.parts[0].text
-        found: Entity | Scope | None = None
+        entity: Entity | Scope | None = None
         if name.absolute:
-            found = self.root.own(first)
+            entity = self.root.own(first)
         else:
             for scope in self.outwards():
-                found = scope.own(first)
-                if found is not None:
+                entity = scope.own(first)
+                if entity is not None:
                     break
         for part in name.parts[1:]:
-            if not isinstance(found, Scope):
+            if not isinstance(entity, Scope):
                 return None
-            found = found.own(part.text)
-        return found
+            entity = entity.own(part.text)
+        return entity
 
     def own(self, name: str) -> Entity | Scope | None:
         """Return the entity of that name in this scope itself."""
@@ -111,9 +111,9 @@ class Scope(msgspec.Struct, eq=False):
     def find_tag(self, tag: str) -> Entity | None:
         """Return the struct or enum of a tag in this scope or an enclosing one."""
         for scope in self.outwards():
-            found = scope.tags.get(tag)
-            if found is not None:
-                return found
+            entity = scope.tags.get(tag)
+            if entity is not None:
+                return entity
         return None
 
     def visible(self) -> Iterator[str]:

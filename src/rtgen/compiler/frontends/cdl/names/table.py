@@ -113,20 +113,20 @@ class Table:
         wanted_by: str,
     ) -> Entity | None:
         """Look up an entity of one of the kinds; None, after a diagnostic, if there is none."""
-        found = scope.find(name)
+        entity = scope.find(name)
         span = unit.span(name.start, name.end)
         wanted = " or ".join(kinds)
-        if found is None:
+        if entity is None:
             if name.parts[-1].text not in unit.maybe_declared:
                 near = self.guesses.nearest(str(name), scope.visible())
                 hint = f"did you mean '{near}'?" if near else None
                 message = f"the {wanted} '{name}' is unknown"
                 self.report(rules.UNKNOWN_NAME.at(span, message, hint=hint))
             return None
-        if isinstance(found, Entity) and found.kind in kinds:
-            return found
-        related = [Related(found.place, "declared here")] if found.place else []
-        message = f"'{name}' is a {found.kind}, but {wanted_by} wants a {wanted}"
+        if isinstance(entity, Entity) and entity.kind in kinds:
+            return entity
+        related = [Related(entity.place, "declared here")] if entity.place else []
+        message = f"'{name}' is a {entity.kind}, but {wanted_by} wants a {wanted}"
         self.report(rules.WRONG_KIND.at(span, message, related=related))
         return None
 

@@ -98,22 +98,22 @@ class CdlParser(RecoveringParser):
             return "TYPE_NAME" if self.would_shift("TYPE_NAME") else WORD
         return WORD
 
-    def other(self, found: Token) -> Token:
-        kind = {"LBRACK": "SPEC_L", "RBRACK": "SPEC_R"}.get(found.type)
+    def other(self, token: Token) -> Token:
+        kind = {"LBRACK": "SPEC_L", "RBRACK": "SPEC_R"}.get(token.type)
         if kind is not None and self.takes(kind):
-            found.type = kind
-            return found
-        return self.refused(found)
+            token.type = kind
+            return token
+        return self.refused(token)
 
-    def refused(self, found: Token) -> Token:
+    def refused(self, token: Token) -> Token:
         """Raise the error for a token that is invalid in every interpretation."""
-        self.position = found.start_pos
-        if found.type == "UNKNOWN":
+        self.position = token.start_pos
+        if token.type == "UNKNOWN":
             raise lalr.UnexpectedCharacterError
-        raise lalr.UnexpectedTokenError(found)
+        raise lalr.UnexpectedTokenError(token)
 
-    def shifted(self, found: Token) -> None:
-        kind = found.type
+    def shifted(self, token: Token) -> None:
+        kind = token.type
         if kind == "SEMI":
             self._ended(self.values[-2])
         elif kind == "LBRACE":
@@ -189,8 +189,8 @@ class _Run:
             self._report(syntax.TOO_MANY.at(span, message))
             self._errors += 1
 
-    def _unexpected(self, found: Token) -> None:
-        if found.type == END and self._unit.source.unfinished:
+    def _unexpected(self, token: Token) -> None:
+        if token.type == END and self._unit.source.unfinished:
             self._parser.close(len(self._text), 3 * MAX_NESTING)
             return
         from rtgen.compiler.frontends.cdl.syntax.syntax_errors import (
@@ -198,15 +198,15 @@ class _Run:
             explain,
         )
 
-        start = found.start_pos
+        start = token.start_pos
         context = ErrorContext(
             unit=self._unit,
             types=self._types,
             lacks_types=self._imports.lacks_types,
-            kind=found.type,
-            text=str(found),
+            kind=token.type,
+            text=str(token),
             start=start,
-            end=max(found.end_pos, start + 1),
+            end=max(token.end_pos, start + 1),
             accepted=self._parser.accepts(),
             last=len(self._text[:start].rstrip()),
             opening=self._parser.opening(),
@@ -276,10 +276,10 @@ class _Run:
         else:
             self._resume(start)
 
-    def _too_deep(self, found: Token) -> None:
-        start = found.start_pos
+    def _too_deep(self, token: Token) -> None:
+        start = token.start_pos
         message = "this is nested too deeply to be read"
-        span = self._unit.span(start, max(found.end_pos, start + 1))
+        span = self._unit.span(start, max(token.end_pos, start + 1))
         self._emit(syntax.TOO_DEEP.at(span, message), start)
         depth = self._parser.unwind()
         while len(self._parser.states) > MAX_NESTING // 2:

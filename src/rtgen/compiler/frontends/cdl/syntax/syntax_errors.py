@@ -115,9 +115,9 @@ _THROUGH = (
 def explain(context: ErrorContext) -> Recovery:
     """Return the recovery for the likely cause of an unexpected token."""
     for recogniser in _RECOGNISERS:
-        found = recogniser(context)
-        if found is not None:
-            return found
+        recovery = recogniser(context)
+        if recovery is not None:
+            return recovery
     shown = f"'{context.text[:40]}'" if context.text else "this"
     message = f"{shown} is not allowed here{context.expectation()}"
     if "through" in (*context.before, context.text, *context.after[:3]):
@@ -196,8 +196,8 @@ def _stray_brace(s: ErrorContext) -> Recovery | None:
 
 
 def _after_semicolon(s: ErrorContext) -> int:
-    found = _SEMICOLON.match(s.code, s.end)
-    return found.end() if found else s.end
+    match = _SEMICOLON.match(s.code, s.end)
+    return match.end() if match else s.end
 
 
 def _extra_semicolon(s: ErrorContext) -> Recovery | None:
@@ -276,11 +276,11 @@ def _specifier(s: ErrorContext) -> Recovery | None:
     """Recognize a word in a specifier list that is not a specifier."""
     if s.kind not in ("IDENT", "TYPE_NAME") or "NULLABLE" not in s.accepted:
         return None
-    found = nearest(s.text, SPECIFIERS)
+    similar = nearest(s.text, SPECIFIERS)
     return s.recovery(
         syntax.UNKNOWN_SPECIFIER,
         f"'{s.text}' is not a specifier",
-        f"did you mean '{found}'?" if found else None,
+        f"did you mean '{similar}'?" if similar else None,
         feed=("NULLABLE",) if s.following in (",", "]") else (),
         instead=s.following in (",", "]"),
     )
@@ -294,13 +294,13 @@ def _unknown_type(s: ErrorContext) -> Recovery | None:
     in_cast = s.previous == "(" and follower in (")", "*")
     at_statement = "SIGNATURE" in s.accepted
     if at_statement:
-        found = nearest(s.text, _STATEMENTS)
-        if found is not None:
+        similar = nearest(s.text, _STATEMENTS)
+        if similar is not None:
             return s.recovery(
                 syntax.MISSPELT_KEYWORD,
                 f"'{s.text}' is not a keyword",
-                f"did you mean '{found}'?",
-                feed=(TERMINALS[found],),
+                f"did you mean '{similar}'?",
+                feed=(TERMINALS[similar],),
                 instead=True,
             )
     if not (is_use or in_cast or follower in (",", ")", "(", "[")):
@@ -390,14 +390,14 @@ def _misspelt(s: ErrorContext) -> Recovery | None:
     if s.kind not in ("IDENT", "TYPE_NAME"):
         return None
     words = [WORDS[t] for t in s.accepted if t in TERMINALS.values()]
-    found = nearest(s.text, words)
-    if found is None:
+    similar = nearest(s.text, words)
+    if similar is None:
         return None
     return s.recovery(
         syntax.MISSPELT_KEYWORD,
         f"'{s.text}' is not a keyword",
-        f"did you mean '{found}'?",
-        feed=(TERMINALS[found],),
+        f"did you mean '{similar}'?",
+        feed=(TERMINALS[similar],),
         instead=True,
     )
 
@@ -514,5 +514,5 @@ def _ascii(character: str) -> str | None:
     """Return the ASCII counterpart of a full-width character; None for other characters."""
     if character.isascii():
         return None
-    found = _IDEOGRAPHIC.get(character) or normalize("NFKC", character)
-    return found if found.isascii() and len(found) == 1 else None
+    ascii_form = _IDEOGRAPHIC.get(character) or normalize("NFKC", character)
+    return ascii_form if ascii_form.isascii() and len(ascii_form) == 1 else None

@@ -65,16 +65,16 @@ class Source:
     def _acceptable(self) -> str:
         """Return the text with control characters replaced by white space."""
         text = self.text
-        found = _CONTROL.search(text)
-        if found is None:
+        match = _CONTROL.search(text)
+        if match is None:
             return text
         if "\0" in text:
             place = text.index("\0")
             message = "this is not a text file: it holds a NUL byte"
             self.problems.append(files.BINARY.at(self.span(place, place + 1), message))
             return ""
-        span = self.span(found.start(), found.end())
-        message = f"the control character U+{ord(found[0]):04X} is not allowed here"
+        span = self.span(match.start(), match.end())
+        message = f"the control character U+{ord(match[0]):04X} is not allowed here"
         self.problems.append(lexical.BAD_CHARACTER.at(span, message))
         return _CONTROL.sub(" ", text)
 

@@ -24,15 +24,15 @@ class ToolInformation:
 
 def tool_information(source: Source) -> ToolInformation | None:
     """Return the settings of tecsgen in a file; text that is not JSON is left to the parser."""
-    found = _HEAD.search(source.code)
-    if found is None:
+    match = _HEAD.search(source.code)
+    if match is None:
         return None
     try:
-        values, end = json.JSONDecoder().raw_decode(source.code, found.end())
+        values, end = json.JSONDecoder().raw_decode(source.code, match.end())
     except (ValueError, RecursionError):
         return None
     return ToolInformation(
-        found.start(),
+        match.start(),
         end,
         _texts(values.get("direct_import")),
         _texts(values.get("import_path")),

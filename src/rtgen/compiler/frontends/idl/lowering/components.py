@@ -116,8 +116,8 @@ class Components:
     def _base(self, node: tree.Component) -> Component | None:
         if node.base is None:
             return None
-        found = self._types.tables.references.get(node.base)
-        return self._made.get(found) if isinstance(found, Entity) else None
+        base = self._types.tables.references.get(node.base)
+        return self._made.get(base) if isinstance(base, Entity) else None
 
     def _profile(self, common: dict[str, Any], entity: Entity) -> dict[str, Any]:
         """Return the arguments of `@rtc`; the description defaults to the first line of the doc."""
@@ -126,7 +126,7 @@ class Components:
             if annotation.name == "rtc":
                 profile.update(annotation.arguments)
         known = Component.__struct_fields__
-        profile = {key: found for key, found in profile.items() if key in known}
+        profile = {key: value for key, value in profile.items() if key in known}
         for key in _DATES:
             if key in profile and not _DATE.fullmatch(profile[key]):
                 message = f'"{profile[key]}" is not a date with a time zone'
@@ -160,9 +160,13 @@ class Components:
         return True
 
     def _outside(
-        self, found: tuple[Annotation, ...], key: str, default: str, entity: Entity
+        self,
+        annotations: tuple[Annotation, ...],
+        key: str,
+        default: str,
+        entity: Entity,
     ) -> str:
-        name = text(found, key)
+        name = text(annotations, key)
         if name is None:
             return default
         if not name.strip() or not name.isprintable():
@@ -188,24 +192,26 @@ class Components:
         kind = _KINDS[node.keyword]
         if not self._fits(kind, type_, node, unit):
             return None
-        found = annotations.of(item.annotations, "port", unit, type_)
-        name = self._outside(found, "name", node.name.text, entity)
+        attached = annotations.of(item.annotations, "port", unit, type_)
+        name = self._outside(attached, "name", node.name.text, entity)
         service = kind not in _DATA
         interface = str(type_).rpartition("::")[2]
-        type_name = self._outside(found, "type_name", "", entity) if service else ""
+        type_name = self._outside(attached, "type_name", "", entity) if service else ""
         return Port(
             span=entity.span,
             doc=self._fields.doc(item, unit),
-            annotations=found,
+            annotations=attached,
             kind=kind,
             name=name,
             identifier=node.name.text,
             type=type_,
-            port=self._outside(found, "port", name, entity) if service else "",
+            port=self._outside(attached, "port", name, entity) if service else "",
             instance=(
-                self._outside(found, "instance", interface, entity) if service else ""
+                self._outside(attached, "instance", interface, entity)
+                if service
+                else ""
             ),
-            unit=text(found, "unit") or "",
+            unit=text(attached, "unit") or "",
             type_name="" if type_name == str(type_) else type_name,
         )
 
@@ -215,12 +221,14 @@ class Components:
         plain = self._types.unaliased(type_)
         if plain is None:
             return False
-        found = self._types.kind_of(plain)
+        type_kind = self._types.kind_of(plain)
         if kind in _DATA:
-            good = found in (Kind.STRUCT, Kind.UNION, Kind.VALUETYPE)
+            good = type_kind in (Kind.STRUCT, Kind.UNION, Kind.VALUETYPE)
             wanted = "a struct or union"
         else:
-            good = found is Kind.INTERFACE or plain == PrimitiveType(Primitive.OBJECT)
+            good = type_kind is Kind.INTERFACE or plain == PrimitiveType(
+                Primitive.OBJECT
+            )
             wanted = "an interface"
         if not good:
             span = unit.span(node.type.start, node.type.end)
@@ -262,19 +270,19 @@ class Components:
             )
             self._report(rules.BAD_PARAMETER_TYPE.at(span, message, hint=hint))
             return []
-        found = annotations.of(item.annotations, "configuration", unit, type_)
+        attached = annotations.of(item.annotations, "configuration", unit, type_)
         doc = self._fields.doc(item, unit)
         made = []
         for name in node.names:
             entity = self._types.tables.entities[name]
-            made.append(self._parameter(entity, type_, found, doc))
+            made.append(self._parameter(entity, type_, attached, doc))
         return made
 
     def _parameter(
-        self, entity: Entity, type_: Type, found: tuple[Annotation, ...], doc: str
+        self, entity: Entity, type_: Type, attached: tuple[Annotation, ...], doc: str
     ) -> ConfigurationParameter:
-        low, high = limits(found)
-        default = value(found, "default")
+        low, high = limits(attached)
+        default = value(attached, "default")
         if default is None:
             default = self._inherited(type_)
         for message in contradictions((low, high), default):
@@ -283,16 +291,16 @@ class Components:
         return ConfigurationParameter(
             span=entity.span,
             doc=doc,
-            annotations=found,
-            name=self._outside(found, "name", entity.name, entity),
+            annotations=attached,
+            name=self._outside(attached, "name", entity.name, entity),
             identifier=entity.name,
             type=type_,
             default=default,
             minimum=low,
             maximum=high,
-            unit=text(found, "unit") or "",
-            constraint=text(found, "constraint") or "",
-            widget=text(found, "widget") or "",
+            unit=text(attached, "unit") or "",
+            constraint=text(attached, "constraint") or "",
+            widget=text(attached, "widget") or "",
         )
 
     def _inherited(self, type_: Type) -> ConstantValue | None:

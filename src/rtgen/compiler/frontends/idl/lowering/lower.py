@@ -152,19 +152,19 @@ class Lowering:
         commented = "@" in doc and self._fields.comment_says_key(item, unit)
         if not item.annotations and not hashed and not commented:
             return Member(span=entity.span, doc=doc, name=entity.name, type=type_)
-        found = self._annotations.of(item.annotations, "member", unit, type_)
+        attached = self._annotations.of(item.annotations, "member", unit, type_)
         return Member(
             span=entity.span,
             doc=doc,
-            annotations=found,
+            annotations=attached,
             name=entity.name,
             type=type_,
-            optional=flag(found, "optional"),
-            key=flag(found, "key") or commented,
-            id=traits.member_id(entity.name, found, hashed),
-            must_understand=flag(found, "must_understand"),
-            external=flag(found, "external"),
-            initial=self._annotations.initial(item.annotations, found, type_, unit),
+            optional=flag(attached, "optional"),
+            key=flag(attached, "key") or commented,
+            id=traits.member_id(entity.name, attached, hashed),
+            must_understand=flag(attached, "must_understand"),
+            external=flag(attached, "external"),
+            initial=self._annotations.initial(item.annotations, attached, type_, unit),
         )
 
     def _struct(self, entity: Entity, node: tree.Struct) -> Declaration | None:
@@ -187,8 +187,10 @@ class Lowering:
         )
 
     def _target(self, name: tree.ScopedName | None) -> ScopedName | None:
-        found = self._tables.references.get(name) if name is not None else None
-        return found.path if isinstance(found, Entity) and not found.poisoned else None
+        target = self._tables.references.get(name) if name is not None else None
+        return (
+            target.path if isinstance(target, Entity) and not target.poisoned else None
+        )
 
     def _targets(self, names: Iterable[tree.ScopedName]) -> tuple[ScopedName, ...]:
         return tuple(
@@ -236,18 +238,18 @@ class Lowering:
         type_ = self._types.of_entity(entity)
         if type_ is None or entity.poisoned or not whole:
             return None
-        found = self._annotations.of(item.annotations, "case", unit, type_)
+        attached = self._annotations.of(item.annotations, "case", unit, type_)
         return Case(
             span=entity.span,
             doc=self._fields.doc(item, unit),
-            annotations=found,
+            annotations=attached,
             labels=tuple(labels),
             default=any(label.value is None for label in node.labels),
             name=entity.name,
             type=type_,
-            id=traits.member_id(entity.name, found, hashed),
-            external=flag(found, "external"),
-            initial=self._annotations.initial(item.annotations, found, type_, unit),
+            id=traits.member_id(entity.name, attached, hashed),
+            external=flag(attached, "external"),
+            initial=self._annotations.initial(item.annotations, attached, type_, unit),
         )
 
     def _enum(self, entity: Entity, node: tree.Enum) -> Declaration | None:
@@ -284,13 +286,13 @@ class Lowering:
                 Primitive.BOOLEAN if bits == 1 else Primitive.UNSIGNED_LONG_LONG
             ]
         )
-        found = self._annotations.of(item.annotations, "bitfield", unit, of)
+        attached = self._annotations.of(item.annotations, "bitfield", unit, of)
         common: dict[str, Any] = {
             "doc": self._fields.doc(item, unit),
-            "annotations": found,
+            "annotations": attached,
             "bits": bits,
             "type": type_,
-            "initial": self._annotations.initial(item.annotations, found, of, unit),
+            "initial": self._annotations.initial(item.annotations, attached, of, unit),
         }
         if not node.names:
             return [Bitfield(span=unit.span(node.start, item.end), name=None, **common)]
@@ -305,8 +307,8 @@ class Lowering:
             return None
         common = self._fields.common(entity, type_)
         nodes = entity.item.annotations if entity.item else ()
-        found = common["annotations"]
-        initial = self._annotations.initial(nodes, found, type_, entity.unit)
+        attached = common["annotations"]
+        initial = self._annotations.initial(nodes, attached, type_, entity.unit)
         made = Typedef(**common, type=type_, initial=initial)
         self._typedefs[made.name] = made
         return made

@@ -76,12 +76,12 @@ class Annotations:
     def initial(
         self,
         nodes: Iterable[tree.Annotation],
-        found: Iterable[Annotation],
+        annotations: Iterable[Annotation],
         type_: Type,
         unit: Unit,
     ) -> InitialValue | None:
         """Return the value of `@default` of a type; None without a valid one."""
-        given = value(found, "default")
+        given = value(annotations, "default")
         plain = self._types.unaliased(type_)
         if given is None or not isinstance(plain, SequenceType | ArrayType):
             return given
@@ -154,10 +154,10 @@ class Annotations:
 
     def _declared(self, name: str) -> Definition | None:
         """Return an annotation declared by `@annotation`, which is allowed everywhere."""
-        found = self._types.tables.annotations.get(name)
-        if found is None:
+        members = self._types.tables.annotations.get(name)
+        if members is None:
             return None
-        return Definition(dict.fromkeys(found, WORD), frozenset(_ANYWHERE.split()))
+        return Definition(dict.fromkeys(members, WORD), frozenset(_ANYWHERE.split()))
 
     def _argument(
         self,
@@ -194,9 +194,11 @@ class Annotations:
         if wanted is None or isinstance(wanted, str):
             words = definition.words.get(key, ()) if definition is not None else ()
             return self._word(node, value, words, unit)
-        found = self._evaluated(value, wanted, unit)
+        constant = self._evaluated(value, wanted, unit)
         single = self._types.unaliased(wanted) == PRIMITIVES[Primitive.FLOAT]
-        return shortest(found) if single and isinstance(found, float) else found
+        return (
+            shortest(constant) if single and isinstance(constant, float) else constant
+        )
 
     def _word(
         self,
@@ -208,8 +210,8 @@ class Annotations:
         """Return an argument without a type: one of `words`, or several joined by `|`."""
         if words and isinstance(value, tree.Chain):
             parts = [value.first, *(operand for _, operand in value.rest)]
-            found = [self._word(node, part, words, unit) for part in parts]
-            return None if None in found else "|".join(map(str, found))
+            words_read = [self._word(node, part, words, unit) for part in parts]
+            return None if None in words_read else "|".join(map(str, words_read))
         if isinstance(value, tree.ScopedName) and _last(value) in words:
             return str(value)  # not looked up, even if it is declared
         natural = self.natural(value, unit)
@@ -243,9 +245,9 @@ class Annotations:
         if isinstance(value, tree.ScopedName) and len(value.parts) == 1:
             known = self._types.tables.references.get(value)
             if not (isinstance(known, Entity) and known.kind in _VALUES):
-                found = enumerator_of(self._types, type_, value.parts[0].text)
-                if found is not None:
-                    return found
+                enumerator = enumerator_of(self._types, type_, value.parts[0].text)
+                if enumerator is not None:
+                    return enumerator
         return self._evaluated(value, type_, unit)
 
     def _evaluated(
@@ -288,11 +290,11 @@ class Annotations:
         constants = self._types.constants
         match value:
             case tree.ScopedName():
-                found = self._types.tables.references.get(value)
-                if isinstance(found, Entity) and found.kind is Kind.ENUMERATOR:
-                    return EnumeratorName(found.path)
-                if isinstance(found, Entity) and found.kind is Kind.CONST:
-                    return constants.value_of(found)
+                entity = self._types.tables.references.get(value)
+                if isinstance(entity, Entity) and entity.kind is Kind.ENUMERATOR:
+                    return EnumeratorName(entity.path)
+                if isinstance(entity, Entity) and entity.kind is Kind.CONST:
+                    return constants.value_of(entity)
                 return str(value)
             case tree.Text(parts, character):
                 wide = parts[0].startswith("L")
@@ -322,12 +324,12 @@ def _complete(node: tree.Annotation, definition: Definition) -> bool:
 Limits: TypeAlias = tuple[ConstantValue | None, ConstantValue | None]
 
 
-def limits(found: Iterable[Annotation]) -> Limits:
+def limits(annotations: Iterable[Annotation]) -> Limits:
     """Return the minimum and the maximum in annotations."""
-    found = tuple(found)
-    low, high = value(found, "range", "min"), value(found, "range", "max")
-    low = value(found, "min") if low is None else low
-    high = value(found, "max") if high is None else high
+    annotations = tuple(annotations)
+    low, high = value(annotations, "range", "min"), value(annotations, "range", "max")
+    low = value(annotations, "min") if low is None else low
+    high = value(annotations, "max") if high is None else high
     return low, high
 
 

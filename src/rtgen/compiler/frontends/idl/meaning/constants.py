@@ -150,8 +150,8 @@ class Constants:
         declared: Entity | None = None,
     ) -> None:
         if declared is None and isinstance(node, tree.ScopedName):
-            found = self._types.tables.references.get(node)
-            declared = found if isinstance(found, Entity) else None
+            entity = self._types.tables.references.get(node)
+            declared = entity if isinstance(entity, Entity) else None
         related = [Related(declared.span, "declared here")] if declared else []
         span = self._unit.span(node.start, node.end)
         self._report(rule.at(span, message, related=related, hint=hint))
@@ -198,13 +198,13 @@ class Constants:
             self._fail(rules.WRONG_KIND, node, f"{wanted} has no operators", hint)
 
     def _mixed(
-        self, node: tree.Expression, wanted: OperandClass, found: OperandClass
+        self, node: tree.Expression, wanted: OperandClass, operand_class: OperandClass
     ) -> None:
         self._fail(
             rules.WRONG_KIND,
             node,
-            f"{wanted} is expected here, not {found}",
-            CONVERSIONS.get((wanted, found)) or EXAMPLES[wanted],
+            f"{wanted} is expected here, not {operand_class}",
+            CONVERSIONS.get((wanted, operand_class)) or EXAMPLES[wanted],
         )
 
     def _number(self, node: tree.Number, wanted: OperandClass) -> ConstantValue:
@@ -256,15 +256,15 @@ class Constants:
 
     def _text(self, node: tree.Text, wanted: OperandClass) -> ConstantValue:
         try:
-            found = literals.text(node.parts, node.character)
+            text = literals.text(node.parts, node.character)
         except literals.LiteralError as error:
             self._fail(syntax.BAD_LITERAL, node, str(error), error.hint)
             raise _NoValueError from error
-        for escape in found.unknown_escapes:
+        for escape in text.unknown_escapes:
             message = f"\\{escape} is not an escape; {escape} is taken"
             hint = f"write {escape}, or \\\\ for a backslash"
             self._report_at(syntax.UNKNOWN_ESCAPE, node, message, hint)
-        if found.broken:
+        if text.broken:
             self._report_at(
                 syntax.BROKEN_STRING,
                 node,
@@ -276,9 +276,9 @@ class Constants:
             if node.character
             else (OperandClass.TEXT, OperandClass.WIDE_TEXT)
         )
-        if wanted is not sorts[found.wide]:
-            self._mixed(node, wanted, sorts[found.wide])
-        return found.value
+        if wanted is not sorts[text.wide]:
+            self._mixed(node, wanted, sorts[text.wide])
+        return text.value
 
     def _named(self, node: tree.ScopedName, wanted: OperandClass) -> ConstantValue:
         entity = self._types.tables.references.get(node)
@@ -304,11 +304,11 @@ class Constants:
         )
         if value is None or type_ is None:
             raise _NoValueError
-        found = operand_class_of(type_, self._types.is_enum)
-        if found is OperandClass.INTEGER and isinstance(value, int):
+        operand_class = operand_class_of(type_, self._types.is_enum)
+        if operand_class is OperandClass.INTEGER and isinstance(value, int):
             return self._from_integer(value, node, wanted)
-        if found is not wanted:
-            self._mixed(node, wanted, found or OperandClass.INTEGER)
+        if operand_class is not wanted:
+            self._mixed(node, wanted, operand_class or OperandClass.INTEGER)
         return value
 
     def _unary(

@@ -54,23 +54,23 @@ def items_of(
     """Return the items of a list, those of all dimensions in a row. Raises DefaultError."""
     element = types.unaliased(type_.element)
     if isinstance(element, PrimitiveType) and element.kind in _CHARACTERS:
-        found: tuple[ConstantValue, ...] = tuple(text)
+        items: tuple[ConstantValue, ...] = tuple(text)
         for character in text:
             if element.kind is Primitive.CHAR and ord(character) > 0xFF:
                 raise DefaultError(f"{character} is not a character of ISO 8859-1")
     else:
-        found = tuple(
+        items = tuple(
             _item(types, element, item, quoted) for item, quoted in _split(text)
         )
     if isinstance(type_, ArrayType):
         count = prod(type_.dimensions)
-        if len(found) != count:
-            message = f"{len(found)} items do not fill {type_}, which has {count}"
+        if len(items) != count:
+            message = f"{len(items)} items do not fill {type_}, which has {count}"
             raise DefaultError(message, f"write {count} items")
-    elif type_.bound is not None and len(found) > type_.bound:
-        message = f"{len(found)} items do not fit into {type_}"
+    elif type_.bound is not None and len(items) > type_.bound:
+        message = f"{len(items)} items do not fit into {type_}"
         raise DefaultError(message, "leave some out, or raise the bound")
-    return found
+    return items
 
 
 def flags_of(types: Types, type_: NamedType, value: tree.Expression) -> int:
@@ -82,10 +82,10 @@ def flags_of(types: Types, type_: NamedType, value: tree.Expression) -> int:
         case tree.Group(inner):
             return flags_of(types, type_, inner)
         case tree.Chain(first, rest) if all(operator == "|" for operator, _ in rest):
-            found = flags_of(types, type_, first)
+            flags = flags_of(types, type_, first)
             for _, operand in rest:
-                found |= flags_of(types, type_, operand)
-            return found
+                flags |= flags_of(types, type_, operand)
+            return flags
         case tree.ScopedName(parts):
             return _flag(types, type_, parts[-1].text)
         case tree.Number(text):
@@ -127,8 +127,8 @@ def _flag(types: Types, type_: NamedType, text: str) -> int:
         for annotation in member.annotations:
             if annotation.name == "position" and annotation.arguments:
                 value = annotation.arguments[0].value
-                found = types.constants.evaluate(value, _INTEGER, entity.unit)
-                position = found if isinstance(found, int) else position
+                bits = types.constants.evaluate(value, _INTEGER, entity.unit)
+                position = bits if isinstance(bits, int) else position
         if member.name.text == text:
             return 1 << position
         names.append(member.name.text)
@@ -152,7 +152,7 @@ def _split(text: str) -> list[tuple[str, bool]]:
             # Python writes a comma after the only item of a tuple.
             inner = inner[1:-1].strip().removesuffix(",")
             break
-    found: list[tuple[str, bool]] = []
+    items: list[tuple[str, bool]] = []
     at = 0
     while inner:
         match = _ITEM.match(inner, at)
@@ -160,11 +160,11 @@ def _split(text: str) -> list[tuple[str, bool]]:
             raise DefaultError("a quote is not where an item begins or ends")
         quoted, plain, comma = match.groups()
         is_quoted = quoted is not None
-        found.append((_unquoted(quoted) if is_quoted else plain.strip(), is_quoted))
+        items.append((_unquoted(quoted) if is_quoted else plain.strip(), is_quoted))
         if not comma:
             break
         at = match.end()
-    return found
+    return items
 
 
 def _unquoted(item: str) -> str:
@@ -254,10 +254,10 @@ def _named(types: Types, element: NamedType, text: str) -> ConstantValue:
     """Return an enumerator by its name, or the flags of a bitmask."""
     kind = types.kind_of(element)
     if kind is Kind.BITMASK:
-        found = 0
+        number = 0
         for part in text.split("|"):
-            found |= _flag(types, element, part.strip())
-        return found
+            number |= _flag(types, element, part.strip())
+        return number
     if kind is not Kind.ENUM:
         raise DefaultError(
             f"no default can be given for items of {element}",

@@ -46,8 +46,8 @@ class Enumerations:
         following = 0
         for member in node.members:
             place = "bit_value" if node.mask else "enumerator"
-            found = self._annotations.of(member.annotations, place, unit)
-            number = integer(found, "position" if node.mask else "value")
+            attached = self._annotations.of(member.annotations, place, unit)
+            number = integer(attached, "position" if node.mask else "value")
             span = unit.span(member.name.start, member.name.end)
             value = following if number is None else number
             good = self._number_fits(value, members, span, bound, node.mask) and good
@@ -56,7 +56,7 @@ class Enumerations:
                 Enumerator(
                     span=span,
                     doc=doc(member),
-                    annotations=found,
+                    annotations=attached,
                     name=member.name.text,
                     value=value,
                 )

@@ -40,16 +40,16 @@ def with_defaults(
     groups = {_GROUPS.get(annotation.name) for annotation in own}
     if derived:
         groups.add("extensibility")
-    found = list(own)
+    annotations = list(own)
     for around in reversed(modules):
         new = [a for a in around if _GROUPS.get(a.name) not in (None, *groups)]
         groups |= {_GROUPS[annotation.name] for annotation in new}
         for annotation in new:
             is_default = annotation.name == "default_nested"
-            found.append(
+            annotations.append(
                 Annotation("nested", annotation.arguments) if is_default else annotation
             )
-    return tuple(found)
+    return tuple(annotations)
 
 
 def of_type(annotations: Sequence[Annotation]) -> dict[str, Any]:
@@ -62,9 +62,9 @@ def of_type(annotations: Sequence[Annotation]) -> dict[str, Any]:
 
 def hashes_ids(annotations: Sequence[Annotation]) -> bool:
     """Return whether member ids are hashes of the members' names (7.3.1.2.1.1)."""
-    found = value(annotations, "autoid")
+    kind = value(annotations, "autoid")
     named = any(a.name == "autoid" for a in annotations)
-    return named and (found is None or str(found).upper() == "HASH")
+    return named and (kind is None or str(kind).upper() == "HASH")
 
 
 def member_id(name: str, annotations: Sequence[Annotation], hashed: bool) -> int | None:

@@ -82,10 +82,10 @@ class Types:
 
     def named(self, entity: Entity) -> NamedType:
         """Return a reference to a declared type."""
-        found = self._named.get(entity)
-        if found is None:
-            found = self._named[entity] = NamedType(entity.path)
-        return found
+        type_ = self._named.get(entity)
+        if type_ is None:
+            type_ = self._named[entity] = NamedType(entity.path)
+        return type_
 
     def of_entity(self, entity: Entity) -> Type | None:
         """Return the type of a typedef, member or parameter: its type node with its dimensions."""
@@ -150,14 +150,14 @@ class Types:
             case tree.BasicType(kind):
                 return PRIMITIVES[kind]
             case tree.ScopedName():
-                found = self.tables.references.get(node)
-                if isinstance(found, Primitive):
-                    return PRIMITIVES[found]
-                if found is None or found.poisoned:
+                target = self.tables.references.get(node)
+                if isinstance(target, Primitive):
+                    return PRIMITIVES[target]
+                if target is None or target.poisoned:
                     return None
-                if found.kind is Kind.CONST and found.type_node is not None:
-                    return self.of_node(found.type_node, found.unit)
-                return self.named(found)
+                if target.kind is Kind.CONST and target.type_node is not None:
+                    return self.of_node(target.type_node, target.unit)
+                return self.named(target)
             case tree.TextType(wide, bound):
                 return self._bounded(bound, unit, lambda size: StringType(wide, size))
             case tree.Sequence(element, bound):

@@ -98,14 +98,14 @@ class Lookup:
         first = name.parts[0]
         key = self.key(first.text)
         if name.absolute:
-            found = self._top.find(key)
+            entities = self._top.find(key)
         else:
-            found = []
+            entities = []
             for place in scope.outward():
-                found = place.find(key)
-                if found:
+                entities = place.find(key)
+                if entities:
                     break
-        entity = self._single(found, first, unit, scope, name, optional)
+        entity = self._single(entities, first, unit, scope, name, optional)
         if entity is None:
             return None
         if introduce and not name.absolute and key not in scope.names:
@@ -125,8 +125,10 @@ class Lookup:
                     )
                 return None
             else:
-                found = entity.inner.find(self.key(part.text))
-                entity = self._single(found, part, unit, entity.inner, None, optional)
+                entities = entity.inner.find(self.key(part.text))
+                entity = self._single(
+                    entities, part, unit, entity.inner, None, optional
+                )
             if entity is None:
                 return None
         return entity
@@ -135,21 +137,21 @@ class Lookup:
         """Return whether a name refers to a declaration with exactly this spelling."""
         first = name.parts[0].text
         places = [self._top] if name.absolute else scope.outward()
-        found: list[Entity] = []
+        entities: list[Entity] = []
         for place in places:
-            found = place.find(self.key(first))
-            if found:
+            entities = place.find(self.key(first))
+            if entities:
                 break
         for part in name.parts[1:]:
-            inner = found[0].inner if found else None
-            found = inner.find(self.key(part.text)) if inner is not None else []
-        return bool(found) and found[0].name == name.parts[-1].text
+            inner = entities[0].inner if entities else None
+            entities = inner.find(self.key(part.text)) if inner is not None else []
+        return bool(entities) and entities[0].name == name.parts[-1].text
 
     def _in_enum(
         self, enum: Entity, part: tree.Name, unit: Unit, optional: bool
     ) -> Entity | None:
-        found = enum.scope.names.get(self.key(part.text))
-        if found is None or found.owner is not enum:
+        entity = enum.scope.names.get(self.key(part.text))
+        if entity is None or entity.owner is not enum:
             if not optional:
                 self._report(
                     rules.UNKNOWN_NAME.at(
@@ -164,35 +166,35 @@ class Lookup:
             rules.ENUM_SCOPE.at(
                 unit.span(part.start, part.end),
                 f"{part.text} is declared beside the enum, not inside it",
-                hint=f"write {found.scoped}",
+                hint=f"write {entity.scoped}",
             )
         )
-        return found
+        return entity
 
     def _single(
         self,
-        found: list[Entity],
+        entities: list[Entity],
         part: tree.Name,
         unit: Unit,
         scope: Scope,
         whole: tree.ScopedName | None,
         optional: bool,
     ) -> Entity | None:
-        if not found:
+        if not entities:
             if not optional:
                 self._unknown(part, unit, scope, whole)
             return None
-        if len(found) > 1:
+        if len(entities) > 1:
             self._report(
                 rules.AMBIGUOUS.at(
                     unit.span(part.start, part.end),
                     f"{part.text} is inherited with more than one meaning",
-                    related=[Related(e.span, f"{e.kind} {e.scoped}") for e in found],
-                    hint="qualify it: " + " or ".join(e.scoped for e in found),
+                    related=[Related(e.span, f"{e.kind} {e.scoped}") for e in entities],
+                    hint="qualify it: " + " or ".join(e.scoped for e in entities),
                 )
             )
             return None
-        entity = found[0]
+        entity = entities[0]
         if entity.name != part.text and not optional:
             self.wrong_case(part.text, entity, unit.span(part.start, part.end))
             return entity if entity.kind in _NAMEABLE else None
@@ -287,8 +289,8 @@ class Lookup:
         anywhere = [e for e in _everything(self._top) if e.kind in _NAMEABLE]
         elsewhere = [e for e in anywhere if e.name == text]
         if elsewhere:
-            found = [e.scoped for e in elsewhere[:MAX_ELSEWHERE]]
-            return f"did you mean {' or '.join(found)}?"
+            names = [e.scoped for e in elsewhere[:MAX_ELSEWHERE]]
+            return f"did you mean {' or '.join(names)}?"
         foreign = TYPES.get(text) or VALUES.get(text.lower())
         if foreign is not None:
             return foreign

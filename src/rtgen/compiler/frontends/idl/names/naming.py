@@ -137,14 +137,14 @@ class Naming(ABC):
         self, scope: Scope, name: tree.ScopedName, *, introduce: bool = True
     ) -> Entity | Primitive | None:
         """Look up a name, and record the result in the table."""
-        found: Entity | Primitive | None
+        entity: Entity | Primitive | None
         built_in = _built_in(scope, name)
         if built_in is None or self._lookup.is_declared(scope, name):
-            found = self._lookup.find(scope, name, self._unit, introduce=introduce)
+            entity = self._lookup.find(scope, name, self._unit, introduce=introduce)
         else:
-            found = built_in
-        self.tables.references[name] = found
-        return found
+            entity = built_in
+        self.tables.references[name] = entity
+        return entity
 
     def _find_text(self, scope: Scope, text: str, span: Span) -> Entity | None:
         """Look up the scoped name in a pragma."""
@@ -155,15 +155,15 @@ class Naming(ABC):
         names = [part.removeprefix("_") for part in parts]
         entity: Entity | None = None
         for place in places:
-            found = place.find(self._key(names[0]))
-            if found:
-                entity = found[0]
+            entities = place.find(self._key(names[0]))
+            if entities:
+                entity = entities[0]
                 break
         way = [entity]
         for name in names[1:]:
             inner = entity.inner if entity else None
-            found = inner.find(self._key(name)) if inner else []
-            entity = found[0] if found else None
+            entities = inner.find(self._key(name)) if inner else []
+            entity = entities[0] if entities else None
             way.append(entity)
         for name, passed in zip(names, way, strict=True):
             if entity is not None and passed is not None and passed.name != name:
@@ -200,11 +200,11 @@ class Naming(ABC):
             return
         match node:
             case tree.ScopedName():
-                found = self._find(scope, node)
-                if isinstance(found, Entity):
-                    self._check_type(found, node)
-                    if not found.complete and not external:
-                        self._incomplete(found, node, scope, depth, alias)
+                entity = self._find(scope, node)
+                if isinstance(entity, Entity):
+                    self._check_type(entity, node)
+                    if not entity.complete and not external:
+                        self._incomplete(entity, node, scope, depth, alias)
             case tree.Sequence():
                 self._type(node.element, scope, depth + 1, alias=alias)
                 self._value(node.bound, scope)
@@ -289,15 +289,15 @@ class Naming(ABC):
             node = entity.type_node
             while isinstance(node, tree.Sequence):
                 node = node.element
-            found = (
+            target = (
                 self.tables.references.get(node)
                 if isinstance(node, tree.ScopedName)
                 else None
             )
-            if not isinstance(found, Entity) or found.complete:
+            if not isinstance(target, Entity) or target.complete:
                 entity.complete = True
                 return None
-            entity = found
+            entity = target
         return None
 
     def _check_type(self, entity: Entity, node: tree.ScopedName) -> None:

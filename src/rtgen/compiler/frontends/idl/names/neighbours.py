@@ -40,7 +40,7 @@ class Neighbours:
 
     def _names(self, folder: Path) -> dict[str, str]:
         if folder not in self._known:
-            found: dict[str, str] = {}
+            names: dict[str, str] = {}
             encoding = self._library.encoding
             left = _MAX_BYTES
             for path in files.in_folder(folder, IDL_SUFFIXES)[:_MAX_FILES]:
@@ -52,8 +52,8 @@ class Neighbours:
                     continue
                 left -= len(data)
                 for match in _DECLARED.finditer(decode(data, encoding).text):
-                    found.setdefault(match[1] or match[2], path.name)
+                    names.setdefault(match[1] or match[2], path.name)
                 if left <= 0:
                     break
-            self._known[folder] = found
+            self._known[folder] = names
         return self._known[folder]

@@ -46,27 +46,27 @@ class Identities:
         match = _PRAGMA.match(pragma.text)
         kind, rest = (match[1], match[2]) if match else ("", "")
         if kind == "prefix":
-            found = _PREFIX.fullmatch(rest)
-            if found is None:
+            parts = _PREFIX.fullmatch(rest)
+            if parts is None:
                 self._malformed(pragma, '#pragma prefix "text"')
             else:
                 scope.ids = "".join(rest.split('"')[1::2])
         elif kind == "ID":
-            found = _ID.fullmatch(rest)
-            if found is None:
+            parts = _ID.fullmatch(rest)
+            if parts is None:
                 self._malformed(pragma, '#pragma ID name "IDL:text:1.0"')
             else:
-                entity = self._find(scope, found[1], pragma.span)
+                entity = self._find(scope, parts[1], pragma.span)
                 if entity is not None:
-                    self.set_id(entity, found[2], pragma.span)
+                    self.set_id(entity, parts[2], pragma.span)
         elif kind == "version":
-            found = _VERSION.fullmatch(rest)
-            if found is None:
+            parts = _VERSION.fullmatch(rest)
+            if parts is None:
                 self._malformed(pragma, "#pragma version name major.minor")
             else:
-                entity = self._find(scope, found[1], pragma.span)
+                entity = self._find(scope, parts[1], pragma.span)
                 if entity is not None:
-                    self._set_version(entity, found[2], pragma.span)
+                    self._set_version(entity, parts[2], pragma.span)
         elif kind and kind not in _FOREIGN:
             near = nearest(kind, (*_SUPPORTED, *_FOREIGN))
             hint = (

@@ -263,8 +263,8 @@ class Resolver(TypeNames):
     ) -> None:
         assert entity.inner is not None
         for name in names:
-            found = self._base(name, entity, kinds)
-            self._inherit(entity.inner, found)
+            base = self._base(name, entity, kinds)
+            self._inherit(entity.inner, base)
 
     def _open(
         self, scope: Scope, name: tree.Name, kind: Kind, node: Any, item: tree.Item
@@ -392,32 +392,32 @@ class Resolver(TypeNames):
     # Statements
 
     def _identity(self, node: tree.Identity, scope: Scope, item: tree.Item) -> None:
-        found = self._find(scope, node.name)
+        entity = self._find(scope, node.name)
         text = "".join(part[1:-1] for part in node.text.parts)
-        if not isinstance(found, Entity):
+        if not isinstance(entity, Entity):
             return
         if node.keyword == "typeid":
             span = self._unit.span(node.start, node.text.end)
-            self._identities.set_id(found, text, span)
-        elif found.inner is None:
+            self._identities.set_id(entity, text, span)
+        elif entity.inner is None:
             self._report(
                 rules.NOT_A_SCOPE.at(
                     self._unit.span(node.name.start, node.name.end),
-                    f"{called(found)} has no names inside it",
+                    f"{called(entity)} has no names inside it",
                     hint="typeprefix names a module or an interface",
                 )
             )
         else:
-            found.prefix = text
-            found.inner.ids = below(text, "/".join(found.path))
+            entity.prefix = text
+            entity.inner.ids = below(text, "/".join(entity.path))
 
     def _import(self, node: tree.Import, scope: Scope, item: tree.Item) -> None:
         if node.name is None:
             self._import_of_text(node)
             return
-        found = self._find(scope, node.name)
-        if isinstance(found, Entity) and found.inner is not None:
-            scope.imported.append(found.inner)
+        entity = self._find(scope, node.name)
+        if isinstance(entity, Entity) and entity.inner is not None:
+            scope.imported.append(entity.inner)
 
     def _import_of_text(self, node: tree.Import) -> None:
         """Resolve an import of a scope by name or repository id; a file is included."""

@@ -146,17 +146,17 @@ class Scope(msgspec.Struct, eq=False):
         own = self.names.get(key)
         if own is not None:
             return [own]
-        found = self.inherited(key)
-        for scope in self.imported if not found else ():
+        entities = self.inherited(key)
+        for scope in self.imported if not entities else ():
             if key in scope.names:
-                found.append(scope.names[key])
-        return found
+                entities.append(scope.names[key])
+        return entities
 
     def inherited(self, key: str) -> list[Entity]:
         """Return the inherited declarations of `key`; a base's hides those of its own bases."""
         if not self.bases:
             return []
-        found: dict[Entity, None] = {}
+        entities: dict[Entity, None] = {}
         seen: set[Scope] = set()
         pending = list(reversed(self.bases))
         while pending:
@@ -166,10 +166,10 @@ class Scope(msgspec.Struct, eq=False):
             seen.add(scope)
             entity = scope.names.get(key)
             if entity is not None:
-                found[entity] = None
+                entities[entity] = None
             else:
                 pending.extend(reversed(scope.bases))
-        return list(found)
+        return list(entities)
 
     @property
     def doubtful(self) -> bool:

@@ -42,8 +42,8 @@ class TypeNames(Naming):
         inner = self._inner(entity, below(entity.scope.ids, entity.name))
         entity.complete = False
         if base is not None:
-            found = self._base(base, entity, (entity.kind,))
-            self._inherit(inner, found)
+            base_entity = self._base(base, entity, (entity.kind,))
+            self._inherit(inner, base_entity)
         self._body(entity, node.body)
         entity.complete = True
         self._to_end(entity)
@@ -65,30 +65,30 @@ class TypeNames(Naming):
         self, name: tree.ScopedName, entity: Entity, kinds: tuple[Kind, ...]
     ) -> Entity | None:
         """Return the base with this name, through typedefs; else None, with a diagnostic."""
-        found = self._find(entity.scope, name)
-        while isinstance(found, Entity) and found.kind is Kind.TYPEDEF:
-            if found.declarator is None or found.declarator.dimensions:
+        target = self._find(entity.scope, name)
+        while isinstance(target, Entity) and target.kind is Kind.TYPEDEF:
+            if target.declarator is None or target.declarator.dimensions:
                 break
-            match found.type_node:
+            match target.type_node:
                 case tree.ScopedName():
-                    found = self.tables.references.get(found.type_node)
+                    target = self.tables.references.get(target.type_node)
                 case tree.Struct() | tree.Bitset():
-                    found = self.tables.entities.get(found.type_node.name)
+                    target = self.tables.entities.get(target.type_node.name)
                 case _:
                     break
-        if found is None or (isinstance(found, Entity) and found.poisoned):
+        if target is None or (isinstance(target, Entity) and target.poisoned):
             entity.poisoned = True
             self.tables.references[name] = None
             return None
-        if not isinstance(found, Entity) or found.kind not in kinds:
-            what = called(found) if isinstance(found, Entity) else str(name)
+        if not isinstance(target, Entity) or target.kind not in kinds:
+            what = called(target) if isinstance(target, Entity) else str(name)
             self._report(
                 type_rules.BAD_BASE.at(
                     self._unit.span(name.start, name.end),
                     f"{what} cannot be a base of {kind_of(entity)}",
                     related=(
-                        [Related(found.span, "declared here")]
-                        if isinstance(found, Entity)
+                        [Related(target.span, "declared here")]
+                        if isinstance(target, Entity)
                         else []
                     ),
                     hint=f"a base of {kind_of(entity)} is {kind_of(entity)}",
@@ -97,18 +97,18 @@ class TypeNames(Naming):
             entity.poisoned = True
             self.tables.references[name] = None
             return None
-        if not found.complete or found is entity:
+        if not target.complete or target is entity:
             finding = type_rules.INCOMPLETE.at(
                 self._unit.span(name.start, name.end),
-                f"{found.scoped} is not defined before this place",
-                related=[Related(found.span, "only declared here")],
+                f"{target.scoped} is not defined before this place",
+                related=[Related(target.span, "only declared here")],
                 hint="put its definition before",
             )
-            self._too_early.append((found, finding))
+            self._too_early.append((target, finding))
             self.tables.references[name] = None
             return None
-        self.tables.references[name] = found
-        return found
+        self.tables.references[name] = target
+        return target
 
     def _member(self, node: tree.Member, scope: Scope, item: tree.Item) -> None:
         self._type(node.type, scope, external=_is_external(item))
@@ -159,30 +159,32 @@ class TypeNames(Naming):
         if len(name.parts) == 1 and isinstance(entity.node, tree.Union):
             enum = self._switch_enum(entity.node.switch)
             if enum is not None:
-                found = enum.scope.names.get(self._key(name.parts[0].text))
+                enumerator = enum.scope.names.get(self._key(name.parts[0].text))
                 if (
-                    found is not None
-                    and found.owner is enum
-                    and found.name == name.parts[0].text
+                    enumerator is not None
+                    and enumerator.owner is enum
+                    and enumerator.name == name.parts[0].text
                 ):
                     plain = self._lookup.find(scope, name, self._unit, optional=True)
-                    self.tables.references[name] = found if plain is None else plain
+                    self.tables.references[name] = (
+                        enumerator if plain is None else plain
+                    )
                     return
         self._find(scope, name)
 
     def _switch_enum(self, node: object) -> Entity | None:
         while True:
-            found: object
+            entity: object
             if isinstance(node, tree.Enum):
                 return self.tables.entities.get(node.name)
             if not isinstance(node, tree.ScopedName):
                 return None
-            found = self.tables.references.get(node)
-            if not isinstance(found, Entity):
+            entity = self.tables.references.get(node)
+            if not isinstance(entity, Entity):
                 return None
-            if found.kind is Kind.ENUM:
-                return found
-            node = found.type_node
+            if entity.kind is Kind.ENUM:
+                return entity
+            node = entity.type_node
 
     def _enum(self, node: tree.Enum, scope: Scope, item: tree.Item) -> None:
         kind = Kind.BITMASK if node.mask else Kind.ENUM
@@ -214,12 +216,12 @@ class TypeNames(Naming):
         element = node.type
         while isinstance(element, tree.Sequence):
             element = element.element
-        found = (
+        target = (
             self.tables.references.get(element)
             if isinstance(element, tree.ScopedName)
             else None
         )
-        open_ended = isinstance(found, Entity) and self._open_type(found) is not None
+        open_ended = isinstance(target, Entity) and self._open_type(target) is not None
         for declarator in node.declarators:
             if self._is_repeated(declarator, node.type, scope):
                 continue

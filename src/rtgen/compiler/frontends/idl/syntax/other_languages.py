@@ -57,10 +57,10 @@ def other_language(text: str) -> tuple[str, int, int] | None:
     """
     blank = _TEXT.sub(lambda match: '""' + " " * (len(match[0]) - 2), text)
     for language, evidence in _EVIDENCE.items():
-        found = evidence.search(blank)
-        if found is not None:
-            said = found[0].rstrip()
+        hit = evidence.search(blank)
+        if hit is not None:
+            said = hit[0].rstrip()
             line = said.rpartition("\n")[2].lstrip(",;{}( \t")
-            end = found.start() + len(said)
+            end = hit.start() + len(said)
             return language, end - len(line), end
     return None

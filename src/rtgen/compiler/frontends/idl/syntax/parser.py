@@ -95,10 +95,10 @@ class _Run:
             )
 
             unit = self._unit
-            found = other_language(unit.text)
-            self._is_idl = found is None
-            if found is not None:
-                language, start, end = found
+            other = other_language(unit.text)
+            self._is_idl = other is None
+            if other is not None:
+                language, start, end = other
                 unit.lacking = True
                 unit.events.clear()
                 message = f"this is {language}"
@@ -128,8 +128,8 @@ class _Run:
             self._parser.position = len(self._text)
             self._errors += 1
 
-    def _unexpected(self, found: Token) -> None:
-        if found.type == END and self._unit.cut:
+    def _unexpected(self, token: Token) -> None:
+        if token.type == END and self._unit.cut:
             self._close()
             return
         from rtgen.compiler.frontends.idl.syntax.syntax_errors import (
@@ -140,13 +140,13 @@ class _Run:
         accepted = self._parser.accepts()
         if "ERROR" in accepted:  # between declarations, where another `;` is an error
             accepted.discard("SEMI")
-        start = found.start_pos
+        start = token.start_pos
         context = ErrorContext(
             unit=self._unit,
-            kind=found.type,
-            text=str(found),
+            kind=token.type,
+            text=str(token),
             start=start,
-            end=max(found.end_pos, start + 1),
+            end=max(token.end_pos, start + 1),
             accepted=accepted,
             last=len(self._text[:start].rstrip()),
             opening=self._parser.opening(),

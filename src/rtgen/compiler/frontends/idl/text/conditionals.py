@@ -51,8 +51,8 @@ class Conditionals:
         if outer:
             if name == "if":
                 value = self._condition(rest, span, macros)
-            elif found := _WORD.match(rest):
-                value = (found[0] in macros) == (name == "ifdef")
+            elif match := _WORD.match(rest):
+                value = (match[0] in macros) == (name == "ifdef")
             else:
                 value = name == "ifndef"
                 message = f"#{name} needs the name of a macro"

@@ -91,10 +91,10 @@ class IncludePath:
                             return None, (), False
                         self._origins.setdefault(source, folder)
                         return source, tuple(searched), False
-                    found = self._library.open(path, folder)
-                    if found is not None:
-                        self._origins.setdefault(found, folder)
-                        return found, tuple(searched), False
+                    candidate = self._library.open(path, folder)
+                    if candidate is not None:
+                        self._origins.setdefault(candidate, folder)
+                        return candidate, tuple(searched), False
             except (OSError, ValueError) as error:
                 reason = getattr(error, "strerror", None) or error
                 message = f"{name} cannot be read: {reason}"
@@ -121,10 +121,10 @@ class IncludePath:
             return None
         path = folder / name
         searched.append(absolute_path(path))
-        found = self._library.open(path, folder)
-        if found is not None:
-            self._installed.add(found)
-        return found
+        source = self._library.open(path, folder)
+        if source is not None:
+            self._installed.add(source)
+        return source
 
     def _hint(self, place: Place) -> str:
         """Return a hint: the folders searched, and a file there with a similar name."""

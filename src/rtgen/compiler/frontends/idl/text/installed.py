@@ -79,9 +79,9 @@ def _said_by(program: str | None) -> Path | None:
 def _of_python() -> Path | None:
     """Return the folder of OpenRTM-aist-Python, which is not imported."""
     try:
-        found = find_spec("OpenRTM_aist")
+        spec = find_spec("OpenRTM_aist")
     except (ImportError, ValueError):
         return None
-    if found is None or found.origin is None:
+    if spec is None or spec.origin is None:
         return None
-    return Path(found.origin).parent / "RTM_IDL"
+    return Path(spec.origin).parent / "RTM_IDL"

@@ -455,10 +455,10 @@ class _File:
         return "".join(token.text for token in tokens)
 
     def _include(self, rest: str, span: Span, further: bool) -> None:
-        found = _INCLUDE.match(rest) or _INCLUDE.match(
+        match = _INCLUDE.match(rest) or _INCLUDE.match(
             self._expanded(rest, span).strip()
         )
-        if found is None:
+        if match is None:
             name = rest.strip("\"<>'; \t") or "file.idl"
             self._report(
                 lexical.BAD_INCLUDE.at(
@@ -469,8 +469,8 @@ class _File:
             )
             self.builder.unit.lacking = True
             return
-        name = found[1] or found[2].strip()
-        self._owner.include(self, name, span, quoted=bool(found[1]), further=further)
+        name = match[1] or match[2].strip()
+        self._owner.include(self, name, span, quoted=bool(match[1]), further=further)
 
     def _pragma(self, rest: str, span: Span) -> None:
         if rest.split() == ["once"]:
@@ -481,8 +481,8 @@ class _File:
         self.builder.unit.events.append(Pragma(self.builder.length, rest, span))
 
     def _line(self, rest: str, end: int, span: Span) -> None:
-        found = _LINE.match(rest)
-        if found is None:
+        match = _LINE.match(rest)
+        if match is None:
             self._report(
                 lexical.BAD_LINE_MARKER.at(
                     span,
@@ -492,6 +492,6 @@ class _File:
             )
             return
         following = self.source.position(self.source.text_offset(end))[0] + 1
-        self._shift = max(int(found[1]), 1) - following
-        if found[2] is not None:
-            self._file = re.sub(r"\\(.)", r"\1", found[2])
+        self._shift = max(int(match[1]), 1) - following
+        if match[2] is not None:
+            self._file = re.sub(r"\\(.)", r"\1", match[2])

@@ -50,8 +50,8 @@ class Source:
         self.code = self._blank_comments(self._joined.text)
 
     def _acceptable_text(self) -> str:
-        found = _CONTROL.search(self.text)
-        if found is None:
+        match = _CONTROL.search(self.text)
+        if match is None:
             return self.text
         if "\0" in self.text:
             message = "this is not a text file: it holds a NUL byte"
@@ -60,8 +60,8 @@ class Source:
             hint = "save it as UTF-8 if an editor shows it as text"
             self.problems.append(lexical.BINARY.at(span, message, hint=hint))
             return ""
-        message = f"the control character U+{ord(found[0]):04X} is not allowed here"
-        span = self.text_span(found.start(), found.end())
+        message = f"the control character U+{ord(match[0]):04X} is not allowed here"
+        span = self.text_span(match.start(), match.end())
         self.problems.append(lexical.BAD_CHARACTER.at(span, message))
         return _CONTROL.sub(" ", self.text)
 
@@ -188,11 +188,11 @@ class Library(library.Library[Source]):
         if absolute not in self._printed:
             shown = Path(self._displayed(absolute))
             made = self._interfaces(shown, folder is not None)
-            found = None
+            printed_source = None
             if made is not None:
                 place = self._root / made.name
                 text = made.text.encode()
-                found = self._make(made.name, made.name, place, text), made
+                printed_source = self._make(made.name, made.name, place, text), made
                 self.note(made.dependencies)
-            self._printed[absolute] = found
+            self._printed[absolute] = printed_source
         return self._printed[absolute]

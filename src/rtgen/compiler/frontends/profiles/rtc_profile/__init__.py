@@ -40,7 +40,7 @@ def load(
     """
     profiles: list[RtcProfile] = []
     files: list[SourceFile] = []
-    found: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     sources: dict[str, str] = {}
     dependencies: list[Dependency] = []
     idl: dict[Path, None] = {}
@@ -50,13 +50,13 @@ def load(
         findings = profile_tree.sink()
         data = profile_tree.read(path, file, findings.report)
         if data is None:
-            found += findings.diagnostics
+            diagnostics += findings.diagnostics
             dependencies.append(Dependency(path, None))
             continue
         dependencies.append(Dependency(path, sha256(data).hexdigest()))
         tree, sources[file] = profile_tree.parse(data, file, findings.report, encoding)
         profile = None if tree is None else Reader(file, findings).profile(tree)
-        found += findings.diagnostics
+        diagnostics += findings.diagnostics
         if profile is None:
             continue
         profiles.append(profile)
@@ -67,7 +67,7 @@ def load(
         dependencies += search.dependencies
     return FrontendResult(
         Model(files=tuple(files), profiles=tuple(profiles)),
-        tuple(found),
+        tuple(diagnostics),
         sources,
         tuple(dependencies),
         tuple(idl),

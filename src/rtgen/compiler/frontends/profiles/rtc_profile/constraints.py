@@ -60,8 +60,8 @@ def _only(element: Element) -> tuple[str, Element]:
     """Return the only child element, and its name."""
     inside = [child for child in element.children if child.name[0] == RTC]
     if len(inside) != 1:
-        found = ", ".join(child.name[1] for child in inside) or "nothing"
-        raise NoTextFormError(f"`{element.name[1]}` holds {found}, not one constraint")
+        names = ", ".join(child.name[1] for child in inside) or "nothing"
+        raise NoTextFormError(f"`{element.name[1]}` holds {names}, not one constraint")
     return inside[0].name[1], inside[0]
 
 
@@ -93,10 +93,10 @@ def _unit(element: Element) -> Unit:
 
 def _comparisons(element: Element) -> tuple[Comparison, ...]:
     units = [_unit(item) for item in _constraints(element)]
-    found = tuple(unit for unit in units if isinstance(unit, Comparison))
-    if not found or len(found) != len(units):
+    comparisons = tuple(unit for unit in units if isinstance(unit, Comparison))
+    if not comparisons or len(comparisons) != len(units):
         raise NoTextFormError(f"`{element.name[1]}` of what is not a comparison")
-    return found
+    return comparisons
 
 
 def _literal(element: Element) -> str:

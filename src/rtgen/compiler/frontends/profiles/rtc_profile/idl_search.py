@@ -34,13 +34,13 @@ def candidates(
     They are the `sources` of the project, those beside the profile and in a folder `idl` there, in
     the project's folder `idl`, in the include folders, and of OpenRTM.
     """
-    found = [each for each in sources if each.suffix.lower() in IDL_SUFFIXES]
+    files = [each for each in sources if each.suffix.lower() in IDL_SUFFIXES]
     for folder in _folders(path, root, include):
         try:
-            found += in_folder(folder, IDL_SUFFIXES)[:_MAX_FILES]
+            files += in_folder(folder, IDL_SUFFIXES)[:_MAX_FILES]
         except OSError:
             continue
-    return list(dict.fromkeys(found))
+    return list(dict.fromkeys(files))
 
 
 def _folders(path: Path, root: Path, include: Sequence[Path]) -> Iterator[Path]:
@@ -62,7 +62,7 @@ class Search:
 
     def files(self, profile: RtcProfile) -> list[Path]:
         """Return the files, each once."""
-        found: dict[Path, None] = {}
+        paths: dict[Path, None] = {}
         missing: dict[str, None] = {}
         by_name: dict[str, Path | None] = {}
         for file, type_ in _needs(profile):
@@ -71,12 +71,12 @@ class Search:
                 by_name[name] = self._named(name)
             there = by_name[name]
             if there is not None:
-                found[there] = None
+                paths[there] = None
             elif name not in IDL_FILES and type_:
                 missing[type_] = None
         if missing:
-            found |= dict.fromkeys(self._declaring(list(missing)))
-        return list(found)
+            paths |= dict.fromkeys(self._declaring(list(missing)))
+        return list(paths)
 
     def _named(self, name: str) -> Path | None:
         if not name.lower().endswith(IDL_SUFFIXES):

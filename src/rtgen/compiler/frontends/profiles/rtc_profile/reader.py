@@ -221,8 +221,8 @@ class Reader:
 
     def _facts(self, element: Element) -> Facts:
         """Return additional facts written by rtgen; none in profiles of other tools."""
-        found, place = self._property(element)
-        return self._checked(found, place)
+        value, place = self._property(element)
+        return self._checked(value, place)
 
     def _property(self, element: Element) -> tuple[Facts, Span]:
         for item in element.all(RTC_EXT, "Properties"):
@@ -236,8 +236,8 @@ class Reader:
                 self._findings.add(rules.FACTS, place, message)
         return {}, element.span
 
-    def _checked(self, found: object, place: Span) -> Facts:
-        facts, wrong = checked(found)
+    def _checked(self, value: object, place: Span) -> Facts:
+        facts, wrong = checked(value)
         for message in wrong:
             self._findings.add(
                 rules.FACTS, place, f"the property {PROPERTY}: {message}"
@@ -270,14 +270,14 @@ class Reader:
                 )
 
     def _constraint(self, element: Element) -> Constraint | None:
-        found = element.first(RTC, "Constraint")
-        if found is None:
+        child = element.first(RTC, "Constraint")
+        if child is None:
             return None
         try:
-            return constraint(found)
+            return constraint(child)
         except NoTextFormError as error:
             message = f"the constraint is left out: {error}"
-            self._findings.add(rules.CONSTRAINT, found.span, message)
+            self._findings.add(rules.CONSTRAINT, child.span, message)
             return None
 
     def _data_ports(self, root: Element) -> Iterator[ProfileDataPort]:

@@ -49,8 +49,8 @@ class Context(msgspec.Struct, frozen=True):
 
     def target(self, name: tree.ScopedName) -> Entity | None:
         """Return the declaration of a name, None if it is not a declaration."""
-        found = self.types.tables.references.get(name)
-        return found if isinstance(found, Entity) else None
+        entity = self.types.tables.references.get(name)
+        return entity if isinstance(entity, Entity) else None
 
     def is_data(self, node: tree.TypeNode, unit: Unit) -> bool:
         """Check the type of a stored or transmitted value; return whether it is valid."""

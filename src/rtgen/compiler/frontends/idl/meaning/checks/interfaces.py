@@ -60,12 +60,12 @@ def inherited(entity: Entity, context: Context) -> None:
     scope = entity.inner
     if scope is None or not scope.bases:
         return
-    found: dict[str, Entity] = {}
+    members: dict[str, Entity] = {}
     for base in scope.all_bases():
         for key, feature in base.names.items():
             if feature.kind not in _FEATURES and feature.kind is not Kind.MEMBER:
                 continue
-            other = found.setdefault(key, feature)
+            other = members.setdefault(key, feature)
             if other is not feature:
                 context.report(
                     rules.INHERITED_CLASH.at(
@@ -81,7 +81,7 @@ def inherited(entity: Entity, context: Context) -> None:
                     )
                 )
     for key, own in scope.names.items():
-        above = found.get(key)
+        above = members.get(key)
         if above is not None:
             context.report(
                 rules.REDEFINED.at(

@@ -47,8 +47,8 @@ def _report_one(entity: Entity, name: str, context: Context) -> None:
     )
 
 
-def _is_made(found: object) -> bool:
-    return found is not None and not (isinstance(found, Entity) and found.poisoned)
+def _is_made(entity: object) -> bool:
+    return entity is not None and not (isinstance(entity, Entity) and entity.poisoned)
 
 
 def _parts(entity: Entity, context: Context) -> Iterator[tree.Name]:

@@ -163,28 +163,28 @@ def _raises(clause: tree.Names, entity: Entity, context: Context, remote: bool) 
         )
     seen: dict[Entity, tree.ScopedName] = {}
     for name in clause.names:
-        found = context.target(name)
-        if found is None:
+        exception = context.target(name)
+        if exception is None:
             continue
-        if found.kind not in (Kind.EXCEPTION, Kind.NATIVE):
+        if exception.kind not in (Kind.EXCEPTION, Kind.NATIVE):
             context.report_at(
                 rules.NOT_RAISABLE,
                 unit,
                 name,
-                f"the {found.kind} {found.scoped} is not an exception",
-                related=[Related(found.span, "declared here")],
-                hint=f"declare it as exception {found.name} {{ ... }};",
+                f"the {exception.kind} {exception.scoped} is not an exception",
+                related=[Related(exception.span, "declared here")],
+                hint=f"declare it as exception {exception.name} {{ ... }};",
             )
-        elif found in seen:
-            first = unit.span(seen[found].start, seen[found].end)
+        elif exception in seen:
+            first = unit.span(seen[exception].start, seen[exception].end)
             context.report_at(
                 rules.RAISED_TWICE,
                 unit,
                 name,
-                f"{found.name} is named twice",
+                f"{exception.name} is named twice",
                 related=[Related(first, "the first time")],
                 hint="remove one",
             )
-        elif remote and context.is_local(context.types.named(found)):
+        elif remote and context.is_local(context.types.named(exception)):
             _mentions_local(name, entity, context)
-        seen.setdefault(found, name)
+        seen.setdefault(exception, name)

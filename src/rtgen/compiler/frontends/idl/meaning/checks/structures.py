@@ -45,9 +45,9 @@ def annotated(entity: Entity, context: Context) -> None:
     if declaration is None or not entity.item:
         return
     kinds = [a.name for a in declaration.annotations if a.name in _EXTENSIBILITIES]
-    for found in declaration.annotations:
-        if found.name == "extensibility":
-            kinds.append(str(found.get()).lower())
+    for annotation in declaration.annotations:
+        if annotation.name == "extensibility":
+            kinds.append(str(annotation.get()).lower())
     if len(set(kinds)) > 1:
         message = f"{entity.name} cannot be {' and '.join(dict.fromkeys(kinds))}"
         hint = "keep one of the annotations"

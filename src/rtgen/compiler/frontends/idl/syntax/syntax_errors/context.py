@@ -94,8 +94,8 @@ class ErrorContext(BaseContext):
     @property
     def called(self) -> str:
         """The construct with its name: `struct S`."""
-        found = [i for i, w in enumerate(self.header) if w.text in DEFINERS]
-        rest = self.header[found[0] : found[0] + 2] if found else []
+        definers = [i for i, w in enumerate(self.header) if w.text in DEFINERS]
+        rest = self.header[definers[0] : definers[0] + 2] if definers else []
         return " ".join(w.text for w in rest)
 
     @property
@@ -168,12 +168,12 @@ class ErrorContext(BaseContext):
 
 def words(text: str, start: int, end: int, most: int = 400) -> list[Word]:
     """Return the tokens of text[start:end), at most `most`."""
-    found: list[Word] = []
+    result: list[Word] = []
     for match in _WORD.finditer(text, start, min(end, len(text))):
-        found.append(Word(match[0], match.start(), match.end()))
-        if len(found) == most:
+        result.append(Word(match[0], match.start(), match.end()))
+        if len(result) == most:
             break
-    return found
+    return result
 
 
 def header(text: str, opening: int) -> list[Word]:

@@ -86,14 +86,14 @@ def _named_before(s: ErrorContext, reserved: bool) -> Recovery | None:
     if not s.before:
         return None
     first, last = s.before[0], s.before[-1]
-    for found in (first, last):
-        hint = WORDS.get(found.text) or TYPES.get(found.text)
-        if hint is None or not found.is_name:
+    for word in (first, last):
+        hint = WORDS.get(word.text) or TYPES.get(word.text)
+        if hint is None or not word.is_name:
             continue
-        if found is first and len(s.before) > 2 and found.text not in WORDS:
+        if word is first and len(s.before) > 2 and word.text not in WORDS:
             continue
-        if reserved or s.text in "<{(" or (found is first and s.kind == "IDENT"):
-            return _other_language(s, found, hint)
+        if reserved or s.text in "<{(" or (word is first and s.kind == "IDENT"):
+            return _other_language(s, word, hint)
     return None
 
 

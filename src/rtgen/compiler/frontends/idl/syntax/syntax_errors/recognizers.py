@@ -38,9 +38,9 @@ _BY_TERMINAL = {"TEXT": "string", "WTEXT": "wstring"}
 def explain(context: ErrorContext) -> Recovery:
     """Return the recovery for the likely cause of a syntax error."""
     for recognise in _RECOGNISERS:
-        found = recognise(context)
-        if found is not None:
-            return found
+        recovery = recognise(context)
+        if recovery is not None:
+            return recovery
     return _unexpected(context)
 
 
@@ -198,22 +198,22 @@ def _split_name(s: ErrorContext) -> Recovery | None:
 
 def _expected_words(s: ErrorContext) -> dict[str, str]:
     """Return the keywords that are allowed here, with their terminals."""
-    found = {
+    terminals = {
         _BY_TERMINAL.get(t, t.lower()): t
         for t in s.accepted
         if t not in ("IDENT", "ERROR", "TRAILING", "ANNOTATION_DCL")
     }
-    found = {
+    terminals = {
         {
             "true": "TRUE",
             "false": "FALSE",
             "object": "Object",
             "valuebase": "ValueBase",
         }.get(word, word): terminal
-        for word, terminal in found.items()
+        for word, terminal in terminals.items()
     }
     marks = {m.lower() for m in _MARKS} | {"string_", "number", "character"}
-    return {w: t for w, t in found.items() if w.isalpha() and w not in marks}
+    return {w: t for w, t in terminals.items() if w.isalpha() and w not in marks}
 
 
 def _misspelt(s: ErrorContext) -> Recovery | None:
