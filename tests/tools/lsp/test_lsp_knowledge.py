@@ -88,6 +88,15 @@ def test_hover(editor: Editor, file: str, place: str, wanted: list[str]) -> None
     assert [line for line in wanted if line not in text] == [], text
 
 
+def test_hover_of_widths_that_tdr_defines(editor: Editor) -> None:
+    text = editor.path("board_cdl").read_text(encoding="utf-8")
+    other = text.replace("[in] speed_t left", "[in] short_t left, [in] int_t middle")
+    view = editor.open("board_cdl", other)
+    shown = hovered(editor, view, "int32_t dri^ve(")
+    rows = ["| left | in | 2 octets |", "| middle | in | 4 octets |"]
+    assert [row for row in rows if row not in shown] == [], shown
+
+
 def test_hover_of_a_code_in_the_settings(editor: Editor) -> None:
     text = editor.path("rtgen_toml").read_text() + '[lint]\nignore = ["LINT0001"]\n'
     view = editor.open("rtgen_toml", text)

@@ -6,71 +6,66 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, TypeAlias
 
 from rtgen.compiler.inspection.devices import value_of
+from rtgen.compiler.inspection.facts import FIELDS, Json, facts
 from rtgen.compiler.layouts.can_messages import identifier_of, messages
 from rtgen.compiler.layouts.can_timing import Timing, load, response_times
 from rtgen.compiler.model.can_bus import Bus, BusNode, DeviceKind, PdoLink
 from rtgen.compiler.model.canopen import Value
 
-Json: TypeAlias = dict[str, Any]
 _Numbered: TypeAlias = Sequence[tuple[tuple[int, int], Any]]
+
+
+FIELDS.update(
+    {
+        Bus: "kind name file line bit_rate manager sync heartbeat devices nodes links load"
+        " messages doc annotations",
+        DeviceKind: "name module file=device.file ports parameters operations factors units",
+        BusNode: "name id device values pdos",
+    }
+)
 
 
 def declaration(bus: Bus) -> Json:
     """Return the network as JSON; times in seconds, `response` is null if unbounded."""
     sent = messages(bus)
-    return {
-        "kind": "bus",
-        "name": bus.name,
-        "file": bus.file,
-        "line": 1,
-        "bit_rate": bus.bit_rate,
-        "manager": bus.manager,
-        "sync": bus.sync,
-        "heartbeat": bus.heartbeat,
-        "devices": [*map(_kind, bus.kinds)],
-        "nodes": [*map(_node, bus.nodes)],
-        "links": [*map(_link, bus.links)],
-        "load": round(load(sent, bus.bit_rate), 6),
-        "messages": [*map(_message, response_times(sent, bus.bit_rate))],
-        "doc": "",
-        "annotations": [],
-    }
+    return facts(
+        bus,
+        kind="bus",
+        line=1,
+        devices=[*map(_kind, bus.kinds)],
+        nodes=[*map(_node, bus.nodes)],
+        links=[
+            dict(zip(("from", "to"), _ends(each), strict=True)) for each in bus.links
+        ],
+        load=round(load(sent, bus.bit_rate), 6),
+        messages=[*map(_message, response_times(sent, bus.bit_rate))],
+        doc="",
+        annotations=[],
+    )
 
 
 def _kind(kind: DeviceKind) -> Json:
-    return {
-        "name": kind.name,
-        "module": kind.module,
-        "file": kind.device.file,
-        "ports": kind.ports,
-        "parameters": [_written(number) for number in kind.parameters],
-        "operations": [_written(number) for number in kind.operations],
-        "factors": _by_object(kind.factors),
-        "units": _by_object(kind.units),
-    }
+    return facts(
+        kind,
+        parameters=[*map(_written, kind.parameters)],
+        operations=[*map(_written, kind.operations)],
+        factors=_by_object(kind.factors),
+        units=_by_object(kind.units),
+    )
 
 
 def _node(node: BusNode) -> Json:
     values = ((number, value_of(value, node.id)) for number, value in node.values)
-    return {
-        "name": node.name,
-        "id": node.id,
-        "device": node.kind.name,
-        "values": _by_object(tuple(values)),
-        "pdos": [
-            {
-                "direction": pdo.direction.value,
-                "number": pdo.number,
-                "identifier": identifier_of(pdo, node),
-            }
-            for pdo in node.device.pdos
-        ],
-    }
-
-
-def _link(link: PdoLink) -> Json:
-    source, target = _ends(link)
-    return {"from": source, "to": target}
+    pdos: list[Json] = [
+        {
+            "direction": pdo.direction.value,
+            "number": pdo.number,
+            "identifier": identifier_of(pdo, node),
+        }
+        for pdo in node.device.pdos
+    ]
+    device = node.kind.name
+    return facts(node, device=device, values=_by_object(tuple(values)), pdos=pdos)
 
 
 def _ends(link: PdoLink) -> tuple[str, str]:

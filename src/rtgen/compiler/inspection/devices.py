@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
-from typing import Any, TypeAlias
+from typing import Any
 
 from rtgen.compiler.backends.kit.quoting.idl import readable_string
+from rtgen.compiler.inspection.facts import FIELDS, Json, facts, plain
 from rtgen.compiler.model.canopen import (
     Access,
     DataType,
@@ -18,97 +18,50 @@ from rtgen.compiler.model.canopen import (
     resolved,
 )
 
-Json: TypeAlias = dict[str, Any]
+FIELDS.update(
+    {
+        Device: "kind name file line=span.line vendor_id product_code"
+        " vendor=info.vendor_name product=info.product_name revision=info.revision_number"
+        " node_id bit_rate bit_rates=info.bit_rates lss=info.lss objects pdos"
+        " doc=file_info.description annotations",
+        Variable: "index subindex name data_type access=written_access default value low"
+        " high unit factor pdo=pdo_mappable",
+        Pdo: "direction number cob_id transmission_type inhibit_time event_timer sync_start"
+        " entries default_entries",
+        PdoEntry: "index subindex bits",
+    }
+)
 
 
 def declaration(d: Device) -> Json:
     """Return the device as JSON; the gap types of DummyUsage come first among its objects."""
-    info = d.info
-    return {
-        "kind": "device",
-        "name": d.name,
-        "file": d.file,
-        "line": d.span.line,
-        "vendor_id": d.vendor_id,
-        "product_code": d.product_code,
-        "vendor": info.vendor_name,
-        "product": info.product_name,
-        "revision": info.revision_number,
-        "node_id": d.node_id,
-        "bit_rate": None if d.commissioning is None else d.commissioning.bit_rate,
-        "bit_rates": list(info.bit_rates),
-        "lss": info.lss,
-        "objects": [*map(_dummy, d.dummies)]
+    return facts(
+        d,
+        kind="device",
+        bit_rate=None if d.commissioning is None else d.commissioning.bit_rate,
+        objects=[*map(_dummy, d.dummies)]
         + [_variable(v, d.node_id) for v in d.variables],
-        "pdos": [_pdo(p, d.node_id) for p in d.pdos],
-        "doc": d.file_info.description,
-        "annotations": [],
-    }
+        pdos=[facts(p, cob_id=value_of(p.cob_id, d.node_id)) for p in d.pdos],
+        annotations=[],
+    )
 
 
 def _dummy(code: int) -> Json:
-    return {
-        "index": code,
-        "subindex": 0,
-        "name": f"Dummy{code:04X}",
-        "data_type": code,
-        "access": Access.CONST.value,
-        "default": None,
-        "value": None,
-        "low": None,
-        "high": None,
-        "unit": None,
-        "factor": None,
-        "pdo": False,
-    }
+    name, access = f"Dummy{code:04X}", Access.CONST.value
+    known = {"index": code, "subindex": 0, "name": name, "data_type": code}
+    empty = dict.fromkeys(("default", "value", "low", "high", "unit", "factor"))
+    return known | {"access": access} | empty | {"pdo": False}
 
 
 def _variable(v: Variable, node_id: int | None) -> Json:
-    return {
-        "index": v.index,
-        "subindex": v.subindex,
-        "name": v.name,
-        "data_type": int(v.data_type),
-        "access": v.written_access,
-        "default": value_of(v.default, node_id),
-        "value": value_of(v.value, node_id),
-        "low": value_of(v.low, node_id),
-        "high": value_of(v.high, node_id),
-        "unit": v.unit or None,
-        "factor": v.factor,
-        "pdo": v.pdo_mappable,
-    }
-
-
-def _pdo(p: Pdo, node_id: int | None) -> Json:
-    return {
-        "direction": p.direction.value,
-        "number": p.number,
-        "cob_id": value_of(p.cob_id, node_id),
-        "transmission_type": p.transmission_type,
-        "inhibit_time": p.inhibit_time,
-        "event_timer": p.event_timer,
-        "sync_start": p.sync_start,
-        "entries": [*map(_entry, p.entries)],
-        "default_entries": [*map(_entry, p.default_entries)],
-    }
-
-
-def _entry(entry: PdoEntry) -> Json:
-    return {"index": entry.index, "subindex": entry.subindex, "bits": entry.bits}
+    keys = ("default", "value", "low", "high")
+    values = {key: value_of(getattr(v, key), node_id) for key in keys}
+    return facts(v, unit=v.unit or None, **values)
 
 
 def value_of(value: Value | None, node_id: int | None) -> Any:
     """Return a value as JSON: octets as hexadecimal digits, NaN and infinities as text."""
-    match resolved(value, node_id):
-        case bytes() as octets:
-            return octets.hex()
-        case float() as number if not math.isfinite(number):
-            return str(number)
-        case None | int() | float() | str() as plain:
-            return plain
-        case formula:
-            return str(formula)
+    return plain(resolved(value, node_id))
 
 
 def lines(d: Device) -> Iterator[str]:

@@ -2,26 +2,28 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator, Sequence
-from decimal import Decimal
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from rtgen.compiler.backends.kit.idl_text.literals import default_text, readable
 from rtgen.compiler.diagnostics import Diagnostic
 from rtgen.compiler.diagnostics.report import as_json
 from rtgen.compiler.inspection import indented_json
+from rtgen.compiler.inspection.facts import FIELDS, Json, facts, kind_of, plain
 from rtgen.compiler.model import (
     Attribute,
+    Bitfield,
     Bitmask,
     Bitset,
     Case,
     Component,
+    ConfigurationParameter,
+    Connection,
     Const,
     ConstantValue,
     Declaration,
-    Documented,
     Enum,
+    Enumerator,
     EnumeratorName,
     ExceptionDecl,
     Home,
@@ -31,12 +33,14 @@ from rtgen.compiler.model import (
     Model,
     Native,
     Operation,
+    Parameter,
+    Port,
     Primitive,
     PrimitiveType,
-    ScopedName,
     StateMember,
     Struct,
     System,
+    SystemComponent,
     Type,
     Typedef,
     Union,
@@ -50,8 +54,6 @@ if TYPE_CHECKING:
     from rtgen.compiler.model.tecs import TecsDeclaration
 
 FORMAT = "rtgen-inspect/1"
-
-Json: TypeAlias = dict[str, Any]
 
 
 def inspect(model: Model, diagnostics: Sequence[Diagnostic]) -> Json:
@@ -102,145 +104,94 @@ def json_text(model: Model, diagnostics: Sequence[Diagnostic]) -> str:
     return indented_json.dumps(inspect(model, diagnostics)) + "\n"
 
 
+FIELDS.update(
+    {
+        Struct: "repository_id base:: members",
+        ExceptionDecl: "repository_id base members",
+        Union: "repository_id switch initial cases",
+        Enum: "repository_id members initial=initial.name",
+        Bitset: "repository_id members",
+        Bitmask: "repository_id members",
+        Typedef: "repository_id type initial",
+        ValueBox: "repository_id type",
+        Const: "type value",
+        Interface: "repository_id bases::* abstract attributes operations local",
+        Valuetype: "repository_id bases::* abstract attributes operations local custom"
+        " truncatable supports::* state factories",
+        Component: "repository_id base:: supports::* ports configuration",
+        Home: "repository_id manages::",
+        Native: "repository_id",
+        Member: "name type optional key id initial",
+        StateMember: "name type public optional key id initial",
+        Case: "labels name type initial",
+        Bitfield: "name bits type initial",
+        Enumerator: "name position=value type",
+        Attribute: "name type readonly get_raises::* set_raises::*",
+        Operation: "name oneway returns parameters raises::* context",
+        Parameter: "direction name type",
+        Port: "kind name type python_name port",
+        ConfigurationParameter: "name type default unit min=minimum max=maximum"
+        " constraint python_name",
+        System: "kind name file line components connections doc=abstract annotations",
+        SystemComponent: "instance type configuration",
+        Connection: "from=source to=target properties",
+    }
+)
+"""The fields of IDL's declarations and of systems; `_resolved` returns the others."""
+
+
 def _declaration(d: Declaration, model: Model) -> Json:
-    head = {"kind": _kind(d), "name": d.scoped, "file": d.file, "line": d.span.line}
-    return head | _body(d, model) | _documented(d)
+    head = {"kind": kind_of(d), "name": d.scoped, "file": d.file, "line": d.span.line}
+    return head | facts(d, **_resolved(d, model))
 
 
-def _kind(d: Declaration) -> str:
-    match d:
-        case ExceptionDecl():
-            return "exception"
-        case Valuetype(eventtype=True):
-            return "eventtype"
-    return type(d).__name__.lower()
-
-
-def _body(d: Declaration, model: Model) -> Json:
-    identity = {"repository_id": d.repository_id}
+def _resolved(d: Declaration, model: Model) -> Json:
+    """Return the facts that depend on the model, or that a kind has for another one's sake."""
     match d:
         case Struct():
-            members = [_member(m, model) for m in d.members]
-            body = {"base": _scoped(d.base), "members": members}
-            return identity | body | _ros(d, model)
+            members = [_initialised(m, model) for m in d.members]
+            return {"members": members} | _ros(d, model)
         case ExceptionDecl():
-            members = [_member(m, model) for m in d.members]
-            return identity | {"base": None, "members": members}
+            members = [_initialised(m, model) for m in d.members]
+            return {"base": None, "members": members}
+        case Valuetype():
+            state = [_initialised(m, model) for m in d.state]
+            return {"local": False, "state": state}
         case Union():
             switch = model.unalias(d.switch)
-            return identity | {
-                "switch": str(d.switch),
-                "initial": _label(discriminator(model, d), switch),
-                "cases": [_case(c, switch, model) for c in d.cases],
-            }
-        case Enum():
-            names = [m.name for m in d.members]
-            return identity | {"members": names, "initial": d.initial.name}
-        case Bitset():
-            return identity | {"members": [*_bitfields(d)]}
-        case Bitmask():
-            bits = [
-                {"name": m.name, "position": m.value, "type": None} for m in d.members
+            initial = _label(discriminator(model, d), switch)
+            cases = [
+                _initialised(c, model, labels=labels_of(c, switch)) for c in d.cases
             ]
-            documents = map(_documented, d.members)
-            return identity | {
-                "members": [b | text for b, text in zip(bits, documents, strict=True)]
-            }
+            return {"initial": initial, "cases": cases}
+        case Enum():
+            return {"members": [m.name for m in d.members]}
+        case Bitmask():
+            return {"members": [facts(m, type=None) for m in d.members]}
+        case Bitset():
+            return {"members": [*map(_bitfield, d.members)]}
         case Typedef():
-            initial = _initial(model, d.type, d.initial)
-            return identity | {"type": str(d.type), "initial": initial}
-        case ValueBox():
-            return identity | {"type": str(d.type)}
-        case Const():
-            return {"type": str(d.type), "value": _value(d.value)}
-        case Valuetype():
-            return identity | _valuetype(d, model)
-        case Interface():
-            return identity | _interface(d) | {"local": d.local}
+            return {"initial": plain(default_of(model, d.type, d.initial))}
         case Component():
-            return identity | _component(d)
-        case Home():
-            return identity | {"manages": _scoped(d.manages)}
-        case Native():
-            return identity
-    raise AssertionError(f"no JSON for {type(d).__name__}")
+            return _component(d)
+    return {}
 
 
-def _member(m: Member, model: Model) -> Json:
-    body: Json = {"name": m.name, "type": str(m.type)}
-    if isinstance(m, StateMember):
-        body |= {"public": m.public}
-    body |= {"optional": m.optional, "key": m.key, "id": m.id}
-    initial = None if m.optional else _initial(model, m.type, m.initial)
-    return body | {"initial": initial} | _documented(m)
+def _initialised(entry: Member | Case, model: Model, **known: Any) -> Json:
+    """Return a member or branch with its default or that of its typedef."""
+    optional = isinstance(entry, Member) and entry.optional
+    initial = None if optional else default_of(model, entry.type, entry.initial)
+    return facts(entry, initial=plain(initial), **known)
 
 
-def _case(c: Case, switch: Type, model: Model) -> Json:
-    labels = [_label(label, switch) for label in c.labels] + ["default"] * c.default
-    body = {"labels": labels, "name": c.name, "type": str(c.type)}
-    initial = _initial(model, c.type, c.initial)
-    return body | {"initial": initial} | _documented(c)
+def labels_of(case: Case, switch: Type) -> list[str]:
+    """Return the labels of a branch in IDL, with `default`."""
+    return [_label(label, switch) for label in case.labels] + ["default"] * case.default
 
 
-def _initial(model: Model, type_: Type, own: InitialValue | None) -> Any:
-    """Return the default of a member or of its typedef; null for the implicit value."""
-    found = default_of(model, type_, own)
-    if isinstance(found, tuple):
-        return [*map(_value, found)]
-    return _optional(found)
-
-
-def _bitfields(d: Bitset) -> Iterator[Json]:
-    for m in d.members:
-        type_ = None if m.type is None else str(m.type)
-        initial = m.initial if not isinstance(m.initial, tuple) else None
-        body = {"name": m.name, "bits": m.bits, "type": type_}
-        yield body | {"initial": _optional(initial)} | _documented(m)
-
-
-def _interface(d: Interface | Valuetype) -> Json:
-    return {
-        "bases": [*map(_scoped, d.bases)],
-        "abstract": d.abstract,
-        "attributes": [*map(_attribute, d.attributes)],
-        "operations": [*map(_operation, d.operations)],
-    }
-
-
-def _valuetype(d: Valuetype, model: Model) -> Json:
-    return _interface(d) | {
-        "local": False,
-        "custom": d.custom,
-        "truncatable": d.truncatable,
-        "supports": [*map(_scoped, d.supports)],
-        "state": [_member(m, model) for m in d.state],
-        "factories": [*map(_operation, d.factories)],
-    }
-
-
-def _attribute(a: Attribute) -> Json:
-    return {
-        "name": a.name,
-        "type": str(a.type),
-        "readonly": a.readonly,
-        "get_raises": [*map(_scoped, a.get_raises)],
-        "set_raises": [*map(_scoped, a.set_raises)],
-    } | _documented(a)
-
-
-def _operation(o: Operation) -> Json:
-    return {
-        "name": o.name,
-        "oneway": o.oneway,
-        "returns": str(o.returns),
-        "parameters": [
-            {"direction": p.direction.value, "name": p.name, "type": str(p.type)}
-            | _documented(p)
-            for p in o.parameters
-        ],
-        "raises": [*map(_scoped, o.raises)],
-        "context": list(o.context),
-    } | _documented(o)
+def _bitfield(m: Bitfield) -> Json:
+    initial = None if isinstance(m.initial, tuple) else plain(m.initial)
+    return facts(m, initial=initial)
 
 
 def _component(d: Component) -> Json:
@@ -248,63 +199,30 @@ def _component(d: Component) -> Json:
 
     attributes = attributes_of(d)
     return {
-        "base": _scoped(d.base),
-        "supports": [*map(_scoped, d.supports)],
         "ports": [
-            {
-                "kind": p.kind.value,
-                "name": p.name,
-                "type": str(p.type),
-                "python_name": python_name,
-                "port": p.port or p.name,
-            }
-            | _documented(p)
-            for p, python_name in attributes.ports
+            facts(p, python_name=name, port=p.port or p.name)
+            for p, name in attributes.ports
         ],
         "configuration": [
-            {
-                "name": c.name,
-                "type": str(c.type),
-                "default": _optional(c.default),
-                "unit": c.unit,
-                "min": _optional(c.minimum),
-                "max": _optional(c.maximum),
-                "constraint": c.constraint,
-                "python_name": python_name,
-            }
-            | _documented(c)
-            for c, python_name in attributes.configuration
+            facts(c, python_name=name) for c, name in attributes.configuration
         ],
     }
 
 
 def _system(s: System) -> Json:
-    return {
-        "kind": "system",
-        "name": s.name,
-        "file": s.file,
-        "line": 1,
-        "components": [
-            {
-                "instance": c.instance,
-                "type": c.type,
-                "configuration": {
-                    set_id: dict(values) for set_id, values in c.configuration
-                },
-            }
-            for c in s.components
-        ],
-        "connections": [
-            {
-                "from": str(c.source),
-                "to": str(c.target),
-                "properties": dict(c.properties),
-            }
-            for c in s.connections
-        ],
-        "doc": s.abstract,
-        "annotations": [],
-    }
+    components = [
+        facts(c, configuration={key: dict(values) for key, values in c.configuration})
+        for c in s.components
+    ]
+    connections = [facts(c, properties=dict(c.properties)) for c in s.connections]
+    return facts(
+        s,
+        kind="system",
+        line=1,
+        components=components,
+        connections=connections,
+        annotations=[],
+    )
 
 
 def _ros(d: Struct, model: Model) -> Json:
@@ -314,36 +232,6 @@ def _ros(d: Struct, model: Model) -> Json:
     from rtgen.compiler.layouts.ros_types import type_hash
 
     return {"ros_type_hash": type_hash(model, d)}
-
-
-def _documented(d: Documented) -> Json:
-    annotations = [
-        {
-            "name": a.name,
-            "arguments": {key: _value(value) for key, value in a.arguments},
-        }
-        for a in d.annotations
-    ]
-    return {"doc": d.doc, "annotations": annotations}
-
-
-def _scoped(name: ScopedName | None) -> str | None:
-    return None if name is None else "::".join(name)
-
-
-def _optional(value: ConstantValue | None) -> Any:
-    return None if value is None else _value(value)
-
-
-def _value(value: ConstantValue) -> Any:
-    match value:
-        case EnumeratorName():
-            return _scoped(value.name)
-        case Decimal():
-            return format(value, "f")
-        case float() if not math.isfinite(value):
-            return str(value)
-    return value
 
 
 def _label(value: ConstantValue, switch: Type) -> str:
@@ -408,8 +296,7 @@ def tree(model: Model) -> str:
 
 
 def _declaration_lines(d: Declaration, model: Model) -> Iterator[str]:
-    body = _declaration(d, model)
-    head = f"{body['kind']} {d.scoped}"
+    head = f"{kind_of(d)} {d.scoped}"
     match d:
         case Const():
             yield f"{head}: {d.type} = {readable(model, d.type, d.value)}"
@@ -426,15 +313,15 @@ def _declaration_lines(d: Declaration, model: Model) -> Iterator[str]:
         case Union():
             yield f"{head} switch ({d.switch})"
         case Struct(base=base) | Bitset(base=base) if base is not None:
-            yield f"{head}: {_scoped(base)}"
+            yield f"{head}: {'::'.join(base)}"
         case Interface(bases=bases) | Valuetype(bases=bases) if bases:
             yield f"{head}: {', '.join('::'.join(b) for b in bases)}"
         case _:
             yield head
-    yield from _indented(_member_lines(d, body, model))
+    yield from _indented(_member_lines(d, model))
 
 
-def _member_lines(d: Declaration, body: Json, model: Model) -> Iterator[str]:
+def _member_lines(d: Declaration, model: Model) -> Iterator[str]:
     if isinstance(d, Enum):
         for enumerator in d.members:
             first = enumerator is d.initial is not d.members[0]
@@ -446,23 +333,22 @@ def _member_lines(d: Declaration, body: Json, model: Model) -> Iterator[str]:
             value = "" if field.initial is None else f" = {default_text(field.initial)}"
             yield f"{field.name or '(padding)'}: {field.bits} bits{value}"
     elif isinstance(d, Union):
-        for case, c in zip(d.cases, body["cases"], strict=True):
+        switch = model.unalias(d.switch)
+        for case in d.cases:
             default = _default(model, case.type, case.initial)
-            yield f"{', '.join(c['labels'])}: {case.type} {case.name}{default}"
+            yield f"{', '.join(labels_of(case, switch))}: {case.type} {case.name}{default}"
     else:
         members: Iterable[Member] = getattr(d, "members", getattr(d, "state", ()))
         for m in members:
             default = "" if m.optional else _default(model, m.type, m.initial)
             yield f"{m.name}: {m.type}{default}"
-        for a in body.get("attributes", ()):
-            yield f"{'readonly ' * a['readonly']}attribute {a['name']}: {a['type']}"
-        for o in (*body.get("factories", ()), *body.get("operations", ())):
-            parameters = (
-                f"{p['direction']} {p['name']}: {p['type']}" for p in o["parameters"]
-            )
-            yield f"{'oneway ' * o['oneway']}{o['name']}({', '.join(parameters)}): {o['returns']}"
-        for p in body.get("ports", ()):
-            yield f"{p['kind']} {p['name']}: {p['type']}"
+        for a in getattr(d, "attributes", ()):
+            yield f"{'readonly ' * a.readonly}attribute {a.name}: {a.type}"
+        for o in (*getattr(d, "factories", ()), *getattr(d, "operations", ())):
+            parameters = (f"{p.direction} {p.name}: {p.type}" for p in o.parameters)
+            yield f"{'oneway ' * o.oneway}{o.name}({', '.join(parameters)}): {o.returns}"
+        for p in getattr(d, "ports", ()):
+            yield f"{p.kind} {p.name}: {p.type}"
         for c in getattr(d, "configuration", ()):
             given = c.default is not None
             default = f" = {readable(model, c.type, c.default)}" if given else ""

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator
-from typing import Any, TypeAlias
 
-from rtgen.compiler.model.c_types import Expression
+from rtgen.compiler.inspection.facts import FIELDS, Json, facts, kind_of
 from rtgen.compiler.model.tecs import (
     Cell,
     Celltype,
@@ -20,27 +18,40 @@ from rtgen.compiler.model.tecs import (
     TecsEnum,
     TecsFunction,
     TecsMember,
+    TecsParameter,
     TecsPort,
     TecsStruct,
     TecsTypedef,
     TecsUnit,
     TecsVariable,
+    Through,
 )
 from rtgen.compiler.model.types import ScopedName
 
-Json: TypeAlias = dict[str, Any]
+_SIZES = "size_is max_size count_is string nullable"
 
-_KINDS: dict[type[TecsDeclaration], str] = {
-    TecsStruct: "struct",
-    TecsTypedef: "typedef",
-    TecsEnum: "enum",
-    TecsConst: "const",
-    Signature: "signature",
-    Celltype: "celltype",
-    Composite: "composite",
-    Cell: "cell",
-    Region: "region",
-}
+FIELDS.update(
+    {
+        TecsStruct: "repository_id base members",
+        TecsEnum: "repository_id members values",
+        TecsTypedef: "repository_id type",
+        TecsConst: "type value",
+        Signature: "deviate callback context functions",
+        Celltype: "singleton active idx_is_id ports attributes variables",
+        Composite: "singleton active ports attributes variables cells exports",
+        Cell: "celltype:: region:: joins attributes",
+        Region: "linkunit node",
+        Sizes: _SIZES,
+        TecsMember: f"name type {_SIZES} optional key id doc annotations",
+        TecsFunction: "id name returns oneway parameters doc",
+        TecsParameter: f"name type direction {_SIZES} allocator::",
+        TecsPort: "kind name signature:: array size optional omit dynamic ref_desc inline"
+        " required hidden",
+        TecsVariable: "name type initial size_is omit choice",
+        Join: "port index target:: target_port target_index signature:: through",
+        Through: "plugin argument=argument.text origin region::",
+    }
+)
 
 
 def shown(units: Iterable[TecsUnit]) -> list[TecsDeclaration]:
@@ -56,166 +67,51 @@ def shown(units: Iterable[TecsUnit]) -> list[TecsDeclaration]:
 def declaration(d: TecsDeclaration) -> Json:
     """Return a declaration as the JSON of `rtgen-inspect/1`."""
     head = {
-        "kind": _KINDS[type(d)],
+        "kind": kind_of(d),
         "name": d.scoped,
         "file": d.file,
         "line": d.span.line,
     }
-    return head | _body(d) | {"doc": d.doc, "annotations": []}
+    return head | facts(d, **_others(d)) | {"doc": d.doc, "annotations": []}
 
 
-def _body(d: TecsDeclaration) -> Json:
+def _others(d: TecsDeclaration) -> Json:
+    """Return the facts that are not fields of the declaration."""
     match d:
         case TecsStruct():
-            members = [*map(_member, d.members)]
+            none: Json = {
+                "optional": False,
+                "key": False,
+                "id": None,
+                "annotations": [],
+            }
+            members = [facts(m, **_sizes(m.sizes), **none) for m in d.members]
             return {"repository_id": None, "base": None, "members": members}
         case TecsEnum():
-            names = [name for name, _ in d.members]
-            values = [value for _, value in d.members]
+            names, values = ([m[at] for m in d.members] for at in (0, 1))
             return {"repository_id": None, "members": names, "values": values}
         case TecsTypedef():
-            return {"repository_id": None, "type": str(d.type)}
-        case TecsConst():
-            return {"type": str(d.type), "value": _value(d.value)}
+            return {"repository_id": None}
         case Signature():
-            return {
-                "deviate": d.deviate,
-                "callback": d.callback,
-                "context": d.context,
-                "functions": [*map(_function, d.functions)],
-            }
-        case Celltype():
-            return {
-                "singleton": d.singleton,
-                "active": d.active,
-                "idx_is_id": d.idx_is_id,
-                "ports": [*map(_port, d.ports)],
-                "attributes": [*map(_variable, d.attributes)],
-                "variables": [*map(_variable, d.variables)],
-            }
+            return {"functions": [*map(_function, d.functions)]}
         case Composite():
-            return {
-                "singleton": d.singleton,
-                "active": d.active,
-                "ports": [*map(_port, d.ports)],
-                "attributes": [*map(_variable, d.attributes)],
-                "variables": [],
-                "cells": [{"name": c.name[-1]} | _cell(c) for c in d.cells],
-                "exports": [
-                    {"name": name, "cell": cell, "port": port}
-                    for name, cell, port in d.exports
-                ],
-            }
+            cells = [{"name": c.name[-1]} | facts(c, **_others(c)) for c in d.cells]
+            keys = ("name", "cell", "port")
+            exports = [dict(zip(keys, export, strict=True)) for export in d.exports]
+            return {"variables": [], "cells": cells, "exports": exports}
         case Cell():
-            return _cell(d)
-        case Region():
-            return {"linkunit": d.linkunit, "node": d.node}
-    raise AssertionError(f"no JSON for {type(d).__name__}")
-
-
-def _member(m: TecsMember) -> Json:
-    head: Json = {"name": m.name, "type": str(m.type)} | _sizes(m.sizes)
-    return head | {
-        "optional": False,
-        "key": False,
-        "id": None,
-        "doc": m.doc,
-        "annotations": [],
-    }
+            return {"attributes": {name: str(value) for name, value in d.attributes}}
+    return {}
 
 
 def _sizes(sizes: Sizes) -> Json:
     """Return size specifiers; `string` is true without a length, else the length as text."""
-    return {
-        "size_is": _text(sizes.size_is),
-        "max_size": sizes.max_size,
-        "count_is": _text(sizes.count_is),
-        "string": True if sizes.unsized_string else _text(sizes.string),
-        "nullable": sizes.nullable,
-    }
+    return facts(sizes, **({"string": True} if sizes.unsized_string else {}))
 
 
 def _function(f: TecsFunction) -> Json:
-    return {
-        "id": f.id,
-        "name": f.name,
-        "returns": str(f.returns),
-        "oneway": f.oneway,
-        "parameters": [
-            {"name": p.name, "type": str(p.type), "direction": p.direction.value}
-            | _sizes(p.sizes)
-            | {"allocator": None if p.allocator is None else "::".join(p.allocator)}
-            for p in f.parameters
-        ],
-        "doc": f.doc,
-    }
-
-
-def _port(p: TecsPort) -> Json:
-    return {
-        "kind": p.kind,
-        "name": p.name,
-        "signature": "::".join(p.signature),
-        "array": p.array,
-        "size": p.size,
-        "optional": p.optional,
-        "omit": p.omit,
-        "dynamic": p.dynamic,
-        "ref_desc": p.ref_desc,
-        "inline": p.inline,
-        "required": p.required,
-        "hidden": p.hidden,
-    }
-
-
-def _variable(v: TecsVariable) -> Json:
-    return {
-        "name": v.name,
-        "type": str(v.type),
-        "initial": _text(v.initial),
-        "size_is": _text(v.size_is),
-        "omit": v.omit,
-        "choice": list(v.choice),
-    }
-
-
-def _cell(c: Cell) -> Json:
-    return {
-        "celltype": "::".join(c.celltype),
-        "region": "::".join(c.region) or None,
-        "joins": [*map(_join, c.joins)],
-        "attributes": {name: str(value) for name, value in c.attributes},
-    }
-
-
-def _join(j: Join) -> Json:
-    return {
-        "port": j.port,
-        "index": j.index,
-        "target": "::".join(j.target),
-        "target_port": j.target_port,
-        "target_index": j.target_index,
-        "signature": "::".join(j.signature) or None,
-        "through": [
-            {
-                "plugin": t.plugin,
-                "argument": t.argument.text,
-                "origin": t.origin,
-                "region": "::".join(t.region) or None,
-            }
-            for t in j.through
-        ],
-    }
-
-
-def _text(expression: Expression | None) -> str | None:
-    return None if expression is None else str(expression)
-
-
-def _value(value: object) -> object:
-    return (
-        str(value) if isinstance(value, float) and not math.isfinite(value) else value
-    )
+    parameters = [facts(p, **_sizes(p.sizes)) for p in f.parameters]
+    return facts(f, parameters=parameters)
 
 
 def _shown(value: bool | float | str | None) -> str:
@@ -232,7 +128,7 @@ def _shown(value: bool | float | str | None) -> str:
 
 def lines(d: TecsDeclaration) -> Iterator[str]:
     """Yield a declaration as text: a line for it, and one for each of its parts."""
-    head = f"{_KINDS[type(d)]} {d.scoped}"
+    head = f"{kind_of(d)} {d.scoped}"
     match d:
         case TecsConst():
             yield f"{head}: {d.type}{_shown(d.value)}"

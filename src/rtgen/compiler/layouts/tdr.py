@@ -295,6 +295,38 @@ def is_fixed(node: Node) -> bool:
     return True
 
 
+def size_of(node: Node) -> int | None:
+    """Return the octets of a value in TDR `network`; None if they depend on other values."""
+    match node:
+        case Basic():
+            return _SIZES[node.kind]
+        case Octets(_, count):
+            return count
+        case FixedArray(element, count):
+            inner = size_of(element)
+            return None if inner is None else inner * count
+        case Record():
+            sizes = [size_of(item.node) for item in node.items]
+            return None if None in sizes else sum(s for s in sizes if s is not None)
+        case Counted() | String():
+            return None
+    return 0
+
+
+_SIZES = {
+    letter: size
+    for letters, size in (
+        ("?bB", 1),
+        ("hHkK", 2),
+        ("iInNlLpPf", 4),
+        ("qQd", 8),
+        ("wW", 16),
+    )
+    for letter in letters
+}
+"""Sizes of letters in octets with TDR `network`: short 16 bits; int, long and intptr_t 32."""
+
+
 def references(expression: Expression | None) -> Iterator[str]:
     """Yield the parameters or members in an expression, except members of a struct's value."""
     match expression:

@@ -6,6 +6,7 @@ from collections import defaultdict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
+from rtgen.compiler.inspection.facts import kind_of
 from rtgen.compiler.model import (
     Bitmask,
     Bitset,
@@ -358,18 +359,6 @@ class _Assembly:
         self._result.changes.append(replace(made, users=users))
 
 
-_WORDS: Mapping[type[Declaration], str] = {
-    Struct: "struct",
-    ExceptionDecl: "exception",
-    Union: "union",
-    Enum: "enum",
-    Bitmask: "bitmask",
-    Bitset: "bitset",
-    Typedef: "typedef",
-    Const: "constant",
-    Native: "native type",
-}
-
-
 def _word(declaration: Declaration) -> str:
-    return _WORDS.get(type(declaration), type(declaration).__name__.lower())
+    kind = kind_of(declaration)
+    return {"const": "constant", "native": "native type"}.get(kind, kind)

@@ -23,24 +23,12 @@ from rtgen.compiler.layouts.tdr import (
     Step,
     String,
     TransferError,
+    size_of,
 )
 from rtgen.compiler.layouts.tdr_messages import layout_of
 from rtgen.compiler.model.tecs import Celltype, Signature, TecsFunction, TecsUnit
 from rtgen.tools.docs.pages import Content, Page
 from rtgen.tools.docs.places import Kind
-
-_SIZES = {
-    letter: size
-    for letters, size in (
-        ("?bB", 1),
-        ("hHkK", 2),
-        ("iInNlLpPf", 4),
-        ("qQd", 8),
-        ("wW", 16),
-    )
-    for letter in letters
-}
-"""Sizes of letters in octets with TDR `network`: short 16 bits; int, long and intptr_t 32."""
 
 
 def listed(content: Content) -> list[tuple[TecsUnit, Signature]]:
@@ -159,7 +147,7 @@ class _Table:
                 yield self._row(4, f"length of {name}", when)
             case Role.VALUE:
                 assert item is not None
-                yield self._row(_size(item.node), f"{name}: {_type(item.node)}", when)
+                yield self._row(size_of(item.node), f"{name}: {_type(item.node)}", when)
 
     def _part(self, item: Item, when: str, prefix: str) -> Iterator[tuple[object, ...]]:
         name = prefix + item.name
@@ -186,22 +174,6 @@ class _Table:
             what,
             when,
         )
-
-
-def _size(node: Node) -> int | None:
-    match node:
-        case Octets(_, count):
-            return count
-        case FixedArray(element, count):
-            inner = _size(element)
-            return None if inner is None else inner * count
-        case Record():
-            sizes = [_size(item.node) for item in node.items]
-            return None if None in sizes else sum(s for s in sizes if s is not None)
-        case Counted() | String():
-            return None
-    kind = getattr(node, "kind", None)
-    return 0 if kind is None else _SIZES[kind]
 
 
 def _type(node: Node) -> str:

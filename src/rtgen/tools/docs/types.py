@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rtgen.compiler.backends.kit.idl_text.literals import default_text
+from rtgen.compiler.backends.kit.idl_text.literals import default_text, readable
 from rtgen.compiler.backends.kit.quoting.markdown import Markdown, code, text
+from rtgen.compiler.inspection.facts import kind_of
+from rtgen.compiler.inspection.models import labels_of
 from rtgen.compiler.layouts.offsets import MemberPlace, layout
 from rtgen.compiler.model import (
     VOID,
@@ -34,20 +36,6 @@ from rtgen.tools.docs.pages import Content, Page
 from rtgen.tools.docs.places import Kind
 
 GLOBAL = "global scope"
-
-_WORDS: dict[type[Declaration], str] = {
-    Struct: "struct",
-    ExceptionDecl: "exception",
-    Union: "union",
-    Enum: "enum",
-    Bitset: "bitset",
-    Bitmask: "bitmask",
-    Typedef: "typedef",
-    Const: "const",
-    Interface: "interface",
-    Valuetype: "valuetype",
-    ValueBox: "boxed value",
-}
 
 
 def listed(content: Content) -> dict[str, list[Declaration]]:
@@ -78,7 +66,7 @@ def pages(
 
 def _add(content: Content, page: Page, d: Declaration) -> None:
     anchor = content.places.url(Kind.TYPE, d.scoped, page.path).partition("#")[2]
-    page.heading(2, f"{_WORDS.get(type(d), 'native')} {d.name[-1]}", anchor)
+    page.heading(2, f"{kind_of(d)} {d.name[-1]}", anchor)
     page.description(d.doc)
     facts = [("defined in", content.source(d.file, d.span))]
     if d.repository_id:
@@ -88,13 +76,10 @@ def _add(content: Content, page: Page, d: Declaration) -> None:
         case Struct():
             _add_struct(content, page, d)
         case ExceptionDecl():
+            types = (content.places.type(m.type, page.path) for m in d.members)
             rows = [
-                (
-                    code(m.name),
-                    content.places.type(m.type, page.path),
-                    _described(content, m),
-                )
-                for m in d.members
+                (code(m.name), type_, _described(content, m))
+                for m, type_ in zip(d.members, types, strict=True)
             ]
             page.table(("member", "type", "description"), rows)
         case Union():
@@ -120,8 +105,7 @@ def _add(content: Content, page: Page, d: Declaration) -> None:
             )
             page.add(f"Another name of {other}.{said}")
         case Const():
-            value = getattr(d.value, "name", None)
-            shown = "::".join(value) if isinstance(value, tuple) else repr(d.value)
+            shown = readable(content.model, d.type, d.value)
             page.add(f"{content.places.type(d.type, page.path)}: {code(shown)}")
         case Interface() | Valuetype():
             _add_interface(content, page, d)
@@ -185,15 +169,7 @@ def _add_union(content: Content, page: Page, union: Union) -> None:
     page.add(f"The discriminator, {switch}, comes first; then the branch of its value.")
     rows = []
     for case in union.cases:
-        labels = [
-            (
-                "::".join(name)
-                if isinstance(name := getattr(x, "name", None), tuple)
-                else repr(x)
-            )
-            for x in case.labels
-        ]
-        shown = ", ".join([*labels, *(["default"] if case.default else [])])
+        shown = ", ".join(labels_of(case, content.model.unalias(union.switch)))
         type_ = content.places.type(case.type, page.path)
         rows.append((code(shown), code(case.name), type_, _described(content, case)))
     page.table(("label", "branch", "type", "description"), rows)

@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from struct import calcsize
 
 from rtgen.compiler.backends.kit.idl_text.literals import default_text
 from rtgen.compiler.inspection import tecs as tecs_text
+from rtgen.compiler.inspection.facts import kind_of
 from rtgen.compiler.layouts import offsets
 from rtgen.compiler.layouts.representations import Representations
-from rtgen.compiler.layouts.tdr import Node, TransferError, is_fixed, kinds
+from rtgen.compiler.layouts.tdr import TransferError, size_of
 from rtgen.compiler.layouts.tdr_messages import layout_of
 from rtgen.compiler.model import (
     Attribute,
     Case,
-    Component,
     ConfigurationParameter,
     Const,
     Declaration,
     Documented,
     Enum,
     Enumerator,
-    ExceptionDecl,
     Interface,
     Member,
     Model,
@@ -33,7 +31,6 @@ from rtgen.compiler.model import (
     Type,
     Typedef,
     Union,
-    Valuetype,
 )
 from rtgen.compiler.model.canopen import Device, Object, Variable
 from rtgen.compiler.model.initial import default_of
@@ -44,6 +41,10 @@ from rtgen.tools.lsp.indexing.devices import object_of
 from rtgen.tools.lsp.indexing.index import path_of
 
 _MAX_ROWS = 40
+_GROUPS = (
+    *("members", "cases", "operations", "attributes", "state", "ports"),
+    "configuration",
+)
 
 
 def described(analysis: Analysis, key: str) -> str | None:
@@ -111,104 +112,81 @@ def idl(analysis: Analysis, name: ScopedName) -> str | None:
 
 def _declaration(analysis: Analysis, d: Declaration) -> str:
     model = analysis.model
-    lines = [_head(d)]
+    lines, layout = [_head(d)], ""
     match d:
         case Struct():
-            return _joined(_code("idl", *lines), _layout(analysis, d), d.doc)
+            layout = _layout(analysis, d)
         case Typedef(type=type_):
             lines.append(f"// {_resolved(model, type_)}")
-        case Enum(members=members):
-            lines += [f"  {m.name} = {m.value}" for m in members[:_MAX_ROWS]]
-        case Component():
-            lines += [f"  {p.kind} {p.type} {p.name}" for p in d.ports]
-            lines += [f"  parameter {c.type} {c.name}" for c in d.configuration]
-        case Interface(operations=operations) | Valuetype(operations=operations):
-            lines += [f"  {_operation(o)}" for o in operations[:_MAX_ROWS]]
-        case ExceptionDecl(members=parts):
-            lines += [f"  {m.type} {m.name}" for m in parts[:_MAX_ROWS]]
-        case Union(cases=cases):
-            lines += [f"  {c.type} {c.name}" for c in cases[:_MAX_ROWS]]
-    return _joined(_code("idl", *lines), d.doc)
+        case _:
+            lines += [f"  {_line(p)}" for _, p in parts_of(d)][:_MAX_ROWS]
+    return _joined(_code("idl", *lines), layout, d.doc)
 
 
 def _head(d: Declaration) -> str:
+    name = d.scoped
     match d:
-        case ExceptionDecl():
-            return f"exception {d.scoped}"
         case Typedef(type=type_):
-            return f"typedef {type_} {d.scoped}"
+            return f"typedef {type_} {name}"
         case Const(type=type_, value=value):
-            return f"const {type_} {d.scoped} = {value}"
-        case Struct(base=base) if base is not None:
-            return f"struct {d.scoped} : {'::'.join(base)}"
+            return f"const {type_} {name} = {value}"
         case Union(switch=switch):
-            return f"union {d.scoped} switch ({switch})"
+            name += f" switch ({switch})"
+        case Struct(base=base) if base is not None:
+            name += f" : {'::'.join(base)}"
         case Interface(bases=bases) if bases:
-            return f"interface {d.scoped} : {', '.join('::'.join(b) for b in bases)}"
-    return f"{type(d).__name__.lower()} {d.scoped}"
-
-
-def _operation(o: Operation) -> str:
-    parameters = ", ".join(
-        f"{p.direction.value} {p.type} {p.name}" for p in o.parameters
-    )
-    return f"{'oneway ' * o.oneway}{o.returns} {o.name}({parameters})"
+            name += f" : {', '.join('::'.join(b) for b in bases)}"
+    return f"{kind_of(d)} {name}"
 
 
 def parts_of(d: Declaration) -> Iterator[tuple[str, Documented]]:
     """Yield the named parts of a declaration."""
-    match d:
-        case Struct(members=members) | ExceptionDecl(members=members):
-            yield from ((m.name, m) for m in members)
-        case Union(cases=cases):
-            yield from ((c.name, c) for c in cases)
-        case Enum(members=enumerators):
-            yield from ((e.name, e) for e in enumerators)
-        case Interface(operations=operations, attributes=attributes):
-            yield from ((o.name, o) for o in operations)
-            yield from ((a.name, a) for a in attributes)
-        case Valuetype(operations=operations, attributes=attributes, state=state):
-            yield from ((o.name, o) for o in operations)
-            yield from ((a.name, a) for a in attributes)
-            yield from ((s.name, s) for s in state)
-        case Component(ports=ports, configuration=configuration):
-            yield from ((p.identifier, p) for p in ports)
-            yield from ((c.identifier, c) for c in configuration)
+    for group in _GROUPS:
+        for part in getattr(d, group, ()):
+            yield getattr(part, "identifier", part.name), part
+
+
+def _line(part: Documented, scope: str = "") -> str:
+    """Return a part as in IDL; `scope` precedes the name of a member, branch or attribute."""
+    match part:
+        case Member(name=name, type=type_) | Case(name=name, type=type_):
+            return f"{type_} {scope}{name}"
+        case Attribute(name=name, type=type_, readonly=readonly):
+            return f"{'readonly ' * readonly}attribute {type_} {scope}{name}"
+        case Enumerator(name=name, value=value):
+            return f"{name} = {value}"
+        case Operation():
+            parameters = ", ".join(map(_line, part.parameters))
+            return f"{'oneway ' * part.oneway}{part.returns} {part.name}({parameters})"
+        case Parameter(name=name, type=type_, direction=word):
+            return f"{word} {type_} {name}"
+        case Port(name=name, type=type_, kind=word):
+            return f"{word} {type_} {name}"
+        case ConfigurationParameter(name=name, type=type_):
+            return f"parameter {type_} {name}"
+    return str(getattr(part, "name", ""))
 
 
 def _part(analysis: Analysis, holder: Declaration, way: ScopedName) -> str | None:
     found = dict(parts_of(holder)).get(way[0])
-    if found is None:
-        return None
     if len(way) == 2 and isinstance(found, Operation):
         found = next((p for p in found.parameters if p.name == way[1]), None)
-    scope = holder.scoped
+    if found is None:
+        return None
+    lines = [_line(found, f"{holder.scoped}::")]
     notes: list[str] = []
     match found:
-        case Member(name=name, type=type_):
-            head = f"{type_} {scope}::{name}"
+        case Member():
             notes.append(_member_note(analysis, holder, found))
             notes.append(_default_note(analysis.model, found))
-        case Case(name=name, type=type_):
-            head = f"{type_} {scope}::{name}"
+        case Case():
             notes.append(_default_note(analysis.model, found))
-        case Attribute(name=name, type=type_):
-            head = f"{type_} {scope}::{name}"
-        case Enumerator(name=name, value=value):
-            head = f"{name} = {value}  // {scope}"
-        case Operation():
-            head = _operation(found)
-        case Parameter(name=name, type=type_, direction=direction):
-            head = f"{direction.value} {type_} {name}"
-        case Port(name=name, type=type_, kind=kind, unit=unit):
-            head = f"{kind} {type_} {name}"
+        case Enumerator():
+            lines[0] += f"  // {holder.scoped}"
+        case Port(unit=unit):
             notes.append(f"unit: {unit}" if unit else "")
-        case ConfigurationParameter(name=name, type=type_):
-            head = f"{type_} {name}"
+        case ConfigurationParameter():
             notes += _parameter_notes(found)
-        case _:
-            return None
-    lines = [head]
     if isinstance(found, Member | Case | Attribute | Parameter | Port):
         resolved = _resolved(analysis.model, found.type)
         if resolved != str(found.type):
@@ -255,11 +233,13 @@ def _default_note(model: Model, entry: Member | Case) -> str:
 
 def place_text(place: offsets.MemberPlace) -> str:
     """Return the place of a member: `offset 8, 4 octets`."""
-    size = "variable" if place.size is None else _octets(place.size)
+    size = _octets(place.size)
     return size if place.offset is None else f"offset {place.offset}, {size}"
 
 
-def _octets(count: int) -> str:
+def _octets(count: int | None) -> str:
+    if count is None:
+        return "variable"
     return f"{count} octet{'s' * (count != 1)}"
 
 
@@ -290,8 +270,8 @@ def _layout(analysis: Analysis, struct: Struct) -> str:
         rows.append(f"| {offset} | {size} | {place.member.name} | `{type_}` |")
     if len(made.members) > _MAX_ROWS:
         rows.append(f"| | | {len(made.members) - _MAX_ROWS} more | |")
-    size = "variable" if made.size is None else _octets(made.size)
-    return "\n".join([*rows, "", f"{'XCDR2' if made.xcdr2 else 'CDR'}: {size}"])
+    rows += ["", f"{'XCDR2' if made.xcdr2 else 'CDR'}: {_octets(made.size)}"]
+    return "\n".join(rows)
 
 
 # CDL
@@ -336,19 +316,13 @@ def _message(unit: TecsUnit, signature: Signature, name: str) -> str:
         return f"OpaqueRPC cannot carry it: {error}"
     function = next(f for f in made.functions if f.function.name == name)
     rows = [
-        f"| {item.name} | {item.direction.value} | {_size(item.node)} |"
+        f"| {item.name} | {item.direction.value} | {_octets(size_of(item.node))} |"
         for item in function.items
         if item.direction is not None
     ]
     if not rows:
         return ""
     return "\n".join(["| argument | direction | TDR |", "|---|---|---|", *rows])
-
-
-def _size(node: Node) -> str:
-    if not is_fixed(node):
-        return "variable"
-    return _octets(sum(calcsize(f"<{text}") * times for text, times in kinds(node)))
 
 
 # CANopen
