@@ -1,4 +1,4 @@
-# Created once by rtgen 0.1.0 from RTC.xml.
+# Created once by rtgen 0.2.0 from RTC.xml.
 # Yours to edit: rtgen never touches it again.
 """The component GateComponent."""
 

@@ -1,4 +1,4 @@
-# Created once by rtgen 0.1.0 from lamp.idl.
+# Created once by rtgen 0.2.0 from lamp.idl.
 # Yours to edit: rtgen never touches it again.
 """The component lamp."""
 

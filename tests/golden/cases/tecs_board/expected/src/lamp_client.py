@@ -1,4 +1,4 @@
-# Created once by rtgen 0.1.0 from cdl/board.cdl.
+# Created once by rtgen 0.2.0 from cdl/board.cdl.
 # Yours to edit: rtgen never touches it again.
 """LampClient: Calls nBoard::sLamp of a TECS board"""
 

@@ -1,4 +1,4 @@
-# Created once by rtgen 0.1.0 from cdl/server.cdl.
+# Created once by rtgen 0.2.0 from cdl/server.cdl.
 # Yours to edit: rtgen never touches it again.
 """ServerClient: Calls sServer of a TECS board"""
 

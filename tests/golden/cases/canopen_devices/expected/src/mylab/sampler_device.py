@@ -1,4 +1,4 @@
-# Created once by rtgen 0.1.0 from specs/sampler.eds.
+# Created once by rtgen 0.2.0 from specs/sampler.eds.
 # Yours to edit: rtgen never touches it again.
 """SamplerDevice: Device Sampler"""
 

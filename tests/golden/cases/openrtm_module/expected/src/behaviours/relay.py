@@ -1,4 +1,4 @@
-# Created once by rtgen 0.1.0 from relay.idl.
+# Created once by rtgen 0.2.0 from relay.idl.
 # Yours to edit: rtgen never touches it again.
 """Relay: Passes on what it gets, while it is switched on."""
 
