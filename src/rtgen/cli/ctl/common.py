@@ -43,8 +43,8 @@ class Refused(click.ClickException):
 class CtlOptions(EngineOptions):
     """The system, and the time-out of looking for its components."""
 
-    system: str | None
-    wait: float
+    system: str | None = None
+    wait: float = 2.0
 
 
 _OPTIONS = (

@@ -20,9 +20,9 @@ _MAX_DEVIATIONS = 3
 class Console(msgspec.Struct, frozen=True):
     """Standard error with the options for it: form of diagnostics, colour, quiet, verbose."""
 
-    form: str
-    colour: bool
-    quiet: bool
+    form: str = "text"
+    colour: bool = False
+    quiet: bool = False
     verbose: bool = False
     _held: list[Sequence[Diagnostic]] = []
 

@@ -37,14 +37,14 @@ _LISTEN_HINT = (
 class EngineOptions:
     """The options of the command line; None for those not given."""
 
-    transport: str
-    interface: str | None
-    domain: int | None
-    connect: tuple[str, ...] | None
-    listen: tuple[str, ...] | None
-    partition: str | None
-    transport_config: str | None
-    call_timeout: float | None
+    transport: str = "direct"
+    interface: str | None = None
+    domain: int | None = None
+    connect: tuple[str, ...] | None = None
+    listen: tuple[str, ...] | None = None
+    partition: str | None = None
+    transport_config: str | None = None
+    call_timeout: float | None = None
 
     def check_taken(self, takes: dict[str, frozenset[str]]) -> None:
         """Raise Refusal for an option that the transport does not have."""

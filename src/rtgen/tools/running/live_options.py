@@ -16,8 +16,8 @@ from rtgen.tools.running.pace import pace
 class LiveOptions:
     """Address for clients of a live view, and the pace of simulated time."""
 
-    place: tuple[str, int] | None
-    rate: float | None
+    place: tuple[str, int] | None = None
+    rate: float | None = None
 
     def begin(
         self, files: ExitStack, running: runtime.System, console: Console, name: str

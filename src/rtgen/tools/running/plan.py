@@ -34,7 +34,7 @@ class RunOptions:
     """The options of `rtgen run`, as its help describes them."""
 
     system: str
-    simulated: bool
+    simulated: bool = True
     until: str | None = None
     settings: tuple[str, ...] = ()
     timeline_file: str | None = None
@@ -42,12 +42,12 @@ class RunOptions:
     picture: tuple[str, ...] = ()
     log: str | None = None
     checkpoints: str | None = None
-    check_values: str
-    recording: RecordingOptions
+    check_values: str = "first"
+    recording: RecordingOptions = RecordingOptions()
     ros2: str | None = None
-    live: LiveOptions
-    carrying: TransportOptions
-    shown_failures: FailureOptions
+    live: LiveOptions = LiveOptions()
+    carrying: TransportOptions = TransportOptions()
+    shown_failures: FailureOptions = FailureOptions()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -25,8 +25,8 @@ _MAX_CHUNK_NS = 1_000_000_000
 class RecordingOptions:
     """Options of a recording: the file and its compression."""
 
-    file: str | None
-    compression: str | None
+    file: str | None = None
+    compression: str | None = None
 
     def begin(self, files: ExitStack, running: runtime.System) -> Recorder | None:
         """Record a system from now on until `files` is closed; None without a file."""

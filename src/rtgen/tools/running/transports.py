@@ -47,12 +47,12 @@ TAKES: dict[str, frozenset[str]] = {
 class TransportOptions(EngineOptions):
     """The transport options of the command line; None for those not given."""
 
-    only: str | None
-    nameserver: str | None
-    endpoint: str | None
-    wait: float | None
-    foreign: str | None
-    activated: str | None
+    only: str | None = None
+    nameserver: str | None = None
+    endpoint: str | None = None
+    wait: float | None = None
+    foreign: str | None = None
+    activated: str | None = None
 
     @property
     def patience(self) -> float:
