@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -43,11 +43,11 @@ class RunOptions:
     log: str | None = None
     checkpoints: str | None = None
     check_values: str = "first"
-    recording: RecordingOptions = RecordingOptions()
+    recording: RecordingOptions = field(default_factory=RecordingOptions)
     ros2: str | None = None
-    live: LiveOptions = LiveOptions()
-    carrying: TransportOptions = TransportOptions()
-    shown_failures: FailureOptions = FailureOptions()
+    live: LiveOptions = field(default_factory=LiveOptions)
+    carrying: TransportOptions = field(default_factory=TransportOptions)
+    shown_failures: FailureOptions = field(default_factory=FailureOptions)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
