@@ -28,6 +28,11 @@ class PortKind(StrEnum):
     PROVIDER = "provider"
     CONSUMER = "consumer"
 
+    @property
+    def word(self) -> str:
+        """The word in texts for people: `InPort`, `provider`."""
+        return {"inport": "InPort", "outport": "OutPort"}.get(self.value, self.value)
+
 
 class Port(Documented, frozen=True, kw_only=True):
     """A data port, or one interface of a service port.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 from rtgen.compiler.model import (
     Adapter,
@@ -13,10 +14,10 @@ from rtgen.compiler.model import (
     ScopedName,
 )
 from rtgen.tools.diff.changes import Change, Wire, change
-from rtgen.tools.diff.items import Fact, Group, fact_changes, item_changes
+from rtgen.tools.diff.items import Fact, Group, by_name, fact_changes, item_changes
 from rtgen.tools.diff.kinds import components as kinds
 from rtgen.tools.diff.kinds import types as type_kinds
-from rtgen.tools.diff.matching import matching
+from rtgen.tools.diff.matching import Matching, matching
 from rtgen.tools.diff.member_facts import is_narrower, shown, value_text
 from rtgen.tools.diff.type_expressions import ENCODINGS, TypeExpressions
 from rtgen.tools.diff.versions import Version
@@ -24,9 +25,14 @@ from rtgen.tools.diff.versions import Version
 _DATA = (PortKind.INPORT, PortKind.OUTPORT)
 
 
+def _word(port: Port) -> str:
+    return port.kind.word
+
+
 _COMPONENTS = Group(
     "component", kinds.COMPONENT_ADDED, kinds.COMPONENT_REMOVED, kinds.COMPONENT_RENAMED
 )
+_PORTS = Group(_word, kinds.PORT_ADDED, kinds.PORT_REMOVED, kinds.PORT_RENAMED)
 _PARAMETERS = Group(
     "parameter", kinds.PARAMETER_ADDED, kinds.PARAMETER_REMOVED, kinds.PARAMETER_RENAMED
 )
@@ -50,8 +56,27 @@ _FACTS = (
         "supported interfaces",
         lambda c: ", ".join("::".join(s) for s in c.supports) or "none",
     ),
+    Fact(
+        lambda old, new: (
+            kinds.COMPONENT_INSTANCES_MORE if new > old else kinds.COMPONENT_INSTANCES
+        ),
+        "{name} allows {now} instances, did {was}",
+        lambda c: c.max_instances,
+    ),
 )
+_PORT_FACTS = (Fact(kinds.PORT_UNIT, "unit", lambda p: p.unit or "none"),)
 _PARAMETER_FACTS = (
+    Fact(kinds.PARAMETER_DEFAULT, "default", lambda p: p.default, value_text),
+    Fact(
+        lambda old, new: (
+            kinds.PARAMETER_NARROWED
+            if is_narrower(old, new)
+            else kinds.PARAMETER_WIDENED
+        ),
+        "{name} ranges over {now}, did over {was}",
+        lambda p: (p.minimum, p.maximum),
+        shown,
+    ),
     Fact(kinds.PARAMETER_CONSTRAINT, "constraint", lambda p: p.constraint or "none"),
     Fact(kinds.PARAMETER_UNIT, "unit", lambda p: p.unit or "none"),
     Fact(kinds.PARAMETER_WIDGET, "widget", lambda p: p.widget or "none"),
@@ -109,29 +134,11 @@ class _Components:
         old, new = self._old, self._new
         spans = (old.span, new.span)
         yield from fact_changes(_FACTS, old, new, new.scoped, spans)
-        if old.max_instances != new.max_instances:
-            more = new.max_instances > old.max_instances
-            kind = kinds.COMPONENT_INSTANCES_MORE if more else kinds.COMPONENT_INSTANCES
-            text = f"{new.scoped} allows {new.max_instances} instances, did {old.max_instances}"
-            yield change(kind, new.scoped, text, old.span, new.span)
 
     def _ports(self) -> Iterator[Change]:
-        old = {p.name: p for p in self._old.ports}
-        new = {p.name: p for p in self._new.ports}
+        old, new = by_name(self._old.ports), by_name(self._new.ports)
         found = matching(old, new, lambda p: (p.kind, str(p.type), p.unit))
-        for port in found.removed:
-            name = f"{self._old.scoped}.{port.name}"
-            text = f"{_word(port)} {name} is removed"
-            yield change(kinds.PORT_REMOVED, name, text, port.span, self._new.span)
-        for port in found.added:
-            name = self._sub(port)
-            text = f"{_word(port)} {name} is added"
-            yield change(kinds.PORT_ADDED, name, text, self._old.span, port.span)
-        for one, other in found.renamed:
-            text = f"{_word(other)} {self._sub(other)} was called {one.name}"
-            yield change(
-                kinds.PORT_RENAMED, self._sub(other), text, one.span, other.span
-            )
+        yield from self._items(_PORTS, found)
         for one, other in (*found.pairs, *found.renamed):
             yield from self._port(one, other)
         common = [p.name for p in self._old.ports if p.name in new]
@@ -156,9 +163,7 @@ class _Components:
             yield change(
                 kind, name, text, *spans, wires=ENCODINGS if data else (Wire.GIOP,)
             )
-        if old.unit != new.unit:
-            text = f"{name} has the unit {new.unit or 'none'}, had {old.unit or 'none'}"
-            yield change(kinds.PORT_UNIT, name, text, *spans)
+        yield from fact_changes(_PORT_FACTS, old, new, name, spans)
         if new.kind not in _DATA and old.kind is new.kind:
             renamed = old.name != new.name
             if (old.port, old.instance) != (new.port, new.instance) and not renamed:
@@ -170,21 +175,12 @@ class _Components:
                 yield change(kinds.PORT_TYPE_NAME, name, text, *spans)
 
     def _configuration(self) -> Iterator[Change]:
-        old = {c.name: c for c in self._old.configuration}
-        new = {c.name: c for c in self._new.configuration}
         found = matching(
-            old,
-            new,
+            by_name(self._old.configuration),
+            by_name(self._new.configuration),
             lambda c: (str(c.type), value_text(c.default), c.unit, c.constraint),
         )
-        yield from item_changes(
-            _PARAMETERS,
-            found,
-            self._sub,
-            (self._old.span, self._new.span),
-            old_name=lambda item: f"{self._old.scoped}.{item.name}",
-            label=lambda item: item.name,
-        )
+        yield from self._items(_PARAMETERS, found)
         for one, other in found.pairs:
             yield from self._parameter(one, other)
 
@@ -198,39 +194,26 @@ class _Components:
             kind = type_kinds.MEMBER_ALIAS if alias else kinds.PARAMETER_TYPE
             text = f"parameter {name} has the type {new.type}, had {old.type}"
             yield change(kind, name, text, *spans)
-        if old.default != new.default:
-            now, was = value_text(new.default), value_text(old.default)
-            text = f"parameter {name} has the default {now}, had {was}"
-            yield change(kinds.PARAMETER_DEFAULT, name, text, *spans)
-        before, after = (old.minimum, old.maximum), (new.minimum, new.maximum)
-        if before != after:
-            narrowed = is_narrower(before, after)
-            kind = kinds.PARAMETER_NARROWED if narrowed else kinds.PARAMETER_WIDENED
-            text = (
-                f"parameter {name} ranges over {shown(after)}, did over {shown(before)}"
-            )
-            yield change(kind, name, text, *spans)
         yield from fact_changes(_PARAMETER_FACTS, old, new, name, spans, "parameter")
+
+    def _items(self, group: Group, found: Matching[str, Any]) -> Iterator[Change]:
+        yield from item_changes(
+            group,
+            found,
+            self._sub,
+            (self._old.span, self._new.span),
+            old_name=lambda item: f"{self._old.scoped}.{item.name}",
+            label=lambda item: item.name,
+        )
 
     def _sub(self, item: Port | ConfigurationParameter) -> str:
         return f"{self._new.scoped}.{item.name}"
 
 
-def _word(port: Port) -> str:
-    return {
-        PortKind.INPORT: "InPort",
-        PortKind.OUTPORT: "OutPort",
-        PortKind.PROVIDER: "provider",
-        PortKind.CONSUMER: "consumer",
-    }[port.kind]
-
-
 def _adapters(
     old: Version, new: Version, names: dict[ScopedName, ScopedName]
 ) -> Iterator[Change]:
-    before = {a.name: a for a in old.model.adapters}
-    after = {a.name: a for a in new.model.adapters}
-    found = matching(before, after, lambda _: None)
+    found = matching(by_name(old.model.adapters), by_name(new.model.adapters))
     yield from item_changes(_ADAPTERS, found, lambda adapter: adapter.name)
     for one, other in found.pairs:
         ends = tuple(names.get(n, n) for n in (one.source, one.target))

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Any, Protocol, TypeVar
 
 from rtgen.compiler.diagnostics import Span
@@ -19,17 +20,25 @@ class _Placed(Protocol):
 
 
 Item = TypeVar("Item", bound=_Placed)
+Key = TypeVar("Key")
 NOWHERE: Spans = (None, None)
 
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """Items of one sort: their word in messages, and the kinds of their changes."""
+    """Items of one sort: their word in messages, and the kinds of their changes.
 
-    word: str
-    added: Kind
+    `word` and `added` may depend on the item.
+    """
+
+    word: str | Callable[[Any], str]
+    added: Kind | Callable[[Any], Kind]
     removed: Kind
     renamed: Kind | None = None
+
+
+def _chosen(choice: Any, *items: object) -> Any:
+    return choice(*items) if callable(choice) else choice
 
 
 def item_changes(
@@ -40,6 +49,7 @@ def item_changes(
     *,
     old_name: Callable[[Item], str] | None = None,
     label: Callable[[Item], str] | None = None,
+    place: Callable[[Item], Span] = attrgetter("span"),
 ) -> Iterator[Change]:
     """Yield a change for each item in one version only, or with another name.
 
@@ -48,25 +58,32 @@ def item_changes(
     """
     subject = old_name or name
     for item in found.removed:
-        text = f"{group.word} {subject(item)} is removed"
-        yield change(group.removed, subject(item), text, item.span, owners[1])
+        text = f"{_chosen(group.word, item)} {subject(item)} is removed".lstrip()
+        yield change(group.removed, subject(item), text, place(item), owners[1])
     for item in found.added:
-        text = f"{group.word} {name(item)} is added"
-        yield change(group.added, name(item), text, owners[0], item.span)
+        text = f"{_chosen(group.word, item)} {name(item)} is added".lstrip()
+        kind = _chosen(group.added, item)
+        yield change(kind, name(item), text, owners[0], place(item))
     if group.renamed is None:
         return
     for one, other in found.renamed:
-        text = f"{group.word} {name(other)} was called {(label or subject)(one)}"
-        yield change(group.renamed, name(other), text, one.span, other.span)
+        word = _chosen(group.word, other)
+        text = f"{word} {name(other)} was called {(label or subject)(one)}"
+        yield change(group.renamed, name(other), text, place(one), place(other))
 
 
 @dataclass(frozen=True, slots=True)
 class Fact:
-    """A fact of a declaration: the kind of its change, its word in messages, and its value."""
+    """A fact of a declaration: the kind of its change, its word in messages, and its value.
 
-    kind: Kind
+    `kind` may depend on the old and the new value. `word` is a noun, or the message: `{name}` has
+    the value `{now}`, which was `{was}`; `{no}` is `no longer ` for a value that is false now.
+    """
+
+    kind: Kind | Callable[[Any, Any], Kind]
     word: str
     value: Callable[[Any], object]
+    shown: Callable[[Any], object] = str
 
 
 def fact_changes(
@@ -82,5 +99,32 @@ def fact_changes(
     for fact in facts:
         before, after = fact.value(old), fact.value(new)
         if before != after:
-            text = f"{name} has the {fact.word} {after}, had {before}"
-            yield change(fact.kind, subject, text, *spans)
+            text = fact.word
+            if "{" not in text:
+                text = f"{{name}} has the {text} {{now}}, had {{was}}"
+            now, was, no = (
+                fact.shown(after),
+                fact.shown(before),
+                "no longer " * (not after),
+            )
+            text = text.format(name=name, now=now, was=was, no=no)
+            yield change(_chosen(fact.kind, before, after), subject, text, *spans)
+
+
+def by_name(items: Iterable[Any]) -> dict[str, Any]:
+    """Return the items by their names."""
+    return {item.name: item for item in items}
+
+
+def differing(
+    old: Mapping[Key, object], new: Mapping[Key, object]
+) -> Iterator[tuple[Key, Any, Any]]:
+    """Yield each key with another value: the key, the old and the new value, None for none."""
+    for key in dict.fromkeys((*old, *new)):
+        if old.get(key) != new.get(key):
+            yield key, old.get(key), new.get(key)
+
+
+def start_of(item: Any) -> Span:
+    """Return the start of the file of a system or bus."""
+    return Span(item.file, 1, 1, 1, 2)

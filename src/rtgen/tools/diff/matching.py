@@ -24,13 +24,13 @@ class Matching(Generic[Name, Item]):
 def matching(
     old: Mapping[Name, Item],
     new: Mapping[Name, Item],
-    shape: Callable[[Item], Hashable | None],
+    shape: Callable[[Item], Hashable | None] = lambda _: None,
     new_shape: Callable[[Item], Hashable | None] | None = None,
 ) -> Matching[Name, Item]:
     """Match two versions. A renamed item is the only one of its shape on both sides.
 
     `shape` returns everything except the name, `new_shape` that of the new items, if it is another
-    function; None for items that are matched by name only.
+    function; None, the default, for items that are matched by name only.
     """
     gone = {name: item for name, item in old.items() if name not in new}
     come = {name: item for name, item in new.items() if name not in old}

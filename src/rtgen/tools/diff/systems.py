@@ -4,10 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from rtgen.compiler.diagnostics import Span
 from rtgen.compiler.model import Connection, System, SystemComponent
 from rtgen.tools.diff.changes import Change, change
-from rtgen.tools.diff.items import Fact, Group, fact_changes, item_changes
+from rtgen.tools.diff.items import (
+    Fact,
+    Group,
+    by_name,
+    differing,
+    fact_changes,
+    item_changes,
+    start_of,
+)
 from rtgen.tools.diff.kinds import systems as kinds
 from rtgen.tools.diff.matching import matching
 from rtgen.tools.diff.versions import Version
@@ -22,6 +29,7 @@ _PROPERTY_KINDS = {
 _INSTANCES = Group(
     "instance", kinds.INSTANCE_ADDED, kinds.INSTANCE_REMOVED, kinds.INSTANCE_RENAMED
 )
+_SYSTEMS = Group("system", kinds.SYSTEM_ADDED, kinds.SYSTEM_REMOVED)
 _CONNECTIONS = Group("connection", kinds.CONNECTION_ADDED, kinds.CONNECTION_REMOVED)
 _FACTS = (
     Fact(kinds.INSTANCE_TYPE, "component", lambda c: c.type),
@@ -35,47 +43,31 @@ _FACTS = (
 
 def compare_systems(old: Version, new: Version) -> Iterator[Change]:
     """Yield the changes of systems, matched by name."""
-    found = matching(
-        {s.name: s for s in old.model.systems},
-        {s.name: s for s in new.model.systems},
-        lambda _: None,
-    )
-    for system in found.removed:
-        text = f"system {system.name} is removed"
-        yield change(kinds.SYSTEM_REMOVED, system.name, text, _place(system), None)
-    for system in found.added:
-        text = f"system {system.name} is added"
-        yield change(kinds.SYSTEM_ADDED, system.name, text, None, _place(system))
+    found = matching(by_name(old.model.systems), by_name(new.model.systems))
+    yield from item_changes(_SYSTEMS, found, lambda s: s.name, place=start_of)
     for one, other in found.pairs:
         yield from _Systems(one, other).compare()
-
-
-def _place(system: System) -> Span:
-    """Return the start of a system's file."""
-    return Span(system.file, 1, 1, 1, 2)
 
 
 class _Systems:
     def __init__(self, old: System, new: System) -> None:
         self._old, self._new = old, new
-        self._spans = (_place(old), _place(new))
+        self._spans = (start_of(old), start_of(new))
 
     def compare(self) -> Iterator[Change]:
         old, new, name = self._old, self._new, self._new.name
         if old.id != new.id:
             text = f"system {name} has the id {new.id}, had {old.id}"
             yield change(kinds.SYSTEM_ID, name, text, *self._spans)
-        before, after = dict(old.properties), dict(new.properties)
-        for key in sorted({*before, *after}):
-            if before.get(key) != after.get(key):
-                text = (
-                    f"system {name} has {key} {after.get(key)}, had {before.get(key)}"
-                )
-                spans = (
-                    old.places.get(key, self._spans[0]),
-                    new.places.get(key, self._spans[1]),
-                )
-                yield change(kinds.SYSTEM_PROPERTY, name, text, *spans)
+        for key, was, now in sorted(
+            differing(dict(old.properties), dict(new.properties))
+        ):
+            text = f"system {name} has {key} {now}, had {was}"
+            spans = (
+                old.places.get(key, self._spans[0]),
+                new.places.get(key, self._spans[1]),
+            )
+            yield change(kinds.SYSTEM_PROPERTY, name, text, *spans)
         instances = matching(
             {c.instance: c for c in old.components},
             {c.instance: c for c in new.components},
@@ -117,31 +109,26 @@ class _Systems:
                 yield change(kinds.SET_ADDED, name, text, old.span, new.span)
                 continue
             was, now = dict(before[key]), dict(pairs)
-            for parameter in dict.fromkeys((*was, *now)):
-                if was.get(parameter) == now.get(parameter):
-                    continue
+            for parameter, first, second in differing(was, now):
                 item = f"{name}.{parameter}"
                 spans = (
                     old.places.get((key, parameter), old.span),
                     new.places.get((key, parameter), new.span),
                 )
-                if parameter not in was:
-                    text = f"{item} is {now[parameter]} in set {key}"
-                    yield change(kinds.VALUE_ADDED, item, text, *spans)
-                elif parameter not in now:
-                    text = f"{item} is no longer {was[parameter]} in set {key}"
-                    yield change(kinds.VALUE_REMOVED, item, text, *spans)
+                if first is None:
+                    kind, text = kinds.VALUE_ADDED, f"{item} is {second} in set {key}"
+                elif second is None:
+                    kind = kinds.VALUE_REMOVED
+                    text = f"{item} is no longer {first} in set {key}"
                 else:
-                    text = (
-                        f"{item} is {now[parameter]} in set {key}, was {was[parameter]}"
-                    )
-                    yield change(kinds.VALUE_CHANGED, item, text, *spans)
+                    kind = kinds.VALUE_CHANGED
+                    text = f"{item} is {second} in set {key}, was {first}"
+                yield change(kind, item, text, *spans)
 
     def _connections(self, names: Mapping[str, str]) -> Iterator[Change]:
         found = matching(
             {_ends(c, names): c for c in self._old.connections},
             {_ends(c, {}): c for c in self._new.connections},
-            lambda _: None,
         )
         yield from item_changes(_CONNECTIONS, found, self._connection, self._spans)
         for one, other in found.pairs:
@@ -153,13 +140,13 @@ class _Systems:
         if old.name != new.name:
             text = f"connection {name} is called {new.name}, was {old.name}"
             yield change(kinds.CONNECTION_NAME, name, text, old.span, new.span)
-        was, now = dict(old.properties), dict(new.properties)
-        for key in sorted({*was, *now}):
-            if was.get(key) != now.get(key):
-                kind = _PROPERTY_KINDS.get(key, kinds.CONNECTION_PROPERTY)
-                text = f"connection {name} has {key} {now.get(key)}, had {was.get(key)}"
-                spans = old.places.get(key, old.span), new.places.get(key, new.span)
-                yield change(kind, name, text, *spans)
+        for key, was, now in sorted(
+            differing(dict(old.properties), dict(new.properties))
+        ):
+            kind = _PROPERTY_KINDS.get(key, kinds.CONNECTION_PROPERTY)
+            text = f"connection {name} has {key} {now}, had {was}"
+            spans = old.places.get(key, old.span), new.places.get(key, new.span)
+            yield change(kind, name, text, *spans)
 
     def _activation(self, names: Mapping[str, str]) -> Iterator[Change]:
         before = [

@@ -10,12 +10,6 @@ from rtgen.compiler.typemap.components.actions import ACTIONS
 from rtgen.tools.docs.pages import Content, Page
 from rtgen.tools.docs.places import Kind
 
-_KINDS = {
-    PortKind.INPORT: "InPort",
-    PortKind.OUTPORT: "OutPort",
-    PortKind.PROVIDER: "provider",
-    PortKind.CONSUMER: "consumer",
-}
 _STATES = (
     ("CREATED", "on_initialize, on_finalize"),
     ("INACTIVE", "on_activated, on_deactivated on the way to ACTIVE and back"),
@@ -90,7 +84,7 @@ def _add(content: Content, page: Page, c: Component) -> None:
 def _port(content: Content, here: str, c: Component, port: Port) -> tuple[object, ...]:
     return (
         code(port.name),
-        _KINDS[port.kind],
+        port.kind.word,
         content.places.type(port.type, here),
         port.unit,
         _peers(content, here, c, port),
