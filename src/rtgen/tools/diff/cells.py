@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from operator import attrgetter
 
 from rtgen.compiler.lowering.tecs.options import TECSGEN_OPTIONS, read_options
 from rtgen.compiler.lowering.tecs.plan import PLUGIN
@@ -13,44 +14,47 @@ from rtgen.compiler.model.tecs import (
     Composite,
     Join,
     Region,
-    TecsDeclaration,
     TecsPort,
     TecsVariable,
     Through,
 )
+from rtgen.compiler.model.types import ScopedName
 from rtgen.tools.diff.changes import Change, Wire, change
-from rtgen.tools.diff.items import Group, item_changes
+from rtgen.tools.diff.items import Fact, Group, differing, fact_changes, item_changes
 from rtgen.tools.diff.kinds import signatures as kinds
-from rtgen.tools.diff.matching import matching
+from rtgen.tools.diff.matching import Matching, matching
 from rtgen.tools.diff.signatures import TecsSides, declared
 from rtgen.tools.diff.versions import Version
 
 _CELLTYPES = Group("celltype", kinds.CELLTYPE_ADDED, kinds.CELLTYPE_REMOVED)
 _CELLS = Group("cell", kinds.CELL_ADDED, kinds.CELL_REMOVED, kinds.CELL_RENAMED)
+_PORTS = Group(
+    lambda p: f"{p.kind} port",
+    lambda p: (
+        kinds.CELLTYPE_PORT_ADDED
+        if p.kind == "call" and not p.optional
+        else kinds.CELLTYPE_ENTRY_ADDED
+    ),
+    kinds.CELLTYPE_PORT_REMOVED,
+)
+_REGION_FACTS = (
+    Fact(kinds.REGION, "{name} has other specifiers", lambda r: (r.linkunit, r.node)),
+)
 _JOINS = Group("join", kinds.JOIN_ADDED, kinds.JOIN_REMOVED)
 _REGIONS = Group("region", kinds.REGION_ADDED, kinds.REGION)
 
 
-def _scoped(declaration: TecsDeclaration) -> str:
-    return declaration.scoped
-
-
 def compare_cells(old: Version, new: Version, sides: TecsSides) -> Iterator[Change]:
     """Yield the changes of celltypes, composites, cells and regions."""
-    before: dict[tuple[str, ...], Celltype | Composite] = {
-        **declared(old, Celltype),
-        **declared(old, Composite),
-    }
-    after: dict[tuple[str, ...], Celltype | Composite] = {
-        **declared(new, Celltype),
-        **declared(new, Composite),
-    }
-    types = matching(before, after, lambda _: None)
-    yield from item_changes(_CELLTYPES, types, _scoped)
+    types: Matching[ScopedName, Celltype | Composite] = matching(
+        {**declared(old, Celltype), **declared(old, Composite)},
+        {**declared(new, Celltype), **declared(new, Composite)},
+    )
+    yield from item_changes(_CELLTYPES, types, attrgetter("scoped"))
     for one, other in types.pairs:
         yield from _celltype(one, other, sides)
     cells = matching(declared(old, Cell), declared(new, Cell), _cell_shape)
-    yield from item_changes(_CELLS, cells, _scoped)
+    yield from item_changes(_CELLS, cells, attrgetter("scoped"))
     names = {a.name: b.name for a, b in (*cells.pairs, *cells.renamed)}
     for first, second in (*cells.pairs, *cells.renamed):
         yield from _cell(first, second, names)
@@ -65,25 +69,16 @@ def _cell_shape(cell: Cell) -> object:
 def _celltype(
     old: Celltype | Composite, new: Celltype | Composite, sides: TecsSides
 ) -> Iterator[Change]:
-    name = new.scoped
+    name, spans = new.scoped, (old.span, new.span)
     facts = [
-        (c.singleton, c.active, getattr(c, "idx_is_id", False)) for c in (old, new)
+        (type(c), c.singleton, c.active, getattr(c, "idx_is_id", False))
+        for c in (old, new)
     ]
-    if type(old) is not type(new) or facts[0] != facts[1]:
+    if facts[0] != facts[1]:
         text = f"celltype {name} has other specifiers"
-        yield change(kinds.CELLTYPE_KIND, name, text, old.span, new.span)
-    ports = matching(_visible(old), _visible(new), lambda _: None)
-    for port in ports.removed:
-        text = f"{port.kind} port {name}.{port.name} is removed"
-        yield change(
-            *(kinds.CELLTYPE_PORT_REMOVED, f"{name}.{port.name}", text),
-            *(port.span, new.span),
-        )
-    for port in ports.added:
-        needed = port.kind == "call" and not port.optional
-        kind = kinds.CELLTYPE_PORT_ADDED if needed else kinds.CELLTYPE_ENTRY_ADDED
-        text = f"{port.kind} port {name}.{port.name} is added"
-        yield change(kind, f"{name}.{port.name}", text, old.span, port.span)
+        yield change(kinds.CELLTYPE_KIND, name, text, *spans)
+    ports = matching(_visible(old), _visible(new))
+    yield from item_changes(_PORTS, ports, lambda p: f"{name}.{p.name}", spans)
     for one, other in ports.pairs:
         yield from _port(one, other, f"{name}.{other.name}", sides)
     before = {v.name: v for v in (*old.attributes, *_variables(old))}
@@ -137,7 +132,7 @@ def _port(
         yield change(kinds.CELLTYPE_PORT_SPECIFIER, name, text, *spans)
 
 
-Names = Mapping[tuple[str, ...], tuple[str, ...]]
+Names = Mapping[ScopedName, ScopedName]
 
 
 def _cell(old: Cell, new: Cell, names: Names) -> Iterator[Change]:
@@ -146,16 +141,15 @@ def _cell(old: Cell, new: Cell, names: Names) -> Iterator[Change]:
         now, was = "::".join(new.celltype), "::".join(old.celltype)
         text = f"cell {name} is a {now}, was a {was}"
         yield change(kinds.CELL_CELLTYPE, name, text, *spans)
-    before = {key: str(value) for key, value in old.attributes}
-    after = {key: str(value) for key, value in new.attributes}
-    for key in dict.fromkeys((*before, *after)):
-        if before.get(key) != after.get(key):
-            text = f"{name}.{key} is {after.get(key)}, was {before.get(key)}"
-            yield change(kinds.CELL_ATTRIBUTE, f"{name}.{key}", text, *spans)
+    before, after = (
+        {key: str(value) for key, value in c.attributes} for c in (old, new)
+    )
+    for key, was, now in differing(before, after):
+        text = f"{name}.{key} is {now}, was {was}"
+        yield change(kinds.CELL_ATTRIBUTE, f"{name}.{key}", text, *spans)
     joins = matching(
         {(j.port, j.index): j for j in old.joins},
         {(j.port, j.index): j for j in new.joins},
-        lambda _: None,
     )
     yield from item_changes(_JOINS, joins, lambda join: _end(name, join), spans)
     for one, other in joins.pairs:
@@ -211,9 +205,10 @@ def _wires_of_options(old: Through, new: Through) -> tuple[Wire, ...]:
 
 
 def _regions(old: Version, new: Version) -> Iterator[Change]:
-    regions = matching(declared(old, Region), declared(new, Region), lambda _: None)
+    regions = matching(declared(old, Region), declared(new, Region))
     for one, other in regions.pairs:
-        if (one.linkunit, one.node) != (other.linkunit, other.node):
-            text = f"region {other.scoped} has other specifiers"
-            yield change(kinds.REGION, other.scoped, text, one.span, other.span)
-    yield from item_changes(_REGIONS, regions, _scoped)
+        spans = one.span, other.span
+        yield from fact_changes(
+            _REGION_FACTS, one, other, other.scoped, spans, "region"
+        )
+    yield from item_changes(_REGIONS, regions, attrgetter("scoped"))

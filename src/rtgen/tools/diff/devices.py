@@ -9,7 +9,6 @@ from rtgen.compiler.model.canopen import (
     INVALID,
     Device,
     NodeRelative,
-    Object,
     Pdo,
     PdoEntry,
     Value,
@@ -17,7 +16,7 @@ from rtgen.compiler.model.canopen import (
 )
 from rtgen.facts.canopen import PDOS
 from rtgen.tools.diff.changes import Change, change
-from rtgen.tools.diff.items import Fact, Group, fact_changes, item_changes
+from rtgen.tools.diff.items import Fact, Group, by_name, fact_changes, item_changes
 from rtgen.tools.diff.kinds import devices as kinds
 from rtgen.tools.diff.matching import matching
 from rtgen.tools.diff.versions import Version
@@ -26,6 +25,7 @@ NumberOrRelative = int | float | NodeRelative | None
 
 
 _DEVICES = Group("device", kinds.DEVICE_ADDED, kinds.DEVICE_REMOVED)
+_PDOS = Group("", kinds.PDO_ADDED, kinds.PDO_REMOVED)
 _FACTS = (
     Fact(kinds.DEVICE_IDENTITY, "vendor number", lambda d: _hex(d.vendor_id)),
     Fact(kinds.DEVICE_IDENTITY, "product number", lambda d: _hex(d.product_code)),
@@ -66,11 +66,7 @@ _PDO_FACTS = (
 
 def compare_devices(old: Version, new: Version) -> Iterator[Change]:
     """Yield the changes of devices; another file name is another device."""
-    found = matching(
-        {d.name: d for d in old.model.devices},
-        {d.name: d for d in new.model.devices},
-        lambda _: None,
-    )
+    found = matching(by_name(old.model.devices), by_name(new.model.devices))
     yield from item_changes(_DEVICES, found, lambda device: device.name)
     for one, other in found.pairs:
         yield from compare_device(one, other)
@@ -100,7 +96,7 @@ def _hex(number: int | None) -> str:
 
 def _objects(old: Device, new: Device) -> Iterator[Change]:
     kinds_of = matching(
-        {o.index: o for o in old.objects}, {o.index: o for o in new.objects}, _no_shape
+        {o.index: o for o in old.objects}, {o.index: o for o in new.objects}
     )
     for one, other in kinds_of.pairs:
         if one.type is not other.type:
@@ -123,8 +119,15 @@ def _objects(old: Device, new: Device) -> Iterator[Change]:
             yield from _variable(before[key], variable, _name(new, variable))
 
 
-def _no_shape(_: Object) -> None:
-    """Return no shape: objects are matched by index only."""
+_NAMES = (
+    Fact(
+        kinds.OBJECT_RENAMED, '{name} is called "{now}", was "{was}"', lambda v: v.name
+    ),
+)
+_VALUES = (
+    Fact(kinds.OBJECT_DEFAULT, "default", lambda v: v.default, lambda v: shown(v)),
+    Fact(kinds.OBJECT_VALUE, "value", lambda v: v.value, lambda v: shown(v)),
+)
 
 
 def _is_pdo(variable: Variable) -> bool:
@@ -142,20 +145,12 @@ def _name(device: Device, variable: Variable) -> str:
 def _variable(old: Variable, new: Variable, name: str) -> Iterator[Change]:
     spans = (old.span, new.span)
     values = (old.value_span, new.value_span)
-    if old.name != new.name:
-        text = f'object {name} is called "{new.name}", was "{old.name}"'
-        yield change(kinds.OBJECT_RENAMED, name, text, *spans)
+    yield from fact_changes(_NAMES, old, new, name, spans, "object")
     if (old.data_type, old.domain) != (new.data_type, new.domain):
         text = f"object {name} is of type {_type(new)}, was of {_type(old)}"
         yield change(kinds.OBJECT_TYPE, name, text, *spans)
     yield from _access(old, new, name)
-    for kind, word, before, after in (
-        (kinds.OBJECT_DEFAULT, "default", old.default, new.default),
-        (kinds.OBJECT_VALUE, "value", old.value, new.value),
-    ):
-        if before != after:
-            text = f"object {name} has the {word} {shown(after)}, had {shown(before)}"
-            yield change(kind, name, text, *values)
+    yield from fact_changes(_VALUES, old, new, name, values, "object")
     limits = ((old.low, old.high), (new.low, new.high))
     if limits[0] != limits[1]:
         narrowed = _is_narrower(old.low, new.low, 1) or _is_narrower(
@@ -223,15 +218,9 @@ def compare_pdos(old: Device, new: Device) -> Iterator[Change]:
     found = matching(
         {(p.direction, p.number): p for p in old.pdos},
         {(p.direction, p.number): p for p in new.pdos},
-        lambda _: None,
     )
-    for pdo in found.removed:
-        name = pdo_name(new, pdo)
-        text = f"{name} is removed"
-        yield change(kinds.PDO_REMOVED, name, text, pdo.span, new.span)
-    for pdo in found.added:
-        name = pdo_name(new, pdo)
-        yield change(kinds.PDO_ADDED, name, f"{name} is added", old.span, pdo.span)
+    spans = (old.span, new.span)
+    yield from item_changes(_PDOS, found, lambda p: pdo_name(new, p), spans)
     for one, other in found.pairs:
         name = pdo_name(new, other)
         yield from _mapping(one, other, name, old, new)

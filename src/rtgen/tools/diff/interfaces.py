@@ -18,7 +18,7 @@ from rtgen.compiler.model import (
 )
 from rtgen.tools.diff.changes import Change, Kind, change
 from rtgen.tools.diff.declarations import TypeChanges
-from rtgen.tools.diff.items import Group, item_changes
+from rtgen.tools.diff.items import Fact, Group, by_name, fact_changes, item_changes
 from rtgen.tools.diff.kinds import interfaces as kinds
 from rtgen.tools.diff.kinds import types as type_kinds
 from rtgen.tools.diff.matching import Matching, matching
@@ -36,6 +36,23 @@ _INTERFACES = Group(
 )
 _OPERATIONS = Group(
     "operation", kinds.OPERATION_ADDED, kinds.OPERATION_REMOVED, kinds.OPERATION_RENAMED
+)
+_FACTS = (
+    Fact(kinds.INTERFACE_LOCAL, "{name} is {no}local", lambda i: i.local),
+    Fact(kinds.INTERFACE_ABSTRACT, "{name} is {no}abstract", lambda i: i.abstract),
+)
+_ATTRIBUTE_FACTS = (
+    Fact(
+        lambda _, now: kinds.ATTRIBUTE_READONLY if now else kinds.ATTRIBUTE_WRITABLE,
+        "{name} is {now} now",
+        lambda a: a.readonly,
+        lambda readonly: "readonly" if readonly else "writable",
+    ),
+    Fact(
+        kinds.ATTRIBUTE_RAISES,
+        "{name} raises other exceptions",
+        lambda a: (a.get_raises, a.set_raises),
+    ),
 )
 _ATTRIBUTES = Group("attribute", kinds.ATTRIBUTE_ADDED, kinds.ATTRIBUTE_REMOVED)
 
@@ -101,20 +118,14 @@ class _Interfaces:
         if tuple(self._names.get(b, b) for b in old.bases) != new.bases:
             text = f"interface {name} has other bases: {_list(new.bases)}, had {_list(old.bases)}"
             yield change(kinds.INTERFACE_BASES, name, text, *spans)
-        for kind, before, after, word in (
-            (kinds.INTERFACE_LOCAL, old.local, new.local, "local"),
-            (kinds.INTERFACE_ABSTRACT, old.abstract, new.abstract, "abstract"),
-        ):
-            if before != after:
-                text = f"interface {name} is {'' if after else 'no longer '}{word}"
-                yield change(kind, name, text, *spans)
+        yield from fact_changes(_FACTS, old, new, name, spans, "interface")
         yield from self.operations()
         yield from self.attributes()
 
     def operations(self) -> Iterator[Change]:
         """Yield the changes of operations."""
         found = matching(
-            _by_name(self._old.operations), _by_name(self._new.operations), _signature
+            by_name(self._old.operations), by_name(self._new.operations), _signature
         )
         yield from self._items(_OPERATIONS, found)
         for one, other in (*found.pairs, *found.renamed):
@@ -138,12 +149,8 @@ class _Interfaces:
         before = {"::".join(self._names.get(r, r)) for r in old.raises}
         after = {"::".join(r) for r in new.raises}
         for raised in sorted(after - before):
-            yield change(
-                kinds.RAISES_ADDED,
-                name,
-                f"operation {name} raises {raised} now",
-                *spans,
-            )
+            text = f"operation {name} raises {raised} now"
+            yield change(kinds.RAISES_ADDED, name, text, *spans)
         for raised in sorted(before - after):
             text = f"operation {name} no longer raises {raised}"
             yield change(kinds.RAISES_REMOVED, name, text, *spans)
@@ -204,8 +211,8 @@ class _Interfaces:
 
     def attributes(self) -> Iterator[Change]:
         """Yield the changes of attributes."""
-        before, after = _by_name(self._old.attributes), _by_name(self._new.attributes)
-        found = matching(before, after, lambda _: None)
+        before, after = by_name(self._old.attributes), by_name(self._new.attributes)
+        found = matching(before, after)
         yield from self._items(_ATTRIBUTES, found)
         for old, new in found.pairs:
             name, spans = self._sub(new), (old.span, new.span)
@@ -217,17 +224,9 @@ class _Interfaces:
                 name,
                 spans,
             )
-            if old.readonly != new.readonly:
-                kind = (
-                    kinds.ATTRIBUTE_READONLY
-                    if new.readonly
-                    else kinds.ATTRIBUTE_WRITABLE
-                )
-                text = f"attribute {name} is {'readonly' if new.readonly else 'writable'} now"
-                yield change(kind, name, text, *spans)
-            if (old.get_raises, old.set_raises) != (new.get_raises, new.set_raises):
-                text = f"attribute {name} raises other exceptions"
-                yield change(kinds.ATTRIBUTE_RAISES, name, text, *spans)
+            yield from fact_changes(
+                _ATTRIBUTE_FACTS, old, new, name, spans, "attribute"
+            )
             for kind, text in member_facts(old, new, f"attribute {name}"):
                 yield change(kind, name, text, *spans)
 
@@ -263,10 +262,6 @@ class _Interfaces:
 
     def _sub(self, item: Operation | Attribute | Parameter) -> str:
         return f"{self._new.scoped}.{item.name}"
-
-
-def _by_name(items: Sequence[_Item]) -> dict[str, _Item]:
-    return {item.name: item for item in items}
 
 
 def _reordered(old: Sequence[str], new: Sequence[str]) -> bool:
