@@ -9,35 +9,42 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from threading import RLock
-from typing import Any, Final, Protocol, TypeAlias
+from typing import Any, Final, Protocol
 
 import msgspec
 
 from rtgen.facts.numeric import MAX_LIST_LENGTH
-from rtgen.facts.omniidl import STAND_IN, mangled, opaque_id
-from rtgen.facts.primitives import NUMBERS, Primitive
+from rtgen.facts.omniidl import STAND_IN, mangled
+from rtgen.facts.primitives import NUMBERS
 from rtgen.runtime.corba.wire_conversions import octets
 from rtgen.runtime.marshalling.descriptors import (
     ArrayDescriptor,
-    BoxDescriptor,
     Descriptor,
     EnumDescriptor,
     ExceptionDescriptor,
     FixedDescriptor,
     PrimitiveDescriptor,
     SequenceDescriptor,
-    StringDescriptor,
     StructDescriptor,
     UnionDescriptor,
-    ValueDescriptor,
     plain,
 )
 from rtgen.runtime.marshalling.dynamic import forms
 from rtgen.runtime.marshalling.layouts.nodes import Text
-from rtgen.runtime.marshalling.layouts.trees import TEXTS, parts
 from rtgen.runtime.marshalling.numeric import NumericArray, listed
 from rtgen.runtime.marshalling.source.text import Namespace, entered
 from rtgen.runtime.marshalling.source.unions import choices
+from rtgen.runtime.openrtm.wire_forms import (
+    Items,
+    element_of,
+    holds_values,
+    identity_of,
+    is_immutable,
+    is_octets,
+    is_same,
+    kept_struct,
+    text_of,
+)
 from rtgen.runtime.openrtm.wire_objects import (
     BASIC,
     ExceptionOctets,
@@ -58,8 +65,6 @@ _KEY: Final = "openrtm"
 
 _LOCK = RLock()
 _NEW = object.__new__
-
-_List: TypeAlias = SequenceDescriptor | ArrayDescriptor
 
 
 class Conversion(Protocol):
@@ -214,10 +219,10 @@ class _Source:
     def _declared(self, descriptor: Any) -> None:
         """Write the functions of a type."""
         to, of, fill = self._begun[id(descriptor)][1]
-        identity = _identity(descriptor)
+        identity = identity_of(descriptor)
         ours = self._bound(descriptor.class_)
         is_raised = isinstance(descriptor, ExceptionDescriptor)
-        if _holds_values(descriptor):
+        if holds_values(descriptor):
             way = ExceptionOctets if is_raised else Octets
             through = self._shared("octets", way(descriptor, identity))
             self._function(to, "value", [f"return {through}.to(value)"])
@@ -271,7 +276,7 @@ class _Source:
                 continue
             inner_wire = self._local(f"wire_{member.name}")
             inner_value = self._local(f"value_{member.name}")
-            class_ = self._bound(class_of(_identity(inner)))
+            class_ = self._bound(class_of(identity_of(inner)))
             made = f"{there} = {self._bound(_NEW)}({class_})" if fresh else there
             yield f"{inner_wire} = {made}"
             yield f"{inner_value} = {here}"
@@ -281,14 +286,14 @@ class _Source:
         self, type_: Descriptor, there: str, here: str, fresh: bool
     ) -> Iterator[str]:
         type_ = plain(type_)
-        element = _kept_element(type_)
+        element = kept_struct(type_)
         if not fresh and isinstance(type_, StructDescriptor):
             yield f"{self.names_of(type_)[2]}({there}, {here})"
         elif not fresh and element is not None:
             to, _, fill = self.names_of(element)
             yield f"if {here} or {there}:"
             yield f"    {self._bound(refill)}({there}, {here}, {fill}, {to})"
-        elif not fresh and _is_same(type_):
+        elif not fresh and is_same(type_):
             yield f"{there} = {self._numbers(as_list, type_, here) or here}"
         else:
             yield f"{there} = {self._converted(True, type_, here)}"
@@ -320,7 +325,7 @@ class _Source:
         """Return the number of fields and inner structs; one above `_INLINE` for calls."""
         size = self._sizes.get(id(struct))
         if size is None:
-            size = 1 + _INLINE * _holds_values(struct)
+            size = 1 + _INLINE * holds_values(struct)
             for member in struct.members:
                 if size > _INLINE:
                     break
@@ -364,10 +369,10 @@ class _Source:
             way = "to" if outgoing else "of"
             return f"{self._shared('objects', type_)}.{way}({value})"
         described: Any = plain(type_)
-        if _is_immutable(described):
+        if is_immutable(described):
             return value
         match described:
-            case _ if _is_octets(described):
+            case _ if is_octets(described):
                 return f"{self._bound(octets)}({value})" if outgoing else value
             case FixedDescriptor(digits, scale):
                 if outgoing:
@@ -389,11 +394,11 @@ class _Source:
         way = "to" if outgoing else "of"
         return f"{self._shared('octets', through)}.{way}({value})"
 
-    def _items(self, outgoing: bool, type_: _List, value: str) -> str:
+    def _items(self, outgoing: bool, type_: Items, value: str) -> str:
         """Return an expression for the items of a sequence or array."""
         if type_.numeric != "list":
             return self._formed(outgoing, type_, value)
-        text = _text(type_)
+        text = text_of(type_)
         if text is not None and not outgoing:
             is_text = text is Text.CHARACTERS
             return f'"".join({value})' if is_text else f"bytes({value})"
@@ -402,16 +407,16 @@ class _Source:
             return numbers
         return self._list(outgoing, type_, value)
 
-    def _list(self, outgoing: bool, type_: _List, value: str) -> str:
+    def _list(self, outgoing: bool, type_: Items, value: str) -> str:
         item = self._local("item")
-        made = self._converted(outgoing, _element(type_), item)
+        made = self._converted(outgoing, element_of(type_), item)
         return f"list({value})" if made == item else f"[{made} for {item} in {value}]"
 
     def _numbers(
         self, helper: Callable[..., Any], type_: Descriptor, value: str
     ) -> str:
         """Return a list of numbers made by a helper; empty for another type."""
-        if not isinstance(type_, _List) or forms.is_octet(type_.element):
+        if not isinstance(type_, Items) or forms.is_octet(type_.element):
             return ""
         if not forms.is_in_buffers(type_.element):
             return ""
@@ -419,7 +424,7 @@ class _Source:
         further = f", {depth}" if depth > 1 else ""
         return f"{self._bound(helper)}({value}{further})"
 
-    def _formed(self, outgoing: bool, type_: _List, value: str) -> str:
+    def _formed(self, outgoing: bool, type_: Items, value: str) -> str:
         """Return an expression for numbers or structs in another form than omniORB's lists."""
         element: Any = plain(type_.element)
         is_struct = isinstance(element, StructDescriptor)
@@ -453,75 +458,3 @@ class _Source:
 
 def _tuple(items: Iterable[str]) -> str:
     return "".join(f"{item}, " for item in items)
-
-
-def _identity(descriptor: Any) -> str:
-    """Return the repository id of a type in omniORB; a placeholder has its own."""
-    opaque = isinstance(descriptor, StructDescriptor) and descriptor.opaque
-    identity: str = descriptor.repository_id
-    return opaque_id(descriptor.name) if opaque else identity
-
-
-def _holds_values(descriptor: Descriptor) -> bool:
-    """Return whether the data contain valuetypes, whose sharing makes a value a graph."""
-    return any(
-        isinstance(part, ValueDescriptor | BoxDescriptor)
-        or part == PrimitiveDescriptor(Primitive.VALUE_BASE)
-        for part in parts(descriptor)
-    )
-
-
-def _kept_element(type_: Descriptor) -> StructDescriptor | None:
-    """Return the struct of a list's items, if their wire objects are reused."""
-    match type_:
-        case SequenceDescriptor(element, numeric="list") | ArrayDescriptor(
-            element, (_,)
-        ):
-            element = plain(element)
-            return element if isinstance(element, StructDescriptor) else None
-    return None
-
-
-def _element(type_: _List) -> Descriptor:
-    """Return the type of a list's items; those of an array of arrays are arrays."""
-    if isinstance(type_, ArrayDescriptor) and len(type_.dimensions) > 1:
-        return ArrayDescriptor(type_.element, type_.dimensions[1:])
-    return type_.element
-
-
-def _text(type_: _List) -> Text | None:
-    """Return the form of a sequence or array that is `bytes` or `str` in Python."""
-    element = plain(_element(type_))
-    return TEXTS.get(element.name) if isinstance(element, PrimitiveDescriptor) else None
-
-
-def _is_direct(type_: Descriptor, text: Text) -> bool:
-    """Return whether items are octets, or characters, without an alias.
-
-    With an alias, omniORBpy has a list of them.
-    """
-    if not isinstance(type_, _List) or _text(type_) is not text:
-        return False
-    return isinstance(_element(type_), PrimitiveDescriptor)
-
-
-def _is_octets(type_: Descriptor) -> bool:
-    """Return whether a value is `bytes` in omniORBpy, and any buffer of octets in rtgen."""
-    return _is_direct(type_, Text.OCTETS)
-
-
-def _is_immutable(type_: Descriptor) -> bool:
-    """Return whether both sides have the same immutable values."""
-    if isinstance(type_, PrimitiveDescriptor):
-        return type_.name not in BASIC
-    return isinstance(type_, StringDescriptor) or _is_direct(type_, Text.CHARACTERS)
-
-
-def _is_same(type_: Descriptor) -> bool:
-    """Return whether omniORB marshals the value as is: immutable values and lists of them."""
-    if not isinstance(type_, _List):
-        return _is_immutable(type_)
-    if _is_immutable(type_):
-        return True
-    is_list = type_.numeric == "list" and _text(type_) is None
-    return is_list and _is_same(plain(_element(type_)))
