@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from math import isfinite
 
+import msgspec
+
 from rtgen.compiler.backends.kit.quoting.python import number_literal, string_literal
 from rtgen.compiler.layouts.cdr_types import enum_code
 from rtgen.compiler.model import (
@@ -59,15 +61,12 @@ class Form:
     items: str = ""
 
 
-class Forms:
+class Forms(msgspec.Struct, eq=False):
     """The forms of a model's types. `class_name` returns the class of a struct or enum."""
 
-    def __init__(
-        self, model: Model, limits: Limits, class_names: dict[ScopedName, str]
-    ) -> None:
-        self._model = model
-        self._limits = limits
-        self._classes = class_names
+    _model: Model
+    _limits: Limits
+    _classes: dict[ScopedName, str]
 
     def form(self, type_: Type, own: InitialValue | None = None) -> Form:
         """Return the form of a member; `own` is its default. Raises NoFormError."""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
+import msgspec
+
 from rtgen.compiler.backends.tecs.codec_parts import Attributes, Environment, Scope
 from rtgen.compiler.backends.tecs.values import places, unpacked
 from rtgen.compiler.layouts.tdr import (
@@ -34,29 +36,21 @@ MAGIC_BYTES = {
 """The attributes of codecs with the bytes of a magic that is read separately."""
 
 
-class Decoder:
+class Decoder(msgspec.Struct, eq=False):
     """Writes the body of one method, except for its end.
 
     `condition` returns the expression of whether a nullable item is present, None if the message
     has a flag for it. `checks` returns the expected values of magics.
     """
 
-    def __init__(
-        self,
-        attributes: Attributes,
-        scope: Scope,
-        environment: Environment,
-        condition: Callable[[Item], str | None],
-        checks: Mapping[Role, str],
-    ) -> None:
-        self._attributes = attributes
-        self._scope = scope
-        self._environment = environment
-        self._condition = condition
-        self._checks = checks
-        self._flags: dict[str, str] = {}
-        self._counts: dict[str, str] = {}
-        self.needs_budget = False
+    _attributes: Attributes
+    _scope: Scope
+    _environment: Environment
+    _condition: Callable[[Item], str | None]
+    _checks: Mapping[Role, str]
+    _flags: dict[str, str] = {}
+    _counts: dict[str, str] = {}
+    needs_budget: bool = False
 
     def body(self, steps: Sequence[Step], first: str | None = None) -> list[str]:
         """Return the statements; `first` is the variable with the bytes of the first run."""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
+import msgspec
+
 from rtgen.compiler.backends.tecs.codec_parts import Attributes, Environment, Scope
 from rtgen.compiler.backends.tecs.values import packed
 from rtgen.compiler.layouts.tdr import (
@@ -26,29 +28,20 @@ from rtgen.compiler.layouts.tdr import (
 from rtgen.compiler.typemap.tecs.python import struct_class
 
 
-class Encoder:
+class Encoder(msgspec.Struct, eq=False):
     """Writes the body of one method.
 
     `value` returns the expression of an item's value, `condition` that of whether a nullable one is
     present, `constants` the expressions of magics and the id.
     """
 
-    def __init__(
-        self,
-        attributes: Attributes,
-        scope: Scope,
-        environment: Environment,
-        value: Callable[[Item], str],
-        condition: Callable[[Item], str],
-        constants: Mapping[Role, str],
-    ) -> None:
-        self._attributes = attributes
-        self._scope = scope
-        self._environment = environment
-        self._value = value
-        self._condition = condition
-        self._constants = constants
-        self._units: dict[str, str] = {}
+    _attributes: Attributes
+    _scope: Scope
+    _environment: Environment
+    _value: Callable[[Item], str]
+    _condition: Callable[[Item], str]
+    _constants: Mapping[Role, str]
+    _units: dict[str, str] = {}
 
     def body(self, steps: Sequence[Step]) -> list[str]:
         """Return the statements; the last one returns the bytes."""

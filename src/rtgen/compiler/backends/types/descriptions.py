@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+import msgspec
+
 from rtgen.compiler.backends.kit.python_initial import PythonInitial
 from rtgen.compiler.backends.kit.python_text import Bracketed, fit_bracketed, tuple_of
 from rtgen.compiler.backends.kit.quoting.python import string_literal
@@ -45,26 +47,16 @@ from rtgen.compiler.typemap.python.idl import is_boolean, is_signed
 from rtgen.compiler.typemap.python.idl_names import PythonNames, is_emitted
 
 
-class Descriptions:
+class Descriptions(msgspec.Struct, eq=False):
     """Writes descriptors into one module."""
 
-    def __init__(
-        self,
-        model: Model,
-        names: PythonNames,
-        types: CdrTypes,
-        scope: Scope,
-        is_ahead: Callable[[Type], bool],
-        representations: Representations,
-        literals: PythonInitial,
-    ) -> None:
-        self._literals = literals
-        self._representations = representations
-        self._is_ahead = is_ahead
-        self._model = model
-        self._names = names
-        self._types = types
-        self._py = scope
+    _model: Model
+    _names: PythonNames
+    _types: CdrTypes
+    _py: Scope
+    _is_ahead: Callable[[Type], bool]
+    _representations: Representations
+    _literals: PythonInitial
 
     def of(self, type_: Type) -> str:
         """Return the descriptor of a type in a member, element or alias."""

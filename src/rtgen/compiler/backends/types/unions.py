@@ -26,22 +26,14 @@ class _Branch(msgspec.Struct, frozen=True):
     discriminator: str
 
 
-class Unions:
+class Unions(msgspec.Struct, eq=False):
     """Computes the branches and codecs of unions."""
 
-    def __init__(
-        self,
-        names: PythonNames,
-        model: Model,
-        types: CdrTypes,
-        scope: Scope,
-        describe: Descriptions,
-    ) -> None:
-        self._names = names
-        self._model = model
-        self._types = types
-        self._py = scope
-        self._describe = describe
+    _names: PythonNames
+    _model: Model
+    _types: CdrTypes
+    _py: Scope
+    _describe: Descriptions
 
     def values(
         self, union: Union, mapping: PythonMapping, representation: int

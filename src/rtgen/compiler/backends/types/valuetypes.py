@@ -40,25 +40,16 @@ class _State(msgspec.Struct, frozen=True):
     docstring: str
 
 
-class Valuetypes:
+class Valuetypes(msgspec.Struct, eq=False):
     """Writes valuetypes into one module."""
 
-    def __init__(
-        self,
-        names: PythonNames,
-        scope: Scope,
-        mapping: PythonMapping,
-        describe: Descriptions,
-        interfaces: Interfaces,
-        initial: PythonInitial,
-    ) -> None:
-        self._names = names
-        self._py = scope
-        self._mapping = mapping
-        self._describe = describe
-        self._interfaces = interfaces
-        self.initial = initial
-        self._fields: dict[tuple[Type, InitialValue | None, bool], str] = {}
+    _names: PythonNames
+    _py: Scope
+    _mapping: PythonMapping
+    _describe: Descriptions
+    _interfaces: Interfaces
+    initial: PythonInitial
+    _fields: dict[tuple[Type, InitialValue | None, bool], str] = {}
 
     def text(self, declaration: Valuetype, nested: list[str]) -> str:
         """Return the class of a valuetype: its state as fields, its operations for the user."""

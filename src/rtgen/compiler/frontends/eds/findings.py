@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rtgen.compiler.diagnostics import Rule
 from rtgen.compiler.frontends.eds.rules import lexical
 from rtgen.compiler.frontends.kit import findings
 
@@ -12,8 +13,8 @@ MAX_FINDINGS = 500
 class Findings(findings.Findings):
     """Collects the diagnostics of one file."""
 
-    def __init__(self) -> None:
-        super().__init__(lexical.TOO_MANY_FINDINGS, MAX_FINDINGS)
+    _overflow: Rule | None = lexical.TOO_MANY_FINDINGS
+    _most: int = MAX_FINDINGS
 
     @property
     def failed(self) -> bool:

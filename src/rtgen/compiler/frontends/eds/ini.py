@@ -138,16 +138,13 @@ def read(
 _OTHER_ENCODING = "if the text is wrong, say the encoding by --encoding"
 
 
-class _Reader:
+class _Reader(msgspec.Struct, eq=False):
     """Reads the text line by line."""
 
-    def __init__(
-        self, document: Document, findings: Findings, decoded: Decoded
-    ) -> None:
-        self._document = document
-        self._findings = findings
-        self._decoded = decoded
-        self._section: Section | None = None
+    _document: Document
+    _findings: Findings
+    _decoded: Decoded
+    _section: Section | None = None
 
     def run(self) -> None:
         text, file = self._document.text, self._document.file

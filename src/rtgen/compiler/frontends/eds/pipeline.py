@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
+import msgspec
 from msgspec.structs import replace
 
 from rtgen.compiler.diagnostics import Diagnostic, in_order
@@ -72,16 +73,13 @@ class DescriptionFile:
     data: bytes | None
 
 
-class _Run:
-    def __init__(
-        self, library: Library[DescriptionFile], node_id: int | None, encoding: str
-    ) -> None:
-        self._library = library
-        self._encoding = encoding
-        self._node_id = node_id
-        self._devices: list[Device] = []
-        self._diagnostics: list[Diagnostic] = []
-        self._texts: dict[str, str] = {}
+class _Run(msgspec.Struct, eq=False):
+    _library: Library[DescriptionFile]
+    _node_id: int | None
+    _encoding: str
+    _devices: list[Device] = []
+    _diagnostics: list[Diagnostic] = []
+    _texts: dict[str, str] = {}
 
     def result(self) -> FrontendResult:
         return FrontendResult(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 
+import msgspec
 from msgspec.structs import replace
 
 from rtgen.compiler.diagnostics import Diagnostic, Rule, Severity, Span
@@ -13,7 +14,7 @@ MAX_PER_SEVERITY = 1000
 """Maximum number of diagnostics kept per severity."""
 
 
-class Findings:
+class Findings(msgspec.Struct, eq=False):
     """Collects diagnostics in the order of reporting.
 
     `overflow` is the rule of the diagnostic that replaces those beyond `most` of one severity; for
@@ -22,13 +23,10 @@ class Findings:
     overflows, too.
     """
 
-    def __init__(
-        self, overflow: Rule | None = None, most: int = MAX_PER_SEVERITY
-    ) -> None:
-        self._overflow = overflow
-        self._most = most
-        self._found: dict[Diagnostic, None] = {}
-        self._counts: Counter[Severity] = Counter()
+    _overflow: Rule | None = None
+    _most: int = MAX_PER_SEVERITY
+    _found: dict[Diagnostic, None] = {}
+    _counts: Counter[Severity] = msgspec.field(default_factory=Counter)
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:

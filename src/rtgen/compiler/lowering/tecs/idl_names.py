@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+import msgspec
+
 from rtgen.compiler.diagnostics import Span
 from rtgen.compiler.model import (
     ArrayType,
@@ -44,18 +46,15 @@ def common_fields(name: ScopedName, declaration: TecsDeclaration) -> dict[str, A
     }
 
 
-class AnonymousTypes:
+class AnonymousTypes(msgspec.Struct, eq=False):
     """Names the anonymous types of operations by typedefs inside the interface."""
 
-    def __init__(
-        self, interface: ScopedName, signature: TecsDeclaration, names: IdlNames
-    ) -> None:
-        self._interface = interface
-        self._signature = signature
-        self._names = names
-        self._named: dict[Type, NamedType] = {}
-        self.typedefs: list[Declaration] = []
-        self.arrays: dict[Span, ScopedName] = {}
+    _interface: ScopedName
+    _signature: TecsDeclaration
+    _names: IdlNames
+    _named: dict[Type, NamedType] = {}
+    typedefs: list[Declaration] = []
+    arrays: dict[Span, ScopedName] = {}
 
     def named(self, type_: Type) -> Type:
         """Return the type in a form valid for a parameter or return value."""

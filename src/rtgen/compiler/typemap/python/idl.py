@@ -108,24 +108,17 @@ NameOf: TypeAlias = Callable[[ScopedName], str]
 """Function that returns the name of a declared type as written at the place of the text."""
 
 
-class PythonMapping:
+class PythonMapping(msgspec.Struct, eq=False):
     """The Python types of type expressions; `spell` returns the name for an import.
 
     `spell(module, name)` returns how the name is written (it may have an alias). An object of an
     interface is a reference in data, and with `servants` the abstract servant.
     """
 
-    def __init__(
-        self,
-        model: Model,
-        name_of: NameOf,
-        spell: Callable[[str, str], str] = lambda module, name: name,
-        servants: bool = False,
-    ) -> None:
-        self.model = model
-        self._servants = servants
-        self.name_of = name_of
-        self.spell = spell
+    model: Model
+    name_of: NameOf
+    spell: Callable[[str, str], str] = lambda module, name: name
+    servants: bool = False
 
     def annotation(self, type_: Type) -> str:
         """Return the annotation of a value of the type, on one line."""
@@ -197,7 +190,7 @@ class PythonMapping:
 
     def _named(self, name: ScopedName) -> str:
         declaration = self.model.find(name)
-        if isinstance(declaration, Interface) and self._servants:
+        if isinstance(declaration, Interface) and self.servants:
             return f"{self.name_of(name)} | None"
         if isinstance(declaration, Interface) and declaration.abstract:
             base = self.spelled(PRIMITIVES[Primitive.VALUE_BASE], "Value | Box | None")

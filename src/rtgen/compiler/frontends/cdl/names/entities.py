@@ -53,6 +53,10 @@ class Place(msgspec.Struct, frozen=True):
         """Return the span of a node."""
         return self.unit.span(node.start, node.end)
 
+    def doc(self, node: Spanned) -> str:
+        """Return the doc comment of a node."""
+        return self.unit.source.docs.of(node.start, node.end)
+
     def lookup(self, name: tree.ScopedName) -> Entity | Scope | None:
         """Return the entity or scope of a name, seen from this place; None if it is unknown."""
         return self.scope.find(name)

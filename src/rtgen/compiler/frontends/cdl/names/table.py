@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from rtgen.compiler.diagnostics import Diagnostic, Related, Span
+from rtgen.compiler.frontends.cdl.names.entities import Place
 from rtgen.compiler.frontends.cdl.names.scopes import Entity, Kind, Scope
 from rtgen.compiler.frontends.cdl.rules import types as rules
 from rtgen.compiler.frontends.cdl.syntax import statements, tree
@@ -57,40 +58,40 @@ class Table:
         kind: Kind,
         name: tree.Name,
         node: statements.Item | tree.Declarator,
-        unit: Unit,
-        scope: Scope,
+        place: Place,
     ) -> Entity | None:
         """Declare an entity; None, after a diagnostic, if the name is taken."""
-        place = unit.place(name)
-        known = scope.own(name.text)
+        known = place.scope.own(name.text)
         if known is not None:
-            self._report_taken(name, unit, known)
+            self._report_taken(name, place, known)
             return None
-        entity = Entity(kind, (*scope.name, name.text), unit, node, place)
-        scope.entities[name.text] = entity
+        entity = Entity(
+            kind, (*place.scope.name, name.text), place.unit, node, place.span(name)
+        )
+        place.scope.entities[name.text] = entity
         return entity
 
-    def _report_taken(self, name: tree.Name, unit: Unit, known: Entity | Scope) -> None:
-        if known.kind is Kind.TYPEDEF and name.text in unit.maybe_declared:
+    def _report_taken(
+        self, name: tree.Name, place: Place, known: Entity | Scope
+    ) -> None:
+        if known.kind is Kind.TYPEDEF and name.text in place.unit.maybe_declared:
             return  # reported by the parser
         related = [Related(known.place, "first declared here")] if known.place else []
         message = f"'{name.text}' is a {known.kind} already"
-        place = unit.place(name)
-        self.report(rules.DECLARED_TWICE.at(place, message, related=related))
+        self.report(rules.DECLARED_TWICE.at(place.span(name), message, related=related))
 
-    def open_scope(
-        self, name: tree.Name, unit: Unit, scope: Scope, kind: Kind
-    ) -> Scope | None:
+    def open_scope(self, name: tree.Name, place: Place, kind: Kind) -> Scope | None:
         """Open or reopen a name space or region; None if the name is taken."""
-        known = scope.own(name.text)
+        known = place.scope.own(name.text)
         if isinstance(known, Scope) and known.kind is kind:
             return known
         if known is not None:
-            self._report_taken(name, unit, known)
+            self._report_taken(name, place, known)
             return None
-        place = unit.place(name)
-        made = Scope((*scope.name, name.text), scope, kind, place)
-        scope.scopes[name.text] = made
+        made = Scope(
+            (*place.scope.name, name.text), place.scope, kind, place.span(name)
+        )
+        place.scope.scopes[name.text] = made
         return made
 
     def declared(self, entity: Entity) -> None:
@@ -105,20 +106,15 @@ class Table:
         return scope.structs.get(name[-1]) if scope is not None else None
 
     def find(
-        self,
-        name: tree.ScopedName,
-        unit: Unit,
-        scope: Scope,
-        kinds: Sequence[Kind],
-        wanted_by: str,
+        self, name: tree.ScopedName, place: Place, kinds: Sequence[Kind], wanted_by: str
     ) -> Entity | None:
         """Look up an entity of one of the kinds; None, after a diagnostic, if there is none."""
-        entity = scope.find(name)
-        span = unit.span(name.start, name.end)
+        entity = place.scope.find(name)
+        span = place.span(name)
         wanted = " or ".join(kinds)
         if entity is None:
-            if name.parts[-1].text not in unit.maybe_declared:
-                near = self.guesses.nearest(str(name), scope.visible())
+            if name.parts[-1].text not in place.unit.maybe_declared:
+                near = self.guesses.nearest(str(name), place.scope.visible())
                 hint = f"did you mean '{near}'?" if near else None
                 message = f"the {wanted} '{name}' is unknown"
                 self.report(rules.UNKNOWN_NAME.at(span, message, hint=hint))
@@ -130,11 +126,7 @@ class Table:
         self.report(rules.WRONG_KIND.at(span, message, related=related))
         return None
 
-    def note_prelude(self, name: str, unit: Unit, node: tree.Name) -> None:
+    def note_prelude(self, name: str, place: Place, node: tree.Name) -> None:
         """Record the use of a type that is known without an import."""
         if name not in self.prelude_used:
-            self.prelude_used[name] = unit.place(node)
-
-    def doc(self, unit: Unit, start: int, end: int) -> str:
-        """Return the doc comment of [start, end)."""
-        return unit.source.docs.of(start, end)
+            self.prelude_used[name] = place.span(node)

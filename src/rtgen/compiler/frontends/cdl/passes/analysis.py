@@ -13,7 +13,7 @@ from msgspec.structs import replace
 
 from rtgen.compiler.diagnostics import Related
 from rtgen.compiler.frontends.cdl.names.entities import Place
-from rtgen.compiler.frontends.cdl.names.scopes import Entity, Kind, Scope
+from rtgen.compiler.frontends.cdl.names.scopes import Entity, Kind
 from rtgen.compiler.frontends.cdl.names.table import Table
 from rtgen.compiler.frontends.cdl.passes.components import Components
 from rtgen.compiler.frontends.cdl.passes.constants import Constants
@@ -62,60 +62,58 @@ class Analysis:
 
     def run(self, unit: Unit) -> None:
         """Enter the declarations of a unit and its imports into the table."""
-        self._items(unit.items, unit, self._table.root)
+        self._items(unit.items, Place(unit, self._table.root))
         self._types.finish()
         self._components.finish()
 
-    def _items(
-        self, items: Sequence[statements.Item], unit: Unit, scope: Scope
-    ) -> None:
+    def _items(self, items: Sequence[statements.Item], place: Place) -> None:
         """Analyse the statements of a file or a name space."""
         for item in items:
-            self._statement(item, unit, scope)
+            self._statement(item, place)
 
-    def _statement(self, item: statements.Item, unit: Unit, scope: Scope) -> None:
+    def _statement(self, item: statements.Item, place: Place) -> None:
         node = item.node
-        self._check_specifiers(item, unit)
+        self._check_specifiers(item, place)
         match node:
             case statements.Namespace():
-                inner = self._table.open_scope(node.name, unit, scope, Kind.NAMESPACE)
+                inner = self._table.open_scope(node.name, place, Kind.NAMESPACE)
                 if not node.items:
                     message = f"there is nothing in the name space {node.name.text}"
-                    span = unit.span(node.name.start, node.end)
+                    span = place.unit.span(node.name.start, node.end)
                     self._report(syntax.EMPTY_BLOCK.at(span, message))
                 if inner is not None:
-                    self._items(node.items, unit, inner)
+                    self._items(node.items, Place(place.unit, inner))
             case tree.Typedef():
-                self._typedef(item, node, unit, scope)
+                self._typedef(item, node, place)
             case tree.TypeStatement():
                 self._types.of(
-                    tree.QualifiedType((), node.type, node.start, node.end), unit, scope
+                    tree.QualifiedType((), node.type, node.start, node.end), place
                 )
             case tree.Declaration():
-                self._constants.declare(item, node, unit, scope)
+                self._constants.declare(item, node, place)
             case statements.Signature():
-                self._signature(item, node, unit, scope)
+                self._signature(item, node, place)
             case statements.Celltype():
-                self._components.celltype(item, node, Place(unit, scope))
+                self._components.celltype(item, node, place)
             case statements.Composite():
-                self._components.composite(item, node, Place(unit, scope))
+                self._components.composite(item, node, place)
             case statements.Cell():
-                self._components.cell(item, node, Place(unit, scope))
+                self._components.cell(item, node, place)
             case statements.Region():
-                region = self._components.region(item, node, Place(unit, scope))
-                self._items(node.items, unit, region)
+                region = self._components.region(item, node, place)
+                self._items(node.items, Place(place.unit, region))
             case statements.Generate():
-                self._components.generate(node, Place(unit, scope))
+                self._components.generate(node, place)
             case statements.Import():
-                imported = unit.imports.get(node)
+                imported = place.unit.imports.get(node)
                 if imported is not None:
-                    self._items(imported.items, imported, self._table.root)
+                    self._items(imported.items, Place(imported, self._table.root))
             case statements.ImportC():
-                header = unit.headers.get(node)
+                header = place.unit.headers.get(node)
                 if header is not None:
                     self._header(header)
 
-    def _check_specifiers(self, item: statements.Item, unit: Unit) -> None:
+    def _check_specifiers(self, item: statements.Item, place: Place) -> None:
         if item.specifiers is None or isinstance(item.node, _COMPONENTS):
             return
         is_signature = isinstance(item.node, statements.Signature)
@@ -123,36 +121,34 @@ class Analysis:
         for specifier in item.specifiers.items:
             if specifier.word not in allowed:
                 what = _CALLED.get(type(item.node)) or type(item.node).__name__.lower()
-                span = unit.span(specifier.start, specifier.end)
+                span = place.span(specifier)
                 message = f"'{specifier.word}' cannot precede a {what}"
                 hint = belongs(specifier.word)
                 self._report(syntax.MISPLACED_SPECIFIER.at(span, message, hint=hint))
 
-    def _typedef(
-        self, item: statements.Item, node: tree.Typedef, unit: Unit, scope: Scope
-    ) -> None:
+    def _typedef(self, item: statements.Item, node: tree.Typedef, place: Place) -> None:
         for specifier in node.specifiers.items if node.specifiers else ():
             if specifier.word != "string":
-                span = unit.span(specifier.start, specifier.end)
+                span = place.span(specifier)
                 message = f"'{specifier.word}' is not allowed in a typedef"
                 self._report(syntax.MISPLACED_SPECIFIER.at(span, message))
         untagged = name_of_untagged(node.declarators)
         if not any(map(is_plain, node.declarators)):
             untagged = f"{untagged}_type"  # the name itself is a pointer or array
-        base = self._types.of(node.type, unit, scope, untagged)
-        doc = self._table.doc(unit, item.start, item.end)
+        base = self._types.of(node.type, place, untagged)
+        doc = place.doc(item)
         self._describe(node.type, base, doc)
         for declarator in node.declarators:
             name = declarator.name
             assert name is not None
-            entity = self._table.declare(Kind.TYPEDEF, name, declarator, unit, scope)
+            entity = self._table.declare(Kind.TYPEDEF, name, declarator, place)
             if entity is None:
                 continue
-            type_ = self._types.declared(base, declarator, unit, scope)
-            if type_ is not None and self._types.knows_struct(type_, unit, name):
+            type_ = self._types.declared(base, declarator, place)
+            if type_ is not None and self._types.knows_struct(type_, place, name):
                 entity.declaration = TecsTypedef(
                     name=entity.name,
-                    file=unit.source.name,
+                    file=place.unit.source.name,
                     span=entity.place,
                     doc=doc,
                     type=type_,
@@ -170,23 +166,19 @@ class Analysis:
                 entity.declaration = replace(found, doc=doc)
 
     def _signature(
-        self,
-        item: statements.Item,
-        node: statements.Signature,
-        unit: Unit,
-        scope: Scope,
+        self, item: statements.Item, node: statements.Signature, place: Place
     ) -> None:
-        entity = self._table.declare(Kind.SIGNATURE, node.name, item, unit, scope)
+        entity = self._table.declare(Kind.SIGNATURE, node.name, item, place)
         if entity is None:
             return
-        entity.declaration = self._signatures.signature(item, node, unit, scope, entity)
+        entity.declaration = self._signatures.signature(item, node, place, entity)
         if entity.declaration is not None:
             self._table.declared(entity)
         generate = item.specifier("generate")
         if generate is not None:
             plugin = generate.arguments[0]
             assert isinstance(plugin, tree.Name)
-            self._components.applied(plugin, Place(unit, scope))
+            self._components.applied(plugin, place)
 
     def _header(self, header: Header) -> None:
         for declaration in header.declarations:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
+import msgspec
+
 from rtgen.compiler.diagnostics import Related
 from rtgen.compiler.frontends.cdl.names.entities import (
     Cell,
@@ -25,22 +27,15 @@ from rtgen.compiler.frontends.cdl.syntax import tree
 from rtgen.compiler.frontends.kit.suggestions import nearest
 
 
-class CellSpecifiers:
+class CellSpecifiers(msgspec.Struct, eq=False):
     """Reads the specifiers of cells; `add` adds a join to a cell."""
 
-    def __init__(
-        self,
-        values: Values,
-        regions: Regions,
-        add: Callable[[Cell, Join], bool],
-        report: Report,
-    ) -> None:
-        self._values = values
-        self._regions = regions
-        self._add = add
-        self._report = report
-        self._restricted: list[tuple[tree.ScopedName, Place]] = []
-        self._of_joins: list[tuple[Cell, tree.Specifier, Place]] = []
+    _values: Values
+    _regions: Regions
+    _add: Callable[[Cell, Join], bool]
+    _report: Report
+    _restricted: list[tuple[tree.ScopedName, Place]] = []
+    _of_joins: list[tuple[Cell, tree.Specifier, Place]] = []
 
     def take(
         self, cell: Cell, given: list[tree.Specifier], place: Place, prototype: bool

@@ -50,8 +50,7 @@ class Components:
         self, item: statements.Item, node: statements.Celltype, place: Place
     ) -> None:
         """Declare a celltype."""
-        unit, scope = place.unit, place.scope
-        entity = self._table.declare(Kind.CELLTYPE, node.name, item, unit, scope)
+        entity = self._table.declare(Kind.CELLTYPE, node.name, item, place)
         if entity is None:
             return
         type_ = known.Celltype(entity, place)
@@ -63,7 +62,7 @@ class Components:
             name=entity.name,
             file=entity.place.file,
             span=entity.place,
-            doc=self._doc(place, item),
+            doc=place.doc(item),
             ports=tuple(map(port_of, type_.ports)),
             attributes=tuple(variables(type_, "attr")),
             variables=tuple(variables(type_, "var")),
@@ -77,8 +76,7 @@ class Components:
         self, item: statements.Item, node: statements.Composite, place: Place
     ) -> None:
         """Declare a composite with its inner cells."""
-        unit, scope = place.unit, place.scope
-        entity = self._table.declare(Kind.COMPOSITE, node.name, item, unit, scope)
+        entity = self._table.declare(Kind.COMPOSITE, node.name, item, place)
         if entity is None:
             return
         composite = known.Composite(entity, place)
@@ -89,7 +87,7 @@ class Components:
             name=entity.name,
             file=entity.place.file,
             span=entity.place,
-            doc=self._doc(place, item),
+            doc=place.doc(item),
             ports=tuple(map(port_of, composite.ports)),
             attributes=tuple(variables(composite, "attr")),
             cells=tuple(
@@ -110,7 +108,7 @@ class Components:
         before = len(self._cells.all)
         self._cells.declare(item, node, place)
         for cell in self._cells.all[before:]:
-            self._docs[cell.entity] = self._doc(place, item)
+            self._docs[cell.entity] = place.doc(item)
             self._table.declared(cell.entity)
 
     def region(
@@ -126,7 +124,7 @@ class Components:
                 name=scope.name,
                 file=scope.place.file,
                 span=scope.place,
-                doc=self._doc(place, item),
+                doc=place.doc(item),
                 linkunit=permits.linkunit,
                 node=permits.node,
             )
@@ -163,9 +161,6 @@ class Components:
     def applied(self, plugin: tree.Name, place: Place) -> None:
         """Record a plug-in of a signature, celltype or cell, which may add declarations."""
         self._regions.apply(plugin, place, on_way=False)
-
-    def _doc(self, place: Place, item: statements.Item) -> str:
-        return self._table.doc(place.unit, item.start, item.end)
 
     def _specify(
         self, type_: known.Celltype, item: statements.Item, place: Place

@@ -7,12 +7,13 @@ from collections.abc import Mapping
 
 from rtgen.compiler.diagnostics import Rule
 from rtgen.compiler.frontends.cdl.names.c_types import is_const
+from rtgen.compiler.frontends.cdl.names.entities import Place
 from rtgen.compiler.frontends.cdl.names.operands import (
     Operand,
     OperandClass,
     operand_class_of,
 )
-from rtgen.compiler.frontends.cdl.names.scopes import Kind, Scope
+from rtgen.compiler.frontends.cdl.names.scopes import Kind
 from rtgen.compiler.frontends.cdl.names.table import Table
 from rtgen.compiler.frontends.cdl.passes.arithmetic import limits, width
 from rtgen.compiler.frontends.cdl.passes.expressions import Expressions
@@ -20,7 +21,6 @@ from rtgen.compiler.frontends.cdl.passes.types import Types
 from rtgen.compiler.frontends.cdl.passes.untagged import name_of_untagged
 from rtgen.compiler.frontends.cdl.rules import constants as rules
 from rtgen.compiler.frontends.cdl.syntax import statements, tree
-from rtgen.compiler.frontends.cdl.syntax.unit import Unit
 from rtgen.compiler.model.c_types import (
     AggregateExpression,
     CArrayType,
@@ -48,42 +48,42 @@ class Constants:
         self._types = types
 
     def declare(
-        self, item: statements.Item, node: tree.Declaration, unit: Unit, scope: Scope
+        self, item: statements.Item, node: tree.Declaration, place: Place
     ) -> None:
         """Declare the constants of a statement."""
         untagged = name_of_untagged(each.declarator for each in node.declarators)
-        base = self._types.of(node.type, unit, scope, untagged)
+        base = self._types.of(node.type, place, untagged)
         for declarator in node.declarators:
             name = declarator.declarator.name
             assert name is not None
-            entity = self._table.declare(Kind.CONSTANT, name, item, unit, scope)
-            type_ = self._types.declared(base, declarator.declarator, unit, scope)
+            entity = self._table.declare(Kind.CONSTANT, name, item, place)
+            type_ = self._types.declared(base, declarator.declarator, place)
             if entity is None or type_ is None:
                 continue
-            if not self._types.knows_struct(type_, unit, name):
+            if not self._types.knows_struct(type_, place, name):
                 continue
-            if not self._is_constant(type_, name, unit, declarator.value is not None):
+            if not self._is_constant(type_, name, place, declarator.value is not None):
                 continue
             assert declarator.value is not None
-            look = _Initial(self._types.expressions, unit, scope, {})
+            look = _Initial(self._types.expressions, place, {})
             value = look.of(declarator.value, type_)
             if value is None:
                 continue
             entity.value = look.found
             entity.declaration = TecsConst(
                 name=entity.name,
-                file=unit.source.name,
+                file=place.unit.source.name,
                 span=entity.place,
-                doc=self._table.doc(unit, item.start, item.end),
+                doc=place.doc(item),
                 type=type_,
                 value=value.value if isinstance(value, Literal) else None,
             )
             self._table.declared(entity)
 
     def _is_constant(
-        self, type_: CType, name: tree.Name, unit: Unit, has_value: bool
+        self, type_: CType, name: tree.Name, place: Place, has_value: bool
     ) -> bool:
-        span = unit.place(name)
+        span = place.span(name)
         found = resolve(type_)
         if not is_const(type_):
             pointer = isinstance(found, CPointerType)
@@ -113,28 +113,20 @@ class Constants:
         self,
         value: tree.Initialiser,
         type_: CType,
-        unit: Unit,
-        scope: Scope,
+        place: Place,
         names: Mapping[str, CType] | None = None,
     ) -> Expression | None:
         """Return the model of an initialiser of the type; None, after a diagnostic, if invalid."""
-        return _Initial(self._types.expressions, unit, scope, names or {}).of(
-            value, type_
-        )
+        return _Initial(self._types.expressions, place, names or {}).of(value, type_)
 
 
 class _Initial:
     def __init__(
-        self,
-        expressions: Expressions,
-        unit: Unit,
-        scope: Scope,
-        names: Mapping[str, CType],
+        self, expressions: Expressions, place: Place, names: Mapping[str, CType]
     ) -> None:
         self._expressions = expressions
         self._table = expressions.table
-        self._unit = unit
-        self._scope = scope
+        self._place = place
         self._names = names
         self.found: Operand | None = None
         """The value before conversion to the type; None for lists and C_EXP."""
@@ -142,7 +134,7 @@ class _Initial:
     def _report(
         self, rule: Rule, node: tree.Initialiser, message: str, hint: str | None = None
     ) -> None:
-        span = self._unit.span(node.start, node.end)
+        span = self._place.span(node)
         self._table.report(rule.at(span, message, hint=hint))
 
     def of(self, value: tree.Initialiser, type_: CType) -> Expression | None:
@@ -156,7 +148,7 @@ class _Initial:
             return CExpression(value.text.text)
         if isinstance(value, tree.Aggregate):
             return self._aggregate(value, type_)
-        found = self._expressions.operand(value, self._unit, self._scope, self._names)
+        found = self._expressions.operand(value, self._place, self._names)
         if found is None:
             return None
         self.found = found

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
 from rtgen.compiler.diagnostics import Rule
+from rtgen.compiler.frontends.cdl.names.entities import Place
 from rtgen.compiler.frontends.cdl.names.operands import (
     NUMBERS,
     ExpressionError,
@@ -14,7 +15,7 @@ from rtgen.compiler.frontends.cdl.names.operands import (
     OperandClass,
     operand_class_of,
 )
-from rtgen.compiler.frontends.cdl.names.scopes import Entity, Kind, Scope
+from rtgen.compiler.frontends.cdl.names.scopes import Entity, Kind
 from rtgen.compiler.frontends.cdl.names.table import Table
 from rtgen.compiler.frontends.cdl.passes.arithmetic import (
     ARITHMETIC,
@@ -31,7 +32,6 @@ from rtgen.compiler.frontends.cdl.passes.expression_walks import nesting_depth
 from rtgen.compiler.frontends.cdl.rules import constants as rules
 from rtgen.compiler.frontends.cdl.rules import syntax
 from rtgen.compiler.frontends.cdl.syntax import tree
-from rtgen.compiler.frontends.cdl.syntax.unit import Unit
 from rtgen.compiler.frontends.kit.suggestions import nearest
 from rtgen.compiler.model.c_types import (
     BinaryExpression,
@@ -49,7 +49,7 @@ from rtgen.compiler.model.c_types import (
 )
 from rtgen.compiler.model.tecs import TecsConst, TecsStruct
 
-ReadType: TypeAlias = Callable[[tree.TypeName, Unit, Scope], CType | None]
+ReadType: TypeAlias = Callable[[tree.TypeName, Place], CType | None]
 """Function that reads the type of a cast; returns None, after a diagnostic, if it has errors."""
 
 MAX_DEPTH = 100
@@ -75,8 +75,7 @@ class Expressions:
     def operand(
         self,
         written: tree.Expression,
-        unit: Unit,
-        scope: Scope,
+        place: Place,
         names: Mapping[str, CType] | None = None,
     ) -> Operand | None:
         """Return the operand of an expression; None, after a diagnostic, if it has errors.
@@ -84,20 +83,20 @@ class Expressions:
         `names`: the parameters, members or attributes that it may use.
         """
         try:
-            found = ExpressionAnalysis(self, unit, scope, names or {}).at(written)
+            found = ExpressionAnalysis(self, place, names or {}).at(written)
         except ExpressionError:
             return None
         if nesting_depth(found.model) > MAX_DEPTH:
             message = f"this is nested for more than {MAX_DEPTH} levels"
-            self.table.report(syntax.TOO_DEEP.at(unit.place(written), message))
+            self.table.report(syntax.TOO_DEEP.at(place.span(written), message))
             return None
         return found
 
-    def integer(self, written: tree.Expression, unit: Unit, scope: Scope) -> int | None:
+    def integer(self, written: tree.Expression, place: Place) -> int | None:
         """Return the value of a constant integer expression; None, after a diagnostic, without
         one.
         """
-        found = self.operand(written, unit, scope)
+        found = self.operand(written, place)
         if found is None:
             return None
         if type(found.value) is not int:
@@ -105,26 +104,22 @@ class Expressions:
             message = f"a constant integer is expected here, not {found.operand_class.with_article}"
             if found.value is None:
                 message = "this is not constant"
-            self.table.report(rule.at(unit.place(written), message))
+            self.table.report(rule.at(place.span(written), message))
             return None
         return found.value
 
     def size(
-        self,
-        written: tree.SpecifierArgument,
-        unit: Unit,
-        scope: Scope,
-        names: Mapping[str, CType],
+        self, written: tree.SpecifierArgument, place: Place, names: Mapping[str, CType]
     ) -> Expression | None:
         """Return the model of a struct member's size; None, after a diagnostic, if invalid."""
         assert not isinstance(written, tree.Name | tree.Allocation | tree.Restriction)
-        found = self.operand(written, unit, scope, names)
+        found = self.operand(written, place, names)
         if found is None:
             return None
         found = whole_number(found)
         if found.operand_class not in (OperandClass.INTEGER, OperandClass.UNKNOWN):
             message = f"a size is an integer, not {found.operand_class.with_article}"
-            self.table.report(rules.OPERATOR_KIND.at(unit.place(written), message))
+            self.table.report(rules.OPERATOR_KIND.at(place.span(written), message))
             return None
         return found.model
 
@@ -133,22 +128,17 @@ class ExpressionAnalysis:
     """Analyses an expression and its operands."""
 
     def __init__(
-        self,
-        expressions: Expressions,
-        unit: Unit,
-        scope: Scope,
-        names: Mapping[str, CType],
+        self, expressions: Expressions, place: Place, names: Mapping[str, CType]
     ) -> None:
         self._table = expressions.table
         self._read_type = expressions.read_type
-        self._unit = unit
-        self._scope = scope
+        self._place = place
         self._names = names
 
     def error(
         self, rule: Rule, node: tree.Expression, message: str, hint: str | None = None
     ) -> ExpressionError:
-        self._table.report(rule.at(self._unit.place(node), message, hint=hint))
+        self._table.report(rule.at(self._place.span(node), message, hint=hint))
         return ExpressionError()
 
     def at(self, node: tree.Expression) -> Operand:
@@ -191,7 +181,7 @@ class ExpressionAnalysis:
             type_ = self._names.get(name)
             if type_ is not None:
                 return Operand(operand_class_of(type_), None, Reference(name), type_)
-        found = self._scope.find(node)
+        found = self._place.scope.find(node)
         if isinstance(found, Entity) and found.kind is Kind.CONSTANT:
             declaration = found.declaration
             if not isinstance(declaration, TecsConst):
@@ -204,7 +194,7 @@ class ExpressionAnalysis:
                 # tecsgen replaces the name by the value as written.
                 return Operand(own.operand_class, own.value, model, declaration.type)
             return Operand(class_, value, model, declaration.type)
-        if node.parts[-1].text in self._unit.maybe_declared:
+        if node.parts[-1].text in self._place.unit.maybe_declared:
             raise ExpressionError
         if found is not None:
             what = found.kind
@@ -212,7 +202,7 @@ class ExpressionAnalysis:
                 rules.UNKNOWN_NAME, node, f"'{node}' is a {what}, no value"
             )
         near = self._table.guesses.nearest(
-            str(node), [*self._names, *self._scope.visible()]
+            str(node), [*self._names, *self._place.scope.visible()]
         )
         hint = f"did you mean '{near}'?" if near else None
         raise self.error(rules.UNKNOWN_NAME, node, f"'{node}' is unknown here", hint)
@@ -309,7 +299,7 @@ class ExpressionAnalysis:
 
     def _cast(self, node: tree.Cast) -> Operand:
         operand = self.at(node.operand)
-        type_ = self._read_type(node.type, self._unit, self._scope)
+        type_ = self._read_type(node.type, self._place)
         if type_ is None:
             raise ExpressionError
         class_ = operand_class_of(type_)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import msgspec
+
 from rtgen.compiler.diagnostics import Related
 from rtgen.compiler.frontends.cdl.names.entities import (
     Cell,
@@ -28,16 +30,13 @@ from rtgen.compiler.frontends.cdl.syntax import tree
 from rtgen.compiler.frontends.kit.suggestions import nearest
 
 
-class Joins:
+class Joins(msgspec.Struct, eq=False):
     """Resolves the joins of cells."""
 
-    def __init__(
-        self, values: Values, regions: Regions, cells: Cells, report: Report
-    ) -> None:
-        self._values = values
-        self._regions = regions
-        self._cells = cells
-        self._report = report
+    _values: Values
+    _regions: Regions
+    _cells: Cells
+    _report: Report
 
     # Resolution
 

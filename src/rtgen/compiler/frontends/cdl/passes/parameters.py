@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import msgspec
+
 from rtgen.compiler.diagnostics import Related, Rule
 from rtgen.compiler.frontends.cdl.names.c_types import is_const, is_void, pointer_depth
+from rtgen.compiler.frontends.cdl.names.entities import Place, Spanned
 from rtgen.compiler.frontends.cdl.names.operands import Operand, OperandClass
-from rtgen.compiler.frontends.cdl.names.scopes import Entity, Kind, Scope
+from rtgen.compiler.frontends.cdl.names.scopes import Entity, Kind
 from rtgen.compiler.frontends.cdl.names.table import Table
 from rtgen.compiler.frontends.cdl.passes.arithmetic import whole_number
 from rtgen.compiler.frontends.cdl.passes.specifiers import belongs
@@ -15,7 +18,6 @@ from rtgen.compiler.frontends.cdl.rules import signatures as rules
 from rtgen.compiler.frontends.cdl.rules import syntax
 from rtgen.compiler.frontends.cdl.rules import types as type_rules
 from rtgen.compiler.frontends.cdl.syntax import tree
-from rtgen.compiler.frontends.cdl.syntax.unit import Unit
 from rtgen.compiler.model.c_types import (
     CArrayType,
     CEnumType,
@@ -39,45 +41,30 @@ _INWARD = (TecsDirection.IN, TecsDirection.INOUT)
 _OUTWARD = (TecsDirection.OUT, TecsDirection.INOUT)
 
 
-class SignatureAnalysis:
+class SignatureAnalysis(msgspec.Struct, eq=False):
     """The signature under analysis, and how its errors are reported."""
 
-    def __init__(self, table: Table, types: Types, unit: Unit, scope: Scope) -> None:
-        self.deviate = False
-        self._table = table
-        self._types = types
-        self._unit = unit
-        self._scope = scope
+    _table: Table
+    _types: Types
+    _place: Place
+    deviate: bool = False
 
     def _report(
-        self,
-        rule: Rule,
-        node: (
-            tree.Name
-            | tree.Expression
-            | tree.Specifier
-            | tree.Specifiers
-            | tree.Parameters
-            | tree.Parameter
-        ),
-        message: str,
-        hint: str | None = None,
+        self, rule: Rule, node: Spanned, message: str, hint: str | None = None
     ) -> None:
-        span = self._unit.span(node.start, node.end)
-        self._table.report(rule.at(span, message, hint=hint))
+        self._table.report(rule.at(self._place.span(node), message, hint=hint))
 
 
-class _Parameter:
+class _Parameter(msgspec.Struct, eq=False):
     """A parameter under analysis."""
 
-    def __init__(self, written: tree.Parameter, name: tree.Name, type_: CType) -> None:
-        self.written = written
-        self.name = name
-        self.type = type_
-        self.given: dict[str, tree.Specifier] = {}
-        self.direction: TecsDirection | None = None
-        self.allocator: ScopedName | None = None
-        self.good = True
+    written: tree.Parameter
+    name: tree.Name
+    type: CType
+    given: dict[str, tree.Specifier] = {}
+    direction: TecsDirection | None = None
+    allocator: ScopedName | None = None
+    good: bool = True
 
 
 class ParameterAnalysis(SignatureAnalysis):
@@ -99,10 +86,10 @@ class ParameterAnalysis(SignatureAnalysis):
                 first = found[parameter.name.text].name
                 self._table.report(
                     rules.PARAMETER_TWICE.at(
-                        self._unit.place(parameter.name),
+                        self._place.span(parameter.name),
                         f"the parameter '{parameter.name.text}' is declared already",
                         related=[
-                            Related(self._unit.place(first), "first declared here")
+                            Related(self._place.span(first), "first declared here")
                         ],
                     )
                 )
@@ -125,8 +112,8 @@ class ParameterAnalysis(SignatureAnalysis):
                     direction=parameter.direction,
                     sizes=sizes,
                     allocator=parameter.allocator,
-                    span=self._unit.place(parameter.name),
-                    doc=self._table.doc(self._unit, written.start, written.end),
+                    span=self._place.span(parameter.name),
+                    doc=self._place.doc(written),
                 )
             )
         return tuple(made) if good else None
@@ -145,8 +132,8 @@ class ParameterAnalysis(SignatureAnalysis):
             self._report(syntax.QUALIFIER, item.type.qualifiers[1], message)
             return None
         untagged = name_of_untagged((item.declarator,))
-        base = self._types.of(item.type, self._unit, self._scope, untagged)
-        type_ = self._types.declared(base, item.declarator, self._unit, self._scope)
+        base = self._types.of(item.type, self._place, untagged)
+        type_ = self._types.declared(base, item.declarator, self._place)
         if name is None:
             if type_ is not None and is_void(type_) and item.declarator is None:
                 self._report_void(item)
@@ -173,7 +160,7 @@ class ParameterAnalysis(SignatureAnalysis):
             self._report(rules.FUNCTION_PARAMETER, name, message, "use a pointer to it")
             return None
         if isinstance(inner, CStructType | CArrayType | CPointerType):
-            parameter.good &= self._types.is_value(type_, self._unit, name)
+            parameter.good &= self._types.is_value(type_, self._place, name)
         if isinstance(inner, CEnumType):
             message = f"'{name.text}' is an enum, which tecsgen cannot make code for"
             hint = "use an integer and constants"
@@ -183,7 +170,7 @@ class ParameterAnalysis(SignatureAnalysis):
         return parameter
 
     def _report_void(self, item: tree.Parameter) -> None:
-        span = self._unit.span(item.start, item.end)
+        span = self._place.span(item)
         message = (
             "'void' must be alone in the parentheses of a function without parameters"
         )
@@ -233,7 +220,7 @@ class ParameterAnalysis(SignatureAnalysis):
         if specifier.arguments:
             (name,) = specifier.arguments
             assert isinstance(name, tree.ScopedName)
-            found = self._scope.find(name)
+            found = self._place.scope.find(name)
             if isinstance(found, Entity) and found.kind is Kind.SIGNATURE:
                 parameter.allocator = found.name
             else:
@@ -368,7 +355,7 @@ class ParameterAnalysis(SignatureAnalysis):
     ) -> Operand | None:
         written = specifier.arguments[0]
         assert not isinstance(written, tree.Name | tree.Allocation | tree.Restriction)
-        found = self._types.expressions.operand(written, self._unit, self._scope, names)
+        found = self._types.expressions.operand(written, self._place, names)
         if found is None:
             return None
         found = whole_number(found)
@@ -394,7 +381,7 @@ class ParameterAnalysis(SignatureAnalysis):
     ) -> int | None:
         written = specifier.arguments[1]
         assert not isinstance(written, tree.Name | tree.Allocation | tree.Restriction)
-        found = self._types.expressions.operand(written, self._unit, self._scope)
+        found = self._types.expressions.operand(written, self._place)
         limit = whole_number(found).value if found is not None else None
         if type(limit) is not int or limit <= 0:
             if found is not None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import msgspec
+
 from rtgen.compiler.diagnostics import Related
 from rtgen.compiler.frontends.cdl.names.entities import (
     DECLARE,
@@ -24,22 +26,16 @@ _NAME = "_require_call_port_{}_{}"
 """Format of tecsgen's name for a `require` without one."""
 
 
-class Requirements:
+class Requirements(msgspec.Struct, eq=False):
     """Analyses the `require` statements of celltypes.
 
     `add` adds a member to a celltype; `unseen`: whether a plug-in or a missing import may
     declare an unknown name.
     """
 
-    def __init__(
-        self,
-        add: Callable[[Celltype, Member], bool],
-        unseen: Callable[[tree.ScopedName, Place], bool],
-        report: Report,
-    ) -> None:
-        self._add = add
-        self._unseen = unseen
-        self._report = report
+    _add: Callable[[Celltype, Member], bool]
+    _unseen: Callable[[tree.ScopedName, Place], bool]
+    _report: Report
 
     def take(self, type_: Celltype, node: statements.Require) -> None:
         """Add the port of a `require`."""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from rtgen.compiler.diagnostics import Related
 from rtgen.compiler.frontends.cdl.names.c_types import is_void
-from rtgen.compiler.frontends.cdl.names.scopes import Entity, Scope
+from rtgen.compiler.frontends.cdl.names.entities import Place
+from rtgen.compiler.frontends.cdl.names.scopes import Entity
 from rtgen.compiler.frontends.cdl.names.table import Table
 from rtgen.compiler.frontends.cdl.passes.parameters import (
     ParameterAnalysis,
@@ -15,7 +16,6 @@ from rtgen.compiler.frontends.cdl.passes.types import Types
 from rtgen.compiler.frontends.cdl.rules import signatures as rules
 from rtgen.compiler.frontends.cdl.rules import syntax
 from rtgen.compiler.frontends.cdl.syntax import statements, tree
-from rtgen.compiler.frontends.cdl.syntax.unit import Unit
 from rtgen.compiler.model.c_types import CPointerType, CType, CTypedefType, resolve
 from rtgen.compiler.model.tecs import (
     Signature,
@@ -38,12 +38,11 @@ class Signatures:
         self,
         item: statements.Item,
         node: statements.Signature,
-        unit: Unit,
-        scope: Scope,
+        place: Place,
         entity: Entity,
     ) -> Signature | None:
         """Return the model of a signature; None, after diagnostics, if it has errors."""
-        made = _Signature(self._table, self._types, unit, scope)
+        made = _Signature(self._table, self._types, place)
         context = made.context(item)
         deviate = item.specifier("deviate") is not None
         made.deviate = deviate
@@ -52,9 +51,9 @@ class Signatures:
             return None
         return Signature(
             name=entity.name,
-            file=unit.source.name,
+            file=place.unit.source.name,
             span=entity.place,
-            doc=self._table.doc(unit, item.start, item.end),
+            doc=place.doc(item),
             functions=functions,
             context=context,
             callback=item.specifier("callback") is not None,
@@ -138,24 +137,24 @@ class _Signature(SignatureAnalysis):
             )
             return None
         types = self._types
-        base = types.of(node.type, self._unit, self._scope, name.text)
+        base = types.of(node.type, self._place, name.text)
         returned = tree.Declarator(
             node.declarator.pointers, None, (), node.start, node.end
         )
-        returns = types.declared(base, returned, self._unit, self._scope)
+        returns = types.declared(base, returned, self._place)
         if not suffix.items:
             message = f"'{name.text}' has no parameters"
             self._report(rules.NO_VOID, suffix, message, "write ( void )")
-        reader = ParameterAnalysis(self._table, self._types, self._unit, self._scope)
-        reader.deviate = self.deviate
-        parameters = reader.of(suffix)
+        parameters = ParameterAnalysis(
+            self._table, self._types, self._place, self.deviate
+        ).of(suffix)
         if returns is None:
             return None
         if isinstance(resolve(returns), CPointerType) and not self.deviate:
             message = f"'{name.text}' returns a pointer"
             hint = "give it back by an out parameter, or write [deviate] before the signature"
             self._report(rules.RETURNS_POINTER, name, message, hint)
-        if not is_void(returns) and not types.is_value(returns, self._unit, name):
+        if not is_void(returns) and not types.is_value(returns, self._place, name):
             return None
         if parameters is None:
             return None
@@ -167,8 +166,8 @@ class _Signature(SignatureAnalysis):
             returns=returns,
             parameters=parameters,
             oneway=oneway,
-            span=self._unit.place(name),
-            doc=self._table.doc(self._unit, item.start, item.end),
+            span=self._place.span(name),
+            doc=self._place.doc(item),
         )
 
     def _can_be_oneway(

@@ -14,6 +14,7 @@ from rtgen.compiler.frontends.cdl.names.c_types import (
     is_void,
     opaque,
 )
+from rtgen.compiler.frontends.cdl.names.entities import Place
 from rtgen.compiler.frontends.cdl.names.scopes import Entity, Kind, Scope
 from rtgen.compiler.frontends.cdl.names.table import Table
 from rtgen.compiler.frontends.cdl.passes import prelude
@@ -24,7 +25,6 @@ from rtgen.compiler.frontends.cdl.rules import signatures as signature_rules
 from rtgen.compiler.frontends.cdl.rules import syntax
 from rtgen.compiler.frontends.cdl.rules import types as rules
 from rtgen.compiler.frontends.cdl.syntax import tree
-from rtgen.compiler.frontends.cdl.syntax.unit import Unit
 from rtgen.compiler.model.c_types import (
     CArrayType,
     CEnumType,
@@ -74,18 +74,17 @@ def _same(one: tuple[TecsMember, ...], other: tuple[TecsMember, ...]) -> bool:
 def _entity(
     kind: Kind,
     written: tree.StructSpecifier | tree.EnumSpecifier,
-    unit: Unit,
-    scope: Scope,
+    place: Place,
     name: str,
 ) -> Entity:
     """Return the entity of a struct or enum, with an unused name: its tag, else `name`."""
     keyword = "struct" if isinstance(written, tree.StructSpecifier) else written.keyword
-    place = unit.span(written.start, written.start + len(keyword))
+    span = place.unit.span(written.start, written.start + len(keyword))
     if written.tag is not None:
-        name, place = written.tag.text, unit.place(written.tag)
-    while name in scope.structs:
+        name, span = written.tag.text, place.span(written.tag)
+    while name in place.scope.structs:
         name += "_"
-    return Entity(kind, (*scope.name, name), unit, written, place)
+    return Entity(kind, (*place.scope.name, name), place.unit, written, span)
 
 
 def _referred(tag: tree.Name, scope: Scope) -> ScopedName:
@@ -101,20 +100,16 @@ class Types:
         self._table = table
         self._report = table.report
         self.expressions = Expressions(table, self.of_name)
-        self._later: list[tuple[tree.ScopedName, Unit, Scope]] = []
+        self._later: list[tuple[tree.ScopedName, Place]] = []
 
     def of(
-        self,
-        written: tree.QualifiedType,
-        unit: Unit,
-        scope: Scope,
-        name: str = UNTAGGED,
+        self, written: tree.QualifiedType, place: Place, name: str = UNTAGGED
     ) -> CType | None:
         """Return the type with its qualifiers; None, after a diagnostic, if it has errors.
 
         `name` is that of a struct or enum without a tag (`name_of_untagged`).
         """
-        found = self._specified(written.type, unit, scope, name)
+        found = self._specified(written.type, place, name)
         if found is None or isinstance(
             found, CArrayType | CFunctionType | DescriptorType
         ):
@@ -128,51 +123,47 @@ class Types:
             volatile=found.volatile or "volatile" in words,
         )
 
-    def of_name(self, written: tree.TypeName, unit: Unit, scope: Scope) -> CType | None:
+    def of_name(self, written: tree.TypeName, place: Place) -> CType | None:
         """Return the type of a cast; None, after a diagnostic, if it has errors."""
-        base = self.of(written.type, unit, scope)
-        return self.declared(base, written.declarator, unit, scope)
+        base = self.of(written.type, place)
+        return self.declared(base, written.declarator, place)
 
     def _specified(
-        self, written: tree.TypeSpecifier, unit: Unit, scope: Scope, name: str
+        self, written: tree.TypeSpecifier, place: Place, name: str
     ) -> CType | None:
         if isinstance(written, tree.BasicType):
-            return self._basic(written, unit)
+            return self._basic(written, place)
         if isinstance(written, tree.TypedefName):
-            return self._typedef(written, unit, scope)
+            return self._typedef(written, place)
         if isinstance(written, tree.StructSpecifier):
-            return self._struct(written, unit, scope, name)
+            return self._struct(written, place, name)
         if isinstance(written, tree.EnumSpecifier):
-            return self._enum(written, unit, scope, name)
-        return self._descriptor(written.signature, unit, scope)
+            return self._enum(written, place, name)
+        return self._descriptor(written.signature, place)
 
-    def _descriptor(
-        self, written: tree.ScopedName, unit: Unit, scope: Scope
-    ) -> CType | None:
+    def _descriptor(self, written: tree.ScopedName, place: Place) -> CType | None:
         """Return the type of a descriptor, whose signature may be declared later."""
-        if scope.find(written) is None:
-            self._later.append((written, unit, scope))
-            around = () if written.absolute or len(written.parts) > 1 else scope.name
+        if place.scope.find(written) is None:
+            self._later.append((written, place))
+            around = (
+                () if written.absolute or len(written.parts) > 1 else place.scope.name
+            )
             return DescriptorType((*around, *(part.text for part in written.parts)))
-        return self._signature(written, unit, scope)
+        return self._signature(written, place)
 
-    def _signature(
-        self, written: tree.ScopedName, unit: Unit, scope: Scope
-    ) -> CType | None:
-        entity = self._table.find(
-            written, unit, scope, (Kind.SIGNATURE,), "a descriptor"
-        )
+    def _signature(self, written: tree.ScopedName, place: Place) -> CType | None:
+        entity = self._table.find(written, place, (Kind.SIGNATURE,), "a descriptor")
         return None if entity is None else DescriptorType(entity.name)
 
     def finish(self) -> None:
         """Resolve signatures of descriptors that are declared after their use."""
-        for written, unit, scope in self._later:
-            self._signature(written, unit, scope)
+        for written, place in self._later:
+            self._signature(written, place)
 
-    def _basic(self, written: tree.BasicType, unit: Unit) -> CType | None:
+    def _basic(self, written: tree.BasicType, place: Place) -> CType | None:
         if written.sign is None:
             return _CHAR if written.plain else _SCALARS[written.kind]
-        span = unit.span(written.start, written.end)
+        span = place.span(written)
         if written.kind not in _SIGNED:
             message = f"{written.kind} has a sign of its own"
             self._report(rules.SIGN_TWICE.at(span, message))
@@ -184,46 +175,44 @@ class Types:
             self._report(rules.SIGN_OF_SIZED.at(span, message, hint=f"write {kind}"))
         return CScalarType(kind, plain=written.plain)
 
-    def _typedef(
-        self, written: tree.TypedefName, unit: Unit, scope: Scope
-    ) -> CType | None:
+    def _typedef(self, written: tree.TypedefName, place: Place) -> CType | None:
         name = written.name.text
-        for around in scope.outwards():
+        for around in place.scope.outwards():
             entity = around.entities.get(name)
             if entity is not None and entity.kind is Kind.TYPEDEF:
                 if isinstance(entity.declaration, TecsTypedef):
                     return CTypedefType(entity.name, entity.declaration.type)
                 return None
         if name in prelude.TYPES and self._table.with_prelude:
-            self._table.note_prelude(name, unit, written.name)
+            self._table.note_prelude(name, place, written.name)
             return CTypedefType((name,), prelude.TYPES[name])
-        if name in unit.guessed:
+        if name in place.unit.guessed:
             return CTypedefType((name,), opaque(name))
         return None  # reported by the parser
 
     def _struct(
-        self, written: tree.StructSpecifier, unit: Unit, scope: Scope, name: str
+        self, written: tree.StructSpecifier, place: Place, name: str
     ) -> CType | None:
         if written.members is None:
             assert written.tag is not None
-            return CStructType(_referred(written.tag, scope))
-        known = scope.tags.get(written.tag.text) if written.tag else None
+            return CStructType(_referred(written.tag, place.scope))
+        known = place.scope.tags.get(written.tag.text) if written.tag else None
         if known is not None and isinstance(known.declaration, TecsStruct):
-            members = self._members(written.members, unit, scope, known.name[-1])
+            members = self._members(written.members, place, known.name[-1])
             if members is not None and _same(members, known.declaration.members):
                 return CStructType(known.name)
-        entity = _entity(Kind.STRUCT, written, unit, scope, name)
-        if not self._declare_tag(scope, written.tag, entity):
+        entity = _entity(Kind.STRUCT, written, place, name)
+        if not self._declare_tag(place.scope, written.tag, entity):
             return None
-        members = self._members(written.members, unit, scope, entity.name[-1])
+        members = self._members(written.members, place, entity.name[-1])
         if members is None:
             entity.broken = True
             return None
         entity.declaration = TecsStruct(
             name=entity.name,
-            file=unit.source.name,
+            file=place.unit.source.name,
             span=entity.place,
-            doc=self._table.doc(unit, written.start, written.end),
+            doc=place.doc(written),
             members=members,
         )
         self._table.declared(entity)
@@ -244,26 +233,26 @@ class Types:
         return False
 
     def _members(
-        self, items: Iterable[tree.MemberItem], unit: Unit, scope: Scope, tag: str
+        self, items: Iterable[tree.MemberItem], place: Place, tag: str
     ) -> tuple[TecsMember, ...] | None:
         found: dict[str, tuple[tree.MemberItem, tree.Name, CType]] = {}
         good = True
         for item in items:
             name_of_type = f"{tag}_{name_of_untagged(item.declarators)}"
-            base = self.of(item.type, unit, scope, name_of_type)
+            base = self.of(item.type, place, name_of_type)
             for declarator in item.declarators:
-                type_ = self.declared(base, declarator, unit, scope)
+                type_ = self.declared(base, declarator, place)
                 name = declarator.name
                 if type_ is None or name is None:
                     good = False
                 elif name.text in found:
                     self._report(
                         rules.MEMBER_TWICE.at(
-                            unit.place(name),
+                            place.span(name),
                             f"the member '{name.text}' is declared already",
                             related=[
                                 Related(
-                                    unit.place(found[name.text][1]),
+                                    place.span(found[name.text][1]),
                                     "first declared here",
                                 )
                             ],
@@ -271,12 +260,12 @@ class Types:
                     )
                     good = False
                 else:
-                    good &= self.is_value(type_, unit, name, member=True)
+                    good &= self.is_value(type_, place, name, member=True)
                     found[name.text] = (item, name, type_)
         types = {name: type_ for name, (_, _, type_) in found.items()}
         members = []
         for item, name, type_ in found.values():
-            sizes = self._member_sizes(item.specifiers, name, type_, types, unit, scope)
+            sizes = self._member_sizes(item.specifiers, name, type_, types, place)
             if sizes is None:
                 good = False
             else:
@@ -285,8 +274,8 @@ class Types:
                         name=name.text,
                         type=type_,
                         sizes=sizes,
-                        span=unit.place(name),
-                        doc=self._table.doc(unit, item.start, item.end),
+                        span=place.span(name),
+                        doc=place.doc(item),
                     )
                 )
         return tuple(members) if good else None
@@ -297,14 +286,13 @@ class Types:
         name: tree.Name,
         type_: CType,
         members: Mapping[str, CType],
-        unit: Unit,
-        scope: Scope,
+        place: Place,
     ) -> Sizes | None:
         if bracket is None:
             return Sizes()
         given: dict[str, tree.Specifier] = {}
         for specifier in bracket.items:
-            span = unit.span(specifier.start, specifier.end)
+            span = place.span(specifier)
             if specifier.word not in ("size_is", "count_is", "string"):
                 message = f"'{specifier.word}' cannot precede a struct member"
                 hint = belongs(specifier.word)
@@ -322,14 +310,14 @@ class Types:
         if not isinstance(resolve(type_), CPointerType):
             self._report(
                 rules.MEMBER_SIZE.at(
-                    unit.place(name),
+                    place.span(name),
                     f"'{name.text}' is not a pointer, so {' and '.join(given)} cannot apply",
                 )
             )
             return None
         expressions = self.expressions
         values = {
-            word: expressions.size(specifier.arguments[0], unit, scope, members)
+            word: expressions.size(specifier.arguments[0], place, members)
             for word, specifier in given.items()
             if specifier.arguments
         }
@@ -343,31 +331,31 @@ class Types:
         )
 
     def _enum(
-        self, written: tree.EnumSpecifier, unit: Unit, scope: Scope, name: str
+        self, written: tree.EnumSpecifier, place: Place, name: str
     ) -> CType | None:
         bits = int(written.keyword.removeprefix("enum") or 0) or None
         if written.enumerators is None:
             assert written.tag is not None
-            return CEnumType(_referred(written.tag, scope), bits)
+            return CEnumType(_referred(written.tag, place.scope), bits)
         members: list[tuple[str, int]] = []
         value = -1
         for enumerator in written.enumerators:
             if enumerator.value is not None:
-                given = self.expressions.integer(enumerator.value, unit, scope)
+                given = self.expressions.integer(enumerator.value, place)
                 if given is None:
                     return None
                 value = given
             else:
                 value += 1
             members.append((enumerator.name.text, value))
-        entity = _entity(Kind.ENUM, written, unit, scope, name)
-        if not self._declare_tag(scope, written.tag, entity):
+        entity = _entity(Kind.ENUM, written, place, name)
+        if not self._declare_tag(place.scope, written.tag, entity):
             return None
         entity.declaration = TecsEnum(
             name=entity.name,
-            file=unit.source.name,
+            file=place.unit.source.name,
             span=entity.place,
-            doc=self._table.doc(unit, written.start, written.end),
+            doc=place.doc(written),
             members=tuple(members),
             bits=bits,
         )
@@ -375,11 +363,7 @@ class Types:
         return CEnumType(entity.name, bits)
 
     def declared(
-        self,
-        base: CType | None,
-        declarator: tree.Declarator | None,
-        unit: Unit,
-        scope: Scope,
+        self, base: CType | None, declarator: tree.Declarator | None, place: Place
     ) -> CType | None:
         """Return the type of a declarator, given its base type; None if it has errors."""
         if base is None or declarator is None:
@@ -390,48 +374,48 @@ class Types:
             type_ = CPointerType(type_, word == "const", word == "volatile")
         for suffix in reversed(declarator.suffixes):
             if isinstance(suffix, tree.Parameters):
-                made = self._function(type_, suffix, unit, scope)
+                made = self._function(type_, suffix, place)
             else:
-                made = self._array(type_, suffix, unit, scope)
+                made = self._array(type_, suffix, place)
             if made is None:
                 return None
             type_ = made
         inner = declarator.inner
         if isinstance(inner, tree.Declarator):
-            return self.declared(type_, inner, unit, scope)
+            return self.declared(type_, inner, place)
         if depth(type_) > MAX_DEPTH:
-            span = unit.span(declarator.start, declarator.end)
+            span = place.span(declarator)
             message = f"types are nested for more than {MAX_DEPTH} levels"
             self._report(syntax.TOO_DEEP.at(span, message))
             return None
         return type_
 
     def _array(
-        self, element: CType, suffix: tree.ArraySuffix, unit: Unit, scope: Scope
+        self, element: CType, suffix: tree.ArraySuffix, place: Place
     ) -> CType | None:
         if isinstance(element, CArrayType) and element.size is None:
-            span = unit.span(suffix.start, suffix.end)
+            span = place.span(suffix)
             message = "only the first dimension of an array may be left out"
             self._report(rules.ARRAY_SIZE.at(span, message))
             return None
         if suffix.size is None:
             return CArrayType(element, None)
-        size = self.expressions.integer(suffix.size, unit, scope)
+        size = self.expressions.integer(suffix.size, place)
         if size is None:
             return None
         if size <= 0:
             message = f"the size of an array is positive, not {size}"
-            self._report(rules.ARRAY_SIZE.at(unit.place(suffix.size), message))
+            self._report(rules.ARRAY_SIZE.at(place.span(suffix.size), message))
             return None
         return CArrayType(element, size)
 
     def _function(
-        self, returns: CType, written: tree.Parameters, unit: Unit, scope: Scope
+        self, returns: CType, written: tree.Parameters, place: Place
     ) -> CType | None:
         parameters = []
         for item in written.items:
-            base = self.of(item.type, unit, scope)
-            type_ = self.declared(base, item.declarator, unit, scope)
+            base = self.of(item.type, place)
+            type_ = self.declared(base, item.declarator, place)
             if type_ is None:
                 return None
             if not (is_void(type_) and item.declarator is None):
@@ -439,7 +423,7 @@ class Types:
         return CFunctionType(returns, tuple(parameters))
 
     def is_value(
-        self, type_: CType, unit: Unit, name: tree.Name, *, member: bool = False
+        self, type_: CType, place: Place, name: tree.Name, *, member: bool = False
     ) -> bool:
         """Return whether a value can have the type; reports the error if not."""
         inner = type_
@@ -447,7 +431,7 @@ class Types:
             inner = resolve(inner.element)
         if is_void(inner):
             message = f"'{name.text}' cannot be of type void"
-            self._report(rules.VOID_VALUE.at(unit.place(name), message))
+            self._report(rules.VOID_VALUE.at(place.span(name), message))
             return False
         found = resolve(inner)
         if isinstance(found, CStructType) and not found.tag[0].startswith(OPAQUE):
@@ -456,18 +440,18 @@ class Types:
                 if not self._table.incomplete:
                     message = f"the members of {found} are not known"
                     hint = "declare it before"
-                    span = unit.place(name)
+                    span = place.span(name)
                     self._report(rules.UNKNOWN_STRUCT.at(span, message, hint=hint))
                 return False
             if entity.declaration is None and not entity.broken:
                 message = f"{found} cannot hold itself"
                 hint = "use a pointer"
-                span = unit.place(name)
+                span = place.span(name)
                 self._report(rules.UNKNOWN_STRUCT.at(span, message, hint=hint))
                 return False
-        return member or self.knows_struct(inner, unit, name)
+        return member or self.knows_struct(inner, place, name)
 
-    def knows_struct(self, type_: CType, unit: Unit, name: tree.Name) -> bool:
+    def knows_struct(self, type_: CType, place: Place, name: tree.Name) -> bool:
         """Return whether the struct of a type, or of its target, is complete; reports it if not."""
         target = type_
         while isinstance(target, CPointerType | CArrayType):
@@ -483,6 +467,6 @@ class Types:
         if not self._table.incomplete:
             message = f"{target} is not known here"
             hint = "declare it before; only a struct member may point to a later one"
-            span = unit.place(name)
+            span = place.span(name)
             self._report(rules.UNKNOWN_STRUCT.at(span, message, hint=hint))
         return False

@@ -37,15 +37,15 @@ class DeclaredValues:
 
     def declare(self, declaration: tree.Declaration, place: Place) -> list[Declared]:
         """Return the names declared by attributes or variables; reports errors."""
-        types, unit, scope = self._types, place.unit, place.scope
+        types, place = self._types, place
         untagged = name_of_untagged(part.declarator for part in declaration.declarators)
-        base = types.of(declaration.type, unit, scope, untagged)
+        base = types.of(declaration.type, place, untagged)
         found = []
         for part in declaration.declarators:
             name = part.declarator.name
             assert name is not None
-            type_ = types.declared(base, part.declarator, unit, scope)
-            if type_ is not None and not types.is_value(type_, unit, name):
+            type_ = types.declared(base, part.declarator, place)
+            if type_ is not None and not types.is_value(type_, place, name):
                 type_ = None
             found.append(Declared(name, type_, part.value))
         return found
@@ -71,15 +71,13 @@ class DeclaredValues:
         types: Mapping[str, CType],
     ) -> Expression | None:
         """Return the model of an initialiser of the type; None if it does not fit."""
-        return self._constants.initial(value, type_, place.unit, place.scope, types)
+        return self._constants.initial(value, type_, place, types)
 
     def expression(
         self, expression: tree.Expression, place: Place, types: Mapping[str, CType]
     ) -> Expression | None:
         """Return the model of an expression; None, after a diagnostic, if it has errors."""
-        found = self._types.expressions.operand(
-            expression, place.unit, place.scope, types
-        )
+        found = self._types.expressions.operand(expression, place, types)
         return None if found is None else found.model
 
 
@@ -89,7 +87,7 @@ class _Quiet(ExpressionAnalysis):
     def __init__(
         self, expressions: Expressions, place: Place, values: Names | None, depth: int
     ) -> None:
-        super().__init__(expressions, place.unit, place.scope, {})
+        super().__init__(expressions, place, {})
         self._expressions = expressions
         self._values = values
         self._depth = depth

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from rtgen.compiler.diagnostics import Span
-from rtgen.compiler.frontends.cdl.syntax import statements, tree
+from rtgen.compiler.frontends.cdl.syntax import statements
 from rtgen.compiler.frontends.cdl.text.source import Source
 from rtgen.compiler.model.tecs import TecsDeclaration
 from rtgen.compiler.model.types import ScopedName
@@ -40,10 +40,6 @@ class Unit:
     def span(self, start: int, end: int) -> Span:
         """Return the span of [start, end) of the text."""
         return self.source.span(start, end)
-
-    def place(self, node: tree.Name | tree.ScopedName | tree.Expression) -> Span:
-        """Return the span of a node."""
-        return self.source.span(node.start, node.end)
 
 
 class TypeNames:

@@ -6,6 +6,8 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
+import msgspec
+
 from rtgen.compiler.diagnostics import Diagnostic, Related
 from rtgen.compiler.frontends.idl.lowering.common_fields import CommonFields
 from rtgen.compiler.frontends.idl.meaning.annotations import (
@@ -63,21 +65,14 @@ _DATE = re.compile(
 _DATES = ("created", "updated")
 
 
-class Components:
+class Components(msgspec.Struct, eq=False):
     """Lowers components to the model; diagnostics go to `report`."""
 
-    def __init__(
-        self,
-        types: Types,
-        fields: CommonFields,
-        typedefs: Mapping[ScopedName, Typedef],
-        report: Callable[[Diagnostic], None],
-    ) -> None:
-        self._types = types
-        self._fields = fields
-        self._typedefs = typedefs
-        self._report = report
-        self._made: dict[Entity, Component] = {}
+    _types: Types
+    _fields: CommonFields
+    _typedefs: Mapping[ScopedName, Typedef]
+    _report: Callable[[Diagnostic], None]
+    _made: dict[Entity, Component] = {}
 
     def declaration(
         self, entity: Entity, node: tree.Component, annotations: Annotations

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import msgspec
+
 from rtgen.compiler.diagnostics import Diagnostic, Related, Rule, Span
 from rtgen.compiler.frontends.idl.meaning.annotations import Annotations, flag, integer
 from rtgen.compiler.frontends.idl.meaning.typetable import Types
@@ -18,18 +20,12 @@ from rtgen.compiler.model import Bitmask, Declaration, Enum, Enumerator
 _DEFAULT_BOUND = 32
 
 
-class Enumerations:
+class Enumerations(msgspec.Struct, eq=False):
     """Lowers enums and bitmasks to the model; diagnostics go to `report`."""
 
-    def __init__(
-        self,
-        types: Types,
-        annotations: Annotations,
-        report: Callable[[Diagnostic], None],
-    ) -> None:
-        self._types = types
-        self._annotations = annotations
-        self._report = report
+    _types: Types
+    _annotations: Annotations
+    _report: Callable[[Diagnostic], None]
 
     def declaration(
         self,
