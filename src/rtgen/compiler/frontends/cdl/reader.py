@@ -79,13 +79,13 @@ class Reader:
             if _DEFINITION.fullmatch(macro):
                 self._define.setdefault(name, value if equals else "1")
         imports = [
-            statements.Import(name, False, information.start, information.end)
+            statements.Import(information.start, information.end, name, False)
             for name in information.imports
         ]
         for statement in imports:
             self.import_file(statement, unit)
         return tuple(
-            statements.Item(None, i, information.start, information.end)
+            statements.Item(information.start, information.end, None, i)
             for i in imports
         )
 

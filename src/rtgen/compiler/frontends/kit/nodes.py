@@ -10,3 +10,10 @@ import msgspec
 @dataclass_transform(eq_default=False, frozen_default=True)
 class Node(msgspec.Struct, frozen=True, eq=False):
     """A frozen node that is compared by identity."""
+
+
+class Spanned(Node):
+    """A node with the offsets of its text, [start, end)."""
+
+    start: int
+    end: int

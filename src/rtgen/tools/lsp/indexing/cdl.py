@@ -171,21 +171,21 @@ class _Walk:
 
     def _specifier(self, node: tree.TypeSpecifier, scope: Scope) -> None:
         match node:
-            case tree.TypedefName(name):
+            case tree.TypedefName(name=name):
                 for place in scope.outwards():
                     entity = place.entities.get(name.text)
                     if entity is not None:
                         self._collector.refer(key_of(entity), self._span(name))
                         return
-            case tree.StructSpecifier(tag, members) if tag is not None:
+            case tree.StructSpecifier(tag=tag, members=members) if tag is not None:
                 self._tag(tag, node, scope)
                 for member in members or ():
                     self._type(member.type, scope)
                     for declarator in member.declarators:
                         self._inner(tag, declarator.name, member, scope)
-            case tree.EnumSpecifier(_, tag, _) if tag is not None:
+            case tree.EnumSpecifier(tag=tag) if tag is not None:
                 self._tag(tag, node, scope)
-            case tree.DescriptorOf(signature):
+            case tree.DescriptorOf(signature=signature):
                 self._refer(signature, scope)
 
     def _tag(
@@ -410,7 +410,7 @@ class _Walk:
     ) -> None:
         """Record the names in a value: constants, or a cell and its port."""
         match node:
-            case tree.Postfix(operand, suffixes):
+            case tree.Postfix(operand=operand, suffixes=suffixes):
                 names = [s for s in suffixes if isinstance(s, tree.Name)]
                 if isinstance(operand, tree.ScopedName) and names:
                     self._join(operand, names[0], scope, inside)
@@ -418,23 +418,21 @@ class _Walk:
                     self._value(operand, scope, inside)
             case tree.ScopedName():
                 self._refer(node, scope)
-            case tree.Group(inner):
+            case tree.Group(inner=inner):
                 self._value(inner, scope, inside)
-            case tree.Unary(_, operand):
+            case tree.Unary(operand=operand) | tree.Cast(operand=operand):
                 self._value(operand, scope, inside)
-            case tree.Cast(_, operand):
-                self._value(operand, scope, inside)
-            case tree.Chain(first, rest):
+            case tree.Chain(first=first, rest=rest):
                 self._value(first, scope, inside)
                 for _, each in rest:
                     self._value(each, scope, inside)
-            case tree.Conditional(condition, yes, no):
+            case tree.Conditional(condition=condition, yes=yes, no=no):
                 for each in (condition, yes, no):
                     self._value(each, scope, inside)
-            case tree.Aggregate(items):
+            case tree.Aggregate(items=items):
                 for item in items:
                     self._value(item, scope, inside)
-            case tree.OfComposite(name) if inside is not None:
+            case tree.OfComposite(name=name) if inside is not None:
                 key = f"{key_of(inside.entity)}::{name.text}"
                 self._collector.refer(key, self._span(name))
 

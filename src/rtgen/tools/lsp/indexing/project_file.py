@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 from rtgen.compiler.frontends.kit.located_toml import Toml
@@ -10,8 +9,6 @@ from rtgen.compiler.kit.toml_text import TomlError
 from rtgen.tools.lsp.indexing.idl import key_of
 from rtgen.tools.lsp.indexing.index import Collector, Kind, path_of
 from rtgen.tools.lsp.text import Text
-
-_ASSIGNED = re.compile(r"=[^\n]*")
 
 
 def add_project_file(collector: Collector, file: str, text: Text) -> None:

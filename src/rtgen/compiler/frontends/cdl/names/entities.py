@@ -12,6 +12,7 @@ from rtgen.compiler.diagnostics import Diagnostic, Related, Span
 from rtgen.compiler.frontends.cdl.names.scopes import Entity, Kind, Scope
 from rtgen.compiler.frontends.cdl.syntax import statements, tree
 from rtgen.compiler.frontends.cdl.syntax.unit import Unit
+from rtgen.compiler.frontends.kit.nodes import Spanned
 from rtgen.compiler.frontends.kit.suggestions import nearest
 from rtgen.compiler.model.c_types import CType, Expression
 from rtgen.compiler.model.tecs import Signature
@@ -31,16 +32,6 @@ def component(entity: Entity | Scope | None) -> object:
 def here(entity: Entity | Scope, label: str = "declared here") -> list[Related]:
     """Return the place of a declaration as related information, if it has one."""
     return [] if entity.place is None else [Related(entity.place, label)]
-
-
-class Spanned(Protocol):
-    """A node of the syntax tree with its offsets."""
-
-    @property
-    def start(self) -> int: ...
-
-    @property
-    def end(self) -> int: ...
 
 
 class Place(msgspec.Struct, frozen=True):

@@ -87,7 +87,7 @@ class Analysis:
                 self._typedef(item, node, place)
             case tree.TypeStatement():
                 self._types.of(
-                    tree.QualifiedType((), node.type, node.start, node.end), place
+                    tree.QualifiedType(node.start, node.end, (), node.type), place
                 )
             case tree.Declaration():
                 self._constants.declare(item, node, place)

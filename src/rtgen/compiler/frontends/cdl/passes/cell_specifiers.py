@@ -13,7 +13,6 @@ from rtgen.compiler.frontends.cdl.names.entities import (
     Join,
     Place,
     Report,
-    Spanned,
     Values,
 )
 from rtgen.compiler.frontends.cdl.names.scopes import Kind
@@ -24,6 +23,7 @@ from rtgen.compiler.frontends.cdl.rules import cells as rules
 from rtgen.compiler.frontends.cdl.rules import celltypes as celltype_rules
 from rtgen.compiler.frontends.cdl.rules import syntax
 from rtgen.compiler.frontends.cdl.syntax import tree
+from rtgen.compiler.frontends.kit.nodes import Spanned
 from rtgen.compiler.frontends.kit.suggestions import nearest
 
 

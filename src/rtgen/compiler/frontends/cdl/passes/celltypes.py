@@ -436,7 +436,7 @@ def declared_size(values: Values, type_: Celltype, variable: Variable) -> object
     def names(name: str) -> tuple[tree.Initialiser, Place] | None:
         found = type_.members.get(name)
         if isinstance(found, Variable) and found.kind == "attr" and found.value is None:
-            return tree.Number("0", 0, 0), found.place
+            return tree.Number(0, 0, "0"), found.place
         return given(name)
 
     assert variable.size_is is not None

@@ -6,7 +6,7 @@ import msgspec
 
 from rtgen.compiler.diagnostics import Related, Rule
 from rtgen.compiler.frontends.cdl.names.c_types import is_const, is_void, pointer_depth
-from rtgen.compiler.frontends.cdl.names.entities import Place, Spanned
+from rtgen.compiler.frontends.cdl.names.entities import Place
 from rtgen.compiler.frontends.cdl.names.operands import Operand, OperandClass
 from rtgen.compiler.frontends.cdl.names.scopes import Entity, Kind
 from rtgen.compiler.frontends.cdl.names.table import Table
@@ -18,6 +18,7 @@ from rtgen.compiler.frontends.cdl.rules import signatures as rules
 from rtgen.compiler.frontends.cdl.rules import syntax
 from rtgen.compiler.frontends.cdl.rules import types as type_rules
 from rtgen.compiler.frontends.cdl.syntax import tree
+from rtgen.compiler.frontends.kit.nodes import Spanned
 from rtgen.compiler.model.c_types import (
     CArrayType,
     CEnumType,

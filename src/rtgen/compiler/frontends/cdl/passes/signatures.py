@@ -139,7 +139,7 @@ class _Signature(SignatureAnalysis):
         types = self._types
         base = types.of(node.type, self._place, name.text)
         returned = tree.Declarator(
-            node.declarator.pointers, None, (), node.start, node.end
+            node.start, node.end, node.declarator.pointers, None, ()
         )
         returns = types.declared(base, returned, self._place)
         if not suffix.items:

@@ -30,7 +30,7 @@ def end_of(node: Any) -> int:
 
 
 def name_of(token: Token) -> tree.Name:
-    return tree.Name(str(token), token.start_pos, token.end_pos)
+    return tree.Name(token.start_pos, token.end_pos, str(token))
 
 
 def word_of(token: Token) -> str:
@@ -39,7 +39,7 @@ def word_of(token: Token) -> str:
 
 
 def keyword_of(token: Token) -> tree.Name:
-    return tree.Name(word_of(token), token.start_pos, token.end_pos)
+    return tree.Name(token.start_pos, token.end_pos, word_of(token))
 
 
 def nodes_in(children: Children, *kinds: type) -> tuple[Any, ...]:
@@ -65,33 +65,33 @@ class ExpressionBuilder:
 
     def aggregate(self, children: Children) -> tree.Aggregate:
         opening, *items, closing = children
-        return tree.Aggregate(tuple(items), opening.start_pos, closing.end_pos)
+        return tree.Aggregate(opening.start_pos, closing.end_pos, tuple(items))
 
     def c_exp(self, children: Children) -> tree.CExp:
         keyword, _, text, end = children
-        return tree.CExp(text, keyword.start_pos, end.end_pos)
+        return tree.CExp(keyword.start_pos, end.end_pos, text)
 
     def conditional(self, children: Children) -> tree.Conditional:
         condition, yes, _, no = children
-        return tree.Conditional(condition, yes, no, condition.start, no.end)
+        return tree.Conditional(condition.start, no.end, condition, yes, no)
 
     def chain(self, children: Children) -> tree.Chain:
         pairs = tuple(
             (str(children[i]), children[i + 1]) for i in range(1, len(children), 2)
         )
-        return tree.Chain(children[0], pairs, children[0].start, children[-1].end)
+        return tree.Chain(children[0].start, children[-1].end, children[0], pairs)
 
     def cast(self, children: Children) -> tree.Cast:
         opening, type_, _, operand = children
-        return tree.Cast(type_, operand, opening.start_pos, operand.end)
+        return tree.Cast(opening.start_pos, operand.end, type_, operand)
 
     def unary_op(self, children: Children) -> tree.Unary:
         operator, operand = children
-        return tree.Unary(str(operator), operand, operator.start_pos, operand.end)
+        return tree.Unary(operator.start_pos, operand.end, str(operator), operand)
 
     def postfix_chain(self, children: Children) -> tree.Postfix:
         operand, *suffixes = children
-        return tree.Postfix(operand, tuple(suffixes), operand.start, suffixes[-1].end)
+        return tree.Postfix(operand.start, suffixes[-1].end, operand, tuple(suffixes))
 
     def postfix_part(self, children: Children) -> tree.Subscript | tree.Name:
         if len(children) == 2:
@@ -100,39 +100,39 @@ class ExpressionBuilder:
 
     def group(self, children: Children) -> tree.Group:
         opening, inner, closing = children
-        return tree.Group(inner, opening.start_pos, closing.end_pos)
+        return tree.Group(opening.start_pos, closing.end_pos, inner)
 
     def scoped_name(self, children: Children) -> tree.ScopedName:
         first = children[0]
         if len(children) == 1:
             name = name_of(first)
-            return tree.ScopedName((name,), False, name.start, name.end)
+            return tree.ScopedName(name.start, name.end, (name,), False)
         parts = tuple(name_of(token) for token in children if token.type != "SCOPE")
         return tree.ScopedName(
-            parts, first.type == "SCOPE", first.start_pos, parts[-1].end
+            first.start_pos, parts[-1].end, parts, first.type == "SCOPE"
         )
 
     def number(self, children: Children) -> tree.Number:
         (token,) = children
-        return tree.Number(str(token), token.start_pos, token.end_pos)
+        return tree.Number(token.start_pos, token.end_pos, str(token))
 
     def character(self, children: Children) -> tree.Character:
         (token,) = children
-        return tree.Character(token[1:-1], token.start_pos, token.end_pos)
+        return tree.Character(token.start_pos, token.end_pos, token[1:-1])
 
     def boolean(self, children: Children) -> tree.Boolean:
         (token,) = children
-        return tree.Boolean(token.type == "TRUE", token.start_pos, token.end_pos)
+        return tree.Boolean(token.start_pos, token.end_pos, token.type == "TRUE")
 
     def text(self, children: Children) -> tree.Text:
         parts = tuple(
-            tree.TextPart(token[1:-1], token.start_pos + 1, token.end_pos - 1)
+            tree.TextPart(token.start_pos + 1, token.end_pos - 1, token[1:-1])
             for token in children
         )
-        return tree.Text(parts, start_of(children[0]), end_of(children[-1]))
+        return tree.Text(start_of(children[0]), end_of(children[-1]), parts)
 
     def subscript(self, children: Children) -> tree.Subscript:
         opening, *index, closing = children
         return tree.Subscript(
-            index[0] if index else None, opening.start_pos, closing.end_pos
+            opening.start_pos, closing.end_pos, index[0] if index else None
         )

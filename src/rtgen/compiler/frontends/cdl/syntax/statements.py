@@ -20,37 +20,31 @@ from rtgen.compiler.frontends.cdl.syntax.tree import (
     Typedef,
     TypeStatement,
 )
-from rtgen.compiler.frontends.kit.nodes import Node
+from rtgen.compiler.frontends.kit.nodes import Spanned
 
 
-class Namespace(Node):
+class Namespace(Spanned):
     """`namespace name { items }`."""
 
     name: Name
     items: tuple[Item, ...]
-    start: int
-    end: int
 
 
-class Function(Node):
+class Function(Spanned):
     """A function of a signature; its parameters are in the declarator."""
 
     type: QualifiedType
     declarator: Declarator
-    start: int
-    end: int
 
 
-class Signature(Node):
+class Signature(Spanned):
     """`signature name { functions }`."""
 
     name: Name
     functions: tuple[Item, ...]
-    start: int
-    end: int
 
 
-class Port(Node):
+class Port(Spanned):
     """`call signature name[size]` and `entry signature name`.
 
     `subscript` is that of an array; `target` is the port in `<= celltype.port`.
@@ -61,68 +55,54 @@ class Port(Node):
     name: Name
     subscript: Subscript | None
     target: PortOf | None
-    start: int
-    end: int
 
 
-class PortOf(Node):
+class PortOf(Spanned):
     """`cell.port` or `celltype.port`, with its subscript."""
 
     owner: ScopedName
     port: Name
     subscript: Subscript | None
-    start: int
-    end: int
 
 
-class Attributes(Node):
+class Attributes(Spanned):
     """`attr { ... }` and, as `keyword` says, `var { ... }`; each item is a `Declaration`."""
 
     keyword: str
     items: tuple[Item, ...]
-    start: int
-    end: int
 
 
-class Require(Node):
+class Require(Spanned):
     """`require target.port` or `require name = target.port`."""
 
     name: Name | None
     target: PortOf
-    start: int
-    end: int
 
 
-class Factory(Node):
+class Factory(Spanned):
     """`factory { ... }`, or `FACTORY { ... }` as `keyword` says."""
 
     keyword: str
     items: tuple[Item, ...]
-    start: int
-    end: int
 
 
-class FactoryCall(Node):
+class FactoryCall(Spanned):
     """`write( file, format, arguments )`; arguments are names and strings."""
 
     function: Name
     file: Expression
     format: Expression
     arguments: tuple[Name | Text, ...]
-    start: int
-    end: int
 
 
-class Celltype(Node):
+class Celltype(Spanned):
     """`celltype name { ports, attributes, ... }`."""
 
     name: Name
     items: tuple[Item, ...]
-    start: int
-    end: int
 
 
-class Join(Node):
+class Join(Spanned):
     """`name[i] = value` in a cell: a join, or the value of an attribute.
 
     The target of a join is parsed as the expression `cell.port[i]`.
@@ -131,108 +111,83 @@ class Join(Node):
     name: Name
     subscript: Subscript | None
     value: Initialiser | OfComposite
-    start: int
-    end: int
 
 
-class ReverseJoin(Node):
+class ReverseJoin(Spanned):
     """`entry[i] <= cell.port[i]`."""
 
     name: Name
     subscript: Subscript | None
     target: PortOf
-    start: int
-    end: int
 
 
-class Export(Node):
+class Export(Spanned):
     """`port => composite.name` or `port => name` in an inner cell."""
 
     port: Name
     name: Name
-    start: int
-    end: int
 
 
-class EntryExport(Node):
+class EntryExport(Spanned):
     """`composite.name => cell.entry` or `name => cell.entry` in a composite."""
 
     name: Name
     cell: Name
     port: Name
-    start: int
-    end: int
 
 
-class Cell(Node):
+class Cell(Spanned):
     """`cell type name { joins }`; `joins` is None for a prototype, which has no body."""
 
     celltype: ScopedName
     name: Name
     joins: tuple[Item, ...] | None
-    start: int
-    end: int
 
 
-class Composite(Node):
+class Composite(Spanned):
     """`composite name { ... }`."""
 
     name: Name
     items: tuple[Item, ...]
-    start: int
-    end: int
 
 
-class Region(Node):
+class Region(Spanned):
     """`region name { cells and regions }`."""
 
     name: Name
     items: tuple[Item, ...]
-    start: int
-    end: int
 
 
-class Import(Node):
+class Import(Spanned):
     """`import( "file" )`, or `import( <file> )` where `reused` is set; `path` is the name alone."""
 
     path: str
     reused: bool
-    start: int
-    end: int
 
 
-class ImportC(Node):
+class ImportC(Spanned):
     """`import_C( "header" )` or `import_C( "header", "definitions" )`."""
 
     header: Text
     definitions: Text | None
-    start: int
-    end: int
 
 
-class Generate(Node):
+class Generate(Spanned):
     """`generate( plugin, target, "arguments" )`."""
 
     plugin: Name
     target: ScopedName
     argument: Text
-    start: int
-    end: int
 
 
-class ToolInformation(Node):
+class ToolInformation(Spanned):
     """`__tool_info__( "name" ) { ... }` and `__location_information__ { ... }`, both ignored."""
 
     keyword: str
-    start: int
-    end: int
 
 
-class Skipped(Node):
+class Skipped(Spanned):
     """A skipped statement with a syntax error, already reported."""
-
-    start: int
-    end: int
 
 
 Statement: TypeAlias = (
@@ -269,13 +224,11 @@ Part: TypeAlias = (
 """Statements that are valid only inside another one."""
 
 
-class Item(Node):
+class Item(Spanned):
     """An entry of a list in braces, or of a file, with its specifiers."""
 
     specifiers: Specifiers | None
     node: Statement | Part
-    start: int
-    end: int
 
     def specifier(self, word: str) -> Specifier | None:
         """Return the first specifier with that keyword."""

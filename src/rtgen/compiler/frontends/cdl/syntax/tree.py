@@ -8,44 +8,36 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
-from rtgen.compiler.frontends.kit.nodes import Node
+from rtgen.compiler.frontends.kit.nodes import Node, Spanned
 from rtgen.facts.tdr import Scalar
 
 
-class Name(Node):
+class Name(Spanned):
     """An identifier."""
 
     text: str
-    start: int
-    end: int
 
 
-class ScopedName(Node):
+class ScopedName(Spanned):
     """`a::b`, or `::a::b` if absolute."""
 
     parts: tuple[Name, ...]
     absolute: bool
-    start: int
-    end: int
 
     def __str__(self) -> str:
         return "::" * self.absolute + "::".join(part.text for part in self.parts)
 
 
-class TextPart(Node):
+class TextPart(Spanned):
     """One of several adjacent string literals: the source text between its quotes."""
 
     text: str
-    start: int
-    end: int
 
 
-class Text(Node):
+class Text(Spanned):
     """Adjacent string literals. `text` is their concatenation, escapes as written."""
 
     parts: tuple[TextPart, ...]
-    start: int
-    end: int
 
     @property
     def text(self) -> str:
@@ -56,90 +48,70 @@ class Text(Node):
 # Expressions
 
 
-class Number(Node):
+class Number(Spanned):
     """A number as written."""
 
     text: str
-    start: int
-    end: int
 
 
-class Character(Node):
+class Character(Spanned):
     """A character literal: the source text between its quotes."""
 
     text: str
-    start: int
-    end: int
 
 
-class Boolean(Node):
+class Boolean(Spanned):
     """`true` or `false`."""
 
     value: bool
-    start: int
-    end: int
 
 
-class Group(Node):
+class Group(Spanned):
     """An expression in parentheses."""
 
     inner: Expression
-    start: int
-    end: int
 
 
-class Postfix(Node):
+class Postfix(Spanned):
     """`operand[index]` and `operand.name`, applied from the left."""
 
     operand: Expression
     suffixes: tuple[Subscript | Name, ...]
-    start: int
-    end: int
 
 
-class Subscript(Node):
+class Subscript(Spanned):
     """`[index]` after an expression or a port; `index` is None for `[]`."""
 
     index: Expression | None
-    start: int
-    end: int
 
 
-class Unary(Node):
+class Unary(Spanned):
     """`& * + - ~ !` before an operand."""
 
     operator: str
     operand: Expression
-    start: int
-    end: int
 
 
-class Cast(Node):
+class Cast(Spanned):
     """`(type)operand`."""
 
     type: TypeName
     operand: Expression
-    start: int
-    end: int
 
 
-class Chain(Node):
+class Chain(Spanned):
     """Operands joined by operators of one precedence, applied from the left."""
 
     first: Expression
     rest: tuple[tuple[str, Expression], ...]
-    start: int
-    end: int
 
 
-class Conditional(Node):
+class Conditional(Spanned):
     """`condition ? yes : no`."""
 
     condition: Expression
     yes: Expression
     no: Expression
-    start: int
-    end: int
 
 
 Expression: TypeAlias = (
@@ -157,28 +129,22 @@ Expression: TypeAlias = (
 )
 
 
-class CExp(Node):
+class CExp(Spanned):
     """`C_EXP( "text" )`."""
 
     text: Text
-    start: int
-    end: int
 
 
-class Aggregate(Node):
+class Aggregate(Spanned):
     """`{ a, b, {c} }`."""
 
     items: tuple[Initialiser, ...]
-    start: int
-    end: int
 
 
-class OfComposite(Node):
+class OfComposite(Spanned):
     """`composite.name`, as the value of an attribute or call port of an inner cell."""
 
     name: Name
-    start: int
-    end: int
 
 
 Initialiser: TypeAlias = Expression | CExp | Aggregate
@@ -187,7 +153,7 @@ Initialiser: TypeAlias = Expression | CExp | Aggregate
 # Specifiers
 
 
-class Specifier(Node):
+class Specifier(Spanned):
     """A specifier in brackets: its keyword, and its arguments in source order.
 
     | word | arguments |
@@ -209,11 +175,9 @@ class Specifier(Node):
 
     word: str
     arguments: tuple[SpecifierArgument, ...]
-    start: int
-    end: int
 
 
-class Allocation(Node):
+class Allocation(Spanned):
     """`port[i].function.parameter = value`, `port.function = value`, `port.function <= value`.
 
     `operator` is `=` or `<=`.
@@ -223,17 +187,13 @@ class Allocation(Node):
     subscript: Subscript | None
     operator: str
     value: Initialiser
-    start: int
-    end: int
 
 
-class Restriction(Node):
+class Restriction(Spanned):
     """`port = { regions }` or `port.function = { regions }`."""
 
     path: tuple[Name, ...]
     regions: tuple[ScopedName, ...]
-    start: int
-    end: int
 
 
 SpecifierArgument: TypeAlias = (
@@ -241,19 +201,17 @@ SpecifierArgument: TypeAlias = (
 )
 
 
-class Specifiers(Node):
+class Specifiers(Spanned):
     """A specifier list; `broken`: it contained an invalid specifier, already reported."""
 
     items: tuple[Specifier, ...]
     broken: bool
-    start: int
-    end: int
 
 
 # Types and declarators
 
 
-class BasicType(Node):
+class BasicType(Spanned):
     """A basic type; `sign` is `signed` or `unsigned` if written.
 
     `plain` distinguishes `char` from `char_t`, which have the same kind.
@@ -262,35 +220,27 @@ class BasicType(Node):
     kind: Scalar
     plain: bool
     sign: str | None
-    start: int
-    end: int
 
 
-class TypedefName(Node):
+class TypedefName(Spanned):
     """The name of a typedef."""
 
     name: Name
-    start: int
-    end: int
 
 
-class StructSpecifier(Node):
+class StructSpecifier(Spanned):
     """`struct tag`, or a struct with its members (which may have no tag)."""
 
     tag: Name | None
     members: tuple[MemberItem, ...] | None
-    start: int
-    end: int
 
 
-class EnumSpecifier(Node):
+class EnumSpecifier(Spanned):
     """`enum tag`, or an enum with its enumerators; `keyword` is `enum`, `enum8` ..."""
 
     keyword: str
     tag: Name | None
     enumerators: tuple[Enumerator, ...] | None
-    start: int
-    end: int
 
 
 class Enumerator(Node):
@@ -300,12 +250,10 @@ class Enumerator(Node):
     value: Expression | None
 
 
-class DescriptorOf(Node):
+class DescriptorOf(Spanned):
     """`Descriptor( signature )`."""
 
     signature: ScopedName
-    start: int
-    end: int
 
 
 TypeSpecifier: TypeAlias = (
@@ -313,47 +261,37 @@ TypeSpecifier: TypeAlias = (
 )
 
 
-class QualifiedType(Node):
+class QualifiedType(Spanned):
     """A type with the qualifiers before it (`const`, `volatile`)."""
 
     qualifiers: tuple[Name, ...]
     type: TypeSpecifier
-    start: int
-    end: int
 
 
-class Pointer(Node):
+class Pointer(Spanned):
     """A `*` with the qualifier after it."""
 
     qualifier: Name | None
-    start: int
-    end: int
 
 
-class ArraySuffix(Node):
+class ArraySuffix(Spanned):
     """`[size]` or `[]`."""
 
     size: Expression | None
-    start: int
-    end: int
 
 
-class Parameters(Node):
+class Parameters(Spanned):
     """`( parameters )`; empty for `()`."""
 
     items: tuple[Parameter, ...]
-    start: int
-    end: int
 
 
-class Declarator(Node):
+class Declarator(Spanned):
     """A declarator as in C; `inner` is None for an abstract one."""
 
     pointers: tuple[Pointer, ...]
     inner: Name | Declarator | None
     suffixes: tuple[ArraySuffix | Parameters, ...]
-    start: int
-    end: int
 
     @property
     def name(self) -> Name | None:
@@ -364,69 +302,55 @@ class Declarator(Node):
         return inner
 
 
-class InitDeclarator(Node):
+class InitDeclarator(Spanned):
     """A declarator with its initialiser."""
 
     declarator: Declarator
     value: Initialiser | None
-    start: int
-    end: int
 
 
-class Declaration(Node):
+class Declaration(Spanned):
     """`type a = 1, *b` of constants, attributes and variables."""
 
     type: QualifiedType
     declarators: tuple[InitDeclarator, ...]
-    start: int
-    end: int
 
 
-class TypeName(Node):
+class TypeName(Spanned):
     """A type in a cast."""
 
     type: QualifiedType
     declarator: Declarator | None
-    start: int
-    end: int
 
 
-class Parameter(Node):
+class Parameter(Spanned):
     """A parameter; a valid one has both specifiers and a name."""
 
     specifiers: Specifiers | None
     type: QualifiedType
     declarator: Declarator | None
-    start: int
-    end: int
 
 
-class MemberItem(Node):
+class MemberItem(Spanned):
     """`type a, b;` of a struct."""
 
     specifiers: Specifiers | None
     type: QualifiedType
     declarators: tuple[Declarator, ...]
-    start: int
-    end: int
 
 
 # Statements
 
 
-class Typedef(Node):
+class Typedef(Spanned):
     """`typedef type a, *b`."""
 
     specifiers: Specifiers | None
     type: QualifiedType
     declarators: tuple[Declarator, ...]
-    start: int
-    end: int
 
 
-class TypeStatement(Node):
+class TypeStatement(Spanned):
     """A declaration of a struct or enum without declarators."""
 
     type: StructSpecifier | EnumSpecifier
-    start: int
-    end: int
