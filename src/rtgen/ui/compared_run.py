@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
+import msgspec
+
 from rtgen.compiler.diagnostics import ToolError
 from rtgen.tools.recording.errors import RecordingError
 from rtgen.ui.buses import DescriberOf
@@ -15,17 +17,15 @@ from rtgen.ui.reading import MAX_OCTETS, Reading
 from rtgen.ui.type_table import TypeTable
 
 
-class ComparedRun:
+class ComparedRun(msgspec.Struct, eq=False):
     """A run whose samples and changes of state are reported at their times in the current run."""
 
-    def __init__(
-        self, name: str, history: History, channels: Mapping[int, ui.Channel]
-    ) -> None:
-        """Set up with the `channels` for pages, by their numbers in the history."""
-        self.name = name
-        self.channels = channels
-        self._history = history
-        self._reported = -math.inf
+    name: str
+    _history: History
+    channels: Mapping[int, ui.Channel]
+    """The channels for pages, by their numbers in the history."""
+
+    _reported: float = -math.inf
 
     def begin(self) -> None:
         """Restart the reporting from the beginning of the other run."""

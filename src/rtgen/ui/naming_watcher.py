@@ -11,6 +11,8 @@ from functools import partial
 from typing import Any, Final
 from uuid import uuid4
 
+import msgspec
+
 from rtgen.facts.openrtm_ports import KIND
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.corba.naming import Bound, Naming
@@ -556,15 +558,12 @@ class NamingWatcher:
         return False
 
 
-class _Wire:
+class _Wire(msgspec.Struct, eq=False):
     """A connection that can be made and cut repeatedly, with a new id each time."""
 
-    def __init__(
-        self, watcher: NamingWatcher, wanted: ui.Connect, connector_id: str = ""
-    ) -> None:
-        self._neighbours = watcher
-        self._wanted = wanted
-        self._id = connector_id
+    _neighbours: NamingWatcher
+    _wanted: ui.Connect
+    _id: str = ""
 
     def make(self) -> None:
         self._id = self._neighbours.make(self._wanted)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
+import msgspec
+
 from rtgen.compiler.layouts.tdr import OCTETS
 from rtgen.compiler.layouts.tdr_messages import is_error_code
 from rtgen.compiler.model.c_types import (
@@ -26,19 +28,16 @@ from rtgen.compiler.model.types import ScopedName
 from rtgen.facts.tdr import LETTERS, Scalar
 
 
-class Octets:
+class Octets(msgspec.Struct, eq=False):
     """The octets in which TDR transfers values of a unit's C types, as texts that can be compared.
 
     Names of types, members and enumerators do not travel, and are no part of the texts. Structs are
     numbered in `numbers`, which the units of both versions share.
     """
 
-    def __init__(
-        self, structs: Mapping[ScopedName, TecsStruct], numbers: dict[object, int]
-    ) -> None:
-        self.structs = structs
-        self._numbers = numbers
-        self._known: dict[ScopedName, str] = {}
+    structs: Mapping[ScopedName, TecsStruct]
+    _numbers: dict[object, int]
+    _known: dict[ScopedName, str] = {}
 
     def of(self, type_: CType) -> str:
         """Return what determines the octets of a value."""

@@ -14,10 +14,10 @@ from array import array
 from collections.abc import Callable, Mapping
 from importlib.util import find_spec
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Final, Self
+from typing import Any, Final
 
 from rtgen.facts.files import create_file
+from rtgen.runtime.closable import Closable
 from rtgen.tools.recording.errors import RecordingError
 
 COMPRESSIONS: Final = ("zstd", "lz4", "none")
@@ -35,7 +35,7 @@ _WORD = (1 << 32) - 1
 _INDEX = struct.Struct("<BQHI")
 
 
-class McapWriter:
+class McapWriter(Closable):
     """An MCAP file being written. Its methods can be called from any thread.
 
     A chunk is written as a whole, when it is full or contains `longest` ns of messages. So a file
@@ -77,17 +77,6 @@ class McapWriter:
         self._open = True
         self.lock = threading.RLock()
         self._write(MAGIC + _octets(records.Header(profile="", library=_LIBRARY)))
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc_val: BaseException | None,
-        exc_tb: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def metadata(self, name: str, entries: Mapping[str, str]) -> None:
         """Write a metadata record. Raises RecordingError."""

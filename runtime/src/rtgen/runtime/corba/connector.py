@@ -7,6 +7,7 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
+import msgspec
 from omniORB import CORBA
 
 from rtgen.runtime.corba.faults import caught, is_inactive, is_lost, is_unsent
@@ -27,33 +28,23 @@ _RETRY_INTERVAL = 0.2
 """Seconds between two attempts to reach a provider that did not respond."""
 
 
-class RemoteProvider:
+class RemoteProvider(msgspec.Struct, eq=False):
     """The provider that a consumer is connected to, looked up at the first call.
 
     A lost provider is looked up again, since its process may have been restarted. A call that may
     have been executed is not repeated.
     """
 
-    def __init__(
-        self,
-        objects: Objects,
-        naming: Naming,
-        consumer: Consumer[Any],
-        port: RemotePort,
-        selected: str | None,
-        *,
-        alone: bool,
-    ) -> None:
-        self.consumer = consumer
-        self.port = port
-        self._objects = objects
-        self._naming = naming
-        self._selected = selected
-        self._alone = alone
-        self._remote: Remote | None = None
-        self._looking = threading.Lock()
-        self._lost = 0.0
-        self._failure: ServiceError | None = None
+    _objects: Objects
+    _naming: Naming
+    consumer: Consumer[Any]
+    port: RemotePort
+    _selected: str | None
+    alone: bool
+    _remote: Remote | None = None
+    _looking: threading.Lock = msgspec.field(default_factory=threading.Lock)
+    _lost: float = 0.0
+    _failure: ServiceError | None = None
 
     @property
     def reachable(self) -> bool:
@@ -178,7 +169,7 @@ class RemoteProvider:
         fitting = [
             r for r in found.values() if self._selected is None and r._is_a(identity)
         ]
-        return fitting[0] if self._alone and len(fitting) == 1 else None
+        return fitting[0] if self.alone and len(fitting) == 1 else None
 
     @property
     def _wanted(self) -> InterfaceDescriptor:

@@ -11,8 +11,8 @@ import tempfile
 import time
 from importlib.util import find_spec
 from pathlib import Path
-from types import TracebackType
 
+from rtgen.runtime.closable import Closable
 from rtgen.runtime.corba.orb import LOOPBACK
 from rtgen.runtime.errors import TransportError
 
@@ -41,7 +41,7 @@ The input ends with the process that holds its other end, even if that process i
 """
 
 
-class NameServer:
+class NameServer(Closable):
     """An omniNames process on a free port; `close`, or the end of this process, ends it.
 
     Raises TransportError.
@@ -59,17 +59,6 @@ class NameServer:
             self._end()
         self._folder.cleanup()
         raise TransportError(f"{program} does not start")
-
-    def __enter__(self) -> NameServer:
-        return self
-
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc_val: BaseException | None,
-        exc_tb: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """End the process and delete its data."""

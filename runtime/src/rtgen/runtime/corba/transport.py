@@ -8,11 +8,11 @@ from collections.abc import Callable, Collection, Mapping
 from contextlib import AbstractContextManager, ExitStack
 from functools import partial
 from pathlib import Path
-from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 from omniORB import CORBA
 
+from rtgen.runtime.closable import Closable
 from rtgen.runtime.corba.connector import RemoteConnector, RemoteProvider
 from rtgen.runtime.corba.name_server import NameServer
 from rtgen.runtime.corba.naming import Naming
@@ -42,7 +42,7 @@ log = logging.getLogger("rtgen.runtime")
 _POLL_INTERVAL = 0.05
 
 
-class CorbaCalls:
+class CorbaCalls(Closable):
     """Carries the service calls of one process over omniORB, without a naming service.
 
     `host`: address for other processes; `timeout` [s] of every call. All methods raise
@@ -55,17 +55,6 @@ class CorbaCalls:
         self._closing.callback(self._orb.close)
         self._objects = Objects(self._orb)
         self._references: dict[Provider[Any], Any] = {}
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc_val: BaseException | None,
-        exc_tb: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Remove the objects, and shut down the ORB."""

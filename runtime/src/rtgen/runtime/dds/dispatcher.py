@@ -12,6 +12,7 @@ from collections.abc import Callable
 from itertools import count
 from typing import Any
 
+import msgspec
 from cyclonedds.core import Entity, GuardCondition, WaitSet
 from cyclonedds.domain import DomainParticipant
 
@@ -72,22 +73,15 @@ class Dispatcher:
                     entry.call()
 
 
-class Entry:
+class Entry(msgspec.Struct, eq=False):
     """A condition with its handler, which is not called after `close`."""
 
-    def __init__(
-        self,
-        dispatcher: Dispatcher,
-        number: int,
-        condition: Any,
-        handler: Callable[[], None],
-    ) -> None:
-        self.number = number
-        self.condition = condition
-        self._dispatcher = dispatcher
-        self._handler = handler
-        self._lock = threading.RLock()
-        self._closed = False
+    _dispatcher: Dispatcher
+    number: int
+    condition: Any
+    _handler: Callable[[], None]
+    _lock: threading.RLock = msgspec.field(default_factory=threading.RLock)
+    _closed: bool = False
 
     def call(self) -> None:
         """Call the handler, unless closed. An exception is logged: the thread serves others."""

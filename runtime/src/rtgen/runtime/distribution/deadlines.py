@@ -6,22 +6,21 @@ import threading
 import time
 from collections.abc import Callable
 
+import msgspec
 
-class Deadline:
+
+class Deadline(msgspec.Struct, eq=False):
     """Counts the periods of `seconds` without a sample (DDS 1.4, 2.2.3.7).
 
     The first period begins with the first sample, each other one with a sample or with the end of
     the previous period. None means no deadline. `clock` returns seconds.
     """
 
-    def __init__(
-        self, seconds: float | None, clock: Callable[[], float] = time.monotonic
-    ) -> None:
-        self._seconds = seconds
-        self._clock = clock
-        self._last: float | None = None
-        self._missed = 0
-        self._lock = threading.Lock()
+    _seconds: float | None
+    _clock: Callable[[], float] = time.monotonic
+    _last: float | None = None
+    _missed: int = 0
+    _lock: threading.Lock = msgspec.field(default_factory=threading.Lock)
 
     def met(self) -> None:
         """Note the arrival of a sample."""

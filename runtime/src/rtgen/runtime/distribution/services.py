@@ -8,6 +8,8 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+import msgspec
+
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.distribution.descriptions import Description, Interface
 from rtgen.runtime.distribution.medium import (
@@ -132,34 +134,23 @@ class RemoteCalls:
             raise CommunicationFailure(f"{operation}: {error}") from error
 
 
-class RemoteProvider:
+class RemoteProvider(msgspec.Struct, eq=False):
     """The provider in another process that is connected with a consumer.
 
     It is looked up at the first call, and again after its process was lost, since it may have been
     restarted. A call that may have been executed is not repeated.
     """
 
-    def __init__(
-        self,
-        medium: Medium,
-        described: Callable[[str], Description | None],
-        timeout: float,
-        consumer: Consumer[Any],
-        port: RemotePort,
-        selected: str | None,
-        *,
-        alone: bool,
-    ) -> None:
-        self.consumer = consumer
-        self.port = port
-        self._medium = medium
-        self._described = described
-        self._timeout = timeout
-        self._selected = selected
-        self._alone = alone
-        self._calls: RemoteCalls | None = None
-        self._chosen: str | None = None
-        self._looking = threading.Lock()
+    _medium: Medium
+    _described: Callable[[str], Description | None]
+    _timeout: float
+    consumer: Consumer[Any]
+    port: RemotePort
+    _selected: str | None
+    alone: bool
+    _calls: RemoteCalls | None = None
+    _chosen: str | None = None
+    _looking: threading.Lock = msgspec.field(default_factory=threading.Lock)
 
     @property
     def reachable(self) -> bool:
@@ -243,7 +234,7 @@ class RemoteProvider:
             for each in providers.values()
             if self._selected is None and identity in each.lineage
         ]
-        return fitting[0] if self._alone and len(fitting) == 1 else None
+        return fitting[0] if self.alone and len(fitting) == 1 else None
 
     @property
     def _wanted(self) -> InterfaceDescriptor:

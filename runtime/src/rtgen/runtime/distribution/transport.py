@@ -7,11 +7,11 @@ import threading
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
-from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 import msgspec
 
+from rtgen.runtime.closable import Closable
 from rtgen.runtime.distribution.control import BURST, SHARE, Served
 from rtgen.runtime.distribution.data import (
     OutTopic,
@@ -64,7 +64,7 @@ class _Published(msgspec.Struct):
             self.tokens.pop().close()
 
 
-class DistributedTransport:
+class DistributedTransport(Closable):
     """Carries samples and service calls to other processes over a medium, which it owns.
 
     `timeout` [s] of every call. Calls and samples within the process do not leave it; every data
@@ -91,17 +91,6 @@ class DistributedTransport:
         except TransportError:
             medium.close()
             raise
-
-    def __enter__(self) -> DistributedTransport:
-        return self
-
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc_val: BaseException | None,
-        exc_tb: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Withdraw everything, and close the medium. A second call has no effect."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import threading
 from abc import ABC, abstractmethod
-from types import TracebackType
 from typing import Generic, Protocol, Self, TypeVar
 
 from rtgen.facts.opaque_rpc import MAX_TIMEOUT
+from rtgen.runtime.closable import Closable
 from rtgen.runtime.opaque_rpc.errors import E_OBJ, E_TMOUT, ChannelError
 from rtgen.runtime.opaque_rpc.messages import Service, log
 
@@ -23,8 +23,7 @@ def checked_timeout(seconds: float) -> float:
     """Return the time-out. Raises ValueError unless it is in (0, `MAX_TIMEOUT`]."""
     if not 0 < seconds <= MAX_TIMEOUT:
         raise ValueError(
-            f"a time-out is a positive number of seconds up to {MAX_TIMEOUT:.0f}, "
-            f"not {seconds}"
+            f"a time-out is a positive number of seconds up to {MAX_TIMEOUT:.0f}, not {seconds}"
         )
     return seconds
 
@@ -132,7 +131,7 @@ class ConnectedChannel(ABC, Generic[_C]):
         return ChannelError(E_TMOUT, f"{self}: no answer within {self.timeout} s")
 
 
-class ConnectedServer(ABC):
+class ConnectedServer(Closable):
     """Serves streams of octets, in this thread or in one of its own.
 
     `timeout` [s] applies to the rest of a request after its first octet, and to its reply; between
@@ -171,11 +170,3 @@ class ConnectedServer(ABC):
     def __enter__(self) -> Self:
         self.start()
         return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()

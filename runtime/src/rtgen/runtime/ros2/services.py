@@ -99,24 +99,17 @@ def _only(body: type[Any] | None) -> type[Any] | None:
     return None
 
 
-class Server:
+class Server(msgspec.Struct, eq=False):
     """Answers the requests of a service by a function, in separate threads.
 
     ROS 2 has no errors: a failed call has no response. Requests of one `queue` do not delay those
     of others.
     """
 
-    def __init__(
-        self,
-        service: RosService,
-        answer: Callable[[Any], Any],
-        workers: Workers,
-        queue: str | None = None,
-    ) -> None:
-        self._service = service
-        self._function = answer
-        self._workers = workers
-        self._queue = queue
+    _service: RosService
+    _function: Callable[[Any], Any]
+    _workers: Workers
+    _queue: str | None = None
 
     def take(self, octets: bytes, reply: Reply) -> None:
         """Queue a request."""

@@ -5,18 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import msgspec
+
 from rtgen.runtime.rtc.participant import Participant
 from rtgen.runtime.services.connectors import ServiceConnector
 
 
-class Dependencies:
+class Dependencies(msgspec.Struct, eq=False):
     """Derives dependencies from service connections; both mappings may change later."""
 
-    def __init__(
-        self, participants: Mapping[str, Participant], connectors: Mapping[str, Any]
-    ) -> None:
-        self._participants = participants
-        self._connectors = connectors
+    _participants: Mapping[str, Participant]
+    _connectors: Mapping[str, Any]
 
     def order(self, instances: Sequence[str]) -> list[str]:
         """Return the instances, each after the providers of its consumers.

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
+import msgspec
+
 from rtgen.runtime.errors import PolarityError
 from rtgen.runtime.ports.data_ports import DataConnector, InPort, OutPort
 from rtgen.runtime.rtc.component import Component
@@ -26,20 +28,13 @@ Connector = (
 PortAddress = tuple[str, str]
 
 
-class Joining:
+class Joining(msgspec.Struct, eq=False):
     """Creates connections; `here` are the names of the instances of this process."""
 
-    def __init__(
-        self,
-        here: Collection[str],
-        component: Callable[[str], Component],
-        guard: Callable[[], Guard],
-        transport: Transport | None,
-    ) -> None:
-        self._here = here
-        self._component = component
-        self._guard = guard
-        self._transport = transport
+    _here: Collection[str]
+    _component: Callable[[str], Component]
+    _guard: Callable[[], Guard]
+    _transport: Transport | None
 
     def made(
         self,

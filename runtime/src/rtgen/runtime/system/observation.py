@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any, cast
 
+import msgspec
+
 from rtgen.runtime.ports.data_ports import OutPort
 from rtgen.runtime.return_codes import ERROR_STATE, LifeCycleState
 from rtgen.runtime.rtc.component import Component
@@ -18,20 +20,17 @@ from rtgen.runtime.system.records import (
 from rtgen.runtime.timing.traffic import ConnectionChange
 
 
-class Observation:
+class Observation(msgspec.Struct, eq=False):
     """The listeners of a system, and the watchers of its OutPorts.
 
     Their exceptions are passed to `end_run`: they are not failures of a component.
     """
 
-    def __init__(
-        self, elapsed: Callable[[], int], end_run: Callable[[BaseException], None]
-    ) -> None:
-        self._elapsed = elapsed
-        self._end_run = end_run
-        self._listeners: tuple[Listener, ...] = ()
-        self._state_watchers: tuple[Callable[[StateRecord], None], ...] = ()
-        self._watched: dict[tuple[str, str], tuple[Callable[[Any], None], ...]] = {}
+    _elapsed: Callable[[], int]
+    _end_run: Callable[[BaseException], None]
+    _listeners: tuple[Listener, ...] = ()
+    _state_watchers: tuple[Callable[[StateRecord], None], ...] = ()
+    _watched: dict[tuple[str, str], tuple[Callable[[Any], None], ...]] = {}
 
     def add(self, listener: Listener, components: Iterable[Component]) -> None:
         """Add a listener for the states of all components, and the samples of these."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from types import TracebackType
 from typing import Any
 
 from rtgen.facts.value_checks import PERIOD, CheckValues
+from rtgen.runtime.closable import Closable
 from rtgen.runtime.errors import (
     CheckpointError,
     ConnectError,
@@ -58,7 +58,7 @@ from rtgen.runtime.system.watchdog import calling
 from rtgen.runtime.timing.clocks import SECOND, Clock, RealClock, SimulatedClock
 
 
-class System:
+class System(Closable):
     """Components, each with an execution context of its own, on a simulated or a real clock.
 
     In simulated time everything is executed in `run`, in one thread, in order of time; at the same
@@ -109,17 +109,6 @@ class System:
         """Called with each failure of a component's code; in real time from its thread."""
         if isinstance(transport, ControlTransport):
             transport.allow_control(self)
-
-    def __enter__(self) -> System:
-        return self
-
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc_val: BaseException | None,
-        exc_tb: TracebackType | None,
-    ) -> None:
-        self.close()
 
     # Components.
 

@@ -6,6 +6,8 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from typing import Protocol
 
+import msgspec
+
 from rtgen.compiler.diagnostics import ToolError
 from rtgen.runtime.canopen.bus.messages import frame_of
 from rtgen.runtime.canopen.bus.python_can import OpenBus
@@ -44,14 +46,11 @@ class SilentError(Exception):
     """A node has not answered in time."""
 
 
-class BusSession:
+class BusSession(msgspec.Struct, eq=False):
     """Runs protocol machines on a bus; `on_frame` is called with every received frame."""
 
-    def __init__(
-        self, bus: OpenBus, on_frame: Callable[[Frame], object] = lambda frame: None
-    ) -> None:
-        self._bus = bus
-        self._on_frame = on_frame
+    _bus: OpenBus
+    _on_frame: Callable[[Frame], object] = lambda frame: None
 
     def send(self, frames: Iterable[Frame]) -> None:
         """Send frames. Raises ToolError if the bus is lost."""

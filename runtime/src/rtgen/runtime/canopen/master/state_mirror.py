@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
+import msgspec
+
 from rtgen.runtime.canopen.master.proxied_node import ProxiedNode
 from rtgen.runtime.canopen.wire.emergency import Emergency, EmergencyPolicy
 from rtgen.runtime.canopen.wire.nmt import NmtState
@@ -19,7 +21,7 @@ _MAX_REPORTED: Final = 16
 """Maximum number of reported codes until errors are cleared, or the node boots."""
 
 
-class StateMirror:
+class StateMirror(msgspec.Struct, eq=False):
     """The watcher of a proxy's node; it never blocks, because the link's lock is held.
 
     `busy` is True while a transition of the proxy is in progress, which checks the states itself;
@@ -29,22 +31,13 @@ class StateMirror:
     the two cannot remain in different states after a race.
     """
 
-    def __init__(
-        self,
-        component: Component,
-        busy: Callable[[], bool],
-        timeout: Callable[[], int],
-        now: Callable[[], int],
-        policy: EmergencyPolicy,
-        report: Callable[[str], None],
-    ) -> None:
-        self._component = component
-        self._busy = busy
-        self._timeout = timeout
-        self._now = now
-        self._policy = policy
-        self._report = report
-        self._reported: set[int] = set()
+    _component: Component
+    _busy: Callable[[], bool]
+    _timeout: Callable[[], int]
+    _now: Callable[[], int]
+    _policy: EmergencyPolicy
+    _report: Callable[[str], None]
+    _reported: set[int] = set()
 
     def timeout(self) -> int:
         """See `Watcher`."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import msgspec
 from omniORB import CORBA
 
 from rtgen.facts.connector_properties import STRICTNESS
@@ -52,21 +53,14 @@ def offers(
     return found
 
 
-class ServiceLink:
+class ServiceLink(msgspec.Struct, eq=False):
     """A connection of a service port to a foreign one; `pairs` are consumers with providers."""
 
-    def __init__(
-        self,
-        name: str,
-        source: ServicePort,
-        target: RemotePort,
-        pairs: Mapping[Consumer[Any], Carrier],
-    ) -> None:
-        self.name = name
-        self.source = source
-        self.target = target
-        self.pairs = pairs
-        self.connected = False
+    name: str
+    source: ServicePort
+    target: RemotePort
+    pairs: Mapping[Consumer[Any], Carrier]
+    connected: bool = False
 
     def attach(self) -> None:
         """Establish the connection. Raises DuplicateConnectionError."""
