@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, Final
 
 import msgspec
@@ -19,9 +19,6 @@ _RETURN: Final = "return"
 _MAX_ITEMS: Final = 16
 _MAX_TEXT_LENGTH: Final = 200
 """Maximum length of a value's text."""
-
-CodecOf = Callable[[str], Codec | None]
-"""The codec of the marshaller that is connected to a communication RTC; None if none is known."""
 
 
 def codec_of(component: Component) -> Codec | None:

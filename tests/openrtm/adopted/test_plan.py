@@ -115,17 +115,7 @@ def test_files_come_after_those_that_they_need(tmp_path: Path) -> None:
         ("types_2", False),
     ]
     assert [f.stem for f in plan.own_idl_files] == ["types", "types_2"]
-    assert plan.stub_modules == ("M", "RTC", "_GlobalIDL")
     assert [f.stem for f in plan.unit.needs(plan.idl_files[2])] == ["types"]
-
-
-def test_types_inside_of_an_unscoped_interface_are_unscoped(tmp_path: Path) -> None:
-    (plan,), _ = planned(
-        tmp_path,
-        a="""interface I { typedef sequence<octet> Octets; Octets get(); };
-        component C { provides I i; };""",
-    )
-    assert plan.stub_modules == ("_GlobalIDL",)
 
 
 def test_behaviours_stand_in_skeletons_or_where_the_project_says(

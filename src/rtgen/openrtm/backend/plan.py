@@ -125,10 +125,6 @@ class Unit:
             self._add(module, by_name, ordered)
         return tuple(ordered.values())
 
-    def idl_file_of(self, declaration: Declaration) -> IdlFile:
-        """Return the IDL file of a type or interface."""
-        return next(f for f in self.idl_files if declaration.file in f.files)
-
     def needs(self, file: IdlFile) -> tuple[IdlFile, ...]:
         """Return the files used by a file's declarations, in order of `idl_files`."""
         modules = self._needs[file.module]
@@ -278,19 +274,6 @@ class ComponentPlan:
     def own_idl_files(self) -> tuple[IdlFile, ...]:
         """The IDL files except those of OpenRTM."""
         return tuple(file for file in self.idl_files if not file.stock)
-
-    @cached_property
-    def stub_modules(self) -> tuple[str, ...]:
-        """The stub packages of its types, sorted: `IIS`, `RTC`, `_GlobalIDL`."""
-        paths = {path for file in self.idl_files for path in file.files}
-        declared = [
-            d
-            for d in self.unit.model.declarations
-            if d.file in paths and not isinstance(d, _NO_TYPES)
-        ]
-        unscoped = {d.name for d in declared if len(d.name) == 1}
-        modules = {d.name[0] for d in declared if d.name[:1] not in unscoped}
-        return tuple(sorted(modules | {"_GlobalIDL"} if unscoped else modules))
 
 
 def openrtm_port_name(component: Component, port: Port) -> str:
