@@ -11,16 +11,9 @@ from msgspec.structs import replace
 from rtgen.compiler.backends import Artifact, Emission, Options
 from rtgen.compiler.backends.components.imports import Imports
 from rtgen.compiler.backends.components.locations import base_location, source_of
-from rtgen.compiler.backends.kit.python_module import (
-    PythonModule,
-    imports_from,
-    python_module,
-)
-from rtgen.compiler.backends.kit.quoting.python import (
-    docstring,
-    number_literal,
-    string_literal,
-)
+from rtgen.compiler.backends.kit.python_module import PythonModule, python_module
+from rtgen.compiler.backends.kit.quoting.python import number_literal, string_literal
+from rtgen.compiler.backends.kit.rendering import render
 from rtgen.compiler.model import (
     Adapter,
     ArrayType,
@@ -41,9 +34,13 @@ from rtgen.facts.numeric import Numeric
 _Scale: TypeAlias = Sequence[float]
 """Factor and offset of a conversion."""
 
-_METHODS = frozenset({"annotations", "ec_id", "int", "list", "made", "sample", "self"})
-_CONVERSIONS = "rtgen.runtime.ros2.conversions"
-_RUNTIME = ("RTC_OK", "ReturnCode_t")
+_TAKEN = frozenset(
+    {
+        *("annotations", "ec_id", "int", "list", "made", "sample", "self"),
+        *("RTC_OK", "ReturnCode_t"),
+    }
+)
+"""The names that the template binds or uses."""
 
 
 class AdaptersBackend:
@@ -86,41 +83,30 @@ def _module(
     options: Options,
     origin: Sequence[str],
 ) -> PythonModule:
-    base = f"{adapter.name}Base"
-    taken = {adapter.name, base, *_METHODS, *_RUNTIME, adapter.conversion}
+    taken = {adapter.name, f"{adapter.name}Base", *_TAKEN, adapter.conversion}
     types = Imports(model, names, taken)
-    made = types.type_name(adapter.target)
-    body = [
-        f"class {adapter.name}({base}):",
-        docstring(_doc(adapter), 4),
-        "    def on_execute(self, ec_id: int) -> ReturnCode_t:",
-        '        """Convert everything that has come."""',
-        "        while self.input.is_new() and (sample := self.input.read()) is not None:",
-        f"            made = {made}()",
-        *_Copies(model, names, types, adapter).statements(),
-        *_converted(adapter),
-        *(
-            f"            made.{_path(model, names, adapter.target, to)} ="
-            f" {_literal(value)}"
+    body = render(
+        "adapters/adapter.py.j2",
+        name=adapter.name,
+        location=base_location(options.package, component),
+        doc=_doc(adapter),
+        target=types.type_name(adapter.target),
+        copies=[*_Copies(model, names, types, adapter).values()],
+        conversion=adapter.conversion,
+        stamps=adapter.stamps,
+        constants=[
+            (_path(model, names, adapter.target, to), _literal(value))
             for to, value in adapter.constants
-        ),
-        "            self.output.write(made)",
-        "        return RTC_OK",
-    ]
-    converting = [adapter.conversion] if adapter.conversion else []
+        ],
+    )
     return python_module(
         f"{options.folder}/adapters/{module_name(adapter.name)}.py",
         options.package,
         options.version,
         origin,
         f"{adapter.name}: {_doc(adapter)}",
-        imports=[
-            *imports_from("rtgen.runtime", _RUNTIME),
-            *imports_from(_CONVERSIONS, converting),
-            *imports_from(base_location(options.package, component), [base]),
-            *types.imports(),
-        ],
-        body="\n".join(body),
+        imports=types.imports(),
+        body=body,
     )
 
 
@@ -133,7 +119,8 @@ class _Copies:
     types: Imports
     adapter: Adapter
 
-    def statements(self) -> Iterator[str]:
+    def values(self) -> Iterator[tuple[str, str]]:
+        """Yield each copied member of the target, with the expression of its value."""
         adapter = self.adapter
         scales = {to: scale for to, *scale in adapter.scales}
         for to, source in adapter.copies:
@@ -145,8 +132,7 @@ class _Copies:
             made = self._converted(value, *types, path, scales.get(to))
             if own.optional and made != value:
                 made = f"None if {value} is None else {made}"
-            target = _path(self.model, self.names, adapter.target, to)
-            yield f"            made.{target} = {made}"
+            yield _path(self.model, self.names, adapter.target, to), made
 
     def _converted(
         self, value: str, from_: Type, to: Type, path: str, scale: _Scale | None
@@ -198,13 +184,6 @@ def _scaled_number(value: str, factor: float, offset: float) -> str:
     if offset:
         made += f" {'-' if offset < 0 else '+'} {number_literal(abs(offset))}"
     return made
-
-
-def _converted(adapter: Adapter) -> Iterator[str]:
-    if adapter.conversion:
-        yield f"            {adapter.conversion}(sample, made)"
-    if adapter.stamps:
-        yield "            self.stamp(made)"
 
 
 def _literal(value: AdapterConstant) -> str:
