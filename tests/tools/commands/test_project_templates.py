@@ -62,6 +62,7 @@ def fault() -> tuple[str, int, str]:
     [
         (("navigation", "tecs", "canopen"), "embedded"),
         (("navigation", "tecs", "canopen"), "openrtm"),
+        (("embedded",), "small"),
     ],
 )
 def test_copies_of_all_templates_make_the_same_files(
@@ -72,7 +73,8 @@ def test_copies_of_all_templates_make_the_same_files(
     paths = [f"specs/{name}" for name in ("idl", *sources)]
     text = (
         f'[sources]\npaths = {paths}\ninclude = ["specs/idl", "specs/tecs"]\n'
-        f'[output]\ntarget = "{target}"\n'
+        f'[output]\ntarget = "{target}"\n[adapter.Back]\nfrom = "IIS::TimedVelocity2D"\n'
+        'to = "RTC::TimedVelocity2D"\nmap = { "tm" = "tm" }\n'
     )
     settings.write_text(text)
     plain = compiled()

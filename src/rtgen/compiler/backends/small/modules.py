@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 from rtgen.compiler.backends import Options
 from rtgen.compiler.backends.components.base_module import attribute_names, class_names
 from rtgen.compiler.backends.components.locations import heading
 from rtgen.compiler.backends.kit.python_text import fit_text
 from rtgen.compiler.backends.kit.quoting.python import (
+    Python,
     docstring,
     number_literal,
     string_literal,
 )
+from rtgen.compiler.backends.kit.rendering import render
 from rtgen.compiler.backends.small.forms import Forms, members_of
 from rtgen.compiler.model import (
     Component,
@@ -68,29 +71,25 @@ def types_module(
     forms: Forms,
 ) -> str:
     """Return the module of all structs and enums of the components, in order of declaration."""
-    bodies = []
+    types = []
     for name in used:
         declaration = model.find(name)
         if isinstance(declaration, Enum):
-            bodies.append(_enum(names, declaration, classes[name]))
+            types.append(_enum(names, declaration, classes[name]))
         elif isinstance(declaration, Struct):
-            bodies.append(_struct(model, names, declaration, classes[name], forms))
-    body = "\n\n".join(bodies)
-    helpers = [f"{h} as _{h}" for h in _HELPERS if f"_{h}(" in body]
-    imports = f"from rtgen.runtime import {', '.join(helpers)}\n" if helpers else ""
-    return fit_text(
-        docstring("The types of the components' ports.", 0)
-        + (f"\n{imports}" if imports else "")
-        + f"\n\n{body}"
-    )
+            types.append(_struct(model, names, declaration, classes[name], forms))
+    text = str(types)
+    helpers = [Python(f"{h} as _{h}") for h in _HELPERS if f"_{h}(" in text]
+    return fit_text(render("small/types.py.j2", types=types, helpers=helpers))
 
 
-def _enum(names: PythonNames, declaration: Enum, class_name: str) -> str:
+def _enum(names: PythonNames, declaration: Enum, class_name: str) -> dict[str, Any]:
     python_names = names.enumerators(declaration)
-    lines = [f"class {class_name}:", *_doc(declaration.doc, 4, "An enumeration.")]
-    lines.append("")
-    lines += [f"    {python_names[m.name]} = {m.value}" for m in declaration.members]
-    return "\n".join(lines) + "\n"
+    return {
+        "name": class_name,
+        "docstring": docstring(declaration.doc, 4, "An enumeration."),
+        "enumerators": [(python_names[m.name], m.value) for m in declaration.members],
+    }
 
 
 def _struct(
@@ -99,55 +98,46 @@ def _struct(
     declaration: Struct,
     class_name: str,
     forms: Forms,
-) -> str:
+) -> dict[str, Any]:
     python_names = _members(model, names, declaration)
     members = [
         (python_names[member.name], forms.form(member.type, member.initial))
         for member in members_of(model, declaration)
     ]
-    parameters = ", ".join(
-        f"{name}={'None' if form.mutable else form.made}" for name, form in members
-    )
-    lines = [f"class {class_name}:", *_doc(declaration.doc, 4, "A struct."), ""]
-    lines.append(f"    __slots__ = {_slots([name for name, _ in members])}")
     own = "_self" if any(name == "self" for name, _ in members) else "self"
-    lines += ["", f"    def __init__({', '.join(filter(None, (own, parameters)))}):"]
-    lines += ["        pass"] * (not members)
-    for name, form in members:
-        lines.append(f"        {own}.{name} = {form.made if form.mutable else name}")
-        if form.items:
-            lines += [
-                f"        if {name} is None:",
-                f"            {name} = {form.items}",
-            ]
-        elif form.mutable:
-            lines.append(f"        if {name} is not None:")
-        if form.mutable:
-            copied = form.copy.replace("{0}", f"{own}.{name}").replace("{1}", name)
-            lines.append(f"{' ' * (8 if form.items else 12)}{copied}")
-    for header, statements in (
-        (
-            "def _copy_(self, other):",
-            [
-                form.copy.replace("{0}", f"self.{n}").replace("{1}", f"other.{n}")
-                for n, form in members
-            ],
-        ),
-        (
-            "def _put_(self, wire):",
-            [s.replace("{0}", f"self.{n}") for n, form in members for s in form.put],
-        ),
-        (
-            "def _take_(self, wire):",
-            [s.replace("{0}", f"self.{n}") for n, form in members for s in form.take],
-        ),
-    ):
-        lines += [
-            "",
-            f"    {header}",
-            *(f"        {s}" for s in statements or ["pass"]),
-        ]
-    return "\n".join(lines) + "\n"
+    return {
+        "name": class_name,
+        "docstring": docstring(declaration.doc, 4, "A struct."),
+        "enumerators": (),
+        "slots": _slots([name for name, _ in members]),
+        "own": own,
+        "parameters": [
+            Python(own),
+            *(
+                Python(f"{name}={'None' if form.mutable else form.made}")
+                for name, form in members
+            ),
+        ],
+        "members": [
+            {
+                "name": name,
+                "initial": form.made if form.mutable else name,
+                "storage": form.items,
+                "copying": (
+                    _filled(form.copy, f"{own}.{name}", name) if form.mutable else ""
+                ),
+            }
+            for name, form in members
+        ],
+        "copying": [_filled(f.copy, f"self.{n}", f"other.{n}") for n, f in members],
+        "put": [_filled(s, f"self.{n}") for n, form in members for s in form.put],
+        "take": [_filled(s, f"self.{n}") for n, form in members for s in form.take],
+    }
+
+
+def _filled(statement: str, target: str, source: str = "{1}") -> str:
+    """Return a statement of a form with its two places filled in."""
+    return statement.replace("{0}", target).replace("{1}", source)
 
 
 def _members(model: Model, names: PythonNames, declaration: Struct) -> dict[str, str]:
@@ -201,35 +191,33 @@ def component_module(
     for port, name in attributes.ports:
         type_ = model.unalias(port.type)
         assert isinstance(type_, NamedType), "checked before"
-        type_text = imports.text(*names.public(type_.name))
-        add = "add_in_port" if port.kind is PortKind.INPORT else "add_out_port"
+        received = port.kind is PortKind.INPORT
         ports.append(
-            f"        self.{name} = self.{add}({string_literal(port.name)}, {type_text})"
+            {
+                "attribute": name,
+                "add": "add_in_port" if received else "add_out_port",
+                "name": port.name,
+                "type": imports.text(*names.public(type_.name)),
+            }
         )
-    fields = [
-        f"        self.{name} = {_default(model, names, parameter)}"
-        for parameter, name in attributes.configuration
-    ]
-    slots = _slots([name for _, name in attributes.configuration])
-    lines = [docstring(heading(component), 0).rstrip("\n"), ""]
-    lines += ["from rtgen.runtime import Component", *imports.lines()]
-    if fields:
-        lines += ["", "", f"class {configuration}:"]
-        lines += [*_doc(f"The parameters of {component.name[-1]}.", 4), ""]
-        lines += [f"    __slots__ = {slots}", "", "    def __init__(self):", *fields]
-    lines += ["", "", f"class {base}(Component):"]
-    lines += _doc(component.doc, 4, heading(component))
-    lines += ["", f"    _type_name = {string_literal(component.name[-1])}"]
-    lines += [
-        f"    _rate = {number_literal(float(component.rate))}",
-        f"    _buffer = {options.small[2]}",
-    ]
-    lines += ["", "    def __init__(self, instance_name=None):"]
-    lines.append("        Component.__init__(self, instance_name)")
-    if fields:
-        lines.append(f"        self.config = {configuration}()")
-    lines += ports
-    return fit_text("\n".join(lines) + "\n")
+    text = render(
+        "small/component.py.j2",
+        docstring=docstring(heading(component), 0),
+        class_docstring=docstring(component.doc, 4, heading(component)),
+        component=component.name[-1],
+        base=base,
+        configuration=configuration,
+        imports=imports.lines(),
+        fields=[
+            (name, _default(model, names, parameter))
+            for parameter, name in attributes.configuration
+        ],
+        slots=_slots([name for _, name in attributes.configuration]),
+        rate=number_literal(float(component.rate)),
+        buffer=options.small[2],
+        ports=ports,
+    )
+    return fit_text(text)
 
 
 class _PackageImports:
@@ -293,10 +281,6 @@ def _default(
             return number_literal(float(number))
         case value:
             return repr(value)
-
-
-def _doc(text: str, indent: int, otherwise: str = "") -> list[str]:
-    return docstring(text, indent, otherwise).rstrip("\n").split("\n")
 
 
 def _slots(names: Sequence[str]) -> str:
