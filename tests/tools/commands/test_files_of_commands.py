@@ -434,17 +434,19 @@ def drawn(name: str) -> list[tuple[Row, str]]:
 def try_file(project: Path, runs: Runs, row: Row, kind: str) -> None:
     file = project / f"bad{row.suffix}"
     FILES[kind](file)
-    size = file.lstat().st_size
-    words = given(row, file.name)
-    result = runs.run(words)
-    check_end(result, words)
-    is_searched = kind == "a_folder" and row.words.startswith("fmt")
-    if kind not in CONTENTS and row.kind == "read" and not is_searched:
-        assert result.code in (2, 3), (words, kind, result)
-    if row.kind == "read" and not row.words.startswith("fmt"):
-        assert file.lstat().st_size == size, (words, kind)
-    for each in project.glob("bad*"):
-        remove(each)
+    try:
+        size = file.lstat().st_size
+        words = given(row, file.name)
+        result = runs.run(words)
+        check_end(result, words)
+        is_searched = kind == "a_folder" and row.words.startswith("fmt")
+        if kind not in CONTENTS and row.kind == "read" and not is_searched:
+            assert result.code in (2, 3), (words, kind, result)
+        if row.kind == "read" and not row.words.startswith("fmt"):
+            assert file.lstat().st_size == size, (words, kind)
+    finally:  # else the next case waits for the other end of a pipe
+        for each in project.glob("bad*"):
+            remove(each)
 
 
 def try_name(project: Path, runs: Runs, row: Row, kind: str) -> None:
