@@ -105,9 +105,9 @@ def emit(
         raise ValueError(f"no back end is called {unknown[0]!r}; there are: {known}")
     chosen = [installed[b] if isinstance(b, str) else b for b in backends]
     settings = options or Options("robots", "", __version__)
-    made = stage.emitted(model, settings, chosen or installed.values())
+    emission = stage.emitted(model, settings, chosen or installed.values())
     return replace(
-        made,
-        artifacts=tuple(made.artifacts),
-        diagnostics=tuple(in_order(made.diagnostics)),
+        emission,
+        artifacts=tuple(emission.artifacts),
+        diagnostics=tuple(in_order(emission.diagnostics)),
     )

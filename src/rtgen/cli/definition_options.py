@@ -24,9 +24,9 @@ def with_definitions(command: Callable[..., int]) -> Callable[..., int]:
 
     @functools.wraps(command)
     def wrapped(*args: Any, **kwargs: Any) -> int:
-        given = {name: kwargs.pop(name) for name in Definitions.__struct_fields__}
-        given["define"] = tuple(given["define"])
-        return command(*args, definitions=Definitions(**given), **kwargs)
+        definitions = {name: kwargs.pop(name) for name in Definitions.__struct_fields__}
+        definitions["define"] = tuple(definitions["define"])
+        return command(*args, definitions=Definitions(**definitions), **kwargs)
 
     function = _without_garbage_collection(wrapped)
     for decorate in (

@@ -149,8 +149,8 @@ def with_transport(command: Callable[..., int]) -> Callable[..., int]:
 
     @functools.wraps(command)
     def wrapped(*args: Any, **kwargs: Any) -> int:
-        given = {f.name: kwargs.pop(f.name) for f in fields(TransportOptions)}
-        return command(*args, carrying=TransportOptions(**given), **kwargs)
+        options = {f.name: kwargs.pop(f.name) for f in fields(TransportOptions)}
+        return command(*args, carrying=TransportOptions(**options), **kwargs)
 
     function: Callable[..., int] = wrapped
     for option in reversed(_OPTIONS):

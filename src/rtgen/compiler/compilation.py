@@ -52,9 +52,9 @@ def read(
     result = printed_idl.merged(of_idl, others)
     if has_errors(result.diagnostics):
         return result
-    made = lowering.lowered(result.model, project.lowering, complete=lowered)
-    diagnostics = (*result.diagnostics, *made.diagnostics)
-    return replace(result, model=made.model, diagnostics=diagnostics)
+    lowered_model = lowering.lowered(result.model, project.lowering, complete=lowered)
+    diagnostics = (*result.diagnostics, *lowered_model.diagnostics)
+    return replace(result, model=lowered_model.model, diagnostics=diagnostics)
 
 
 def compile_project(project: Project) -> Compilation:

@@ -165,64 +165,66 @@ class Buses(SeenBuses):
             sets = self._system.component(instance).configuration_sets
             yield sets.texts(sets.active)
 
-    def send(self, wanted: ui.SendFrame) -> None:
+    def send(self, command: ui.SendFrame) -> None:
         """Send a frame once, or from now on with a period; a period 0 ends that."""
-        bus, link = self._known(wanted.bus), self._link(wanted.bus)
+        bus, link = self._known(command.bus), self._link(command.bus)
         try:
-            frame = Frame(wanted.can_id, wanted.data, wanted.remote, wanted.extended)
+            frame = Frame(
+                command.can_id, command.data, command.remote, command.extended
+            )
         except ValueError as error:
             raise CommandError(BAD_VALUE, str(error)) from error
-        key = wanted.can_id, wanted.extended
+        key = command.can_id, command.extended
         if key in bus.cyclic:
             bus.cyclic.pop(key)()
-            if not wanted.period:
+            if not command.period:
                 return
-        if not wanted.period:
+        if not command.period:
             _put(link, frame)
             return
-        if not wanted.period >= _MIN_PERIOD:
-            raise CommandError(BAD_VALUE, f"a period of {wanted.period:g} s")
+        if not command.period >= _MIN_PERIOD:
+            raise CommandError(BAD_VALUE, f"a period of {command.period:g} s")
         if len(bus.cyclic) >= MAX_CYCLIC_FRAMES:
             raise CommandError(
                 BAD_VALUE, f"{MAX_CYCLIC_FRAMES} cyclic frames are sent already"
             )
-        period = round(wanted.period * SECOND)
+        period = round(command.period * SECOND)
         bus.cyclic[key] = self._system.every(period, lambda: link.send([frame]))
 
-    def manage(self, wanted: ui.NmtCommand) -> None:
+    def manage(self, command: ui.NmtCommand) -> None:
         """Send an NMT command to a node or to all nodes."""
-        if wanted.command not in COMMANDS:
+        if command.command not in COMMANDS:
             known = ", ".join(COMMANDS)
-            message = f"{wanted.command!r} is not an NMT command; known: {known}"
+            message = f"{command.command!r} is not an NMT command; known: {known}"
             raise CommandError(UNKNOWN, message)
-        if wanted.node_id > 127:
-            raise CommandError(BAD_VALUE, f"{wanted.node_id} is not a node-id")
-        frame = command_frame(COMMANDS[wanted.command], wanted.node_id)
-        _put(self._link(wanted.bus), frame)
+        if command.node_id > 127:
+            raise CommandError(BAD_VALUE, f"{command.node_id} is not a node-id")
+        frame = command_frame(COMMANDS[command.command], command.node_id)
+        _put(self._link(command.bus), frame)
 
-    def read(self, wanted: ui.SdoAccess) -> str:
+    def read(self, access: ui.SdoAccess) -> str:
         """Read an object of a node; the result has its value as text."""
-        bus, number = self._known(wanted.bus), _number(wanted)
-        channel = self._link(wanted.bus).sdo(_node(wanted.node_id))
+        bus, number = self._known(access.bus), _number(access)
+        channel = self._link(access.bus).sdo(_node(access.node_id))
         try:
             octets = channel.upload(*number)
         except (SdoAbort, LinkError) as error:
             raise CommandError(CALL_FAILED, str(error)) from error
-        return bus.describer.text(wanted.node_id, number, octets)
+        return bus.describer.text(access.node_id, number, octets)
 
-    def write(self, wanted: ui.SdoAccess) -> None:
+    def write(self, access: ui.SdoAccess) -> None:
         """Write an object of a node."""
-        bus, number = self._known(wanted.bus), _number(wanted)
-        octets = bus.describer.octets(wanted.node_id, number, wanted.text)
-        channel = self._link(wanted.bus).sdo(_node(wanted.node_id))
+        bus, number = self._known(access.bus), _number(access)
+        octets = bus.describer.octets(access.node_id, number, access.text)
+        channel = self._link(access.bus).sdo(_node(access.node_id))
         try:
             channel.download(*number, octets)
         except (SdoAbort, LinkError) as error:
             raise CommandError(CALL_FAILED, str(error)) from error
 
-    def objects(self, wanted: ui.NodeAddress) -> list[ui.ObjectEntry]:
+    def objects(self, address: ui.NodeAddress) -> list[ui.ObjectEntry]:
         """Return the object dictionary of a node."""
-        return [*self._known(wanted.bus).describer.objects(wanted.node_id)]
+        return [*self._known(address.bus).describer.objects(address.node_id)]
 
     def _known(self, name: str) -> _Bus:
         if name not in self._buses:
@@ -249,12 +251,12 @@ def _put(link: SimulatedCanBus, frame: Frame) -> None:
         raise CommandError(CALL_FAILED, str(error)) from error
 
 
-def _number(wanted: ui.SdoAccess) -> tuple[int, int]:
-    if wanted.index > 0xFFFF or wanted.subindex > 0xFF:
+def _number(access: ui.SdoAccess) -> tuple[int, int]:
+    if access.index > 0xFFFF or access.subindex > 0xFF:
         raise CommandError(
-            BAD_VALUE, f"{wanted.index:X}:{wanted.subindex} is not an object"
+            BAD_VALUE, f"{access.index:X}:{access.subindex} is not an object"
         )
-    return wanted.index, wanted.subindex
+    return access.index, access.subindex
 
 
 def _node(node_id: int) -> int:

@@ -19,32 +19,32 @@ MAX_VALUE_SIZE = 1 << 20
 """Maximum size of a request or sample [octets]."""
 
 
-def call(system: System, wanted: ui.Call) -> bytes:
+def call(system: System, call_command: ui.Call) -> bytes:
     """Call an operation of a provider; return the reply with its encapsulation header."""
-    provider = _provider(system, wanted)
-    return carried_out(provider.interface, provider.call, wanted)
+    provider = _provider(system, call_command)
+    return carried_out(provider.interface, provider.call, call_command)
 
 
-def carried_out(interface: type[Servant], invoke: Invoker, wanted: ui.Call) -> bytes:
+def carried_out(interface: type[Servant], invoke: Invoker, command: ui.Call) -> bytes:
     """Call an operation of an interface; return the reply with its encapsulation header."""
     try:
         calls = calls_of(interface)
     except ServiceError as error:
         raise CommandError(CALL_FAILED, str(error)) from error
-    if wanted.operation not in calls:
+    if command.operation not in calls:
         known = ", ".join(calls)
         raise CommandError(
-            UNKNOWN, f"there is no operation {wanted.operation!r}; known: {known}"
+            UNKNOWN, f"there is no operation {command.operation!r}; known: {known}"
         )
-    form = calls[wanted.operation]
+    form = calls[command.operation]
     if form.refused:
         raise CommandError(CALL_FAILED, form.refused)
     arguments: tuple[object, ...] = ()
     if form.request is not None:
-        request = decoded(form.request, wanted.arguments)
+        request = decoded(form.request, command.arguments)
         arguments = _values(request)
     try:
-        result: Any = invoke(wanted.operation, arguments)
+        result: Any = invoke(command.operation, arguments)
     except UserException as error:
         name = error._descriptor_.name
         raise CommandError(CALL_FAILED, f"{name}: {error}") from error
@@ -68,14 +68,14 @@ def decoded(type_: Any, data: bytes) -> Any:
         raise CommandError(BAD_VALUE, str(error)) from error
 
 
-def _provider(system: System, wanted: ui.Call) -> Provider[Any]:
-    providers = system.component(wanted.port.instance).providers
-    key = wanted.port.port, wanted.interface_name
+def _provider(system: System, command: ui.Call) -> Provider[Any]:
+    providers = system.component(command.port.instance).providers
+    key = command.port.port, command.interface_name
     if key not in providers:
         known = ", ".join(f"{port}:{name}" for port, name in providers) or "none"
         raise CommandError(
             UNKNOWN,
-            f"{wanted.port.instance} provides no {':'.join(key)}; known: {known}",
+            f"{command.port.instance} provides no {':'.join(key)}; known: {known}",
         )
     return providers[key]
 
@@ -92,14 +92,14 @@ class Injector:
         self._outlets: WeakKeyDictionary[System, dict[tuple[str, str], OutPort[Any]]]
         self._outlets = WeakKeyDictionary()
 
-    def put(self, system: System, wanted: ui.Inject) -> None:
+    def put(self, system: System, command: ui.Inject) -> None:
         """Write a sample to an OutPort, or to an InPort as a connection would."""
-        instance, name = wanted.port.instance, wanted.port.port
+        instance, name = command.port.instance, command.port.port
         component = system.component(instance)
         port = component.out_ports.get(name) or component.in_ports.get(name)
         if port is None:
             raise CommandError(UNKNOWN, f"{instance} has no data port {name!r}")
-        value = decoded(port.type, wanted.data)
+        value = decoded(port.type, command.data)
         if isinstance(port, OutPort):
             port.write(value)
             return

@@ -96,10 +96,10 @@ class Changes:
         """Return the effect of adding a component, which the system has."""
         profile = system.component(component.instance).profile
         parts = profile.vendor, profile.category, component.type, profile.version
-        made = replace(component, id=f"RTC:{':'.join(parts)}")
+        component_added = replace(component, id=f"RTC:{':'.join(parts)}")
         self._enter_sets(system, component.instance)
         ports = ports_of(system, component.instance)
-        return lambda file: file.add(made, ports)
+        return lambda file: file.add(component_added, ports)
 
     def _enter_sets(self, system: RunningSystem, instance: str) -> None:
         sets = system.component(instance).configuration_sets
@@ -189,13 +189,13 @@ class Changes:
 
 def together(changes: Iterable[Change | None]) -> Change | None:
     """Return several changes as one; None without any."""
-    made = [each for each in changes if each is not None]
+    parts = [each for each in changes if each is not None]
 
     def change(file: Profile) -> None:
-        for each in made:
+        for each in parts:
             each(file)
 
-    return change if made else None
+    return change if parts else None
 
 
 def unwritten(_: Profile) -> None:

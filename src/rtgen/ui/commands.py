@@ -240,12 +240,12 @@ class Commands:
         ports = [p for p in session.describe.ports(component) if p.name == here.port]
         return session.remote.obstacle(here, ports, there)
 
-    def _connect(self, wanted: ui.Connect) -> None:
+    def _connect(self, command: ui.Connect) -> None:
         session = self._session
-        source = wanted.source.instance, wanted.source.port
-        target = wanted.target.instance, wanted.target.port
-        properties = {each.name: each.text for each in wanted.properties}
-        name = wanted.name or f"{'.'.join(source)}_{'.'.join(target)}"
+        source = command.source.instance, command.source.port
+        target = command.target.instance, command.target.port
+        properties = {each.name: each.text for each in command.properties}
+        name = command.name or f"{'.'.join(source)}_{'.'.join(target)}"
         connector = session.system.connect(source, target, properties, name)
         session.edits.enter(
             Edit(
@@ -293,9 +293,9 @@ class Commands:
         if not self._session.runner.playing and self._session.runner.is_simulated:
             self._session.notice("waiting", "", f"{what}: takes effect with time")
 
-    def _add(self, wanted: ui.AddComponent) -> None:
+    def _add(self, command: ui.AddComponent) -> None:
         session = self._session
-        name = wanted.instance or self._free_name(wanted.type)
+        name = command.instance or self._free_name(command.type)
         if len(name) > _MAX_NAME or not _NAME.fullmatch(name):
             raise CommandError(
                 BAD_VALUE,
@@ -305,16 +305,16 @@ class Commands:
         if session.changes.component(name) and name not in session.system.instances:
             message = f"{name} is the name of another component of the file"
             raise CommandError(WRONG_STATE, message)
-        made = new_component(name, wanted.type)
-        place = (wanted.where.x, wanted.where.y) if wanted.placed else None
-        self._put_in(made, place)
+        component = new_component(name, command.type)
+        place = (command.where.x, command.where.y) if command.placed else None
+        self._put_in(component, place)
         change = session.changes.add(
-            replace(made, location=_location(place)), session.system
+            replace(component, location=_location(place)), session.system
         )
         session.edits.enter(
             Edit(
                 f"add {name}",
-                lambda: self._put_in(made, place),
+                lambda: self._put_in(component, place),
                 lambda: self._take_out(name),
                 self._effect(change),
             )
@@ -365,10 +365,10 @@ class Commands:
             number += 1
         return f"{type_}{number}"
 
-    def _move(self, wanted: ui.Moved) -> None:
-        session, name = self._session, wanted.instance
+    def _move(self, command: ui.Moved) -> None:
+        session, name = self._session, command.instance
         before = session.places.get(name)
-        after = wanted.where.x, wanted.where.y
+        after = command.where.x, command.where.y
         if name not in session.remote.components:
             session.system.component(name)
 
@@ -393,11 +393,11 @@ class Commands:
 
     # Configuration.
 
-    def _set(self, wanted: ui.SetParameter) -> None:
-        instance, name = wanted.instance, wanted.parameter
+    def _set(self, command: ui.SetParameter) -> None:
+        instance, name = command.instance, command.parameter
         sets = self._session.system.component(instance).configuration_sets
-        set_id = wanted.set or sets.active
-        sets.check(name, wanted.text)
+        set_id = command.set or sets.active
+        sets.check(name, command.text)
 
         def put(text: str) -> None:
             self._session.system.configure(instance, name, text, set_id)
@@ -411,21 +411,21 @@ class Commands:
             component = self._session.component(instance)
             self._session.publish(ui.Event.of_described(component))
 
-        redo = partial(put, wanted.text)
+        redo = partial(put, command.text)
         if set_id in sets.ids:
             undo = partial(put, sets.texts(set_id)[name])
         else:
             redo = partial(describe, redo)
             undo = partial(describe, partial(sets.remove, set_id))
-        change = self._session.changes.configure(instance, set_id, name, wanted.text)
-        self._edit(f"{instance}.{name} = {wanted.text}"[:200], redo, undo, change)
+        change = self._session.changes.configure(instance, set_id, name, command.text)
+        self._edit(f"{instance}.{name} = {command.text}"[:200], redo, undo, change)
 
-    def _activate_set(self, wanted: ui.ActiveSet) -> None:
-        instance = wanted.instance
+    def _activate_set(self, command: ui.ActiveSet) -> None:
+        instance = command.instance
         sets = self._session.system.component(instance).configuration_sets
         before = sets.active
-        values = sets.texts(wanted.set) if wanted.set in sets.ids else {}
-        change = self._session.changes.activate_set(instance, wanted.set, values)
+        values = sets.texts(command.set) if command.set in sets.ids else {}
+        change = self._session.changes.activate_set(instance, command.set, values)
 
         def put(set_id: str) -> None:
             self._session.system.activate_set(instance, set_id)
@@ -433,8 +433,8 @@ class Commands:
             self._session.publish(ui.Event.of_activated(chosen))
 
         self._edit(
-            f"{instance}: set {wanted.set}"[:200],
-            lambda: put(wanted.set),
+            f"{instance}: set {command.set}"[:200],
+            lambda: put(command.set),
             lambda: put(before),
             change,
         )
@@ -561,8 +561,8 @@ class Commands:
     def _publish_time(self) -> None:
         self._session.publish(ui.Event.of_clock(self._session.time()))
 
-    def _inject(self, wanted: ui.Inject) -> None:
-        self._injector.put(self._session.system, wanted)
+    def _inject(self, command: ui.Inject) -> None:
+        self._injector.put(self._session.system, command)
 
 
 def _location(place: tuple[float, float] | None) -> tuple[int, int, int, int] | None:

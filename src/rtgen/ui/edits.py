@@ -80,14 +80,14 @@ class Edits:
 
     @property
     def _changes(self) -> list[Change]:
-        made = (edit.change for edit in self._done)
-        return [*self._settled, *(each for each in made if each is not None)]
+        changes = (edit.change for edit in self._done)
+        return [*self._settled, *(each for each in changes if each is not None)]
 
     @property
     def _head(self) -> object:
         """The last edit that concerns the file."""
-        made = (each for each in reversed(self._done) if each.change is not None)
-        return next(made, self._bottom)
+        edits = (each for each in reversed(self._done) if each.change is not None)
+        return next(edits, self._bottom)
 
     # Edits.
 

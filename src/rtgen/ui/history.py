@@ -216,11 +216,11 @@ class History:
             _overwrite(newest, event)
         lines = [*lines_before, *happened]
         lines = [each for each in lines if each.discriminator in _LINES][-MAX_LINES:]
-        given = {id(event) for event in (*newest.values(), *lines)}
+        included = {id(event) for event in (*newest.values(), *lines)}
         passed = {id(event): event for event in (*lines_before, *before, *happened)}
         return [
             Event.of_whole(whole),
-            *(event for number, event in passed.items() if number in given),
+            *(event for number, event in passed.items() if number in included),
             Event.of_statistics(statistics),
             Event.of_traffic(frames),
             *traffic,

@@ -47,8 +47,8 @@ class RemoteCommands:
             case CommandKind.COMMAND_UNDO | CommandKind.COMMAND_REDO:
                 return self._back(undo=kind is CommandKind.COMMAND_UNDO)
             case CommandKind.COMMAND_RESTORE:
-                wanted = [(c, self._effect(c)) for c in self._differences()]
-                return partial(self._restore, watcher, wanted)
+                commands = [(c, self._effect(c)) for c in self._differences()]
+                return partial(self._restore, watcher, commands)
             case _ if not self._is_remote(command):
                 return None
             case CommandKind.COMMAND_CALL:
@@ -141,8 +141,8 @@ class RemoteCommands:
             is_outside = {each.source.instance, each.target.instance} & names.keys()
             if is_outside and _ends(source, target) not in there:
                 stated = [ui.Value(*pair) for pair in each.properties]
-                wanted = ui.Connect(source, target, "", restored(stated))
-                commands.append(ui.Command.of_wire(wanted))
+                connect = ui.Connect(source, target, "", restored(stated))
+                commands.append(ui.Command.of_wire(connect))
         return commands
 
     def _enter(self, edit: Edit) -> None:
@@ -178,28 +178,28 @@ class RemoteCommands:
         return port
 
     def _call(
-        self, watcher: NamingWatcher, wanted: ui.Call, result: ui.Result
+        self, watcher: NamingWatcher, command: ui.Call, result: ui.Result
     ) -> Action:
-        offered = {e.name: e for e in self._port(wanted.port).interfaces if e.provided}
-        if wanted.interface_name not in offered:
-            where = f"{wanted.port.instance}.{wanted.port.port}"
+        offered = {e.name: e for e in self._port(command.port).interfaces if e.provided}
+        if command.interface_name not in offered:
+            where = f"{command.port.instance}.{command.port.port}"
             known = ", ".join(offered) or "none"
             raise CommandError(
                 UNKNOWN,
-                f"{where} provides no {wanted.interface_name!r}; known: {known}",
+                f"{where} provides no {command.interface_name!r}; known: {known}",
             )
-        type_ = offered[wanted.interface_name].type
+        type_ = offered[command.interface_name].type
         interface = self._session.project.interface(type_)
         if interface is None:
             raise CommandError(IMPOSSIBLE, f"the project does not define {type_}")
 
         def carry_out() -> None:
-            result.reply = watcher.call(wanted, interface, type_)
+            result.reply = watcher.call(command, interface, type_)
 
         return carry_out
 
-    def _inject(self, watcher: NamingWatcher, wanted: ui.Inject) -> Action:
-        port = self._port(wanted.port)
+    def _inject(self, watcher: NamingWatcher, command: ui.Inject) -> Action:
+        port = self._port(command.port)
         if port.kind is not ui.PortKind.PORT_IN:
             raise CommandError(
                 IMPOSSIBLE, "of ports of other processes InPorts alone take samples"
@@ -207,8 +207,8 @@ class RemoteCommands:
         type_ = self._session.project.data_type(port.type)
         if type_ is None:
             raise CommandError(IMPOSSIBLE, f"the project does not define {port.type}")
-        value = decoded(type_, wanted.data)
-        return partial(watcher.give, wanted.port, value)
+        value = decoded(type_, command.data)
+        return partial(watcher.give, command.port, value)
 
 
 def _settings(known: SystemComponent, now: ui.Component) -> Iterator[ui.Command]:
@@ -217,8 +217,8 @@ def _settings(known: SystemComponent, now: ui.Component) -> Iterator[ui.Command]
     for set_id, values in known.parameter_sets:
         for name, text in values:
             if sets.get(set_id, {}).get(name) != text:
-                wanted = ui.SetParameter(now.instance, set_id, name, text)
-                yield ui.Command.of_setting(wanted)
+                command = ui.SetParameter(now.instance, set_id, name, text)
+                yield ui.Command.of_setting(command)
     if known.active_set != now.active_set:
         yield ui.Command.of_chosen(ui.ActiveSet(now.instance, known.active_set))
 

@@ -168,19 +168,17 @@ class RemoteConnections:
 
     def tidy(
         self,
-        wanted: Container[Key],
+        keys: Container[Key],
         seen: Callable[[str, str], tuple[PortProfile | None, float]],
     ) -> None:
         """End the unused connections.
 
-        `wanted`: the watched ones. `seen`: the last known state of a port, and its time.
+        `keys`: the watched ones. `seen`: the last known state of a port, and its time.
         """
         now = time.monotonic()
         for key, line in [*self._lines.items()]:
             port, when = seen(key.instance, key.port)
-            is_needed = (
-                key in wanted if key.use is Use.LISTEN else line.used > now - IDLE
-            )
+            is_needed = key in keys if key.use is Use.LISTEN else line.used > now - IDLE
             if (
                 not is_needed
                 or port is None
@@ -238,7 +236,7 @@ class RemoteConnections:
         self,
         key: Key,
         port: PortProfile,
-        made: Callable[[], tuple[End, Any]],
+        ends_made: Callable[[], tuple[End, Any]],
         properties: Mapping[str, str],
         *,
         first: bool,
@@ -246,7 +244,7 @@ class RemoteConnections:
         """Return the connection to a port, made if missing. `first`: it begins at this end."""
         line = self._lines.get(key)
         if line is None:
-            end, tool = made()
+            end, tool = ends_made()
             here = PortService(self, PAGE, end.port, end)
             ends = [here.reference, port.port_ref]
             asked = ConnectorProfile(

@@ -262,11 +262,11 @@ def _foreign(session: Session, instance: str) -> tuple[str, Change | None]:
     return name, lambda file: file.add_foreign(component, ports)
 
 
-def _remote_wire(session: Session, wanted: ui.Connect) -> Change | None:
-    pairs = [_foreign(session, e.instance) for e in (wanted.source, wanted.target)]
-    ends = [_written_end(session, each) for each in (wanted.source, wanted.target)]
-    properties = {each.name: each.text for each in wanted.properties}
-    ports = map(session.remote.port, (wanted.source, wanted.target))
+def _remote_wire(session: Session, command: ui.Connect) -> Change | None:
+    pairs = [_foreign(session, e.instance) for e in (command.source, command.target)]
+    ends = [_written_end(session, each) for each in (command.source, command.target)]
+    properties = {each.name: each.text for each in command.properties}
+    ports = map(session.remote.port, (command.source, command.target))
     types = [each.type for each in ports if each is not None]
     service = not any(types)
     if not service:
@@ -274,7 +274,7 @@ def _remote_wire(session: Session, wanted: ui.Connect) -> Change | None:
         properties.setdefault("dataport.data_type", f"IDL:{type_}:1.0")
     name = "_".join(f"{instance}.{port}" for instance, port in ends)
     joined = session.changes.join(
-        wanted.name or name,
+        command.name or name,
         ends,
         properties,
         service=service,

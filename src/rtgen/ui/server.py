@@ -88,11 +88,11 @@ class Tokens:
     full: str = field(default_factory=lambda: secrets.token_urlsafe(24))
     read_only: str = field(default_factory=lambda: secrets.token_urlsafe(24))
 
-    def right(self, given: str) -> bool | None:
+    def right(self, token: str) -> bool | None:
         """Return whether a token gives full rights; None for an invalid one."""
-        if hmac.compare_digest(given.encode(), self.full.encode()):
+        if hmac.compare_digest(token.encode(), self.full.encode()):
             return True
-        if hmac.compare_digest(given.encode(), self.read_only.encode()):
+        if hmac.compare_digest(token.encode(), self.read_only.encode()):
             return False
         return None
 

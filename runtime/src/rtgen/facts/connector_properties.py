@@ -101,8 +101,8 @@ Check: TypeAlias = Callable[[str], str | None]
 
 
 def _one_of(*words: str) -> Check:
-    wanted = " or ".join(words)
-    return lambda text: None if text in words else wanted
+    expectation = " or ".join(words)
+    return lambda text: None if text in words else expectation
 
 
 def _integer(minimum: int) -> Check:
@@ -114,14 +114,14 @@ def _integer(minimum: int) -> Check:
     return check
 
 
-def _number(wanted: str, *, positive: bool) -> Check:
+def _number(expectation: str, *, positive: bool) -> Check:
     def check(text: str) -> str | None:
         try:
             value = float(text)
         except ValueError:
-            return wanted
+            return expectation
         fits = isfinite(value) and (value > 0 if positive else value >= 0)
-        return None if fits else wanted
+        return None if fits else expectation
 
     return check
 

@@ -36,9 +36,9 @@ class Encoded(bytes):
 
     def __new__(cls, data: bytes, encoding: str = "utf8") -> Encoded:
         """Mark octets with their encoding, a key of `decoded_text.TITLES`."""
-        made = super().__new__(cls, data)
-        made.encoding = encoding
-        return made
+        encoded = super().__new__(cls, data)
+        encoded.encoding = encoding
+        return encoded
 
 
 def digest(data: bytes) -> str:

@@ -236,11 +236,13 @@ class _Order:
     def _consumers(self) -> Iterator[Step]:
         changed = self._of(CONSUMERS)
         node = self._node
-        wanted = {consumed_node(node.after(number) or 0): number for number in changed}
+        consumed = {
+            consumed_node(node.after(number) or 0): number for number in changed
+        }
         for number in changed:
             for value in (node.before(number), node.configured(number)):
                 watched = consumed_node(value or 0)
-                if watched is not None and wanted.get(watched, number) != number:
+                if watched is not None and consumed.get(watched, number) != number:
                     yield Step(number, How.ZERO, f"node {watched} in no entry")
                     break
         yield from self._values(changed)

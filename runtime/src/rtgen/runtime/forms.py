@@ -34,13 +34,13 @@ def to_numpy(
     if factor != 1 or offset:
         exact = factor * exact + offset
     with numpy.errstate(over="ignore"):
-        made = exact.astype(item, copy=False)
-    beyond = numpy.argwhere(numpy.isinf(made) & numpy.isfinite(exact))
+        array = exact.astype(item, copy=False)
+    beyond = numpy.argwhere(numpy.isinf(array) & numpy.isfinite(exact))
     if len(beyond):
         place = tuple(beyond[0])
         indices = "".join(f"[{index}]" for index in place)
         raise CdrError(path + indices, f"{exact[place]} is out of the range of float")
-    return made
+    return array
 
 
 def to_list(numbers: Any) -> Any:

@@ -225,11 +225,11 @@ class Queues:
             if idle is None:
                 return None
             self._requests.leave(self._clients.pop(idle))
-        made: list[Client] = []
-        ready = partial(self._is_ready, made)
-        made.append(self._requests.join(self._limit, first=first, ready=ready))
-        self._clients[key] = made[0]
-        return made[0]
+        clients: list[Client] = []
+        ready = partial(self._is_ready, clients)
+        clients.append(self._requests.join(self._limit, first=first, ready=ready))
+        self._clients[key] = clients[0]
+        return clients[0]
 
     def _is_ready(self, client: list[Client]) -> bool:
         return client[0].running < self._busy

@@ -45,8 +45,8 @@ def is_debugger(frame: FrameType) -> bool:
 
 def users_frame(frames: Sequence[FrameType]) -> FrameType:
     """Return the first frame of the user; else the first outside rtgen; else the first."""
-    for wanted in (is_users, lambda file: not is_rtgens(file)):
+    for is_candidate in (is_users, lambda file: not is_rtgens(file)):
         for frame in frames:
-            if wanted(frame.f_code.co_filename):
+            if is_candidate(frame.f_code.co_filename):
                 return frame
     return frames[0]

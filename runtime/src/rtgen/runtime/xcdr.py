@@ -85,11 +85,11 @@ def deserialize(type_: type[_T], payload: Buffer) -> _T:
 
 
 def _check_kind(type_: type[DataType], representation: Representation) -> None:
-    wanted = representation_of(
+    expected = representation_of(
         type_, representation.version, representation.little_endian
     )
-    if wanted is not representation:
-        message = f"its representation is {wanted.name}, not {representation.name}"
+    if expected is not representation:
+        message = f"its representation is {expected.name}, not {representation.name}"
         raise CdrError(_name(type_), message)
 
 

@@ -51,17 +51,17 @@ def monitor_(
     line per frame. The command stops at Ctrl-C, or according to --for and --count.
     """
     known = described.known()
-    wanted = Wanted(known, nodes, kinds)
+    selection = Wanted(known, nodes, kinds)
     with opened(access.on(known)) as bus, frames(bus, seconds, count) as received:
         if as_json or plain or not sys.stdout.isatty():
-            printer = Printer(known, wanted, as_json=as_json, write=write_out)
+            printer = Printer(known, selection, as_json=as_json, write=write_out)
             for message in received:
                 if message is not None:
                     printer.take(message)
         else:
             from rtgen.tools.can.decoding.live_table import show
 
-            show(received, MessageDecoder(known), wanted, bus.bus.channel_info)
+            show(received, MessageDecoder(known), selection, bus.bus.channel_info)
     if received.lost:
         console.say(f"{received.lost} frames came too fast and are missing")
     return OK

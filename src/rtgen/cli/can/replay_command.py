@@ -83,8 +83,8 @@ def replay_(
     """
     known = described.known()
     if decode:
-        wanted = Wanted(known, nodes, kinds)
-        printer = Printer(known, wanted, as_json=as_json, write=write_out)
+        selection = Wanted(known, nodes, kinds)
+        printer = Printer(known, selection, as_json=as_json, write=write_out)
         for message in logs.read(file, console.say):
             printer.take(message)
         return OK
@@ -122,6 +122,6 @@ def _faster(messages: Iterator[Message], speed: float) -> Iterator[Message]:
     for message in messages:
         moment += max(message.timestamp - (before or message.timestamp), 0.0) / speed
         before = message.timestamp
-        made = copy.copy(message)
-        made.timestamp = moment
-        yield made
+        copied = copy.copy(message)
+        copied.timestamp = moment
+        yield copied

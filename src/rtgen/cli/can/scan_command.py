@@ -117,14 +117,14 @@ def _verdict(known: NodeIndex, answers: Found, node_id: int) -> str:
     if answers.identity[0] is None:
         return "no identity"
     parts = ("device type", "vendor", "product", "revision")
-    for part, wanted, actual in zip(
+    for part, expected, actual in zip(
         parts, node.identity, answers.identity, strict=False
     ):
-        if part == "revision" and wanted is not None and actual is not None:
+        if part == "revision" and expected is not None and actual is not None:
             # Devices of the same major revision behave identically (CiA 301, 7.5.2.21).
-            wanted, actual = wanted >> 16, actual >> 16
-        if wanted is not None and actual is not None and wanted != actual:
-            return f"{part} 0x{actual:X}, described is 0x{wanted:X}"
+            expected, actual = expected >> 16, actual >> 16
+        if expected is not None and actual is not None and expected != actual:
+            return f"{part} 0x{actual:X}, described is 0x{expected:X}"
     return "as described"
 
 

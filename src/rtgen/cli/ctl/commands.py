@@ -67,8 +67,8 @@ def list_(console: Console, options: CtlOptions, as_json: bool) -> int:
         ]
         write_out("".join(f"{line}\n" for line in table(_HEADER, rows, (0, 1))))
     if profile is not None:
-        wanted = [c.instance for c in profile.components]
-        console.say(f"condition: {condition_text(wanted, dict(states))}")
+        instances = [c.instance for c in profile.components]
+        console.say(f"condition: {condition_text(instances, dict(states))}")
     return OK if states else NO
 
 
@@ -179,7 +179,7 @@ def _steer(
     options: CtlOptions,
     instances: Sequence[str],
     request: Callable[[Asker], str],
-    wanted: str,
+    target: str,
 ) -> int:
     """Request a state of components one after the other, waiting until each has it."""
     with joined(console, options) as peers:
@@ -191,10 +191,10 @@ def _steer(
                 state = state_text(asked.state())
                 raise Refused(f"{instance} refuses: {code}; it is {state}")
             deadline = time.monotonic() + options.wait
-            while (state := state_name(now := asked.state())) != wanted:
+            while (state := state_name(now := asked.state())) != target:
                 failed = state == "ERROR" and now.state != before
                 if failed or time.monotonic() > deadline:
-                    raise Refused(f"{instance} is {state_text(now)}, not {wanted}")
+                    raise Refused(f"{instance} is {state_text(now)}, not {target}")
                 peers.wait(_POLL_INTERVAL)
-            console.say(f"{instance} {wanted}")
+            console.say(f"{instance} {target}")
     return OK

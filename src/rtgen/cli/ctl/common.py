@@ -80,8 +80,8 @@ def with_system(command: Callable[..., int]) -> Callable[..., int]:
 
     @functools.wraps(command)
     def wrapped(*args: Any, **kwargs: Any) -> int:
-        given = {f.name: kwargs.pop(f.name) for f in fields(CtlOptions)}
-        return command(*args, options=CtlOptions(**given), **kwargs)
+        options = {f.name: kwargs.pop(f.name) for f in fields(CtlOptions)}
+        return command(*args, options=CtlOptions(**options), **kwargs)
 
     function: Callable[..., int] = wrapped
     for option in reversed(_OPTIONS):

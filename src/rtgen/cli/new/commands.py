@@ -44,9 +44,9 @@ def project(console: Console, name: str, source: str | None) -> int:
         else:
             writing.write(starters.project(forms, package, folder))
             (folder / "systems").mkdir()
-            made = load(folder)
-            place = starters.place_of(made)
-            model = _model(made)
+            created = load(folder)
+            place = starters.place_of(created)
+            model = _model(created)
             twice = [starters.FIRST] * 2
             writing.write(starters.system(forms, place, model, twice)[0])
         _generate(console, load(folder))

@@ -71,12 +71,12 @@ def _each(
     paths: Sequence[Path],
     settings: Settings,
     load: Callable[[Path], FrontendResult],
-    *given: Hashable,
+    *options: Hashable,
     fits: Callable[[FrontendResult], bool] = lambda _: True,
 ) -> FrontendResult:
     """Read files that do not depend on each other, one at a time.
 
-    A result depends on the files that it lists, and on `given`; it is cached if it `fits`.
+    A result depends on the files that it lists, and on `options`; it is cached if it `fits`.
     """
     distinct: dict[str, Path] = {}
     for path in paths:
@@ -86,7 +86,7 @@ def _each(
         if settings.memo is None:
             results.append(load(path))
             continue
-        key = (load.__qualname__, str(Path.cwd()), settings.root, path, *given)
+        key = (load.__qualname__, str(Path.cwd()), settings.root, path, *options)
         results.append(settings.memo.read(key, partial(load, path), fits))
     return together(results)
 
@@ -113,8 +113,8 @@ def _profiles(paths: Sequence[Path], settings: Settings) -> FrontendResult:
     if settings.memo is not None:
         places = settings.root, settings.include, settings.sources
         searched = tuple(each for path in paths for each in candidates(path, *places))
-    given = settings.include, settings.encoding, searched
-    return _each(paths, settings, profile, *given)
+    options = settings.include, settings.encoding, searched
+    return _each(paths, settings, profile, *options)
 
 
 def _devices(paths: Sequence[Path], settings: Settings) -> FrontendResult:
@@ -128,8 +128,8 @@ def _devices(paths: Sequence[Path], settings: Settings) -> FrontendResult:
             encoding=settings.encoding,
         )
 
-    given = (settings.node_id, settings.encoding)
-    return _each(paths, settings, device, *given, fits=_is_found)
+    options = (settings.node_id, settings.encoding)
+    return _each(paths, settings, device, *options, fits=_is_found)
 
 
 def _buses(paths: Sequence[Path], settings: Settings) -> FrontendResult:

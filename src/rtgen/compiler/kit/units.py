@@ -178,25 +178,25 @@ def _tokens(text: str) -> Iterator[re.Match[str]]:
 
 def _product(tokens: list[re.Match[str]], start: int) -> tuple[Unit, int]:
     """Parse factors from the token at `start`, up to the end or to a closing bracket."""
-    made: Unit | None = None
+    product: Unit | None = None
     place, power = start, 1
     while place < len(tokens) and tokens[place].group("sign") != ")":
         token = tokens[place]
         sign = token.group("sign")
         if sign in ("*", "/", "."):
-            if made is None and sign == "/":
-                made = Unit((), 1.0)
-            if made is None or place + 1 == len(tokens):
+            if product is None and sign == "/":
+                product = Unit((), 1.0)
+            if product is None or place + 1 == len(tokens):
                 raise UnitError(f"there is no unit beside `{sign}`")
             power, place = (-1 if sign == "/" else 1), place + 1
             if tokens[place].group("sign") not in (None, "("):
                 raise UnitError(f"there is no unit beside `{sign}`")
         factor, place = _factor(tokens, place)
         factor = _raised(factor, power)
-        made, power = factor if made is None else _times(made, factor), 1
-    if made is None:
+        product, power = factor if product is None else _times(product, factor), 1
+    if product is None:
         raise UnitError("a unit is expected")
-    return made, place
+    return product, place
 
 
 def _factor(tokens: list[re.Match[str]], place: int) -> tuple[Unit, int]:

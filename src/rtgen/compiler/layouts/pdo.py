@@ -125,9 +125,9 @@ def _kind(entry: Mapped) -> Kind:
     if code == DataType.BOOLEAN:
         return Kind.BOOLEAN
     if code in (DataType.REAL32, DataType.REAL64):
-        wanted = 32 if code == DataType.REAL32 else 64
-        if entry.bits != wanted:
-            raise PdoLayoutError(f"{entry.name} has {entry.bits} bits, not {wanted}")
+        bits = 32 if code == DataType.REAL32 else 64
+        if entry.bits != bits:
+            raise PdoLayoutError(f"{entry.name} has {entry.bits} bits, not {bits}")
         return Kind.REAL
     if code == DataType.VISIBLE_CHAR:
         if entry.bits != 8:

@@ -172,17 +172,17 @@ def _check_expression(expression: Expression, item: Item) -> None:
 def _check_order(
     items: Sequence[Item],
     before: Sequence[Item],
-    given: Sequence[Item],
+    known_items: Sequence[Item],
     function: TecsFunction,
 ) -> None:
     """Check that each size is known before the value that depends on it.
 
-    `before` are earlier values, `given` those that both peers know from the request.
+    `before` are earlier values, `known_items` those that both peers know from the request.
     """
     known = {item.name for item in before}
     travels = {item.name for item in items}
     for item in items:
-        bounds = capacity(item.node) if is_known(item.node, given) else None
+        bounds = capacity(item.node) if is_known(item.node, known_items) else None
         for expression in sizes_of(item.node):
             for name in references(expression):
                 if name in known or (expression is bounds and _is_bound_only(item)):

@@ -79,13 +79,13 @@ def lower(model: Model, settings: Settings) -> Lowered:
     file = SourceFile(
         name=name, key=name, sha256=sha256(text.encode()).hexdigest(), main=True
     )
-    made = replace(
+    larger = replace(
         model,
         files=(*model.files, file),
         declarations=(*model.declarations, *components),
         adapters=tuple(adapters),
     )
-    return Lowered(made, tuple(findings))
+    return Lowered(larger, tuple(findings))
 
 
 def _component(adapter: Adapter, received: str, sent: str) -> Component:

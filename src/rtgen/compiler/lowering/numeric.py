@@ -79,28 +79,28 @@ class _Forms:
 
     def _entry(self, entry: _E) -> _E:
         """Return a member, a branch, a typedef or a boxed value."""
-        wanted: Numeric | None = None
+        form: Numeric | None = None
         type_ = entry.type
         annotation = entry.annotation("numeric")
         if annotation is not None:
-            wanted = cast("Numeric", str(annotation.get()).lower())
+            form = cast("Numeric", str(annotation.get()).lower())
             type_ = self._model.unalias(type_)
-            if not self._can_be(type_, wanted):
-                message = f"`{entry.type}` cannot be {wanted} in Python"
+            if not self._can_be(type_, form):
+                message = f"`{entry.type}` cannot be {form} in Python"
                 hint = "@numeric belongs to sequences and arrays of numbers"
                 self.findings.append(NO_NUMBERS.at(entry.span, message, hint=hint))
                 return entry
-        formed = self._with_form(type_, wanted)
+        formed = self._with_form(type_, form)
         return entry if formed is entry.type else replace(entry, type=formed)
 
-    def _with_form(self, type_: Type, wanted: Numeric | None) -> Type:
-        """Return the type with a form: `wanted`, or else that of the project."""
+    def _with_form(self, type_: Type, chosen: Numeric | None) -> Type:
+        """Return the type with a form: `chosen`, or else that of the project."""
         match type_:
             case MapType(value=value):
                 inner = self._with_form(value, None)
                 return type_ if inner is value else replace(type_, value=inner)
             case SequenceType(element) | ArrayType(element):
-                form = wanted or self._project_form(type_)
+                form = chosen or self._project_form(type_)
                 inner = self._with_form(element, None)
                 if inner is element and form == "list":
                     return type_

@@ -125,9 +125,9 @@ def lowered(model: Model, settings: Settings, *, complete: bool = True) -> Lower
         steps += [*_of_plugins(), (LAST.name, LAST)]
     for name, lower in steps:
         with stages.stage(f"lowering {name}"):
-            made = lower(model, settings)
-        model = made.model
-        diagnostics += made.diagnostics
+            result = lower(model, settings)
+        model = result.model
+        diagnostics += result.diagnostics
     return Lowered(model, tuple(diagnostics))
 
 
@@ -139,7 +139,7 @@ def _of_plugins() -> Iterator[tuple[str, Lower]]:
 def _by_plugin(name: str, lower: Lower, model: Model, settings: Settings) -> Lowered:
     """Return the checked result of a plug-in's lowering. Raises ToolError."""
     with plugins.running(plugins.Group.LOWERINGS, name):
-        made = plugins.require(Lowered, lower(model, settings))
-        lowered_model = plugins.require(Model, made.model)
-        diagnostics = plugins.require_each(Diagnostic, made.diagnostics)
+        result = plugins.require(Lowered, lower(model, settings))
+        lowered_model = plugins.require(Model, result.model)
+        diagnostics = plugins.require_each(Diagnostic, result.diagnostics)
         return Lowered(lowered_model, diagnostics)

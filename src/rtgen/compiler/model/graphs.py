@@ -55,14 +55,14 @@ def in_circles(edges: Mapping[Node, Collection[Node]]) -> Iterator[Node]:
 
 
 def leading_to(
-    edges: Mapping[Node, Iterable[Node]], wanted: Collection[Node]
+    edges: Mapping[Node, Iterable[Node]], targets: Collection[Node]
 ) -> set[Node]:
     """Return the wanted nodes, and all nodes from which one of them is reachable."""
     users: dict[Node, list[Node]] = {}
     for node, others in edges.items():
         for other in others:
             users.setdefault(other, []).append(node)
-    nodes = set(wanted)
+    nodes = set(targets)
     waiting = list(nodes)
     while waiting:
         for user in users.get(waiting.pop(), ()):

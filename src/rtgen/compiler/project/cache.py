@@ -87,15 +87,15 @@ class Cache:
         self,
         project: Project,
         plugins: Sequence[metadata.EntryPoint],
-        made: str = "artifacts",
+        result: str = "artifacts",
     ) -> str:
         """Return the hash of everything except the definitions that affects the output."""
         content = [
             _FORMAT,
-            made,
+            result,
             sys.version_info[:3],
             _hash_of_files(_compiler_files()),
-            [(name, _version(name)) for name in _LIBRARIES.get(made, ())],
+            [(name, _version(name)) for name in _LIBRARIES.get(result, ())],
             [(e.name, e.value, _hash_of_files(_plugin_files(e))) for e in plugins],
             str(Path.cwd()),
             str(project.root),

@@ -172,9 +172,9 @@ class _Problem(str):
     entry: str
 
     def __new__(cls, text: str, entry: str) -> _Problem:
-        made = super().__new__(cls, text)
-        made.entry = entry
-        return made
+        problem = super().__new__(cls, text)
+        problem.entry = entry
+        return problem
 
 
 def _ros_topics(value: Any) -> str | None:

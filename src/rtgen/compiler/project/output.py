@@ -112,18 +112,18 @@ def _plan(project: Project, run: Compilation) -> Plan:
     users = [(_place(project, a), a) for a in artifacts if a.owner is Owner.USER]
     absent = [(place, a) for place, a in users if not os.path.lexists(place)]
     ours = [a.path for a in own]
-    wanted = {a.path: a.text.encode() for a in own}
+    contents = {a.path: a.text.encode() for a in own}
     with _disk_failures():
         there, files, temporary = _tree(project.output)
         known = _former(project.output)
         differences = {
-            p: _difference(project.output / p, wanted[p]) for p in sorted(wanted)
+            p: _difference(project.output / p, contents[p]) for p in sorted(contents)
         }
         findings = [*_check_foreign(differences, known)]
         if findings:
             raise InputError(findings)
-        former = [p for p in known if p in there and p not in wanted]
-        manifest = _manifest(own, wanted, run)
+        former = [p for p in known if p in there and p not in contents]
+        manifest = _manifest(own, contents, run)
         changes = [
             Change(project.output / p, _read(project.output / p), None) for p in former
         ]
@@ -141,8 +141,8 @@ def _plan(project: Project, run: Compilation) -> Plan:
             ),
             strays=tuple(
                 project.output / p
-                for p in sorted(there - {*wanted, *former, MANIFEST})
-                if not _is_ignored(p, wanted)
+                for p in sorted(there - {*contents, *former, MANIFEST})
+                if not _is_ignored(p, contents)
             ),
             leftovers=(
                 *temporary,
@@ -151,7 +151,7 @@ def _plan(project: Project, run: Compilation) -> Plan:
             barren=tuple(
                 project.output / f for f in sorted(files - kept, reverse=True)
             ),
-            unchanged=len(wanted) + 1 - written,
+            unchanged=len(contents) + 1 - written,
         )
 
 
@@ -180,17 +180,17 @@ def _apply(project: Project, planned: Plan) -> None:
             change.path.unlink()
     for folder in planned.barren:
         _remove_barren(folder)
-    wanted = [c for c in (*planned.changes, *planned.skeletons) if c.new is not None]
-    for folder in dict.fromkeys(change.path.parent for change in wanted):
+    writes = [c for c in (*planned.changes, *planned.skeletons) if c.new is not None]
+    for folder in dict.fromkeys(change.path.parent for change in writes):
         folder.mkdir(parents=True, exist_ok=True)
     manifest = project.output / MANIFEST
     # Other files lost in a power failure are generated again by the next run.
     lasting = {manifest, *(skeleton.path for skeleton in planned.skeletons)}
-    for change in wanted:
+    for change in writes:
         if change.new is not None:
             stages.file(shown(change.path))
             _write_whole(change.path, change.new, lasting=change.path in lasting)
-    for folder in sorted({c.path.parent for c in wanted if c.path in lasting}):
+    for folder in sorted({c.path.parent for c in writes if c.path in lasting}):
         _sync_folder(folder)
 
 
@@ -200,7 +200,7 @@ def _place(project: Project, artifact: Artifact) -> Path:
 
 
 def _manifest(
-    own: Iterable[Artifact], wanted: Mapping[str, bytes], run: Compilation
+    own: Iterable[Artifact], contents: Mapping[str, bytes], run: Compilation
 ) -> bytes:
     """Return the content of the manifest."""
     content: dict[str, object] = {
@@ -214,7 +214,7 @@ def _manifest(
         },
         "files": {
             a.path: {
-                "sha256": sha256(wanted[a.path]).hexdigest(),
+                "sha256": sha256(contents[a.path]).hexdigest(),
                 "inputs": list(a.origin),
             }
             for a in sorted(own, key=lambda a: a.path)
@@ -284,13 +284,13 @@ def _check_paths(artifacts: Iterable[Artifact]) -> Iterator[Diagnostic]:
         files.setdefault(key, artifact)
 
 
-def _is_ignored(path: str, wanted: Mapping[str, bytes]) -> bool:
+def _is_ignored(path: str, contents: Mapping[str, bytes]) -> bool:
     """Return whether a generated `.gitignore` lists the path, as it does for other tools'
     output.
     """
     parts = PurePosixPath(path).parts
     for depth in range(len(parts)):
-        text = wanted.get("/".join((*parts[:depth], IGNORED)))
+        text = contents.get("/".join((*parts[:depth], IGNORED)))
         for pattern in () if text is None else text.decode().splitlines():
             if pattern.endswith("/"):
                 if pattern[:-1] in parts[depth:-1]:

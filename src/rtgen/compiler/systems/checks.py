@@ -107,28 +107,28 @@ def check_properties(system: System) -> Iterator[Diagnostic]:
             if key not in table:
                 yield from _unknown_property(key, table, span)
                 continue
-            wanted = connector_properties.violation(table, key, text)
-            if wanted is not None:
-                message = f"`{key}` is {text[:80]!r}; it must be {wanted}"
+            why = connector_properties.violation(table, key, text)
+            if why is not None:
+                message = f"`{key}` is {text[:80]!r}; it must be {why}"
                 yield PROPERTY_VALUE.at(span, message)
         yield from _subscription(connection)
 
 
 def _subscription(connection: Connection) -> Iterator[Diagnostic]:
-    given = dict(connection.properties)
-    meant = connector_properties.subscriptions(given)
-    if connector_properties.lacks_push_rate(given):
+    properties = dict(connection.properties)
+    meant = connector_properties.subscriptions(properties)
+    if connector_properties.lacks_push_rate(properties):
         key = next(k for k in reversed(meant) if meant[k] == "periodic")
         span = connection.places.get(key, connection.span)
         rate = connector_properties.PUSH_RATE
         message = f"`{key}` is 'periodic', but there is no `{rate}`"
         yield PROPERTY_VALUE.at(span, message, hint="say how often, in Hz")
-    if connector_properties.is_contradictory(given):
+    if connector_properties.is_contradictory(properties):
         first, second = meant
         span = connection.places.get(first, connection.span)
         message = (
-            f"`{first}` is {given[first].strip()!r}, "
-            f"but `{second}` is {given[second].strip()!r}"
+            f"`{first}` is {properties[first].strip()!r}, "
+            f"but `{second}` is {properties[second].strip()!r}"
         )
         yield PROPERTY_VALUE.at(span, message, hint="state one of them")
 
@@ -232,20 +232,20 @@ def _data(connection: Connection, ends: Mapping[str, Known]) -> Iterator[Diagnos
 
 
 def _data_port(
-    end: PortReference, ends: Mapping[str, Known], wanted: PortKind
+    end: PortReference, ends: Mapping[str, Known], kind: PortKind
 ) -> Port | Diagnostic:
     component = ends[end.instance].component
     ports = [p for p in component.ports if p.kind in DATA_KINDS]
     named = [p for p in ports if p.name == end.port]
     for port in named:
-        if port.kind is wanted:
+        if port.kind is kind:
             return port
     if named:
         message = (
-            f"{end} is not an {wanted.value}; data goes from an OutPort to an InPort"
+            f"{end} is not an {kind.value}; data goes from an OutPort to an InPort"
         )
         return PORTS_DIFFER.at(end.span, message)
-    return _unknown_port(end, [p.name for p in ports if p.kind is wanted], "data port")
+    return _unknown_port(end, [p.name for p in ports if p.kind is kind], "data port")
 
 
 def _unknown_port(end: PortReference, names: Sequence[str], what: str) -> Diagnostic:

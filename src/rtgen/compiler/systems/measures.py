@@ -193,9 +193,9 @@ def _displacement(measure: Measure, course: Course) -> Iterator[float]:
     within = course.between(measure.begin, measure.end)
     if within:
         x, y, theta = _seen_from(poses[within[0]], poses[within[-1]])
-        wanted = measure.values
-        turn = abs(math.remainder(theta - wanted[2], math.tau))
-        yield max(math.hypot(x - wanted[0], y - wanted[1]), turn)
+        target = measure.values
+        turn = abs(math.remainder(theta - target[2], math.tau))
+        yield max(math.hypot(x - target[0], y - target[1]), turn)
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,30 +20,32 @@ def check(
     connection: Connection, source: Port, target: Port, model: Model
 ) -> Iterator[Diagnostic]:
     """Yield diagnostics about the units of two ports of one type; `model` has that type."""
-    sent, wanted = (" ".join(port.unit.split()) for port in (source, target))
-    if sent == wanted:
+    sent, received = (" ".join(port.unit.split()) for port in (source, target))
+    if sent == received:
         return
-    silent = (not sent, not wanted)
-    sent, wanted = sent or _defined(source, model), wanted or _defined(target, model)
+    silent = (not sent, not received)
+    sent, received = sent or _defined(source, model), received or _defined(
+        target, model
+    )
     related = [
         Related(port.span, f"{end}: {_shown(text, is_silent)}")
         for end, port, text, is_silent in (
             (connection.source, source, sent, silent[0]),
-            (connection.target, target, wanted, silent[1]),
+            (connection.target, target, received, silent[1]),
         )
     ]
-    is_vague = any(silent) and sent.count(",") != wanted.count(",")
-    if not sent or not wanted or is_vague:
+    is_vague = any(silent) and sent.count(",") != received.count(",")
+    if not sent or not received or is_vague:
         end = connection.source if silent[0] else connection.target
-        unit = wanted if silent[0] else sent
+        unit = received if silent[0] else sent
         message = f"{end} does not say its unit, the other end has {unit}"
         hint = f'write @unit("{unit}") at the port'
         yield UNIT_MISSING.at(connection.span, message, related=related, hint=hint)
         return
-    rule, hint = _compared(sent, wanted, source, model)
+    rule, hint = _compared(sent, received, source, model)
     if rule is not None:
         message = (
-            f"{connection.source} gives {sent}, {connection.target} takes {wanted}"
+            f"{connection.source} gives {sent}, {connection.target} takes {received}"
         )
         yield rule.at(connection.span, message, related=related, hint=hint)
 
@@ -72,14 +74,14 @@ def _is_unit(text: str) -> bool:
 
 
 def _compared(
-    sent: str, wanted: str, source: Port, model: Model
+    sent: str, received: str, source: Port, model: Model
 ) -> tuple[Rule | None, str]:
     """Return the rule violated by two different texts of units, if any, with a hint."""
     from rtgen.compiler.kit.units import Relation, UnitError, parse_list, relation
 
-    texts = [[part.strip() for part in text.split(",")] for text in (sent, wanted)]
+    texts = [[part.strip() for part in text.split(",")] for text in (sent, received)]
     try:
-        units = [parse_list(text) for text in (sent, wanted)]
+        units = [parse_list(text) for text in (sent, received)]
     except UnitError as error:
         return MAY_DIFFER, f"correct @unit: {error}"
     if len(units[0]) != len(units[1]):
@@ -105,8 +107,8 @@ def _adapter(source: Port, model: Model, scaled: list[tuple[str, str]]) -> str:
     type_ = model.unalias(source.type)
     name = "::".join(type_.name) if isinstance(type_, NamedType) else str(type_)
     units = ", ".join(
-        f'"{path}" = ["{sent}", "{wanted}"]'
-        for place, (sent, wanted) in enumerate(scaled)
+        f'"{path}" = ["{sent}", "{received}"]'
+        for place, (sent, received) in enumerate(scaled)
         for path in _paths(reals, sent) or (f"MEMBER{place or ''}",)
     )
     return (

@@ -78,8 +78,8 @@ class _ComponentModule:
     def text(self) -> str:
         plan = self._plan
         options, component = plan.unit.options, plan.component
-        module, _, made = ":".join(plan.behaviour).partition(":")
-        head, dot, rest = made.partition(".")
+        module, _, class_name = ":".join(plan.behaviour).partition(":")
+        head, dot, rest = class_name.partition(".")
         behaviour = self._own(f"{identifier(head)}Behaviour")
         members = list(self._members())
         initialization = list(self._initialization())
@@ -219,16 +219,18 @@ class _ComponentModule:
                 datum, member = self._datum(port), self._member(port, kind)
                 type_ = self._stub(self._theirs.stub_path(port.type.name))
                 yield f"self.{datum}: {type_} = wire.new({self._type(port.type)})"
-                made = f"OpenRTM_aist.{kind}Port({_quoted(port.name)}, self.{datum})"
-                yield f"self.{member} = {made}"
+                port_text = (
+                    f"OpenRTM_aist.{kind}Port({_quoted(port.name)}, self.{datum})"
+                )
+                yield f"self.{member} = {port_text}"
         for service in plan.service_ports:
-            made = f"OpenRTM_aist.CorbaPort({_quoted(service.name)})"
-            yield f"self.{self._service_member(service)} = {made}"
+            port_text = f"OpenRTM_aist.CorbaPort({_quoted(service.name)})"
+            yield f"self.{self._service_member(service)} = {port_text}"
             for interface in service.interfaces:
                 if not interface.provided:
                     stub = self._stub(self._theirs.stub_path(interface.type.name))
-                    made = f"OpenRTM_aist.CorbaConsumer(interfaceType={stub})"
-                    yield f"self.{self._interface_member(interface)} = {made}"
+                    port_text = f"OpenRTM_aist.CorbaConsumer(interfaceType={stub})"
+                    yield f"self.{self._interface_member(interface)} = {port_text}"
         for planned in plan.parameters:
             initial = self._initial(planned)
             annotation = ": list[Any]" * (initial == "[]")

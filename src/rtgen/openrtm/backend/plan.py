@@ -134,13 +134,13 @@ class Unit:
         """Return the files for types and interfaces of these names, each after its dependencies."""
         modules = implementation_modules(self.model)
         waiting = [modules[self.model.find(name).file] for name in names]
-        wanted: set[str] = set()
+        file_names: set[str] = set()
         while waiting:
             module = waiting.pop()
-            if module not in wanted:
-                wanted.add(module)
+            if module not in file_names:
+                file_names.add(module)
                 waiting += self._needs[module]
-        return tuple(each for each in self.idl_files if each.module in wanted)
+        return tuple(each for each in self.idl_files if each.module in file_names)
 
     @cached_property
     def _needs(self) -> dict[str, set[str]]:

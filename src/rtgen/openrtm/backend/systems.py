@@ -101,7 +101,7 @@ def system_artifacts(
     folders = {
         plan.name.casefold(): f"component {plan.name}" for plan in by_type.values()
     }
-    made: list[Artifact] = []
+    artifacts: list[Artifact] = []
     findings: list[Diagnostic] = []
     for system in systems:
         name = folder_name(system)
@@ -116,8 +116,8 @@ def system_artifacts(
         writer = _Writer(system, name, by_type, version)
         findings += writer.findings
         if not has_errors(writer.findings):
-            made += writer.artifacts()
-    return made, findings
+            artifacts += writer.artifacts()
+    return artifacts, findings
 
 
 def folder_name(system: System) -> str:
@@ -213,7 +213,7 @@ class _Writer:
         """Return the connection with OpenRTM's names of ports, and all properties."""
         source: PortKind | None = None
         target: PortKind | None = None
-        given = own_properties(connection.properties)
+        stated = own_properties(connection.properties)
         if connection.service:
             pairs, lonely = service_pairs(connection, self._ends)
             for end, consumer in lonely:
@@ -240,7 +240,7 @@ class _Writer:
                 for key, text in connection.properties
                 if key.startswith(OVERRIDE)
             }
-            properties = {**_DEFAULTS, **given, **own}
+            properties = {**_DEFAULTS, **stated, **own}
             properties["dataport.data_type"] = self._data_type(connection.source)
             source, target = PortKind.OUTPORT, PortKind.INPORT
         return replace(

@@ -277,8 +277,8 @@ class Expressions:
         values = [self.value(part, frame) for part in node.values]
         if not all(map(is_known, values)):
             return UNKNOWN
-        wanted = isinstance(node.op, ast.Or)
-        return next((v for v in values if bool(v) is wanted), values[-1])
+        deciding = isinstance(node.op, ast.Or)
+        return next((v for v in values if bool(v) is deciding), values[-1])
 
     def _compared(
         self, left: ast.expr, op: ast.cmpop, right: ast.expr, frame: Frame

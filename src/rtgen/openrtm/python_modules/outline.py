@@ -81,26 +81,26 @@ def component_classes(module: Module, walker: Walker) -> list[Class]:
 
 
 def _line(
-    made: Class, own: dict[str, Class], walker: Walker, above: list[ast.ClassDef]
+    class_: Class, own: dict[str, Class], walker: Walker, above: list[ast.ClassDef]
 ) -> list[Class]:
     """Return the class and its bases, if one of them derives from OpenRTM's."""
-    if made.node in above or len(above) > 50:
+    if class_.node in above or len(above) > 50:
         return []
     rest: list[Class] = []
     is_component = False
-    for base in made.node.bases:
-        value = walker.expressions.value(base, Frame(made.module))
+    for base in class_.node.bases:
+        value = walker.expressions.value(base, Frame(class_.module))
         if isinstance(value, Named | Unknown) and dotted(base)[-1:] == dotted(base):
             value = own.get(dotted(base)[-1] if dotted(base) else "", value)
         if isinstance(value, Named) and value.path[-1] in _BASES:
             is_component = True
         elif isinstance(value, Class):
-            line = _line(value, own, walker, [*above, made.node])
+            line = _line(value, own, walker, [*above, class_.node])
             is_component = is_component or bool(line)
             rest += [
                 each for each in line if all(each.node is not r.node for r in rest)
             ]
-    return [made, *rest] if is_component else []
+    return [class_, *rest] if is_component else []
 
 
 def unknown_bases(

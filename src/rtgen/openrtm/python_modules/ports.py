@@ -54,16 +54,16 @@ class Ports:
         self._component = component
         self._report_at = report_at
 
-    def _span(self, made: Made) -> Span:
-        node = made.node
+    def _span(self, instance: Made) -> Span:
+        node = instance.node
         end = node.end_lineno or node.lineno
         column = (node.end_col_offset or node.col_offset) + 1
-        return Span(made.file, node.lineno, node.col_offset + 1, end, column)
+        return Span(instance.file, node.lineno, node.col_offset + 1, end, column)
 
-    def _holder(self, made: Made) -> str:
+    def _holder(self, instance: Made) -> str:
         """Return the attribute that holds a port, with a leading blank; empty without one."""
         for name, value in self._component.attributes.items():
-            if value is made:
+            if value is instance:
                 return f" {name}"
         return ""
 
@@ -84,9 +84,9 @@ class Ports:
                 shown = name if isinstance(name, str) else ""
                 message = f"the port {shown} is computed"
                 self._report_at(rules.COMPUTED, self._span(call.made), message)
-        made = [each for each in self._walker.made if is_made(each, *_DATA_PORTS)]
+        created = [each for each in self._walker.made if is_made(each, *_DATA_PORTS)]
         known: dict[tuple[bool, str], list[ProfileDataPort]] = {}
-        for each in made:
+        for each in created:
             port = self._data_port(each, added)
             if port is not None:
                 known.setdefault((port.output, port.name), []).append(port)
@@ -96,32 +96,34 @@ class Ports:
                 self._chosen(same[0].span, same[0].name, types)
             yield same[0] if len(types) == 1 else _opaque(same[0])
 
-    def _data_port(self, made: Made, added: dict[Made, bool]) -> ProfileDataPort | None:
-        span = self._span(made)
-        name = made.argument(0, "name")
+    def _data_port(
+        self, instance: Made, added: dict[Made, bool]
+    ) -> ProfileDataPort | None:
+        span = self._span(instance)
+        name = instance.argument(0, "name")
         if not isinstance(name, str):
-            message = f"the name of the port{self._holder(made)} is computed"
+            message = f"the name of the port{self._holder(instance)} is computed"
             self._report_at(rules.COMPUTED, span, message)
             return None
-        if made not in added:
+        if instance not in added:
             self._report_at(rules.NOT_ADDED, span, f"the port {name} is left out")
             return None
-        if not (added[made] and made.certain):
+        if not (added[instance] and instance.certain):
             message = f"the existence of the port {name} depends on the run"
             self._report_at(rules.COMPUTED, span, message)
-        if is_made(made, *_EVENTS):
-            return self._event_port(made, name, span)
-        if is_made(made, *_WAITING):
+        if is_made(instance, *_EVENTS):
+            return self._event_port(instance, name, span)
+        if is_made(instance, *_WAITING):
             message = (
                 f"{name} is a CSP port, which waits for its peer; a plain one is made"
             )
-            if not is_made(made, *_OUTPUTS):
+            if not is_made(instance, *_OUTPUTS):
                 message += ", with the type of its values instead of `any`"
             self._report_at(rules.NOT_CARRIED, span, message)
         return ProfileDataPort(
             name=name,
-            output=is_made(made, *_OUTPUTS),
-            type=self._type(made.argument(1, "value"), name, span),
+            output=is_made(instance, *_OUTPUTS),
+            type=self._type(instance.argument(1, "value"), name, span),
             span=span,
             type_span=span,
         )
@@ -149,11 +151,11 @@ class Ports:
             return scoped(datum, self._open_modules)
         return None
 
-    def _event_port(self, made: Made, name: str, span: Span) -> ProfileDataPort:
+    def _event_port(self, instance: Made, name: str, span: Span) -> ProfileDataPort:
         events = []
         types: dict[str, None] = {}
         for call in self._walker.calls:
-            if call.holder is not made or not call.name.startswith(_BIND):
+            if call.holder is not instance or not call.name.startswith(_BIND):
                 continue
             event = call.argument(0)
             if not isinstance(event, str):
@@ -202,24 +204,24 @@ class Ports:
             if isinstance(port, Made)
         }
         seen: set[str] = set()
-        for made in self._walker.made:
-            if not is_made(made, "CorbaPort"):
+        for instance in self._walker.made:
+            if not is_made(instance, "CorbaPort"):
                 continue
-            span = self._span(made)
-            name = made.argument(0, "name")
+            span = self._span(instance)
+            name = instance.argument(0, "name")
             if not isinstance(name, str):
                 message = (
-                    f"the name of the service port{self._holder(made)} is computed"
+                    f"the name of the service port{self._holder(instance)} is computed"
                 )
                 self._report_at(rules.COMPUTED, span, message)
-            elif made not in added:
+            elif instance not in added:
                 self._report_at(rules.NOT_ADDED, span, f"the port {name} is left out")
             elif name not in seen:
                 seen.add(name)
-                if not made.certain:
+                if not instance.certain:
                     message = f"the existence of the port {name} depends on the run"
                     self._report_at(rules.COMPUTED, span, message)
-                interfaces = tuple(self._interfaces(made))
+                interfaces = tuple(self._interfaces(instance))
                 yield ProfileServicePort(name=name, interfaces=interfaces)
 
     def _interfaces(self, port: Made) -> Iterator[ProfileInterface]:

@@ -91,7 +91,7 @@ class ModuleReader:
             self._report_nothing(spec is None)
             return None
         place, items = spec
-        made = classes[0]
+        class_ = classes[0]
         component = Component(classes)
         self._walk(component)
         for each in reversed(classes):
@@ -102,14 +102,14 @@ class ModuleReader:
         ports = Ports(self._walker, self._module, component, self._report_at)
         return RtcProfile(
             file=self._file,
-            span=self._span(made.node),
+            span=self._span(class_.node),
             format_version="0.3",
-            name=self._name(place, values) or made.node.name,
+            name=self._name(place, values) or class_.node.name,
             vendor=values.get("vendor", ""),
             category=values.get("category", ""),
             version=values.get("version") or "1.0.0",
             description=values.get("description", ""),
-            doc=_own_text(ast.get_docstring(made.node)),
+            doc=_own_text(ast.get_docstring(class_.node)),
             component_type=kind if kind in COMPONENT_TYPES else "STATIC",
             activity=kind if kind in ACTIVITY_TYPES else "PERIODIC",
             kind="DataFlowComponent",
@@ -200,17 +200,17 @@ class ModuleReader:
             else:
                 yield name, text
 
-    def _report_callbacks(self, made: Class) -> None:
+    def _report_callbacks(self, class_: Class) -> None:
         bodies = [
             node.name
-            for node in made.node.body
+            for node in class_.node.body
             if isinstance(node, ast.FunctionDef)
             and node.name in _CALLBACKS
             and not _is_empty(node)
         ]
         if bodies:
             message = f"the bodies of {', '.join(bodies)} stay where they are"
-            span = self._span(made.node, made.module.source.file)
+            span = self._span(class_.node, class_.module.source.file)
             self._report_at(rules.BEHAVIOUR, span, message)
 
     def _report_entries(self, place: ast.expr, values: dict[str, str]) -> None:
@@ -325,9 +325,9 @@ def span_of(node: ast.AST, file: str) -> Span:
 
 def _adds(function: ast.FunctionDef) -> bool:
     """Return whether a method directly adds ports or parameters."""
-    wanted = {*ADD_DATA_PORT, *ADD_SERVICE_PORT, "bindParameter"}
+    methods = {*ADD_DATA_PORT, *ADD_SERVICE_PORT, "bindParameter"}
     return any(
-        isinstance(node, ast.Attribute) and node.attr in wanted
+        isinstance(node, ast.Attribute) and node.attr in methods
         for node in ast.walk(function)
     )
 

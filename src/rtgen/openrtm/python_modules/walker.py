@@ -377,9 +377,9 @@ class Walker:
         frame: Frame,
     ) -> Made:
         file = frame.module.source.file
-        made = Made(path, imported, arguments, keywords, node, file, self._certain)
-        self.made.append(made)
-        return made
+        instance = Made(path, imported, arguments, keywords, node, file, self._certain)
+        self.made.append(instance)
+        return instance
 
     def _noted(
         self,
@@ -396,8 +396,8 @@ class Walker:
                 # its value now depends on the configuration
                 arguments[1] = [*variable]
                 variable[:] = [UNKNOWN] * len(variable)
-        made = self._new((), False, arguments, keywords, node, frame)
-        self.calls.append(Call(name, holder, made))
+        instance = self._new((), False, arguments, keywords, node, frame)
+        self.calls.append(Call(name, holder, instance))
         return UNKNOWN
 
     def _called(
@@ -419,8 +419,12 @@ class Walker:
         ):
             names[parameter.arg] = self.expressions.value(default, outer)
         static = any(dotted(d) == ("staticmethod",) for d in node.decorator_list)
-        given = [*arguments] if component is None or static else [component, *arguments]
-        names |= {p.arg: value for p, value in zip(parameters, given, strict=False)}
+        all_arguments = (
+            [*arguments] if component is None or static else [component, *arguments]
+        )
+        names |= {
+            p.arg: value for p, value in zip(parameters, all_arguments, strict=False)
+        }
         names |= keywords
         for parameter in (*parameters, *node.args.kwonlyargs):
             names.setdefault(parameter.arg, UNKNOWN)

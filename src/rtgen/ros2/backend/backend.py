@@ -97,13 +97,13 @@ class _Writer:
 
     def _service(self, interface: Interface, operation: Operation) -> None:
         name = (*interface.name[:-1], f"{interface.name[-1]}_{operation.name}")
-        given = [p for p in operation.parameters if p.direction != "out"]
+        arguments = [p for p in operation.parameters if p.direction != "out"]
         taken = [p for p in operation.parameters if p.direction != "in"]
         try:
             if operation.raises:
                 raise _At(operation.span, "exceptions")
             request = self._lines(
-                [_member(p.name, p.type, p.span) for p in given], operation.doc
+                [_member(p.name, p.type, p.span) for p in arguments], operation.doc
             )
             results = [_member(p.name, p.type, p.span) for p in taken]
             if operation.returns != PrimitiveType(Primitive.VOID):

@@ -102,8 +102,8 @@ class _Reader:
         self._take(";", "}", ";")
         if self._here.kind != "end":
             raise self._other()
-        wanted = [f"{name}{suffix}" for suffix in PARTS[kind]]
-        if [*self._structs] != wanted:
+        names = [f"{name}{suffix}" for suffix in PARTS[kind]]
+        if [*self._structs] != names:
             raise self._other()
         return [
             Part(part.fields, tuple(self._constants.get(each, ())), part.doc)

@@ -71,7 +71,7 @@ def inspect(
         key = cache.key(
             project,
             plugins.announced(plugins.Group.FRONTENDS),
-            made="json" if as_json else "text",
+            result="json" if as_json else "text",
         )
     return cache.kept(key, lambda: _inspected(project, (), as_json))
 

@@ -78,8 +78,8 @@ def _with_neighbours(
     [adopted] = profile.model.profiles
     beside = Search(path, path.parent / "..", include, ()).files(adopted)
     plain = _definitions(include, ())
-    given = {file.resolve() for file in plain.sources}
-    beside = [file for file in beside if file.resolve() not in given]
+    sources = {file.resolve() for file in plain.sources}
+    beside = [file for file in beside if file.resolve() not in sources]
     if beside:
         component = _with_types(_definitions(include, beside), adopted.file, [profile])
         if component.component is not None:

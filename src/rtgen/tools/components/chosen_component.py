@@ -18,9 +18,9 @@ def chosen(model: Model, file: str, name: str | None) -> Component:
         files = {Path(file).as_posix()}
     known = [d for d in model.declarations if isinstance(d, Component)]
     known = [d for d in known if d.file in files]
-    wanted = [d for d in known if name in (None, d.name[-1], d.scoped)]
-    if len(wanted) == 1:
-        return wanted[0]
+    matches = [d for d in known if name in (None, d.name[-1], d.scoped)]
+    if len(matches) == 1:
+        return matches[0]
     names = ", ".join(d.scoped for d in known)
     if not known:
         message, hint = f"{file} defines no component", None

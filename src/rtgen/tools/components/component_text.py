@@ -22,8 +22,8 @@ def component_idl(model: Model, component: Component) -> str:
     own = {component.file, component.other_file}
     files = [name for each in model.files if each.name in own for name in each.includes]
     files += [d.file for d in needed if d.name not in opaque and d.file not in own]
-    wanted = opaque | set(_ancestors(model, component))
-    inside = [d for d in model.declarations if d.name in wanted or _is_beside(d, own)]
+    included = opaque | set(_ancestors(model, component))
+    inside = [d for d in model.declarations if d.name in included or _is_beside(d, own)]
     inside = [d for d in inside if d.name != component.name]
     names = dict.fromkeys(PurePosixPath(file).name for file in files)
     includes = "".join(f'#include "{name}"\n' for name in names)

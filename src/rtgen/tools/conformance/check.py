@@ -13,9 +13,9 @@ Problems: TypeAlias = Iterator[str | None]
 """A problem for each thing checked, None if it passed."""
 
 
-def unequal(what: str, actual: object, wanted: object) -> str | None:
+def unequal(what: str, actual: object, expected: object) -> str | None:
     """Return the problem of a value that is not the expected one."""
-    return None if actual == wanted else f"{what} is {actual!r}, not {wanted!r}"
+    return None if actual == expected else f"{what} is {actual!r}, not {expected!r}"
 
 
 class Subject(Protocol):

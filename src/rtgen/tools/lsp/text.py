@@ -64,14 +64,14 @@ class Text:
             return len(self.source)
         start, end = self._line(line)
         text = self.source[start:end]
-        wanted: int = max(position.character, 0)
+        column: int = max(position.character, 0)
         if encoding == UTF_32 or text.isascii():
-            return start + min(wanted, len(text))
+            return start + min(column, len(text))
         units = _UNITS[encoding]
         passed = 0
         for index, character in enumerate(text):
             passed += units(character)
-            if passed > wanted:
+            if passed > column:
                 return start + index
         return end
 

@@ -139,7 +139,7 @@ class Workspace:
             return self._by_file(key, state.problems)
         before = state.analysis
         try:
-            made = analyse(
+            analysis = analyse(
                 state.project,
                 snapshot,
                 state.memo,
@@ -149,11 +149,15 @@ class Workspace:
             )
         except ToolError as error:
             return self._by_file(key, (*state.problems, *problems_of(error)))
-        if made.complete is not None and before is not None:
+        if analysis.complete is not None and before is not None:
             kept = (self._moved(emission, before) for emission in before.emitting)
-            made = replace(made, emitting=tuple(d for d in kept if d is not None))
-        state.analysis = made
-        return self._by_file(key, (*state.problems, *made.findings, *made.emitting))
+            analysis = replace(
+                analysis, emitting=tuple(d for d in kept if d is not None)
+            )
+        state.analysis = analysis
+        return self._by_file(
+            key, (*state.problems, *analysis.findings, *analysis.emitting)
+        )
 
     def emit(
         self, key: ProjectKey, is_superseded: Callable[[], bool] = lambda: False
@@ -168,13 +172,15 @@ class Workspace:
             return None
         last = state.analysis
         try:
-            made = emitted(last, state.snapshot, is_superseded=is_superseded)
+            analysis = emitted(last, state.snapshot, is_superseded=is_superseded)
         except ToolError as error:
-            made = replace(last, complete=None, emitting=problems_of(error))
-        state.analysis = made
-        if made.emitting == last.emitting:
+            analysis = replace(last, complete=None, emitting=problems_of(error))
+        state.analysis = analysis
+        if analysis.emitting == last.emitting:
             return None
-        return self._by_file(key, (*state.problems, *made.findings, *made.emitting))
+        return self._by_file(
+            key, (*state.problems, *analysis.findings, *analysis.emitting)
+        )
 
     def _moved(self, finding: Diagnostic, analysis: Analysis) -> Diagnostic | None:
         """Return a diagnostic at its current place; None if the place was edited."""

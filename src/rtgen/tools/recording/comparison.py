@@ -52,11 +52,11 @@ class Comparison:
 
 
 def compare(
-    one: Log, other: Log, wanted: Callable[[Mapping[str, Any]], bool]
+    one: Log, other: Log, is_selected: Callable[[Mapping[str, Any]], bool]
 ) -> dict[tuple[str, str], Comparison]:
     """Compare two files in order, by source of events. Raises RecordingError."""
     comparisons: dict[tuple[str, str], Comparison] = {}
-    for pair in zip_longest(one.events(wanted), other.events(wanted)):
+    for pair in zip_longest(one.events(is_selected), other.events(is_selected)):
         for side, event in enumerate(pair):
             if event is not None:
                 key = event["event"], source(event)

@@ -104,12 +104,12 @@ class Log:
         return ["cut off in its last line"] if self._is_cut else []
 
     def events(
-        self, wanted: Callable[[Mapping[str, str]], bool] = lambda entry: True
+        self, is_selected: Callable[[Mapping[str, str]], bool] = lambda entry: True
     ) -> Iterator[Event]:
-        """Yield all events in order; `wanted` is called with `event`, `instance` and `port`."""
+        """Yield all events in order; `is_selected` is called with `event`, `instance` and `port`."""
         if self.mcap is None:
-            return (event for event in self._lines() if wanted(event))
-        return self._decoded(self.mcap, wanted)
+            return (event for event in self._lines() if is_selected(event))
+        return self._decoded(self.mcap, is_selected)
 
     def heads(self) -> Iterator[Event]:
         """Yield each event without its content; samples of MCAP with the name of their `type`."""
@@ -125,7 +125,7 @@ class Log:
             yield known[channel] | {"t": message.time - start}
 
     def _decoded(
-        self, file: McapFile, wanted: Callable[[Mapping[str, str]], bool]
+        self, file: McapFile, is_selected: Callable[[Mapping[str, str]], bool]
     ) -> Iterator[Event]:
         decoders = Decoders()
         start = self.start
@@ -134,7 +134,7 @@ class Log:
             channel = message.channel
             if channel not in heads:
                 head = _head(channel)
-                heads[channel] = head if wanted(head) or _is_shared(head) else None
+                heads[channel] = head if is_selected(head) or _is_shared(head) else None
                 address = channel.get("instance"), channel.get("port")
                 self.units[address] = channel.get("unit")
             channel_head = heads[channel]
@@ -146,7 +146,7 @@ class Log:
                 if not isinstance(inside, dict):
                     raise RecordingError(f"{channel.topic}: a message is not an object")
                 event = {"t": message.time - start, **channel_head, **_written(inside)}
-                if not _is_shared(channel_head) or wanted(event):
+                if not _is_shared(channel_head) or is_selected(event):
                     yield event
 
     def _lines(self) -> Iterator[Event]:

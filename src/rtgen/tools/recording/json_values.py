@@ -120,15 +120,15 @@ def _struct(struct: StructDescriptor) -> tuple[dict[str, Any], Convert]:
             raise ValueError(f"{_short(value)} is not an object")
         if unknown := [name for name in value if name not in forms]:
             raise ValueError(f"{_short(unknown[0])} is not one of {', '.join(forms)}")
-        given = {}
+        members = {}
         for name, (_, convert_member) in forms.items():
             if name not in value:
                 raise ValueError(f"{name} is missing")
             try:
-                given[attributes[name]] = convert_member(value[name])
+                members[attributes[name]] = convert_member(value[name])
             except ValueError as error:
                 raise ValueError(f"{name}: {error}") from None
-        return struct.class_(**given)
+        return struct.class_(**members)
 
     schema = {
         "type": "object",

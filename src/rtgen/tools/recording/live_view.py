@@ -186,12 +186,12 @@ class LiveView:
 
     def parameters(self, names: Sequence[str]) -> list[Parameter]:
         """Return the parameters of these names (all without names), except unknown ones."""
-        wanted = frozenset(names)
+        selection = frozenset(names)
         return [
             self._parameter(instance, name)
             for instance in self._system.instances
             for name in (*self._sets(instance).texts(), ACTIVE_SET)
-            if not wanted or f"{instance}.{name}" in wanted
+            if not selection or f"{instance}.{name}" in selection
         ]
 
     def set_parameters(self, parameters: Sequence[Parameter]) -> list[Parameter]:

@@ -144,21 +144,21 @@ class Types:
         self._made: dict[ScopedName, Descriptor] = {}
         self._under_way: set[ScopedName] = set()
 
-    def named(self, name: ScopedName, wanted: str = "") -> Descriptor:
+    def named(self, name: ScopedName, title: str = "") -> Descriptor:
         """Return the descriptor of a declaration. Raises SchemaError."""
-        made = self._made.get(name)
-        if made is not None:
-            return made
+        descriptor = self._made.get(name)
+        if descriptor is not None:
+            return descriptor
         scoped = "::".join(name)
         if name in self._under_way:
             return LinkDescriptor("", scoped, target=lambda: self._made[name])
         try:
             declaration = self._model.find(name)
         except KeyError:
-            raise SchemaError(f"the schema declares no {wanted or scoped}") from None
+            raise SchemaError(f"the schema declares no {title or scoped}") from None
         self._under_way.add(name)
-        made = self._made[name] = self._described(declaration, scoped)
-        return made
+        descriptor = self._made[name] = self._described(declaration, scoped)
+        return descriptor
 
     def _type(self, type_: Type) -> Descriptor:
         match type_:

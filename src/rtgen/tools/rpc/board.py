@@ -161,12 +161,14 @@ def _echo(
 ) -> tuple[object, tuple[object, ...]]:
     """Return the echo: a zero result, unchanged inouts, and zero outs of the requested length."""
     layout = function.layout
-    given = dict(zip((i.name for i in layout.arguments), arguments, strict=True))
+    arguments_by_name = dict(
+        zip((i.name for i in layout.arguments), arguments, strict=True)
+    )
     returned, zeros = function.zeros()
     values = {i.name: z for i, z in zip(layout.outs, zeros, strict=True)} | {
-        item.name: given[item.name] for item in layout.outs if item.inward
+        item.name: arguments_by_name[item.name] for item in layout.outs if item.inward
     }
-    known = given | values
+    known = arguments_by_name | values
     for item in layout.outs:
         if not item.inward and isinstance(item.node, Counted):
             values[item.name] = _zeros(service, function, item.node, known)

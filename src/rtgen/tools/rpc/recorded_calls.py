@@ -74,8 +74,8 @@ class Replay:
             if order is None:
                 raise refused(f"the data representation {tdr!r} is unknown")
             usual = make_tdr(self._wire.tdr.order).long_bits
-            made = make_tdr(order, long_bits=bits if bits != usual else None)
-            wire = Wire(made, self._wire.reply)
+            representation = make_tdr(order, long_bits=bits if bits != usual else None)
+            wire = Wire(representation, self._wire.reply)
             self._services[key] = service_of(self._unit(name), name, wire)
         return self._services[key]
 

@@ -432,8 +432,8 @@ def _performing(
                 system.connect(*ends, properties, name)
             case Disconnect(name, others):
                 known = {each.name for each in system.connectors}
-                made = (each for each in (name, *others) if each in known)
-                system.disconnect(next(made, name))
+                instances = (each for each in (name, *others) if each in known)
+                system.disconnect(next(instances, name))
             case SetParameter():
                 sets = system.component(action.instance).configuration_sets
                 system.configure(

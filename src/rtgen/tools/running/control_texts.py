@@ -10,12 +10,12 @@ if TYPE_CHECKING:
     from rtgen.runtime.distribution.descriptions import Description, Interface
 
 
-def condition_text(wanted: Sequence[str], states: Mapping[str, State]) -> str:
+def condition_text(instances: Sequence[str], states: Mapping[str, State]) -> str:
     """Return the condition of a system, in the words of `rtgen run --supervise`."""
-    lost = ", ".join(name for name in wanted if name not in states)
+    lost = ", ".join(name for name in instances if name not in states)
     failed = ", ".join(
         name
-        for name in wanted
+        for name in instances
         if name in states and state_name(states[name]) == "ERROR"
     )
     parts = [f"without {lost}"] * bool(lost) + [f"{failed} in ERROR"] * bool(failed)

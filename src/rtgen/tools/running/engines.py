@@ -48,12 +48,12 @@ class EngineOptions:
 
     def check_taken(self, takes: dict[str, frozenset[str]]) -> None:
         """Raise Refusal for an option that the transport does not have."""
-        for given in self.given:
-            if given not in takes.get(self.transport, ()):
-                takers = [each for each, names in takes.items() if given in names]
+        for option in self.given:
+            if option not in takes.get(self.transport, ()):
+                takers = [each for each, names in takes.items() if option in names]
                 *others, last = takers
                 either = f"{', '.join(others)} or {last}" if others else last
-                raise Refusal(f"{option_of(given)} needs --transport {either}")
+                raise Refusal(f"{option_of(option)} needs --transport {either}")
         if self.interface is not None and self.transport_config is not None:
             raise Refusal("--interface and --transport-config exclude each other")
 

@@ -225,7 +225,7 @@ def _kept(folder: str | None) -> runtime.CheckpointFolder | None:
         raise ToolError(str(error)) from error
 
 
-def _check_measures(wanted: Sequence[Measure], view: View) -> None:
+def _check_measures(required: Sequence[Measure], view: View) -> None:
     known = ", ".join(view.poses) or "none"
     findings = [
         MEASURE.at(
@@ -233,7 +233,7 @@ def _check_measures(wanted: Sequence[Measure], view: View) -> None:
             f"{name!r} is not a pose of the system",
             hint=f"rtgen.run.pose names: {known}",
         )
-        for measure in wanted
+        for measure in required
         for name in measure.observables
         if name not in view.poses
     ]

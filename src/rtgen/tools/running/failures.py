@@ -255,8 +255,11 @@ def _frames(error: BaseException) -> list[FrameSummary]:
 
 def _own(frames: list[FrameSummary]) -> list[FrameSummary]:
     """Return the frames in the user's own files; else those of other packages; else all."""
-    for wanted in (is_users, lambda f: not (is_rtgens(f) or f.startswith(_IMPORTING))):
-        frames_shown = [frame for frame in frames if wanted(frame.filename)]
+    for is_candidate in (
+        is_users,
+        lambda f: not (is_rtgens(f) or f.startswith(_IMPORTING)),
+    ):
+        frames_shown = [frame for frame in frames if is_candidate(frame.filename)]
         if frames_shown:
             return frames_shown
     return frames

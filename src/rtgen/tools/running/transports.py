@@ -105,13 +105,15 @@ def opened(
     for entry in plugins.announced(plugins.Group.TRANSPORTS):
         if entry.name == carrying.transport:
             brought = plugins.load(entry)
-            given = options.get(entry.name, {})
+            options_of = options.get(entry.name, {})
             calling = functools.partial(
                 plugins.running, plugins.Group.TRANSPORTS, entry.name
             )
             with ExitStack() as stack:
                 with calling():
-                    transport = stack.enter_context(brought(given, simulated=simulated))
+                    transport = stack.enter_context(
+                        brought(options_of, simulated=simulated)
+                    )
                 try:
                     yield transport
                 except Exception as error:

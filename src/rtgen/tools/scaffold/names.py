@@ -31,29 +31,29 @@ class Names:
     module: str
 
 
-def names(given: str, *, inner: bool = False) -> Names:
+def names(text: str, *, inner: bool = False) -> Names:
     """Return the forms of a name; an `inner` one is that of a package in another one.
 
     Raises InputError for one that is invalid in a language.
     """
-    if not _FORM.fullmatch(given):
+    if not _FORM.fullmatch(text):
         form = "is not a name that files, IDL and Python can have"
-        raise _unusable(given, form, _FORM_HINT)
-    fault = _fault(given, inner)
+        raise _unusable(text, form, _FORM_HINT)
+    fault = _fault(text, inner)
     if fault is not None:
-        raise _unusable(given, fault)
-    return _forms(given)
+        raise _unusable(text, fault)
+    return _forms(text)
 
 
-def project_names(given: str) -> tuple[str, Names]:
+def project_names(text: str) -> tuple[str, Names]:
     """Return the package of a project `acme.rover`, and the forms of its last part.
 
     Raises InputError as `names` does.
     """
-    first, *inner = given.split(".")
+    first, *inner = text.split(".")
     parts = [names(first), *(names(part, inner=True) for part in inner)]
     package = ".".join(part.module for part in parts)
-    return package, replace(parts[-1], given=given)
+    return package, replace(parts[-1], given=text)
 
 
 def require_free(name: Names, used: Collection[str]) -> None:
@@ -62,29 +62,29 @@ def require_free(name: Names, used: Collection[str]) -> None:
         raise _unusable(name.given, "is a class that the new test imports")
 
 
-def _unusable(given: str, fault: str, hint: str = _OTHER_HINT) -> InputError:
-    return InputError([UNUSABLE_NAME.at(None, f"{given!r} {fault}", hint=hint)])
+def _unusable(text: str, fault: str, hint: str = _OTHER_HINT) -> InputError:
+    return InputError([UNUSABLE_NAME.at(None, f"{text!r} {fault}", hint=hint)])
 
 
-def _forms(given: str) -> Names:
-    words = re.split("[_-]", given)
+def _forms(text: str) -> Names:
+    words = re.split("[_-]", text)
     type_ = "".join(word[:1].upper() + word[1:] for word in words)
-    return Names(given, type_, module_name("_".join(words)))
+    return Names(text, type_, module_name("_".join(words)))
 
 
-def _fault(given: str, inner: bool) -> str | None:
-    if len(given) > MAX_LENGTH:
+def _fault(text: str, inner: bool) -> str | None:
+    if len(text) > MAX_LENGTH:
         return f"is longer than {MAX_LENGTH} characters"
-    made = _forms(given)
-    if keyword.iskeyword(made.module.rstrip("_")) or hasattr(builtins, made.type):
+    forms = _forms(text)
+    if keyword.iskeyword(forms.module.rstrip("_")) or hasattr(builtins, forms.type):
         return "is a keyword or a built-in name of Python"
-    if escaped(made.type) != made.type or escaped(given) != given:
+    if escaped(forms.type) != forms.type or escaped(text) != text:
         return "is a keyword of IDL"
-    owner = None if inner else python_modules.owner(made.module)
+    owner = None if inner else python_modules.owner(forms.module)
     if owner:
         return f"is a module of {owner}, which it would hide"
-    if is_device(made.module.rstrip("_")):
+    if is_device(forms.module.rstrip("_")):
         return "is a device of Windows, and no file can be called so there"
-    if made.module in _RESERVED:
+    if forms.module in _RESERVED:
         return "is a package that rtgen generates"
     return None

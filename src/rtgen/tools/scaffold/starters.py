@@ -153,16 +153,16 @@ def system(
     """Return a system of components of the project, connected by their types, with a test; and
     what is ambiguous in it.
     """
-    made, ambiguous = system_of(name.module, model, components)
+    profile, ambiguous = system_of(name.module, model, components)
     folder = place.root / "systems"
     test = _files(
         "system",
         {_test(place, name): "test.py"},
         name=name.module,
         depth=1,
-        instances=[c.instance for c in made.components],
+        instances=[c.instance for c in profile.components],
     )
-    return [File(folder / f"{name.module}.xml", system_text(made)), *test], ambiguous
+    return [File(folder / f"{name.module}.xml", system_text(profile)), *test], ambiguous
 
 
 def project(name: Names, package: str, root: Path) -> list[File]:
@@ -195,7 +195,7 @@ def project(name: Names, package: str, root: Path) -> list[File]:
 def reference(root: Path) -> list[File]:
     """Return the reference pipeline as a project: the mobile base RH3 drives to a goal."""
     values = {"name": "rh3", "package": "refrobots", "behaviours": "refnav"}
-    made = _files(
+    files = _files(
         "project",
         {
             root / "pyproject.toml": "pyproject.toml",
@@ -205,7 +205,7 @@ def reference(root: Path) -> list[File]:
         **values,
         generated=OUTPUT,
     )
-    made += _files(
+    files += _files(
         "reference",
         {
             root / FILE_NAME: "rtgen.toml",
@@ -215,15 +215,15 @@ def reference(root: Path) -> list[File]:
         **values,
     )
     copied = [File(root / name, rh3_source(name)) for name in RH3_FILES]
-    return [*made, *copied]
+    return [*files, *copied]
 
 
 def backend(name: Names, root: Path) -> list[File]:
     """Return a package with a back end, its test, and a project to try it with."""
     package = root / "src" / name.module
     attributes = {root / ".gitattributes": "gitattributes.txt"}
-    made = _files("project", attributes, generated=f"example/{OUTPUT}")
-    return made + _files(
+    files = _files("project", attributes, generated=f"example/{OUTPUT}")
+    return files + _files(
         "backend",
         {
             root / "pyproject.toml": "pyproject.toml",

@@ -26,11 +26,11 @@ _Placed = tuple[str, Component]
 
 
 def system_of(
-    name: str, model: Model, wanted: Sequence[str]
+    name: str, model: Model, names: Sequence[str]
 ) -> tuple[System, list[str]]:
-    """Return a system with an instance of each component in `wanted`, and what is ambiguous in it.
+    """Return a system with an instance of each component in `names`, and what is ambiguous in it.
 
-    If `wanted` is empty: of each component whose behaviour requires neither bus nor board.
+    If `names` is empty: of each component whose behaviour requires neither bus nor board.
 
     Data flows in this order: an InPort is connected to the nearest preceding OutPort of its type, a
     consumer to the nearest provider of its interface. Components that play devices are connected by
@@ -38,12 +38,12 @@ def system_of(
     component of the model.
     """
     known = {d.name[-1]: d for d in model.declarations if isinstance(d, Component)}
-    if not wanted:
-        wanted = [n for n, c in known.items() if not (c.runtime_base or c.factory)]
-    if not wanted:
+    if not names:
+        names = [n for n, c in known.items() if not (c.runtime_base or c.factory)]
+    if not names:
         hint = "rtgen new component NAME makes one"
         raise InputError([NO_COMPONENT.at(None, "there are no components", hint=hint)])
-    for each in wanted:
+    for each in names:
         if each not in known:
             close = get_close_matches(each, known, n=1)
             hint = f"did you mean {close[0]}?" if close else f"there are: {[*known]}"
@@ -51,7 +51,7 @@ def system_of(
             raise InputError([NO_COMPONENT.at(None, message, hint=hint)])
     numbers: Counter[str] = Counter()
     placed: list[_Placed] = []
-    for each in wanted:
+    for each in names:
         placed.append((f"{each}{numbers[each]}", known[each]))
         numbers[each] += 1
     ambiguous: list[str] = []
@@ -110,12 +110,12 @@ def _fitting(
     model: Model, others: Sequence[_Placed], kind: PortKind, port: Port
 ) -> list[tuple[str, Port]]:
     """Return the ports of a kind and of the type of `port`, with their instances."""
-    wanted = model.unalias(port.type)
+    type_ = model.unalias(port.type)
     return [
         (instance, other)
         for instance, component in others
         for other in component.ports
-        if other.kind is kind and model.unalias(other.type) == wanted
+        if other.kind is kind and model.unalias(other.type) == type_
     ]
 
 

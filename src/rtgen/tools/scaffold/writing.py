@@ -53,17 +53,17 @@ def added(files: Sequence[File]) -> Iterator[None]:
     Raises InputError if one of them exists, ToolError if the disk fails.
     """
     require_absent([file.path for file in files])
-    made: list[Path] = []
+    paths: list[Path] = []
     try:
         with _disk_failures():
             for file in files:
-                made += _make_folders(file.path.parent)
+                paths += _make_folders(file.path.parent)
                 with file.path.open("x", encoding="utf-8", newline="\n") as stream:
-                    made.append(file.path)
+                    paths.append(file.path)
                     stream.write(file.text)
         yield
     except BaseException:
-        for path in reversed(made):
+        for path in reversed(paths):
             # A folder that has other content by now is kept.
             with contextlib.suppress(OSError):
                 path.rmdir() if path.is_dir() else path.unlink()

@@ -225,10 +225,10 @@ def _lines(
 ) -> Iterator[str]:
     """Yield the lines of a new element where prefixes are in scope."""
     known = {uri: prefix for prefix, uri in scope.items() if prefix}
-    wanted = {u: p for u, p in _PREFIXES.items() if u not in known and p not in scope}
-    declared = xml_text.new_prefixes(element, {**known, **dict.fromkeys(wanted, "")})
+    new = {u: p for u, p in _PREFIXES.items() if u not in known and p not in scope}
+    declared = xml_text.new_prefixes(element, {**known, **dict.fromkeys(new, "")})
     used = xml_text.new_prefixes(element, known)
-    declared |= {uri: prefix for uri, prefix in wanted.items() if uri in used}
+    declared |= {uri: prefix for uri, prefix in new.items() if uri in used}
     prefixes = {**known, **declared}
     return xml_text.lines(
         _typed(element, prefixes.get(RTS_EXT, "")),

@@ -109,10 +109,10 @@ def decode(kind: Kind, octets: bytes) -> ObjectValue:
 
     Trailing zeros of text are padding. Any octet other than 0 is True.
     """
-    wanted = _SIZES.get(kind)
-    if wanted is not None and len(octets) != wanted:
-        code = sdo.LENGTH_TOO_HIGH if len(octets) > wanted else sdo.LENGTH_TOO_LOW
-        raise ObjectValueError(f"{kind} has {wanted} octets, not {len(octets)}", code)
+    expected = _SIZES.get(kind)
+    if expected is not None and len(octets) != expected:
+        code = sdo.LENGTH_TOO_HIGH if len(octets) > expected else sdo.LENGTH_TOO_LOW
+        raise ObjectValueError(f"{kind} has {expected} octets, not {len(octets)}", code)
     own = _LIMITS.get(kind)
     if own is not None:
         return int.from_bytes(octets, "little", signed=own[0] < 0)
@@ -133,8 +133,8 @@ def decode(kind: Kind, octets: bytes) -> ObjectValue:
 
 def uploaded(kind: Kind, octets: bytes) -> ObjectValue:
     """Return the value of octets uploaded by SDO. Raises ObjectValueError as `decode` does."""
-    wanted = size(kind)
-    return decode(kind, octets if wanted is None else octets[:wanted])
+    expected = size(kind)
+    return decode(kind, octets if expected is None else octets[:expected])
 
 
 def checked(

@@ -59,12 +59,12 @@ def idl_class(type_: type[Any], *, ros2: bool = False) -> Any:
     MediumError for a type that cyclonedds does not support, or cannot describe: other wstrings,
     long double, fixed, any, maps, valuetypes, objects, bitsets, mutable unions, recursive types.
     """
-    made = _Maker(ros2).named(type_._descriptor_)
+    class_ = _Maker(ros2).named(type_._descriptor_)
     try:
-        made.__idl__.fill_type_data()
+        class_.__idl__.fill_type_data()
     except Exception as error:  # cyclonedds raises no narrower class
         raise _unsupported(type_._descriptor_, str(error)) from error
-    return made
+    return class_
 
 
 class _Maker:
@@ -80,42 +80,42 @@ class _Maker:
         if descriptor.name in self._under_way:
             raise _unsupported(descriptor, "it is part of itself")
         self._under_way.append(descriptor.name)
-        made = self._made(descriptor)
+        class_ = self._made(descriptor)
         self._under_way.pop()
-        _MADE[id(descriptor), self._ros2] = descriptor, made
-        return made
+        _MADE[id(descriptor), self._ros2] = descriptor, class_
+        return class_
 
     def _made(self, descriptor: Any) -> Any:
         name = str(descriptor.name)
         python_name = name.replace("::", "_")
-        made: Any
+        class_: Any
         match descriptor:
             case StructDescriptor(members=members):
                 fields = {m.name: self._member(m) for m in members}
-                made = idl.make_idl_struct(
+                class_ = idl.make_idl_struct(
                     python_name, name, fields, field_annotations=_annotations(members)
                 )
                 if members and all(m.id == hashed_id(m.name) for m in members):
-                    made.__idl_annotations__["autoid"] = "hash"
+                    class_.__idl_annotations__["autoid"] = "hash"
             case UnionDescriptor(switch=switch, branches=branches):
                 if descriptor.extensibility == "mutable":
                     raise _unsupported(descriptor, "mutable unions are not")
-                made = idl.make_idl_union(
+                class_ = idl.make_idl_union(
                     python_name,
                     name,
                     {b.name: self._branch(b, switch) for b in branches},
                     self.type(switch),
                 )
             case EnumDescriptor(members=members, bound=bound):
-                made = idl.make_idl_enum(python_name, name, dict(members))
-                made.__idl_annotations__["bit_bound"] = bound
-                return made
+                class_ = idl.make_idl_enum(python_name, name, dict(members))
+                class_.__idl_annotations__["bit_bound"] = bound
+                return class_
             case FlagsDescriptor(members=members, bound=bound):
                 return _bitmask(python_name, name, members, bound)
             case _:
                 raise _unsupported(descriptor, "only data types are")
-        made.__idl_annotations__["extensibility"] = descriptor.extensibility
-        return made
+        class_.__idl_annotations__["extensibility"] = descriptor.extensibility
+        return class_
 
     def _member(self, member: Any) -> Any:
         type_ = self.type(member.type)
@@ -153,10 +153,10 @@ class _Maker:
             case SequenceDescriptor(element=element, bound=bound):
                 return t.sequence[self.type(element), bound]
             case ArrayDescriptor(element=element, dimensions=dimensions):
-                made = self.type(element)
+                idl_type = self.type(element)
                 for length in reversed(dimensions):
-                    made = t.array[made, length]
-                return made
+                    idl_type = t.array[idl_type, length]
+                return idl_type
             case LinkDescriptor():
                 raise _unsupported(descriptor, "it is part of itself")
             case (

@@ -60,29 +60,29 @@ class InProcessMedium:
 
     def publisher(self, topic: Topic, qos: Qos) -> InProcessPublisher:
         check_name(topic.name)
-        made = InProcessPublisher(self._network, topic, qos)
-        self._open.append(made)
-        return made
+        end = InProcessPublisher(self._network, topic, qos)
+        self._open.append(end)
+        return end
 
     def subscribe(
         self, topic: Topic, qos: Qos, on_sample: OnSample
     ) -> InProcessSubscription:
         check_name(topic.name)
-        made = InProcessSubscription(self._network, topic, qos, on_sample)
-        self._open.append(made)
-        return made
+        subscription = InProcessSubscription(self._network, topic, qos, on_sample)
+        self._open.append(subscription)
+        return subscription
 
     def serve(
         self, service: str, types: Sequence[ServiceTypes], on_request: OnRequest
     ) -> _Token:
-        made = _Service(self._network, check_name(service), on_request)
-        self._open.append(made)
-        return made
+        server = _Service(self._network, check_name(service), on_request)
+        self._open.append(server)
+        return server
 
     def client(self, service: str, types: ServiceTypes) -> InProcessClient:
-        made = InProcessClient(self._network, check_name(service))
-        self._open.append(made)
-        return made
+        end = InProcessClient(self._network, check_name(service))
+        self._open.append(end)
+        return end
 
     def announce(self, name: str) -> _Token:
         network = self._network
@@ -115,9 +115,9 @@ class InProcessMedium:
     lose = close
 
     def _token(self, end: Callable[[], None]) -> _Token:
-        made = _Token(self._network, end)
-        self._open.append(made)
-        return made
+        token = _Token(self._network, end)
+        self._open.append(token)
+        return token
 
 
 class _Token:

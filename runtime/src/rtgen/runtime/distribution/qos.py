@@ -72,8 +72,8 @@ def fails_on_loss(properties: Mapping[str, str]) -> bool:
 
     By default it continues: `write` returns CONNECTION_LOST, calls raise ObjectNotExist.
     """
-    given = (properties.get(key, "") for key in (DATA_ON_LOSS, ON_LOSS))
-    return "error" in [str(text).strip() for text in given]
+    stated = (properties.get(key, "") for key in (DATA_ON_LOSS, ON_LOSS))
+    return "error" in [str(text).strip() for text in stated]
 
 
 def strongest(one: Qos, other: Qos) -> Qos:
@@ -95,5 +95,5 @@ def _most(one: int | None, other: int | None) -> int:
 
 
 def _least(one: float | None, other: float | None) -> float | None:
-    given = [each for each in (one, other) if each is not None]
-    return min(given, default=None)
+    limits = [each for each in (one, other) if each is not None]
+    return min(limits, default=None)

@@ -207,18 +207,18 @@ class RemoteProvider(msgspec.Struct, eq=False):
         }
         if not providers:
             return None
-        wanted = self._wanted
-        chosen = self._fitting(providers, wanted.repository_id)
+        interface = self._wanted
+        chosen = self._fitting(providers, interface.repository_id)
         if chosen is None:
             raise PortTypeError(
                 f"{self.port} has no provider for {self.consumer}, which requires "
-                f"{wanted.repository_id}; it has: {', '.join(providers)}"
+                f"{interface.repository_id}; it has: {', '.join(providers)}"
             )
-        missing = [s for s in wanted.operations if s not in chosen.operations]
+        missing = [s for s in interface.operations if s not in chosen.operations]
         if missing:
             raise PortTypeError(
                 f"{self.consumer} and {self.port} were generated from different definitions "
-                f"of {wanted.name}; the provider has no {', '.join(missing)}"
+                f"of {interface.name}; the provider has no {', '.join(missing)}"
             )
         return chosen
 

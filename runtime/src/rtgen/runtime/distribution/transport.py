@@ -190,10 +190,10 @@ class DistributedTransport(Closable):
         def is_lost() -> bool:
             return self.peers.is_lost(there.instance)
 
-        made = SendingConnector(name, topic, here, there, properties, is_lost)
-        self._data.append(made)
+        connector = SendingConnector(name, topic, here, there, properties, is_lost)
+        self._data.append(connector)
         self._watch_loss(here.owner, there, name, properties)
-        return made
+        return connector
 
     def receiving(
         self,
@@ -204,10 +204,12 @@ class DistributedTransport(Closable):
         guard: Callable[[], Guard],
     ) -> ReceivingConnector:
         """Return a connection from an OutPort of another process. Raises ConnectError."""
-        made = ReceivingConnector(name, self._medium, there, here, properties, guard)
-        self._data.append(made)
+        connector = ReceivingConnector(
+            name, self._medium, there, here, properties, guard
+        )
+        self._data.append(connector)
         self._watch_loss(here.owner, there, name, properties)
-        return made
+        return connector
 
     def _watch_loss(
         self, instance: str, there: RemotePort, name: str, properties: Mapping[str, str]

@@ -99,22 +99,22 @@ def _refusing(descriptor: Any, format_: Format) -> Callable[..., Any]:
 
 def _compile(kind: str, descriptor: Any, format_: Format) -> None:
     """Compile a function and its callees; none is cached before all are complete."""
-    made: dict[tuple[str, int], tuple[Any, Callable[..., Any]]] = {}
+    functions: dict[tuple[str, int], tuple[Any, Callable[..., Any]]] = {}
     calls: list[tuple[dict[str, Any], str, str, Any]] = []
     waiting = [(kind, descriptor)]
     while waiting:
         kind, described = waiting.pop()
-        if (kind, id(described)) in made or (kind, format_) in described.codecs:
+        if (kind, id(described)) in functions or (kind, format_) in described.codecs:
             continue
         function, references = _function(kind, described, format_)
-        made[kind, id(described)] = described, function
+        functions[kind, id(described)] = described, function
         for name, needed, of in references.needed.values():
             calls.append((function.__globals__, name, needed, of))
             waiting.append((needed, of))
     for namespace, name, needed, of in calls:
         known = of.codecs.get((needed, format_))
-        namespace[name] = made[needed, id(of)][1] if known is None else known
-    for (kind, _), (described, function) in made.items():
+        namespace[name] = functions[needed, id(of)][1] if known is None else known
+    for (kind, _), (described, function) in functions.items():
         described.codecs.setdefault((kind, format_), function)
 
 
@@ -127,7 +127,9 @@ def _function(
     file = entered(text, f"<{format_} {kind} of {descriptor.name}>")
     namespace = references.namespace.values
     namespace["__name__"] = __name__
-    made: dict[str, Callable[..., Any]] = {}  # a class may have the function's name
-    exec(compile(text, file, "exec"), namespace, made)
-    [function] = made.values()
+    functions: dict[str, Callable[..., Any]] = (
+        {}
+    )  # a class may have the function's name
+    exec(compile(text, file, "exec"), namespace, functions)
+    [function] = functions.values()
     return function, references

@@ -61,7 +61,7 @@ class LastArrays(Generic[_A]):
         fits = len(oldest) == count and oldest.typecode == code
         return oldest if fits else None
 
-    def keep(self, made: _A) -> None:
+    def keep(self, array: _A) -> None:
         """Add the newest array."""
-        if len(made) * made.itemsize <= _MAX_OCTETS:
-            self._arrays.append(made)
+        if len(array) * array.itemsize <= _MAX_OCTETS:
+            self._arrays.append(array)

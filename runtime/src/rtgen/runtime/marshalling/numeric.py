@@ -110,43 +110,43 @@ def _words(size: int) -> tuple[Any, Any]:
     return words, words.newbyteorder()
 
 
-def _swap(numpy: Any, made: Any, numbers: Any, size: int) -> None:
+def _swap(numpy: Any, array: Any, numbers: Any, size: int) -> None:
     """Fill a buffer (without numpy an array) with numbers of this size, each swapped."""
     if numpy is None:
-        memoryview(made).cast("B")[:] = numbers
-        made.byteswap()
+        memoryview(array).cast("B")[:] = numbers
+        array.byteswap()
         return
     words, swapped = _words(size)
-    numpy.frombuffer(made, words)[...] = numpy.frombuffer(numbers, swapped)
+    numpy.frombuffer(array, words)[...] = numpy.frombuffer(numbers, swapped)
 
 
-def _zeros(made: NumericArray[Any], count: int) -> NumericArray[Any]:
+def _zeros(zeros: NumericArray[Any], count: int) -> NumericArray[Any]:
     """Fill an empty array, which is faster than copying octets into it."""
-    made.append(0)
-    made *= count
-    return made
+    zeros.append(0)
+    zeros *= count
+    return zeros
 
 
 def _swapped(
     last: LastArrays[NumericArray[Any]], numpy: Any, octets: Any, code: str, count: int
 ) -> NumericArray[Any]:
     """Return an array of that many numbers, each swapped; numpy may be None."""
-    made = last.unused(code, count) or _zeros(NumericArray(code), count)
-    _swap(numpy, made, octets, made.itemsize)
-    last.keep(made)
-    return made
+    array = last.unused(code, count) or _zeros(NumericArray(code), count)
+    _swap(numpy, array, octets, array.itemsize)
+    last.keep(array)
+    return array
 
 
 def swapped_array(octets: Any, code: str) -> NumericArray[Any]:
     """Return the array of numbers in the other byte order; `octets` are bytes or a view."""
-    made = NumericArray(code)
-    count = len(octets) // made.itemsize
+    array = NumericArray(code)
+    count = len(octets) // array.itemsize
     numpy = _numpy_for(count)
     if numpy is not None:
         return _swapped(_LAST, numpy, octets, code, count)
-    made.frombytes(octets)
-    made.byteswap()
-    return made
+    array.frombytes(octets)
+    array.byteswap()
+    return array
 
 
 def swapped_octets(numbers: Any) -> bytes | memoryview:
@@ -163,9 +163,9 @@ def swapped_octets(numbers: Any) -> bytes | memoryview:
         numbers = numbers.tobytes()
     if not is_short:
         return memoryview(_swapped(_LAST_ENCODED, numpy, numbers, code, count))
-    made = bytearray(count * size)
-    _swap(numpy, made, numbers, size)
-    return octets_or_view(memoryview(made))
+    octets = bytearray(count * size)
+    _swap(numpy, octets, numbers, size)
+    return octets_or_view(memoryview(octets))
 
 
 def buffer_of(
@@ -187,8 +187,8 @@ def buffer_of(
         return None
     kind = _KINDS.get(view.format[-1:])
     if kind != _KINDS[code] or view.itemsize != size or len(view.format) > 2:
-        wanted = f"{_KINDS[code]} of {8 * size} bits (format {code!r})"
-        raise ValueError(f"a buffer of {wanted} is needed, not of {view.format!r}")
+        expectation = f"{_KINDS[code]} of {8 * size} bits (format {code!r})"
+        raise ValueError(f"a buffer of {expectation} is needed, not of {view.format!r}")
     if shape is None and view.ndim != 1:
         raise ValueError(f"a buffer of 1 dimension is needed, not of {view.ndim}")
     if shape is not None and view.shape != shape:

@@ -97,11 +97,11 @@ def octets(node: Records, order: Order) -> Callable[[_Records], Buffer]:
     def packed(records: _Records) -> Buffer:
         check(records, value)
         if records.dtype == there and minimum_size(node.element) == there.itemsize:
-            made = numpy.ascontiguousarray(records)
+            array = numpy.ascontiguousarray(records)
         else:
-            made = numpy.zeros(len(records), there)
-            _assign(made, records)
-        return octets_or_view(made.view(numpy.uint8).data[:excess])
+            array = numpy.zeros(len(records), there)
+            _assign(array, records)
+        return octets_or_view(array.view(numpy.uint8).data[:excess])
 
     return packed
 
@@ -133,15 +133,15 @@ def taker(
     return take
 
 
-def check(records: Any, wanted: numpy.dtype[Any]) -> None:
+def check(records: Any, expected: numpy.dtype[Any]) -> None:
     """Raise ValueError unless the records are contiguous, with these fields."""
     dtype = getattr(records, "dtype", None)
     if dtype is None:
         raise ValueError(f"an array of records is needed, not {type(records).__name__}")
     if records.ndim != 1:
         raise ValueError(f"1 dimension is needed, not {records.ndim}")
-    if not _has_same_fields(dtype, wanted):
-        raise ValueError(f"records of {wanted} are needed, not of {dtype}")
+    if not _has_same_fields(dtype, expected):
+        raise ValueError(f"records of {expected} are needed, not of {dtype}")
 
 
 def _has_same_fields(one: numpy.dtype[Any], other: numpy.dtype[Any]) -> bool:
@@ -153,13 +153,13 @@ def _has_same_fields(one: numpy.dtype[Any], other: numpy.dtype[Any]) -> bool:
     return all(_has_same_fields(one[name], other[name]) for name in one.names)
 
 
-def _assign(made: Any, found: Any) -> None:
+def _assign(array: Any, found: Any) -> None:
     """Copy the fields only, so that padding stays zero."""
-    if made.dtype.names is None:
-        made[...] = found
+    if array.dtype.names is None:
+        array[...] = found
         return
-    for name in made.dtype.names:
-        _assign(made[name], found[name])
+    for name in array.dtype.names:
+        _assign(array[name], found[name])
 
 
 def _value_dtype(node: Records) -> numpy.dtype[Any]:

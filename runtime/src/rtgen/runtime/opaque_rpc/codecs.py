@@ -129,15 +129,18 @@ class Messages(Generic[_P, _R]):
             call = self._send_code if self.error_code else self._send
         self.call = call
 
-    def wrong_mark(self, mark: str, expected: int, found: int | bytes) -> ProtocolError:
+    def wrong_mark(
+        self, mark: str, expected: int, actual: int | bytes
+    ) -> ProtocolError:
         """Return the exception for a wrong start or end of a message.
 
-        `mark` is `SOP` or `EOP`, `found` the octets of the message there.
+        `mark` is `SOP` or `EOP`, `actual` the octets of the message there.
         """
-        have = self.tdr.int16(found) if isinstance(found, int) else found
-        wanted = self.tdr.int16(expected).hex(" ")
+        have = self.tdr.int16(actual) if isinstance(actual, int) else actual
+        expected_octets = self.tdr.int16(expected).hex(" ")
         return ProtocolError(
-            E_MAGIC, f"{self.function}: {mark} is {have.hex(' ')}, expected {wanted}"
+            E_MAGIC,
+            f"{self.function}: {mark} is {have.hex(' ')}, expected {expected_octets}",
         )
 
     def _send(self, channel: Channel, /, *arguments: Any) -> Any:

@@ -161,9 +161,9 @@ class Link:
     def _chosen(self) -> ClosableChannel:
         """Return the channel for the latest settings; the lock must be held."""
         with self._change:
-            wanted, self._wanted = self._wanted, None
-        if wanted is not None:
-            old, self._channel = self._channel, wanted
+            channel, self._wanted = self._wanted, None
+        if channel is not None:
+            old, self._channel = self._channel, channel
             if old is not None:
                 old.close()
                 log.info("the channel is %s now", self._channel)

@@ -62,13 +62,15 @@ class Host:
     def begin(self) -> Host:
         """Construct the behaviour, once the component has its instance name."""
         log_to_manager()
-        made = self._factory(self._rtc.getInstanceName())
-        made._join(MachineClock())
+        component = self._factory(self._rtc.getInstanceName())
+        component._join(MachineClock())
         folder = self._rtc.getProperties().getProperty(FOLDER)
         if folder:
-            made.folder = Path(folder)
-        self._behaviour = made
-        self._follower = Follower(made, self._participants, self._context, self._rtc)
+            component.folder = Path(folder)
+        self._behaviour = component
+        self._follower = Follower(
+            component, self._participants, self._context, self._rtc
+        )
         return self
 
     @property

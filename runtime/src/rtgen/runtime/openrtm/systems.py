@@ -464,9 +464,9 @@ class Client:
         names = [port.get_port_profile().name for port in ports]
         own = end.removeprefix(f"{instance}.")
         # OpenRTM's name of a port is the part after the last dot.
-        for wanted in (end, own, f"{instance}.{own.rpartition('.')[2]}"):
-            if wanted in names:
-                return ports[names.index(wanted)]
+        for candidate in (end, own, f"{instance}.{own.rpartition('.')[2]}"):
+            if candidate in names:
+                return ports[names.index(candidate)]
         raise StartError(f"{instance} has the ports {', '.join(names)}")
 
     def _instance(self, end: str) -> str:

@@ -63,14 +63,14 @@ class _Operation:
 
     def __init__(self, name: str, call: Call) -> None:
         request = _parts(call.request, call.request_objects)
-        given = [type_ for member, type_ in request if member != _CONTEXT]
+        types = [type_ for member, type_ in request if member != _CONTEXT]
         self.refused = call.refused
         self.signature = Signature(
             name,
             mangled(name),
-            given,
+            types,
             [type_ for _, type_ in _parts(call.reply, call.reply_objects)],
-            [_NO_CONTEXT] * (len(request) - len(given)),
+            [_NO_CONTEXT] * (len(request) - len(types)),
         )
         self.raised: dict[type[Any], Convert] = {}
         self.caught: dict[type[Any], Convert] = {}
@@ -169,8 +169,8 @@ class Remote:
 
 def stub(interface: type[_S], reference: Reference) -> _S:
     """Return a stub that calls the object of a reference. Raises StubsMissingError."""
-    made: _S = interface._stub_(Remote(interface, reference).call)
-    return made
+    proxy: _S = interface._stub_(Remote(interface, reference).call)
+    return proxy
 
 
 class Objects:
@@ -192,8 +192,8 @@ class Objects:
             if isinstance(remote, Remote):
                 return remote.reference()
         if id(value) not in self._served:
-            made = self._class(_invoker_of(self._interface, value))
-            self._served[id(value)] = value, made._this()
+            servant = self._class(_invoker_of(self._interface, value))
+            self._served[id(value)] = value, servant._this()
         return self._served[id(value)][1]
 
     def of(self, wire: Any) -> Any:

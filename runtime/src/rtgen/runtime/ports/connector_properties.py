@@ -89,10 +89,10 @@ def check(properties: Mapping[str, str], table: Mapping[str, Check]) -> None:
             near = get_close_matches(key, table, 1)
             hint = f"; did you mean {near[0]!r}?" if near else ""
             raise ConnectorPropertyError(f"unknown connector property {key!r}{hint}")
-        wanted = violation(table, key, text)
-        if wanted is not None:
+        why = violation(table, key, text)
+        if why is not None:
             raise ConnectorPropertyError(
-                f"connector property {key!r} is {text!r}; it must be {wanted}"
+                f"connector property {key!r} is {text!r}; it must be {why}"
             )
 
 

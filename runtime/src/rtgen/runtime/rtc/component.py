@@ -405,8 +405,8 @@ class Component:
         self, callback: str, what: str, error: BaseException | None = None
     ) -> None:
         """Store the reason of a failure and report it; an interrupt ends the run."""
-        given, self._failing = self._failing, ""
-        reason = given if given and error is None else what
+        stored, self._failing = self._failing, ""
+        reason = stored if stored and error is None else what
         if callback not in ("on_aborting", "on_error"):
             self.reason = reason
         self._report_failure(callback, reason, error)

@@ -137,8 +137,8 @@ def provider(
     name; `type_name` is OpenRTM's name of the interface's type, if it is not the scoped one.
     """
     service = (port, instance, type_name)
-    made = _port("provider", interface, description, name, unit, *service)
-    return cast("Provider[S]", made)
+    declared = _port("provider", interface, description, name, unit, *service)
+    return cast("Provider[S]", declared)
 
 
 def consumer(
@@ -153,8 +153,8 @@ def consumer(
 ) -> Consumer[S]:
     """Declare a required interface of a service port; see `provider`."""
     service = (port, instance, type_name)
-    made = _port("consumer", interface, description, name, unit, *service)
-    return cast("Consumer[S]", made)
+    declared = _port("consumer", interface, description, name, unit, *service)
+    return cast("Consumer[S]", declared)
 
 
 def _port(
@@ -247,7 +247,7 @@ class _ConfigurationMeta(StructMeta):
     ) -> Any:
         declared = {n: v for n, v in namespace.items() if isinstance(v, _Parameter)}
         fields = {name: _field(each.default) for name, each in declared.items()}
-        made: Any = super().__new__(
+        class_: Any = super().__new__(
             mcls, name, bases, {**namespace, **fields}, **options
         )
         profiles = {
@@ -259,8 +259,8 @@ class _ConfigurationMeta(StructMeta):
             text = default_text(namespace[attribute])
             profiles[attribute] = replace(profiles[attribute], default=text)
         profiles |= {name: each.named(name) for name, each in declared.items()}
-        made._parameters_ = tuple(profiles.values())
-        return made
+        class_._parameters_ = tuple(profiles.values())
+        return class_
 
 
 class Configuration(Struct, metaclass=_ConfigurationMeta, gc=False):

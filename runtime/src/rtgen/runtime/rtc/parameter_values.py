@@ -236,8 +236,10 @@ def _elements(
     def parse(text: str) -> Any:
         items = parameter_texts.items(text)
         if len(items) < least or (most is not None and len(items) > most):
-            wanted = f"{least}" if least == most else f"at most {most}"
-            raise _RefusalError(f"it must have {wanted} elements, not {len(items)}")
+            expectation = f"{least}" if least == most else f"at most {most}"
+            raise _RefusalError(
+                f"it must have {expectation} elements, not {len(items)}"
+            )
         values = []
         for position, item in enumerate(items, 1):
             try:

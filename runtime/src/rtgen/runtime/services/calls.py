@@ -136,8 +136,8 @@ class Client:
     def __call__(self, operation: str, arguments: tuple[object, ...]) -> object:
         """Make a call."""
         call = call_of(self._calls, operation)
-        given = references(arguments, call.request_objects, self._objects)
-        body = encoded(operation, call.request, given, self._little_endian)
+        passed = references(arguments, call.request_objects, self._objects)
+        body = encoded(operation, call.request, passed, self._little_endian)
         reply = self._send(operation, body, call.oneway)
         if call.oneway:
             return None

@@ -89,10 +89,10 @@ def _pairs(
     for consumer, provider in pairs:
         if consumer.connected:
             raise DuplicateConnectionError(f"{consumer} is connected already")
-        wanted = sum(other is provider for _, other in pairs)
+        consumers = sum(other is provider for _, other in pairs)
         if (
             provider.limit is not None
-            and provider.connections + wanted > provider.limit
+            and provider.connections + consumers > provider.limit
         ):
             raise ConnectionLimitError(
                 f"{provider} serves at most {provider.limit} at a time"
@@ -155,11 +155,11 @@ def _interface_difference(
 
     None if it is or does.
     """
-    wanted, offered = consumer.interface._descriptor_, provider.interface._descriptor_
+    required, offered = consumer.interface._descriptor_, provider.interface._descriptor_
     line = lineage(offered).values()
-    if any(difference(wanted, ancestor) is None for ancestor in line):
+    if any(difference(required, ancestor) is None for ancestor in line):
         return None
-    return difference(wanted, offered)
+    return difference(required, offered)
 
 
 def _check_interfaces(consumer: Consumer[Any], provider: Provider[Any]) -> None:

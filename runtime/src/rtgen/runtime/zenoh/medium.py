@@ -71,9 +71,9 @@ class ZenohMedium(ZenohEngine):
         if qos.lease is not None:
             check_lease(topic, qos, lease_of(self._endpoints))
         with reported(topic.name):
-            made = publisher_of(self._session, self._keys, topic, qos)
-        self._publishers.add(made)
-        return made
+            end = publisher_of(self._session, self._keys, topic, qos)
+        self._publishers.add(end)
+        return end
 
     def subscribe(self, topic: Topic, qos: Qos, on_sample: OnSample) -> Subscription:
         """See `Medium`."""
@@ -93,15 +93,15 @@ class ZenohMedium(ZenohEngine):
         """See `Medium`."""
         key = self._keys.service(service)
         with reported(service):
-            made = ZenohService(
+            server = ZenohService(
                 self._session,
                 key,
                 on_request,
                 end=partial(self._served.subtract, (key,)),
             )
-            made.add(self._session.liveliness().declare_token(key))
+            server.add(self._session.liveliness().declare_token(key))
         self._served[key] += 1
-        return made.kept_by(self._kept)
+        return server.kept_by(self._kept)
 
     def client(self, service: str, types: ServiceTypes) -> Client:
         """See `Medium`."""
@@ -123,8 +123,8 @@ class ZenohMedium(ZenohEngine):
             subscriber = self._session.liveliness().declare_subscriber(
                 self._keys.presences(prefix), watching.on_token, history=True
             )
-        made = Declared(self._session, subscriber, end=watching.end)
-        return made.kept_by(self._kept)
+        token = Declared(self._session, subscriber, end=watching.end)
+        return token.kept_by(self._kept)
 
     def close(self) -> None:
         """See `Medium`."""

@@ -108,11 +108,11 @@ def _configuration(endpoints: Endpoints) -> zenoh.Config:
                 f"{endpoints.config} has an `id`: a process that is started again needs another "
                 "one, by which readers count its samples; leave it out"
             )
-        given = {
+        settings = {
             "connect/endpoints": endpoints.connect,
             "listen/endpoints": endpoints.listen,
         }
-        _insert(config, {key: value for key, value in given.items() if value})
+        _insert(config, {key: value for key, value in settings.items() if value})
     else:
         config = zenoh.Config()
         _insert(config, {**_COMMON, **_links(endpoints)})

@@ -81,10 +81,10 @@ def _of_part(part: Part) -> Iterator[Artifact]:
     names = PythonNames(part.model, options.package)
     modules: dict[str, list[PythonModule]] = {}
     for component in components:
-        made = base_module(
+        base = base_module(
             part.model, names, component, options, _origin(part, component)
         )
-        modules.setdefault(made.path, []).append(made)
+        modules.setdefault(base.path, []).append(base)
     yield from map(composed, modules.values())
     for component in components:
         if not component.factory:

@@ -154,10 +154,13 @@ def _operation(imports: Imports, operation: Operation) -> _Operation:
     results += [
         annotation(p.type) for p in operation.parameters if p.direction != Direction.IN
     ]
-    given = (p for p in operation.parameters if p.direction != Direction.OUT)
+    arguments = (p for p in operation.parameters if p.direction != Direction.OUT)
     return _Operation(
         name=identifier(operation.name),
-        parameters=("self", *(f"{names[p.name]}: {annotation(p.type)}" for p in given)),
+        parameters=(
+            "self",
+            *(f"{names[p.name]}: {annotation(p.type)}" for p in arguments),
+        ),
         result=_result(results, imports.spell("", "tuple")),
         docstring=docstring(operation_text(operation), 8),
     )

@@ -137,18 +137,18 @@ class _Tree:
             yield self._artifact(path, text, [component])
 
     def _used(self) -> list[ScopedName]:
-        wanted: dict[ScopedName, None] = {}
+        names: dict[ScopedName, None] = {}
         for component in self.components:
             for port in component.ports:
                 type_ = self.model.unalias(port.type)
                 assert isinstance(type_, NamedType), "checked before"
-                wanted.update(dict.fromkeys(reachable(self.model, type_.name)))
+                names.update(dict.fromkeys(reachable(self.model, type_.name)))
         # Enums and constants of the same IDL modules, for comparisons in behaviours.
-        scopes = {name[:-1] for name in wanted}
+        scopes = {name[:-1] for name in names}
         for declaration in self.model.declarations:
             if declaration.name[:-1] in scopes and isinstance(declaration, Enum):
-                wanted.setdefault(declaration.name)
-        return [d.name for d in self.model.declarations if d.name in wanted]
+                names.setdefault(declaration.name)
+        return [d.name for d in self.model.declarations if d.name in names]
 
     def _packages(
         self, used: Iterable[ScopedName], classes: dict[ScopedName, str]
@@ -171,8 +171,8 @@ class _Tree:
     def _artifact(
         self, path: str, text: str, components: Sequence[Component]
     ) -> Artifact:
-        wanted = {component.file for component in components}
-        sources = [file for file in self.model.files if file.name in wanted]
+        files = {component.file for component in components}
+        sources = [file for file in self.model.files if file.name in files]
         keys = tuple(file.key for file in sources)
         return Artifact(
             path,

@@ -177,9 +177,9 @@ class Forms(msgspec.Struct, eq=False):
                 ),
                 (f"{{0}} = wire.take_octets(wire.take_count({room}))",),
             )
-        made, item_put, item_take = self._items(element, room, "")
+        item_type, item_put, item_take = self._items(element, room, "")
         return Form(
-            made,
+            item_type,
             True,
             "_copy_items({0}, {1})",
             (
@@ -208,13 +208,15 @@ class Forms(msgspec.Struct, eq=False):
                 (f"wire.put_octets(_exactly({{0}}, {length}))",),
                 (f"{{0}} = wire.take_octets({length})",),
             )
-        made, item_put, item_take = self._items(element, length, f", {length}", first)
+        item_type, item_put, item_take = self._items(
+            element, length, f", {length}", first
+        )
         set_ = item_take.replace("{0}.next_free()", "{0}[i]")
         if set_.startswith("{0}.append("):
             value = set_.removeprefix("{0}.append(").removesuffix(")")
             set_ = f"{{0}}[i] = {value}"
         return Form(
-            made,
+            item_type,
             True,
             "_copy_array({0}, {1})",
             (f"for i in range({length}):", f"    {item_put}"),
@@ -301,8 +303,8 @@ def _reach(model: Model, name: ScopedName, names: dict[ScopedName, bool]) -> Non
     names[name] = True
 
 
-def _plain(made: str, put: str, take: str) -> Form:
-    return Form(made, False, "{0} = {1}", (put,), (take,))
+def _plain(type_text: str, put: str, take: str) -> Form:
+    return Form(type_text, False, "{0} = {1}", (put,), (take,))
 
 
 def _number(code: str, size: int) -> tuple[str, str]:

@@ -51,10 +51,10 @@ def type_names(
         declaration = model.find(name)
         if isinstance(declaration, Struct):
             taken.update(_members(model, names, declaration).values())
-    wanted = {name: identifier("_".join(name)) for name in used}
-    free = set(wanted.values()) - taken
+    identifiers = {name: identifier("_".join(name)) for name in used}
+    free = set(identifiers.values()) - taken
     chosen: dict[ScopedName, str] = {}
-    for name, text in wanted.items():
+    for name, text in identifiers.items():
         candidate = text
         while candidate in taken or (candidate != text and candidate in free):
             candidate += "_"

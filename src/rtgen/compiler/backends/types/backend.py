@@ -57,9 +57,9 @@ class TypesBackend(msgspec.Struct, frozen=True):
         artifacts: list[Artifact] = []
         findings: list[Diagnostic] = []
         for part in parts(model, options):
-            made = self._emit(part)
-            findings += made.diagnostics
-            artifacts += made.artifacts
+            emission = self._emit(part)
+            findings += emission.diagnostics
+            artifacts += emission.artifacts
         return Emission(tuple(artifacts), tuple(findings))
 
     def _emit(self, part: Part) -> Emission:
@@ -113,18 +113,20 @@ class _Writer:
         for module in self._names.modules:
             if module in of_calls:
                 continue
-            made, defined = self._module(module)
+            python_module, defined = self._module(module)
             codecs |= defined
-            if made is not None:
-                modules[made.path] = made
+            if python_module is not None:
+                modules[python_module.path] = python_module
         for file in self._calls.origins:
-            if (made := self._calls_module(file)) is not None:
-                modules[made.path] = made
+            if (python_module := self._calls_module(file)) is not None:
+                modules[python_module.path] = python_module
         types = [d for d in self._part.own if is_emitted(d)]
         everything = self._sources(d.file for d in types or self._part.own)
         for package in packages(self._model, self._names, codecs):
-            made = self._package(package, everything)
-            yield composed([*filter(None, [modules.pop(made.path, None)]), made])
+            python_module = self._package(package, everything)
+            yield composed(
+                [*filter(None, [modules.pop(python_module.path, None)]), python_module]
+            )
         folder = f"{self._options.folder}/_idl"
         if any(path.startswith(f"{folder}/") for path in modules):
             title = "One module for each IDL file."
@@ -147,7 +149,7 @@ class _Writer:
                 if isinstance(d, Typedef) and builder.has_codec(d)
             }
         body = builder.body()
-        made = self._made(
+        python_module = self._made(
             self._path(self._names.home(module)),
             files,
             f"Types of `{_keys(files)}`.",
@@ -156,7 +158,7 @@ class _Writer:
             defines=builder.scope.defined,
             pragmas=builder.pragmas,
         )
-        return made, builder.codecs
+        return python_module, builder.codecs
 
     def _calls_module(self, file: str) -> PythonModule | None:
         files = self._sources([self._calls.origins[file]])
@@ -194,11 +196,11 @@ class _Writer:
 
     def _sources(self, names: Iterable[str]) -> list[SourceFile]:
         """The files, and those included in their declarations, in the order of the model."""
-        wanted = set(names)
+        selected = set(names)
         return [
             file
             for file in self._model.files
-            if file.name in wanted or file.belongs_to in wanted
+            if file.name in selected or file.belongs_to in selected
         ]
 
     def _made(

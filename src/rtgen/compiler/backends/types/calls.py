@@ -112,14 +112,14 @@ class Calls:
         parts = [(o, *_bodies(o)) for o in (*operations, *interface.operations)]
         numbers = Counter(
             (kind, _shape(members))
-            for _, given, results in parts
-            for kind, members in (("request", given), ("reply", results))
+            for _, arguments, results in parts
+            for kind, members in (("request", arguments), ("reply", results))
         )
         shared: dict[object, Struct] = {}
-        for operation, given, results in parts:
+        for operation, arguments, results in parts:
             self._file(interface)
             try:
-                for member in (*given, *results):
+                for member in (*arguments, *results):
                     self._types.check(member.type)
             except NotMarshalledError as failure:
                 yield Call(operation.name, refused=str(failure))
@@ -129,7 +129,7 @@ class Calls:
                 self._add_raised(exception)
             bodies: list[Struct | None] = []
             for kind, what, members in (
-                ("request", "Arguments", given),
+                ("request", "Arguments", arguments),
                 ("reply", "Results", results),
             ):
                 shape = kind, _shape(members)
@@ -212,13 +212,13 @@ class Calls:
 def _bodies(operation: Operation) -> tuple[list[Member], list[Member]]:
     """The members of the request body, and those of the reply body."""
     parameters = operation.parameters
-    given = [_member(p) for p in parameters if p.direction is not Direction.OUT]
+    arguments = [_member(p) for p in parameters if p.direction is not Direction.OUT]
     if operation.context:
-        given.append(_named(operation, _CONTEXT, SequenceType(StringType())))
+        arguments.append(_named(operation, _CONTEXT, SequenceType(StringType())))
     results = [_member(p) for p in parameters if p.direction is not Direction.IN]
     if operation.returns != VOID:
         results.insert(0, _named(operation, _RESULT, operation.returns))
-    return given, results
+    return arguments, results
 
 
 def _shape(members: Sequence[Member]) -> tuple[tuple[str, Type], ...]:

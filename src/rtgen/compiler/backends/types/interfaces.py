@@ -130,8 +130,10 @@ class Interfaces:
     def parameters(self, operation: Operation) -> str:
         """The parameters of a method: `self`, then those that are `in` or `inout`."""
         names = _parameter_names(operation)
-        given = [p for p in operation.parameters if p.direction is not Direction.OUT]
-        annotated = [f"{names[p.name]}: {self.annotation(p.type)}" for p in given]
+        arguments = [
+            p for p in operation.parameters if p.direction is not Direction.OUT
+        ]
+        annotated = [f"{names[p.name]}: {self.annotation(p.type)}" for p in arguments]
         return ", ".join(["self", *annotated])
 
     def result(self, operation: Operation) -> str:

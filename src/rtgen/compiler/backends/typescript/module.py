@@ -71,8 +71,8 @@ class TypesModule:
         used = [name for name in _RUNTIME if name in self._words]
         names = ", ".join(f"type {n}" if n == "CdrType" else n for n in used)
         imports = [f'import {{ {names} }} from "../_cdr.ts";'] if used else []
-        for module, wanted in sorted(self._imported.items()):
-            imports.append(f'import {{ {", ".join(wanted)} }} from "./{module}.ts";')
+        for module, imported in sorted(self._imported.items()):
+            imports.append(f'import {{ {", ".join(imported)} }} from "./{module}.ts";')
         parts = [header, "\n".join(imports), body or "export {};"]
         return "\n\n".join(part for part in parts if part) + "\n"
 

@@ -203,16 +203,16 @@ def _timed_links(
 ) -> Iterable[Link]:
     times: dict[tuple[Tab, Tab], list[float]] = defaultdict(list)
     styles: dict[tuple[Tab, Tab], LinkStyle] = {}
-    for made in timeline:
-        source, target = boxes[made.source.instance], boxes[made.target.instance]
-        service = bool(_interfaces(source, made.source.port))
+    for link in timeline:
+        source, target = boxes[link.source.instance], boxes[link.target.instance]
+        service = bool(_interfaces(source, link.source.port))
         if service:
-            pairs = _service_pairs(source, made.source, target, made.target)
+            pairs = _service_pairs(source, link.source, target, link.target)
         else:
-            out = _data_tab(source, made.source.port, PortKind.OUTPORT, "")
-            pairs = [(out, _data_tab(target, made.target.port, PortKind.INPORT, ""))]
+            out = _data_tab(source, link.source.port, PortKind.OUTPORT, "")
+            pairs = [(out, _data_tab(target, link.target.port, PortKind.INPORT, ""))]
         for pair in pairs:
-            times[pair].append(made.time)
+            times[pair].append(link.time)
             styles[pair] = LinkStyle.SERVICE if service else LinkStyle.DATA
     for pair, made_at in times.items():
         yield Link(*pair, styles[pair], times=tuple(made_at))

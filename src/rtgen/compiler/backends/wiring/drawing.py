@@ -211,9 +211,9 @@ def _legend(diagram: Diagram) -> list[_Sample]:
 def _link_tooltip(link: Link) -> str:
     ends = (f"{tab.box.instance}.{tab.view.name}" for tab in (link.source, link.target))
     properties = (f"{name} = {value}" for name, value in link.properties)
-    made = (f"made at {time:g} s" for time in link.times)
+    times = (f"made at {time:g} s" for time in link.times)
     return "\n".join(
-        (" → ".join(ends), link.source.view.type, *made, *properties)
+        (" → ".join(ends), link.source.view.type, *times, *properties)
     ).strip()
 
 

@@ -163,15 +163,15 @@ def _rows(columns: Sequence[int], edges: Sequence[tuple[int, int]]) -> list[int]
 def _reorder(
     layer: Sequence[int], rows: list[int], edges: Sequence[tuple[int, int]], height: int
 ) -> None:
-    wanted: dict[int, float] = {}
+    heights: dict[int, float] = {}
     for node in layer:
         others = [rows[b] for a, b in edges if a == node and b not in layer]
         others += [rows[a] for a, b in edges if b == node and a not in layer]
-        wanted[node] = sum(others) / len(others) if others else rows[node]
+        heights[node] = sum(others) / len(others) if others else rows[node]
     lowest = 0
-    for index, node in enumerate(sorted(layer, key=lambda n: (wanted[n], rows[n]))):
+    for index, node in enumerate(sorted(layer, key=lambda n: (heights[n], rows[n]))):
         room_below = height - (len(layer) - index)
-        rows[node] = min(max(lowest, round(wanted[node])), room_below)
+        rows[node] = min(max(lowest, round(heights[node])), room_below)
         lowest = rows[node] + 1
 
 

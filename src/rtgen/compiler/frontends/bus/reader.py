@@ -152,8 +152,8 @@ class _Reader:
             if node["device"] not in content["device"]:
                 message = f"there is no [device.{node['device']}]"
                 self._report(rules.UNKNOWN_DEVICE, ("node", name, "device"), message)
-            elif kind and (made := self._node(name, kind)) is not None:
-                nodes.append(made)
+            elif kind and (bus_node := self._node(name, kind)) is not None:
+                nodes.append(bus_node)
         if self._findings.errors:
             return None
         links = self._links(nodes)
@@ -332,16 +332,16 @@ class _Reader:
 
     def _linked(self, nodes: list[BusNode], links: list[PdoLink]) -> list[BusNode]:
         """Return the nodes with the COB-IDs of their links: valid, and the TPDO's at both ends."""
-        made = {node.name: node for node in nodes}
+        by_name = {node.name: node for node in nodes}
         for number, link in enumerate(links):
             place = self._toml.span(("link", number))
             name, tpdo = link.source
             sent = next(
                 pdo
-                for pdo in made[name].device.pdos
+                for pdo in by_name[name].device.pdos
                 if (pdo.direction, pdo.number) == (PdoDirection.TPDO, tpdo)
             )
-            declared = resolved(sent.cob_id, made[name].id)
+            declared = resolved(sent.cob_id, by_name[name].id)
             assert isinstance(declared, int)
             if not can_id_of(declared):
                 self._report(rules.BAD_LINK, ("link", number), "its TPDO has no COB-ID")
@@ -351,17 +351,17 @@ class _Reader:
                 (link.target, RPDO_COMMUNICATION, declared & ~(INVALID | NO_RTR)),
             ):
                 index = base + pdo - 1
-                node = made[end]
+                node = by_name[end]
                 try:
                     device, value = configured(node.device, (index, 1), cob_id, place)
                 except BadValueError as error:
                     self._report(rules.BAD_LINK, ("link", number), f"{end}: {error}")
                     continue
                 values = dict(node.values) | {(index, 1): value}
-                made[end] = replace(
+                by_name[end] = replace(
                     node, device=device, values=tuple(sorted(values.items()))
                 )
-        return list(made.values())
+        return list(by_name.values())
 
 
 def _by_number(table: Mapping[str, Any]) -> tuple[tuple[tuple[int, int], Any], ...]:

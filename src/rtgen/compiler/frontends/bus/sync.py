@@ -22,12 +22,12 @@ _IDENTIFIER = 0x3FFFFFFF
 
 def sync_of(nodes: Sequence[BusNode]) -> int:
     """Return the COB-ID of SYNC: the one that the nodes are given in common, or 80h."""
-    given = {
+    identifiers = {
         sync_cob_id(node) & _IDENTIFIER
         for node in nodes
         if uses_sync(node) and _is_chosen(node, COB_ID_SYNC)
     }
-    [cob_id] = given if len(given) == 1 else {SYNC}
+    [cob_id] = identifiers if len(identifiers) == 1 else {SYNC}
     return cob_id if configurable(cob_id) else SYNC
 
 
@@ -57,7 +57,7 @@ def _with(
     number: tuple[int, int],
     value: int,
     what: str,
-    wanted: str,
+    reason: str,
     report: Callable[[Diagnostic], None],
 ) -> BusNode:
     """Return the node with a value that nobody has chosen; else report what is wrong."""
@@ -69,7 +69,7 @@ def _with(
         else:
             values = dict(node.values) | {number: written}
             return replace(node, device=device, values=tuple(sorted(values.items())))
-    message = f"{node.name} {what}; that of the network is {wanted}"
+    message = f"{node.name} {what}; that of the network is {reason}"
     report(rules.OTHER_SYNC.at(node.span, message))
     return node
 

@@ -123,8 +123,8 @@ class Reader:
     def import_header(self, statement: statements.ImportC, unit: Unit) -> None:
         span = unit.span(statement.start, statement.end)
         name = statement.header.text
-        given = statement.definitions.text if statement.definitions else ""
-        definitions = [d.strip() for d in given.split(",") if d.strip()]
+        text = statement.definitions.text if statement.definitions else ""
+        definitions = [d.strip() for d in text.split(",") if d.strip()]
         wrong = next((d for d in definitions if not _DEFINITION.fullmatch(d)), None)
         if wrong is not None:
             message = f"'{wrong}' is not a definition of a macro"

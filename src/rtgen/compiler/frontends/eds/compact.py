@@ -70,18 +70,18 @@ def expand(
         value_span=entry.span,
         default=count,
     )
-    made = {0: first}
+    variables = {0: first}
     for subindex in range(1, count + 1):
-        made[subindex] = replace(one, subindex=subindex, name=f"{name}{subindex}")
+        variables[subindex] = replace(one, subindex=subindex, name=f"{name}{subindex}")
     names = sections.names.get(index)
     for subindex, entry in () if names is None else names.numbered():
-        if subindex in made and entry.value:
-            made[subindex] = replace(made[subindex], name=entry.value)
-    return made
+        if subindex in variables and entry.value:
+            variables[subindex] = replace(variables[subindex], name=entry.value)
+    return variables
 
 
 def configure(
-    made: dict[int, Variable],
+    members: dict[int, Variable],
     index: int,
     sections: ObjectSections,
     reader: VariableReader,
@@ -92,17 +92,17 @@ def configure(
     if values is not None:
         reader.warn_of_dcf(values, whole=True)
         for subindex, entry in values.numbered():
-            variable = made.get(subindex)
+            variable = members.get(subindex)
             if variable is not None and variable.value is None and entry.value:
                 declared = numbers.value(entry, variable.data_type, findings)
-                made[subindex] = replace(
+                members[subindex] = replace(
                     variable, value=declared, value_span=entry.span
                 )
     names = sections.denotations.get(index)
     for subindex, entry in () if names is None else names.numbered():
-        variable = made.get(subindex)
+        variable = members.get(subindex)
         if variable is not None and not variable.denotation:
-            made[subindex] = replace(variable, denotation=entry.value)
+            members[subindex] = replace(variable, denotation=entry.value)
 
 
 def check_lists(

@@ -36,10 +36,12 @@ class Information:
 
     def check_sections(self) -> None:
         """Report missing sections."""
-        wanted = ["fileinfo", "deviceinfo", *LISTS]
+        required = ["fileinfo", "deviceinfo", *LISTS]
         if self._dcf:
-            wanted.append(COMMISSIONING)
-        missing = [f"[{PLAIN[name]}]" for name in wanted if name not in self._sections]
+            required.append(COMMISSIONING)
+        missing = [
+            f"[{PLAIN[name]}]" for name in required if name not in self._sections
+        ]
         if missing:
             message = f"missing: {', '.join(missing)}"
             self._findings.add(
@@ -214,6 +216,6 @@ class Information:
             self._bad(entry, what)
         return entry.value
 
-    def _bad(self, entry: Entry, wanted: str) -> None:
-        message = f"{entry.key} is {entry.value[:40]!r}, not {wanted}"
+    def _bad(self, entry: Entry, expectation: str) -> None:
+        message = f"{entry.key} is {entry.value[:40]!r}, not {expectation}"
         self._findings.add(information.BAD_INFORMATION, entry.span, message)

@@ -44,8 +44,8 @@ class ObjectReader:
         objects = []
         for index in sorted({*sections.heads, *sections.subs}):
             if index >= _TYPES_END:
-                made = self._object(index)
-                objects += [made] if made is not None else []
+                object_ = self._object(index)
+                objects += [object_] if object_ is not None else []
             if self._room < 0 or self._whole_room < 0:
                 subs = sections.subs.get(index, {})
                 places = (sections.heads.get(index), *subs.values())
@@ -100,10 +100,10 @@ class ObjectReader:
                     f"{name} is a variable and has no sub-objects; this one is ignored"
                 )
                 self._findings.add(rules.OF_A_VAR, sub.span, message)
-            made = self._variables.read(
+            variable = self._variables.read(
                 head, index, 0, name, domain=type_ is ObjectType.DOMAIN
             )
-            members = [made] if made is not None else []
+            members = [variable] if variable is not None else []
         else:
             members = self._members(head, index, name, type_, subs)
         self._room -= max(0, len(members) - len(subs) - 1)
@@ -148,7 +148,7 @@ class ObjectReader:
         type_: ObjectType,
         subs: dict[int, Section],
     ) -> list[Variable]:
-        made = compact.expand(
+        members = compact.expand(
             head, index, name, self._sections, self._variables, self._findings
         )
         common = None if type_ is ObjectType.RECORD else self._common_type(head, subs)
@@ -163,10 +163,12 @@ class ObjectReader:
                 common=common,
             )
             if variable is not None:
-                made[subindex] = variable
-        compact.configure(made, index, self._sections, self._variables, self._findings)
-        self._check_members(head, type_, made, len(subs))
-        return [made[subindex] for subindex in sorted(made)]
+                members[subindex] = variable
+        compact.configure(
+            members, index, self._sections, self._variables, self._findings
+        )
+        self._check_members(head, type_, members, len(subs))
+        return [members[subindex] for subindex in sorted(members)]
 
     def _common_type(self, head: Section, subs: dict[int, Section]) -> int | None:
         """Return the data type of an ARRAY's members: the head's, else the first one given."""
@@ -181,10 +183,10 @@ class ObjectReader:
         self,
         head: Section,
         type_: ObjectType,
-        made: dict[int, Variable],
+        variables: dict[int, Variable],
         described: int,
     ) -> None:
-        if not made:
+        if not variables:
             message = f"this {type_.name} has no sub-objects"
             self._findings.add(rules.NO_SUBS, head.span, message)
             return
@@ -193,14 +195,14 @@ class ObjectReader:
         if entry is not None and declared != described and described:
             message = f"SubNumber is {entry.value[:20]}; {described} sub-objects are described"
             self._findings.add(rules.SUB_NUMBER, entry.span, message)
-        first = made.get(0)
+        first = variables.get(0)
         if first is None:
             message = f"this {type_.name} has no sub-index 0"
             self._findings.add(rules.NO_SUB0, head.span, message)
         else:
-            self._check_first(first, max((k for k in made if k < 0xFF), default=0))
+            self._check_first(first, max((k for k in variables if k < 0xFF), default=0))
         if type_ is ObjectType.ARRAY:
-            members = [v for k, v in sorted(made.items()) if 0 < k < 0xFF]
+            members = [v for k, v in sorted(variables.items()) if 0 < k < 0xFF]
             for member in members[1:]:
                 if member.data_type != members[0].data_type:
                     message = (

@@ -180,11 +180,11 @@ class _Run:
 
     def _translated(self, source: Source, macros: Mapping[str, Macro]) -> Translation:
         virtual = source.name in self._given
-        made = self._translator.translate(source, macros, virtual=virtual)
-        if self._memo is not None and not made.guessed:
+        translation = self._translator.translate(source, macros, virtual=virtual)
+        if self._memo is not None and not translation.guessed:
             name = source.name if virtual else absolute_path(source.path)
-            self._memo.keep((*self._key, name), made)
-        return made
+            self._memo.keep((*self._key, name), translation)
+        return translation
 
     def _merge(self, unit: Translation) -> None:
         for found in unit.findings:

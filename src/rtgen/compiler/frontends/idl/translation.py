@@ -113,17 +113,17 @@ class Translator:
     ) -> Mapping[ScopedName, Declaration]:
         """Return the valid declarations of a unit, checked."""
         tables = types.tables
-        made: dict[ScopedName, Declaration] = {}
+        declarations: dict[ScopedName, Declaration] = {}
         with stages.stage("make the model"):
             lowering = Lowering(types, report)
             for entity in tables.declared:
                 declaration = lowering.declaration(entity)
                 if declaration is not None:
-                    made[declaration.name] = declaration
+                    declarations[declaration.name] = declaration
         with stages.stage("check"):
-            made = levels.checked(made, report)
-            checks.run(tables, types, made, report)
-        return made
+            declarations = levels.checked(declarations, report)
+            checks.run(tables, types, declarations, report)
+        return declarations
 
     def _declares(self, name: str, unit: Unit) -> str | None:
         """Return the nearby file that declares an unknown name."""

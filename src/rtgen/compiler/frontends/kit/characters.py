@@ -205,7 +205,7 @@ def read(
     `standard` is the name of a format that demands UTF-8.
     """
     decoded = encodings.decode(data, encoding, standard=standard is not None)
-    made = Characters(file, decoded)
+    characters = Characters(file, decoded)
     doubt = decoded.doubt
     is_utf16 = decoded.title == "UTF-16"
     if standard is None:
@@ -214,5 +214,5 @@ def read(
     elif decoded.encoding != "utf8" and not (is_utf16 and standard == YAML):
         doubt = f"{standard} is UTF-8; read as {decoded.title}"
     if doubt is not None:
-        made.doubt(rule, doubt, decoded.line)
-    return made
+        characters.doubt(rule, doubt, decoded.line)
+    return characters

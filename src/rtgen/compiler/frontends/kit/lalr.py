@@ -35,11 +35,11 @@ class Token(str):
 
 def token(kind: str, start: int, text: str = "") -> Token:
     """Return a token at `start`."""
-    made = Token(text)
-    made.type = kind
-    made.start_pos = start
-    made.end_pos = start + len(text)
-    return made
+    result = Token(text)
+    result.type = kind
+    result.start_pos = start
+    result.end_pos = start + len(text)
+    return result
 
 
 class UnexpectedTokenError(Exception):

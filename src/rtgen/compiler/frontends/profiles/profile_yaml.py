@@ -196,11 +196,11 @@ def to_yaml(root: ProfileTree) -> str:
 
 
 def _mapping(form: _Form, element: ProfileTree) -> dict[str, Any]:
-    made: dict[str, Any] = {}
+    mapping: dict[str, Any] = {}
     for name, value in element.attributes.items():
         if name[0] != XSI:
             key = _key(form, name, element.name[0])
-            made[key] = _date(value) if name[1] in _DATES else value
+            mapping[key] = _date(value) if name[1] in _DATES else value
     for child in element.children:
         key, local = _key(form, child.name, element.name[0]), child.name[1]
         inside = child.text if local in form.texts else _mapping(form, child)
@@ -208,10 +208,10 @@ def _mapping(form: _Form, element: ProfileTree) -> dict[str, Any]:
             key, inside = _CONDITION, {key: inside}
             local = _CONDITION
         if _is_many(form, element.name[1], local):
-            made.setdefault(key, []).append(inside)
+            mapping.setdefault(key, []).append(inside)
         else:
-            made.setdefault(key, inside)
-    return made
+            mapping.setdefault(key, inside)
+    return mapping
 
 
 def _date(text: str) -> object:

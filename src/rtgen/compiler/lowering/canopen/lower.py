@@ -48,10 +48,10 @@ MANAGER = "CanopenManager"
 def lower(model: Model, settings: Settings) -> Lowered:
     """The model with the types and components of its devices."""
     kinds, findings = kinds_of(model.devices, model.buses)
-    made = _Made(model, findings)
+    declared = _Made(model, findings)
     for kind in kinds:
-        made.add(DevicePorts(kind.device, kind))
-    return Lowered(made.whole(), tuple(findings))
+        declared.add(DevicePorts(kind.device, kind))
+    return Lowered(declared.whole(), tuple(findings))
 
 
 @dataclass
@@ -141,11 +141,11 @@ class _Made:
                 yield self._known[name].file
 
     def _missing(
-        self, ports: DevicePorts, made: Sequence[Declaration]
+        self, ports: DevicePorts, declarations: Sequence[Declaration]
     ) -> Iterator[Diagnostic]:
         """Report types of ports and members that no definition declares."""
-        own = {declaration.name for declaration in made}
-        for declaration in made:
+        own = {declaration.name for declaration in declarations}
+        for declaration in declarations:
             for name in dict.fromkeys(_referred(declaration)):
                 if name not in self._known and name not in own:
                     text = "::".join(name)
@@ -153,12 +153,12 @@ class _Made:
                     hint = f"declare it in the {name[0]} module of your own IDL file"
                     yield MISSING_TYPE.at(ports.kind.span, message, hint=hint)
 
-    def _report_taken(self, made: Declaration, other: Declaration) -> None:
-        message = f"{made.scoped} of the device is declared elsewhere, too"
+    def _report_taken(self, declaration: Declaration, other: Declaration) -> None:
+        message = f"{declaration.scoped} of the device is declared elsewhere, too"
         related = [Related(other.span, "the other declaration")]
         hint = "rename one, or give the device another `name` in a bus file"
         self.findings.append(
-            TAKEN_NAME.at(made.span, message, related=related, hint=hint)
+            TAKEN_NAME.at(declaration.span, message, related=related, hint=hint)
         )
 
 
@@ -172,16 +172,16 @@ def _referred(declaration: Declaration) -> Iterator[ScopedName]:
         yield from referred(declaration)
 
 
-def _same(made: Declaration, other: Declaration) -> bool:
+def _same(declaration: Declaration, other: Declaration) -> bool:
     """Whether both are the same type, read from a copy of the device's IDL file."""
-    if isinstance(made, Struct) and isinstance(other, Struct):
-        return [(m.name, m.type) for m in made.members] == [
+    if isinstance(declaration, Struct) and isinstance(other, Struct):
+        return [(m.name, m.type) for m in declaration.members] == [
             (m.name, m.type) for m in other.members
         ]
-    if isinstance(made, Interface) and isinstance(other, Interface):
-        return made.bases == other.bases and [
+    if isinstance(declaration, Interface) and isinstance(other, Interface):
+        return declaration.bases == other.bases and [
             (o.name, o.returns, [(p.name, p.type) for p in o.parameters])
-            for o in made.operations
+            for o in declaration.operations
         ] == [
             (o.name, o.returns, [(p.name, p.type) for p in o.parameters])
             for o in other.operations

@@ -79,12 +79,12 @@ def _struct(ports: DevicePorts, sample: PdoSample) -> Struct:
 
 def _timed(ports: DevicePorts) -> Iterator[Struct]:
     """Yield the types of ports without a counterpart in the module RTC."""
-    made: set[ScopedName] = set()
+    names: set[ScopedName] = set()
     for port in ports.object_ports:
         name = port.quantity.timed(ports.kind.module)
-        if name[0] != ports.kind.module or name in made:
+        if name[0] != ports.kind.module or name in names:
             continue
-        made.add(name)
+        names.add(name)
         span = port.quantity.variable.span
         doc = f"Time-stamped value of type {port.quantity.type}, for which RTC has no type."
         data = Member(name="data", type=port.quantity.type, span=span)

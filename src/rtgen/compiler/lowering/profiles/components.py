@@ -92,7 +92,7 @@ class Lowering:
         parameters = [self._parameter(p, known) for p in profile.parameters]
         name = self._name(profile)
         other = self._by_name.get(name)
-        made = Component(
+        lowered = Component(
             name=name,
             repository_id=default_id(name),
             file=profile.file,
@@ -116,13 +116,13 @@ class Lowering:
             language=profile.language,
             other_file="" if other is None else other.file,
         )
-        made = self._definitions.component(made, profile)
-        before = self._by_name.get(made.name)
-        other_file = isinstance(before, Component) and before.file != made.file
+        lowered = self._definitions.component(lowered, profile)
+        before = self._by_name.get(lowered.name)
+        other_file = isinstance(before, Component) and before.file != lowered.file
         if isinstance(before, Component) and other_file and not profile.implements:
-            self.diagnostics += disagreements(made, before)
-        self._by_name[made.name] = made
-        return made
+            self.diagnostics += disagreements(lowered, before)
+        self._by_name[lowered.name] = lowered
+        return lowered
 
     def _report_at(
         self, rule: Rule, span: Span, message: str, hint: str | None = None
@@ -136,8 +136,8 @@ class Lowering:
         name = self._definitions.name(profile, last)
         known = self._by_name.get(name)
         if isinstance(known, Component):
-            given = known.file in self.given and not profile.implements
-            if given or known.file == profile.file:
+            is_given = known.file in self.given and not profile.implements
+            if is_given or known.file == profile.file:
                 message = f"there is a component {known.scoped} already"
                 related = [Related(known.span, "the other one")]
                 diagnostic = rules.SAME_COMPONENT.at(
@@ -188,7 +188,7 @@ class Lowering:
     ) -> Port:
         type_ = self._type(profile, port, service=False)
         kind = PortKind.OUTPORT if port.output else PortKind.INPORT
-        made = Port(
+        lowered = Port(
             kind=kind,
             name=self._outside_name(port.span, port.name),
             identifier=_identifier(port, kind.value, taken),
@@ -201,7 +201,7 @@ class Lowering:
         if port.for_events:
             occurrences = (Annotation(EVENT, event) for event in port.events)
             events = [Annotation(EVENT_PORT), *occurrences]
-        return self._definitions.port(made, port.facts, events)
+        return self._definitions.port(lowered, port.facts, events)
 
     def _interface(
         self,
@@ -212,7 +212,7 @@ class Lowering:
     ) -> Port:
         type_ = self._type(profile, interface, service=True)
         identifier = _identifier(interface, "service", taken)
-        made = Port(
+        port = Port(
             kind=PortKind.PROVIDER if interface.provided else PortKind.CONSUMER,
             name=identifier,
             identifier=identifier,
@@ -223,7 +223,7 @@ class Lowering:
             span=interface.span,
             doc=interface.doc,
         )
-        return self._definitions.port(made, interface.facts)
+        return self._definitions.port(port, interface.facts)
 
     def _type(
         self,
@@ -249,8 +249,8 @@ class Lowering:
         )
         if isinstance(declaration, Interface if service else _DATA):
             return type_
-        wanted = "an interface" if service else "a struct or union"
-        message = f"{port.type} is not {wanted}; it stays opaque"
+        expectation = "an interface" if service else "a struct or union"
+        message = f"{port.type} is not {expectation}; it stays opaque"
         self._report_at(rules.WRONG_TYPE, port.type_span, message)
         return self._stand_in(profile, port, written, service)
 
@@ -262,11 +262,11 @@ class Lowering:
             return None
         if ("RTC", *written) in self._by_name:
             return ("RTC", *written)
-        wanted = Interface if service else _DATA
+        kinds = Interface if service else _DATA
         others = [
             name
             for name, declaration in self._by_name.items()
-            if name[-1:] == written and isinstance(declaration, wanted)
+            if name[-1:] == written and isinstance(declaration, kinds)
         ]
         return others[0] if len(others) == 1 else None
 
@@ -309,8 +309,8 @@ class Lowering:
             while self._is_taken(name):
                 name = (f"{name[0]}_",)
             self._stand_ins[written, service] = name
-            made = _opaque(name, service, profile.file, port.type_span)
-            self.placeholders[name] = made
+            placeholder = _opaque(name, service, profile.file, port.type_span)
+            self.placeholders[name] = placeholder
             self._take(name)
         return NamedType(name)
 
@@ -325,7 +325,7 @@ class Lowering:
             hint = "int, double, bool, string, std::vector<double>, ..."
             self._report_at(rules.PARAMETER_TYPE, parameter.type_span, message, hint)
             type_ = StringType()
-        made = ConfigurationParameter(
+        lowered = ConfigurationParameter(
             name=self._outside_name(parameter.span, parameter.name),
             identifier=_identifier(parameter, "value", taken),
             type=type_,
@@ -334,10 +334,10 @@ class Lowering:
             unit=parameter.unit,
             widget=self._widget(parameter),
         )
-        made = self._with_default(made, parameter)
-        made = self._definitions.default(made, parameter)
-        made = self._with_constraint(made, parameter)
-        return self._definitions.parameter(made, parameter)
+        lowered = self._with_default(lowered, parameter)
+        lowered = self._definitions.default(lowered, parameter)
+        lowered = self._with_constraint(lowered, parameter)
+        return self._definitions.parameter(lowered, parameter)
 
     def _widget(self, parameter: ProfileParameter) -> str:
         widget = parameter.widget.strip()
@@ -348,12 +348,12 @@ class Lowering:
         return ""
 
     def _with_default(
-        self, made: ConfigurationParameter, parameter: ProfileParameter
+        self, lowered: ConfigurationParameter, parameter: ProfileParameter
     ) -> ConfigurationParameter:
         text = parameter.default
-        plain = self.model.unalias(made.type)
+        plain = self.model.unalias(lowered.type)
         if not text and not isinstance(plain, StringType | SequenceType):
-            return made
+            return lowered
         try:
             default: ConstantValue = (
                 text
@@ -364,28 +364,28 @@ class Lowering:
         except ValueMismatchError as error:
             message = f"the default of {parameter.name}: {error}"
             self._report_at(rules.PARAMETER_VALUE, parameter.default_span, message)
-            return made
-        return replace(made, default=default)
+            return lowered
+        return replace(lowered, default=default)
 
     def _with_constraint(
-        self, made: ConfigurationParameter, parameter: ProfileParameter
+        self, lowered: ConfigurationParameter, parameter: ProfileParameter
     ) -> ConfigurationParameter:
         if parameter.constraint is None:
-            return made
-        tried = replace(made, constraint=text_of(parameter.constraint))
+            return lowered
+        tried = replace(lowered, constraint=text_of(parameter.constraint))
         try:
             limit = self._parameters.constraint(tried)
         except ValueError as error:
             message = f"the constraint of {parameter.name} is left out: {error}"
             self._report_at(rules.CONSTRAINT, parameter.span, message)
-            return made
+            return lowered
         if limit is not None and not self._allowed(tried, limit):
             message = (
                 f"the constraint of {parameter.name} is left out: "
                 "its default does not meet it"
             )
             self._report_at(rules.CONSTRAINT, parameter.span, message)
-            return made
+            return lowered
         return tried
 
     def _allowed(self, parameter: ConfigurationParameter, limit: Constraint) -> bool:
@@ -469,21 +469,23 @@ def _identifier(
 
 
 def components(
-    profiles: Sequence[RtcProfile], model: Model, given: frozenset[str] = frozenset()
+    profiles: Sequence[RtcProfile],
+    model: Model,
+    given_files: frozenset[str] = frozenset(),
 ) -> tuple[tuple[Declaration, ...], tuple[Diagnostic, ...]]:
     """Return the placeholders, then the components of profiles, and the diagnostics."""
-    lowering = Lowering(model, given)
-    made = [lowering.component(profile) for profile in _bases_first(profiles)]
-    return (*lowering.placeholders.values(), *made), tuple(lowering.diagnostics)
+    lowering = Lowering(model, given_files)
+    lowered = [lowering.component(profile) for profile in _bases_first(profiles)]
+    return (*lowering.placeholders.values(), *lowered), tuple(lowering.diagnostics)
 
 
 def _bases_first(profiles: Sequence[RtcProfile]) -> list[RtcProfile]:
     """Return the profiles, each after its base's."""
     rest = list(profiles)
-    made: list[RtcProfile] = []
+    ordered: list[RtcProfile] = []
     while rest:
         names = {p.facts.get("name") or p.name for p in rest}
         ready = [p for p in rest if p.facts.get("base") not in names]
-        made += ready or rest
+        ordered += ready or rest
         rest = [p for p in rest if p not in ready] if ready else []
-    return made
+    return ordered

@@ -58,20 +58,22 @@ class Definitions:
 
     # Ports.
 
-    def port(self, made: Port, facts: Facts, events: Sequence[Annotation] = ()) -> Port:
+    def port(
+        self, lowered: Port, facts: Facts, events: Sequence[Annotation] = ()
+    ) -> Port:
         """Return the port with its facts applied; `events` are an event port's, as annotations."""
-        with self._passing_over(made.span):
-            is_data = made.kind in (PortKind.INPORT, PortKind.OUTPORT)
+        with self._passing_over(lowered.span):
+            is_data = lowered.kind in (PortKind.INPORT, PortKind.OUTPORT)
             name = facts.get("name")
-            if name and (not is_data or name.strip() == made.name):
-                made = replace(made, name=name)
+            if name and (not is_data or name.strip() == lowered.name):
+                lowered = replace(lowered, name=name)
             port, instance = facts.get("port"), facts.get("instance")
-            if port is not None and port.strip() == made.port:
-                made = replace(made, port=port)
-            if instance is not None and instance.strip() == made.instance:
-                made = replace(made, instance=instance)
-            made = _with_doc(made, facts)
-        return self._annotated(made, facts, events)
+            if port is not None and port.strip() == lowered.port:
+                lowered = replace(lowered, port=port)
+            if instance is not None and instance.strip() == lowered.instance:
+                lowered = replace(lowered, instance=instance)
+            lowered = _with_doc(lowered, facts)
+        return self._annotated(lowered, facts, events)
 
     # Parameters.
 
@@ -92,67 +94,67 @@ class Definitions:
         return None
 
     def default(
-        self, made: ConfigurationParameter, parameter: ProfileParameter
+        self, lowered: ConfigurationParameter, parameter: ProfileParameter
     ) -> ConfigurationParameter:
         """Return the parameter with the default of its facts, if the attribute agrees."""
         if "default" not in parameter.facts:
-            return made
+            return lowered
         with self._passing_over(parameter.default_span):
             fact = parameter.facts["default"]
             default = None if fact is None else profile_facts.value_from_json(fact)
-            tried = replace(made, default=default)
+            tried = replace(lowered, default=default)
             if default is not None:
-                self.parameters.check_value(made.type, default)
+                self.parameters.check_value(lowered.type, default)
             if self.parameters.default_text(tried).strip() == parameter.default:
                 return tried
-        return made
+        return lowered
 
     def parameter(
-        self, made: ConfigurationParameter, parameter: ProfileParameter
+        self, lowered: ConfigurationParameter, parameter: ProfileParameter
     ) -> ConfigurationParameter:
         """Return the parameter with its remaining facts applied."""
         facts = parameter.facts
-        with self._passing_over(made.span):
+        with self._passing_over(lowered.span):
             name = facts.get("name")
-            if name is not None and name.strip() == made.name:
-                made = replace(made, name=name)
+            if name is not None and name.strip() == lowered.name:
+                lowered = replace(lowered, name=name)
             if parameter.widget == "text" and facts.get("widget") == "text":
-                made = replace(made, widget="text")
-            made = _with_doc(made, facts)
-            made = self._with_limits(made, parameter)
-        return self._annotated(made, facts)
+                lowered = replace(lowered, widget="text")
+            lowered = _with_doc(lowered, facts)
+            lowered = self._with_limits(lowered, parameter)
+        return self._annotated(lowered, facts)
 
     def _with_limits(
-        self, made: ConfigurationParameter, parameter: ProfileParameter
+        self, lowered: ConfigurationParameter, parameter: ProfileParameter
     ) -> ConfigurationParameter:
         """Return the parameter with bounds and its constraint as written. Raises ValueError."""
         facts = parameter.facts
         constraint = facts.get("constraint")
         tried = replace(
-            made,
-            minimum=self._bound(made, facts, "min"),
-            maximum=self._bound(made, facts, "max"),
-            constraint=made.constraint if constraint is None else constraint,
+            lowered,
+            minimum=self._bound(lowered, facts, "min"),
+            maximum=self._bound(lowered, facts, "max"),
+            constraint=lowered.constraint if constraint is None else constraint,
         )
-        if tried == made:
-            return made
+        if tried == lowered:
+            return lowered
         limit = self.parameters.constraint(tried)
         if limit != parameter.constraint:
-            return made
+            return lowered
         for each in (limit, self.parameters.bounds(tried)):
             if each and not self.parameters.is_default_allowed(tried, each):
-                return made
+                return lowered
         return tried
 
     def _bound(
-        self, made: ConfigurationParameter, facts: Facts, key: str
+        self, parameter: ConfigurationParameter, facts: Facts, key: str
     ) -> ConstantValue | None:
         if key not in facts:
             return None
         bound = profile_facts.value_from_json(facts[key])
-        if not self.parameters.is_number(made.type):
-            raise ValueError(f"{made.type} has no bounds")
-        self.parameters.check_value(self.parameters.item_type(made.type), bound)
+        if not self.parameters.is_number(parameter.type):
+            raise ValueError(f"{parameter.type} has no bounds")
+        self.parameters.check_value(self.parameters.item_type(parameter.type), bound)
         return bound
 
     # The component.
@@ -174,72 +176,76 @@ class Definitions:
             return (*modules, last)
         return (last,)
 
-    def component(self, made: Component, profile: RtcProfile) -> Component:
+    def component(self, lowered: Component, profile: RtcProfile) -> Component:
         """Return the component with its facts applied."""
         facts = profile.facts
-        with self._passing_over(made.span):
+        with self._passing_over(lowered.span):
             for field, usual in profile_facts.WITH_USUAL.items():
                 text = facts.get(field)
                 if text is None:
                     continue
-                if profile_facts.read_text(text, usual) == getattr(made, field):
+                if profile_facts.read_text(text, usual) == getattr(lowered, field):
                     changed: dict[str, Any] = {field: text}
-                    made = replace(made, **changed)
-            made = self._with_texts(made, facts)
+                    lowered = replace(lowered, **changed)
+            lowered = self._with_texts(lowered, facts)
             name = facts.get("name") or profile.name
             repository_id = facts.get("repository_id")
-            if repository_id and name == made.scoped:
-                made = replace(made, repository_id=repository_id)
-            made = replace(made, ports=_in_order(made.ports, facts.get("order")))
-            made = replace(made, supports=tuple(self._supported(made, facts)))
-            made = self._with_base(made, facts)
-        return self._annotated(made, facts)
+            if repository_id and name == lowered.scoped:
+                lowered = replace(lowered, repository_id=repository_id)
+            lowered = replace(
+                lowered, ports=_in_order(lowered.ports, facts.get("order"))
+            )
+            lowered = replace(lowered, supports=tuple(self._supported(lowered, facts)))
+            lowered = self._with_base(lowered, facts)
+        return self._annotated(lowered, facts)
 
-    def _with_texts(self, made: Component, facts: Facts) -> Component:
+    def _with_texts(self, component: Component, facts: Facts) -> Component:
         doc, description = facts.get("doc"), facts.get("description")
         if doc is not None:
-            wanted = made.description if description is None else description
-            summary = profile_escapes.summary(wanted, doc)
-            if profile_facts.read_doc(doc, summary) == made.doc:
-                made = replace(made, doc=doc)
+            text = component.description if description is None else description
+            summary = profile_escapes.summary(text, doc)
+            if profile_facts.read_doc(doc, summary) == component.doc:
+                component = replace(component, doc=doc)
         if description is not None:
-            summary = profile_escapes.summary(description, made.doc)
-            if profile_escapes.one_line(summary) == made.description:
-                made = replace(made, description=description)
-        return made
+            summary = profile_escapes.summary(description, component.doc)
+            if profile_escapes.one_line(summary) == component.description:
+                component = replace(component, description=description)
+        return component
 
-    def _supported(self, made: Component, facts: Facts) -> Iterator[ScopedName]:
+    def _supported(self, component: Component, facts: Facts) -> Iterator[ScopedName]:
         for text in facts.get("supports") or ():
             name = tuple(str(text).split("::"))
             if isinstance(self.declared.get(name), Interface):
                 yield name
             else:
-                self._report_at(made.span, f"the interface {text} is not found")
+                self._report_at(component.span, f"the interface {text} is not found")
 
-    def _with_base(self, made: Component, facts: Facts) -> Component:
+    def _with_base(self, component: Component, facts: Facts) -> Component:
         """Return the component with its base, if it has all members of the base."""
         text = facts.get("base")
         if text is None:
-            return made
+            return component
         base = self.declared.get(tuple(text.split("::")))
         if not isinstance(base, Component):
-            self._report_at(made.span, f"the component {text} is not found")
-            return made
-        ports = _inherited(made.ports, base.ports)
-        configuration = _inherited(made.configuration, base.configuration)
+            self._report_at(component.span, f"the component {text} is not found")
+            return component
+        ports = _inherited(component.ports, base.ports)
+        configuration = _inherited(component.configuration, base.configuration)
         if ports is None or configuration is None:
             message = f"it is no longer a {text}: what it inherits was changed"
-            self._report_at(made.span, message)
-            return made
-        return replace(made, base=base.name, ports=ports, configuration=configuration)
+            self._report_at(component.span, message)
+            return component
+        return replace(
+            component, base=base.name, ports=ports, configuration=configuration
+        )
 
     # Annotations.
 
     def _annotated(
-        self, made: _Item, facts: Facts, events: Sequence[Annotation] = ()
+        self, item: _Item, facts: Facts, events: Sequence[Annotation] = ()
     ) -> _Item:
         entries: list[WrittenAnnotation] = []
-        with self._passing_over(made.span):
+        with self._passing_over(item.span):
             entries = profile_facts.annotations_from_json(
                 facts.get("annotations") or []
             )
@@ -252,7 +258,7 @@ class Definitions:
         ]
         entries = [each for each in entries if each not in gone]
         new = [each for each in events if not any(same_event(each, k) for k in known)]
-        return replace(made, annotations=annotations_from(made, entries) + tuple(new))
+        return replace(item, annotations=annotations_from(item, entries) + tuple(new))
 
     @contextmanager
     def _passing_over(self, span: Span) -> Iterator[None]:
@@ -273,11 +279,11 @@ def identifier_of(variable: str, facts: Facts) -> str | None:
     return variable if identifier == variable else None
 
 
-def _with_doc(made: _Item, facts: Facts) -> _Item:
+def _with_doc(item: _Item, facts: Facts) -> _Item:
     doc = facts.get("doc")
-    if doc is None or profile_facts.read_doc(doc) != made.doc:
-        return made
-    return replace(made, doc=doc)
+    if doc is None or profile_facts.read_doc(doc) != item.doc:
+        return item
+    return replace(item, doc=doc)
 
 
 def _in_order(ports: Sequence[Port], order: Sequence[Any] | None) -> tuple[Port, ...]:

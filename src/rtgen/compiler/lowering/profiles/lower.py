@@ -15,7 +15,7 @@ def lower(model: Model, settings: Settings) -> Lowered:
 
     The component of a profile replaces the one of its name in an IDL file.
     """
-    made, diagnostics = components(model.profiles, model, settings.definitions)
-    names = {declaration.name for declaration in made}
+    declarations, diagnostics = components(model.profiles, model, settings.definitions)
+    names = {declaration.name for declaration in declarations}
     rest = (each for each in model.declarations if each.name not in names)
-    return Lowered(replace(model, declarations=(*rest, *made)), diagnostics)
+    return Lowered(replace(model, declarations=(*rest, *declarations)), diagnostics)

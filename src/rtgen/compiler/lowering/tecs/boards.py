@@ -37,12 +37,12 @@ def lower(model: Model, settings: Settings) -> Lowered:
         return Lowered(model, tuple(findings))
     sources = tuple(dict.fromkeys(s for p in planned for s in p.sources))
     communication = communication_model(sources)
-    made = [Package(name=FOLDER, model=communication, sources=sources)]
+    result = [Package(name=FOLDER, model=communication, sources=sources)]
     for plan in planned:
         side, diagnostics = idl_side(plan, communication)
         layouts, untransferable = _layouts(plan, side)
         findings += [*diagnostics, *untransferable]
-        made.append(
+        result.append(
             BoardPackage(
                 name=plan.name,
                 model=side.model,
@@ -54,7 +54,7 @@ def lower(model: Model, settings: Settings) -> Lowered:
                 layouts=tuple(layouts),
             )
         )
-    return Lowered(replace(model, packages=tuple(made)), tuple(findings))
+    return Lowered(replace(model, packages=tuple(result)), tuple(findings))
 
 
 def boards(model: Model) -> Iterator[BoardPackage]:

@@ -247,11 +247,11 @@ class _Builder:
     def _in_marshaller(self, service: Service) -> frozenset[str]:
         """Return the names in the module of a service besides those of its interface."""
         name = identifier(service.name)
-        made = ("Proxy", "Target", *RTCS, *(f"{each}Base" for each in RTCS))
+        classes = ("Proxy", "Target", *RTCS, *(f"{each}Base" for each in RTCS))
         structs = (struct_class(each) for each in self._structs)
         names = self._in_views().union(
             structs,
-            (f"{name}{each}" for each in made),
+            (f"{name}{each}" for each in classes),
             (f"_{name}Servant", codec_class(service.signature)),
             MARSHALLER_NAMES,
             BASE_NAMES,

@@ -132,10 +132,10 @@ class _Planner:
             self.findings += diagnostics
             signature = self._signature(join)
             service = services.setdefault(signature.name, _service(signature, options))
-            made = RtcJoin(number, cell, join, through, service, options)
+            rtc_join = RtcJoin(number, cell, join, through, service, options)
             if not diagnostics:
-                self._compare(made, joins)
-            joins.append(made)
+                self._compare(rtc_join, joins)
+            joins.append(rtc_join)
         if not joins:
             return None
         self._check_names(list(services.values()))

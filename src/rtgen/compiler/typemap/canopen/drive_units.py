@@ -48,20 +48,20 @@ def drive_factor(device: Device, number: tuple[int, int], unit: str) -> float:
     if not unit:
         raise NoFactorError("it has no unit in `units`")
     try:
-        wanted = parse(unit)
+        target = parse(unit)
     except UnitError as error:
         raise NoFactorError(f"{unit!r} is not a unit: {error}") from None
     order = _ORDERS.get(number[0])
     if order is None:
         raise NoFactorError("it is not a position, velocity or acceleration of CiA 402")
     own = _unit(device, order)
-    if relation(own, wanted) is Relation.DIFFERENT:
+    if relation(own, target) is Relation.DIFFERENT:
         own = _along_the_feed(device, own)
-    if relation(own, wanted) in (Relation.DIFFERENT, Relation.ANGLE):
+    if relation(own, target) in (Relation.DIFFERENT, Relation.ANGLE):
         what = "a length" if own.dimension[0][0] == _LENGTH else "an angle"
         kind = what + ("", " in time", " in time squared")[order]
         raise NoFactorError(f"it is {kind}, which is not measured in {unit}")
-    return conversion(own, wanted)[0]
+    return conversion(own, target)[0]
 
 
 def _unit(device: Device, order: int) -> Unit:

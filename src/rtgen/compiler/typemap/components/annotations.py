@@ -140,19 +140,19 @@ def annotations_from(
     item: Documented, entries: Sequence[WrittenAnnotation]
 ) -> tuple[Annotation, ...]:
     """Return the annotations of an item as written, unless its fields contradict them."""
-    made: list[Annotation] = []
+    annotations: list[Annotation] = []
     for entry in entries:
         written = entry if isinstance(entry, Annotation) else _of_fields(item, entry)
         if written is not None:
-            made.append(written)
-    said = {(a.name, key) for a in made for key, _ in a.arguments}
+            annotations.append(written)
+    said = {(a.name, key) for a in annotations for key, _ in a.arguments}
     fields = {_FIELDS[each] for each in said if each in _FIELDS}
     for annotation in annotations_of(item):
         if annotation.name == "rtc":
-            made = _with_arguments(made, annotation, item)
+            annotations = _with_arguments(annotations, annotation, item)
         elif _FIELDS[annotation.name, "value"] not in fields:
-            made.append(annotation)
-    return tuple(made)
+            annotations.append(annotation)
+    return tuple(annotations)
 
 
 def same_event(one: Annotation, other: Annotation) -> bool:
@@ -186,14 +186,14 @@ def _of_fields(item: Documented, short: Sequence[str]) -> Annotation | None:
 
 
 def _with_arguments(
-    made: list[Annotation], wanted: Annotation, item: Documented
+    annotations: list[Annotation], written: Annotation, item: Documented
 ) -> list[Annotation]:
     """Return the annotations with a complete `@rtc`."""
     assert isinstance(item, Component)
-    for place, annotation in enumerate(made):
+    for place, annotation in enumerate(annotations):
         if annotation.name == "rtc":
             known = dict(annotation.arguments)
             more = [pair for pair in _different(item) if pair[0] not in known]
             full = Annotation("rtc", (*annotation.arguments, *more))
-            return [*made[:place], full, *made[place + 1 :]]
-    return [*made, wanted]
+            return [*annotations[:place], full, *annotations[place + 1 :]]
+    return [*annotations, written]

@@ -303,12 +303,12 @@ class PythonNames:
         """Return attributes that bases define differently, with the definition that wins."""
         if len(declaration.bases) < 2:
             return {}
-        given: dict[str, Declaration] = {}
+        by_name: dict[str, Declaration] = {}
         contested: dict[str, Declaration] = {}
         held = self._held(declaration.name)
         for base in self.bases(declaration):
             for attribute, inner in self._held(base).items():
-                if given.setdefault(attribute, inner) is not inner:
+                if by_name.setdefault(attribute, inner) is not inner:
                     contested[attribute] = held[attribute]
         return contested
 
@@ -451,16 +451,16 @@ class PythonNames:
         attributes = self.attribute_names(module)
         short = {d.name: "_".join(d.name[self._depth(d.name) :]) for d in declarations}
         count = Counter(short.values())
-        wanted = {
+        identifiers = {
             name: text if count[text] == 1 else "_".join(name)
             for name, text in short.items()
         }
         reserved = attributes.union(HOMES, _ARGUMENTS, _FUTURE, self.taken_in(module))
         hidden = reserved.union(dir(builtins))
         ahead = _referred_ahead(declarations)
-        free = {identifier(text, reserved) for text in wanted.values()}
+        free = {identifier(text, reserved) for text in identifiers.values()}
         taken: set[str] = set()
-        for name, text in wanted.items():
+        for name, text in identifiers.items():
             chosen = identifier(text, hidden if name in ahead else reserved)
             plain = identifier(text)
             while chosen in taken or (chosen not in (text, plain) and chosen in free):
@@ -485,14 +485,14 @@ def _referred_ahead(declarations: Iterable[Declaration]) -> set[ScopedName]:
 
 def distinct(names: Iterable[str], reserved: Collection[str]) -> dict[str, str]:
     """Return unique Python names for the members of one scope, none of them reserved."""
-    wanted = list(names)
-    made = [identifier(name, reserved) for name in wanted]
-    if made == wanted:
-        return dict(zip(wanted, made, strict=True))
-    kept = {n for n, chosen in zip(wanted, made, strict=True) if n == chosen}
+    preferred = list(names)
+    identifiers = [identifier(name, reserved) for name in preferred]
+    if identifiers == preferred:
+        return dict(zip(preferred, identifiers, strict=True))
+    kept = {n for n, chosen in zip(preferred, identifiers, strict=True) if n == chosen}
     taken = kept.union(reserved)
     result: dict[str, str] = {}
-    for name, chosen in zip(wanted, made, strict=True):
+    for name, chosen in zip(preferred, identifiers, strict=True):
         if chosen != name:
             while chosen in taken:
                 chosen += "_"

@@ -98,10 +98,10 @@ class Printer:
     """
 
     def __init__(
-        self, known: NodeIndex, wanted: Wanted, *, as_json: bool, write: Write
+        self, known: NodeIndex, selection: Wanted, *, as_json: bool, write: Write
     ) -> None:
         self._decoder = MessageDecoder(known)
-        self._wanted = wanted
+        self._wanted = selection
         self._line = _json_line if as_json else self._text_line
         self._write = write
         self._start: float | None = None

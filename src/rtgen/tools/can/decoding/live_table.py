@@ -91,7 +91,7 @@ class Rows:
 def show(
     received: Iterator[Message | None],
     decoder: MessageDecoder,
-    wanted: Wanted,
+    selection: Wanted,
     title: str,
     terminal: Terminal | None = None,
 ) -> None:
@@ -107,7 +107,7 @@ def show(
         for message in received:
             if message is not None:
                 decoded = decoder.decode(message)
-                if wanted(decoded):
+                if selection(decoded):
                     rows.take(message, decoded)
             if time.monotonic() >= due:
                 live.update(rows.table(title), refresh=True)

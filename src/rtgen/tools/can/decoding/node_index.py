@@ -199,13 +199,13 @@ def read_node_index(
         findings += result.diagnostics
         bus = result.bus
         for node in bus.nodes if bus else ():
-            made = node.kind
+            kind = node.kind
             nodes[node.id] = describe_node(
                 node.id,
                 node.name,
                 node.device,
-                units=dict(made.units),
-                factors=dict(made.factors),
+                units=dict(kind.units),
+                factors=dict(kind.factors),
             )
     described = []
     for node_id, path in descriptions:

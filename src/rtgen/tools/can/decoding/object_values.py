@@ -86,9 +86,9 @@ def decoded(thing: DescribedObject, octets: bytes) -> ObjectValue:
 
     An expedited message without size indication has 4 octets, which may be too many.
     """
-    wanted = size(thing.kind)
-    if wanted is not None and wanted < len(octets) == 4:
-        octets = octets[:wanted]
+    expected = size(thing.kind)
+    if expected is not None and expected < len(octets) == 4:
+        octets = octets[:expected]
     return decode(thing.kind, octets)
 
 

@@ -59,8 +59,8 @@ def writer(path: Path) -> Iterator[MessageWriter]:
 
     try:
         check_output(path, pipes=False)
-        with Logger(path) as made:
-            yield made
+        with Logger(path) as logger:
+            yield logger
     except OSError as error:
         reason = error.strerror or error
         raise ToolError(f"cannot write {path}: {reason}") from error

@@ -80,12 +80,12 @@ def arguments(
     """Return the arguments of a call; `fixed` by name. Raises ArgumentError for bad sizes."""
     known: dict[str, Json] = {}
     sized = lengths(function)
-    given = fixed or {}
+    stated = fixed or {}
     # Numbers come first, since sizes refer to them.
     listed = sorted(function.layout.arguments, key=lambda item: item.name not in sized)
     for item in listed:
-        if item.name in given:
-            known[item.name] = given[item.name]
+        if item.name in stated:
+            known[item.name] = stated[item.name]
         elif item.asked:
             known[item.name] = None if values.null else {"want": True}
         elif item.nullable and values.null:

@@ -116,11 +116,11 @@ class BoardUnderTest:
         return codec.request_head(MAX_ID - 1) + codec.awaiting_reply
 
     def raw(
-        self, segments: Sequence[bytes], wanted: int = 0, within: float | None = None
+        self, segments: Sequence[bytes], count: int = 0, within: float | None = None
     ) -> Answer:
-        """Return the response to octets, up to `wanted` ones, or until the board closes.
+        """Return the response to octets, up to `count` ones, or until the board closes.
 
-        Without `wanted`, until the board is quiet. The time-out is `within` seconds, by default
+        Without `count`, until the board is quiet. The time-out is `within` seconds, by default
         that of any response.
 
         Raises SkipError for a serial line, which has no connection to close.
@@ -135,9 +135,9 @@ class BoardUnderTest:
                         sleep(_PAUSE)
                     line.sendall(segment)
                 end = monotonic() + (self.answer if within is None else within)
-                while not wanted or len(octets) < wanted:
+                while not count or len(octets) < count:
                     left = end - monotonic()
-                    if octets and not wanted:
+                    if octets and not count:
                         left = min(left, self.quiet)
                     line.settimeout(max(left, 0.001))
                     part = line.recv(_PIECE)

@@ -33,8 +33,8 @@ _LENGTH: Final = "i"
 _WIRE: Final = "OpaqueRPC as tecsgen 1.7.0 has it"
 
 
-def _request(function: Function, given: Json) -> bytes:
-    return function.encode_request(function.arguments_from_json(given))
+def _request(function: Function, values: Json) -> bytes:
+    return function.encode_request(function.arguments_from_json(values))
 
 
 def _simplest(board: BoardUnderTest) -> Function:
@@ -47,7 +47,7 @@ def _simplest(board: BoardUnderTest) -> Function:
 
 def _refused(board: BoardUnderTest, octets: bytes, what: str) -> str | None:
     """Return the problem unless a request is rejected: no reply, connection closed."""
-    answer = board.raw([octets], wanted=1)
+    answer = board.raw([octets], count=1)
     return None if answer.closed and not answer.data else f"{what}: {answer}"
 
 
@@ -116,7 +116,7 @@ def stalled_requests(board: BoardUnderTest) -> Problems:
         request = _request(function, arguments(function, Values()))
         what = f"a client silent within {function.name}"
         with board.stalled(request[:-1]):
-            answer = board.raw([board.unknown_request], wanted=1, within=board.stall)
+            answer = board.raw([board.unknown_request], count=1, within=board.stall)
         served = answer.closed and not answer.data
         yield None if served else f"{what}: another client is not served in time"
 
@@ -124,15 +124,15 @@ def stalled_requests(board: BoardUnderTest) -> Problems:
 def answers(board: BoardUnderTest) -> Problems:
     """Check that each function replies in its form, without further octets."""
     for function in board.functions.values():
-        given = arguments(function, Values())
-        problem = board.problem(function, given, "zeros")
+        values = arguments(function, Values())
+        problem = board.problem(function, values, "zeros")
         if problem is None and board.address is not None and not function.oneway:
-            problem = _surplus(board, function, given)
+            problem = _surplus(board, function, values)
         yield problem
 
 
-def _surplus(board: BoardUnderTest, function: Function, given: Json) -> str | None:
-    values = function.arguments_from_json(given)
+def _surplus(board: BoardUnderTest, function: Function, request: Json) -> str | None:
+    values = function.arguments_from_json(request)
     reply = board.raw([function.encode_request(values)])
     if wrong := _wrong_reply(function, values, reply.data):
         return f"{function.name}: {wrong}"
@@ -144,8 +144,8 @@ def limits(board: BoardUnderTest) -> Problems:
     for function in board.functions.values():
         for name, scalar in scalars(function):
             for end in ends(scalar, board.service.codec.tdr):
-                given = arguments(function, Values(), {name: end})
-                yield board.problem(function, given, f"{name} = {end}")
+                values = arguments(function, Values(), {name: end})
+                yield board.problem(function, values, f"{name} = {end}")
         if any(not isinstance(i.node, Basic) for i in function.layout.arguments):
             yield from _inner_limits(board, function)
 
@@ -174,10 +174,10 @@ def arrays(board: BoardUnderTest) -> Problems:
     for function, most in _with_arrays(board):
         for length in sorted({0, min(1, most), most}):
             try:
-                given = arguments(function, Values(length=length))
+                values = arguments(function, Values(length=length))
             except ArgumentError:
                 continue
-            yield board.problem(function, given, f"arrays of length {length}")
+            yield board.problem(function, values, f"arrays of length {length}")
 
 
 def long_arrays(board: BoardUnderTest) -> Problems:
@@ -221,9 +221,9 @@ def texts(board: BoardUnderTest) -> Problems:
             continue
         length = longest(function) or 0
         for full in (False, True):
-            given = arguments(function, Values(full=full, length=length))
+            values = arguments(function, Values(full=full, length=length))
             yield board.problem(
-                function, given, "texts full" if full else "texts empty"
+                function, values, "texts full" if full else "texts empty"
             )
 
 
@@ -235,10 +235,10 @@ def long_texts(board: BoardUnderTest) -> Problems:
             most = _text_size(function, item)
             if most is None:
                 continue
-            given = arguments(function, Values(), {item.name: most * "x"})
+            values = arguments(function, Values(), {item.name: most * "x"})
             whole = length.pack(most) + most * b"x"
             longer = length.pack(most + 1) + (most + 1) * b"x"
-            request = _request(function, given).replace(whole, longer)
+            request = _request(function, values).replace(whole, longer)
             what = f"{function.name}, {item.name} of {most + 1} units"
             yield _refused(board, request, what)
 
@@ -257,8 +257,8 @@ def _text_size(function: Function, item: Item) -> int | None:
 def recovery(board: BoardUnderTest) -> Problems:
     """Check that a valid call is answered after each kind of request that is rejected."""
     function = _simplest(board)
-    given = arguments(function, Values())
-    request = _request(function, given)
+    values = arguments(function, Values())
+    request = _request(function, values)
     start = board.service.codec.tdr.int16(SOP_REQUEST)
     for octets, what in (
         (b"\0\0" + request[2:], "a wrong start"),
@@ -269,16 +269,16 @@ def recovery(board: BoardUnderTest) -> Problems:
         if octets is start:
             board.leave(octets)
         else:
-            board.raw([octets], wanted=1)
-        yield board.problem(function, given, f"after {what}")
+            board.raw([octets], count=1)
+        yield board.problem(function, values, f"after {what}")
 
 
 def nulls(board: BoardUnderTest) -> Problems:
     """Check that nullable parameters are accepted as NULL."""
     for function in board.functions.values():
         if any(item.nullable for item in function.layout.arguments):
-            given = arguments(function, Values(null=True))
-            yield board.problem(function, given, "NULL")
+            values = arguments(function, Values(null=True))
+            yield board.problem(function, values, "NULL")
 
 
 def wrong_ends(board: BoardUnderTest) -> Problems:
@@ -299,10 +299,10 @@ def segments(board: BoardUnderTest) -> Problems:
     whole = board.raw([request])
     size = len(whole.data)
     for pieces in ([request[:1], request[1:2], request[2:4], request[4:]],):
-        answer = board.raw(pieces, wanted=size)
+        answer = board.raw(pieces, count=size)
         same = len(answer.data) == size
         yield None if same else f"{function.name} in {len(pieces)} pieces: {answer}"
-    answer = board.raw([request + request], wanted=2 * size)
+    answer = board.raw([request + request], count=2 * size)
     both = size > 0 and len(answer.data) == 2 * size
     yield None if both else f"{function.name}, two requests in one piece: {answer}"
 
@@ -324,7 +324,7 @@ def order(board: BoardUnderTest) -> Problems:
     if len({length for length, *_ in problems}) < 2:
         raise SkipError("no two functions have replies of different, fixed lengths")
     together = b"".join(request for *_, request in problems)
-    replies = board.raw([together], wanted=sum(length for length, *_ in problems)).data
+    replies = board.raw([together], count=sum(length for length, *_ in problems)).data
     for length, function, values, _ in problems:
         reply, replies = replies[:length], replies[length:]
         wrong = _wrong_reply(function, values, reply)
@@ -353,22 +353,22 @@ def oneway(board: BoardUnderTest) -> Problems:
     """Check that a oneway call has no reply, and the next call has its own."""
     for function in board.functions.values():
         if function.oneway:
-            given = arguments(function, Values())
+            values = arguments(function, Values())
             if board.address is not None:
-                answer = board.silent(_request(function, given))
+                answer = board.silent(_request(function, values))
                 silent = not answer.data and not answer.closed
                 yield None if silent else f"{function.name}: {answer}"
-            yield _answered_after(board, function, given)
+            yield _answered_after(board, function, values)
 
 
 def _answered_after(
-    board: BoardUnderTest, oneway_function: Function, given: Json
+    board: BoardUnderTest, oneway_function: Function, request: Json
 ) -> str | None:
     """Return a problem unless a call is answered after a oneway call of its connection."""
     function = _simplest(board)
     channel = board.channel()
     try:
-        oneway_function.call(channel, oneway_function.arguments_from_json(given))
+        oneway_function.call(channel, oneway_function.arguments_from_json(request))
         values = arguments(function, Values())
         function.call(channel, function.arguments_from_json(values))
     except RpcError as error:

@@ -78,12 +78,12 @@ def types(node: NodeUnderTest) -> Problems:
     """Check that values have the length of their types."""
     for number, octets in node.values.items():
         thing = node.described.objects[number]
-        wanted = size(thing.kind)
-        fits = wanted is None or len(octets) == wanted
+        expected = size(thing.kind)
+        fits = expected is None or len(octets) == expected
         yield (
             None
             if fits
-            else f"{thing}: {len(octets)} octets, {thing.kind} has {wanted}"
+            else f"{thing}: {len(octets)} octets, {thing.kind} has {expected}"
         )
 
 
@@ -131,14 +131,14 @@ def _compared(
     node: NodeUnderTest, thing: DescribedObject, octets: bytes, words: str
 ) -> Problems:
     """Compare a value with those of the description; yields nothing if there are none."""
-    wanted = node.described_values(thing.number)
-    if not wanted or not size(thing.kind):
+    expected = node.described_values(thing.number)
+    if not expected or not size(thing.kind):
         return
     try:
-        fits = octets in [encode(thing.kind, value) for value in wanted]
+        fits = octets in [encode(thing.kind, value) for value in expected]
     except ObjectValueError:
         return
-    shown = " or ".join(map(str, wanted))
+    shown = " or ".join(map(str, expected))
     yield None if fits else f"{thing} is {octets.hex()}, {words} {shown}"
 
 

@@ -80,9 +80,9 @@ def _selected(node: NodeUnderTest) -> Iterator[list[int]]:
         _release(node)
 
 
-def _problem(what: str, answer: bytes, wanted: bytes) -> str | None:
+def _problem(what: str, answer: bytes, expected: bytes) -> str | None:
     shown = answer.hex(" ") or "no answer"
-    return None if answer.startswith(wanted) else f"{what}: {shown}"
+    return None if answer.startswith(expected) else f"{what}: {shown}"
 
 
 def lss_address(node: NodeUnderTest) -> Problems:
@@ -115,14 +115,14 @@ def lss_identify(node: NodeUnderTest) -> Problems:
     address = _address(node)
     identified = bytes((LssCommand.IDENTIFIED,))
     low = address[3] ^ 1
-    for serials, wanted in (((low, low), b""), ((address[3],) * 2, identified)):
+    for serials, expected in (((low, low), b""), ((address[3],) * 2, identified)):
         numbers = (*address[:2], *(address[2],) * 2, *serials)
         *first, last = map(lss.message, _IDENTIFICATION, numbers)
         for data in first:
             node.line.send(Frame(LSS_REQUEST, data))
-        answer = _ask(node, last, None if wanted else lss_master.TIMEOUT)
+        answer = _ask(node, last, None if expected else lss_master.TIMEOUT)
         shown = answer.hex(" ") or "no answer"
-        fits = answer[:1] == wanted
+        fits = answer[:1] == expected
         yield None if fits else f"serial numbers {serials[0]} to {serials[1]}: {shown}"
 
 
@@ -131,8 +131,8 @@ def lss_identity(node: NodeUnderTest) -> Problems:
     with _selected(node) as address:
         for command, number in zip(_INQUIRIES, address, strict=True):
             answer = _ask(node, lss.message(command))
-            wanted = bytes((command,)) + number.to_bytes(4, "little")
-            yield _problem(command.name.lower().replace("_", " "), answer, wanted)
+            expected = bytes((command,)) + number.to_bytes(4, "little")
+            yield _problem(command.name.lower().replace("_", " "), answer, expected)
 
 
 def lss_refusals(node: NodeUnderTest) -> Problems:

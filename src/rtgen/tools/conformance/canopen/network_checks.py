@@ -67,10 +67,10 @@ def _emergency(node: NodeUnderTest, within: int) -> int | None:
     return None if frame is None else int.from_bytes(frame.data[:2], "little")
 
 
-def _is(code: int | None, wanted: int, what: str) -> str | None:
+def _is(code: int | None, expected: int, what: str) -> str | None:
     shown = "none" if code is None else f"{code:04X}h"
-    problem = f"{what}: the emergency is {shown}, not {wanted:04X}h"
-    return None if code == wanted else problem
+    problem = f"{what}: the emergency is {shown}, not {expected:04X}h"
+    return None if code == expected else problem
 
 
 def _unwatched(node: NodeUnderTest) -> int:

@@ -119,7 +119,7 @@ def states(node: NodeUnderTest) -> Problems:
     before = writable_heartbeat(node)
     node.configure(HEARTBEAT, _PERIOD)
     try:
-        for command, wanted in (
+        for command, expected in (
             (NmtCommand.START, NmtState.OPERATIONAL),
             (NmtCommand.STOP, NmtState.STOPPED),
             (NmtCommand.START, NmtState.OPERATIONAL),
@@ -127,10 +127,10 @@ def states(node: NodeUnderTest) -> Problems:
             (NmtCommand.START, NmtState.OPERATIONAL),
         ):
             node.command(command)
-            state = node.await_state([wanted], 10 * _PERIOD * MILLISECOND)
+            state = node.await_state([expected], 10 * _PERIOD * MILLISECOND)
             shown = "nothing" if state is None else f"{state:02X}h"
             name = command.name.replace("_", " ")
-            yield None if state == wanted else f"{name}: the heartbeat shows {shown}"
+            yield None if state == expected else f"{name}: the heartbeat shows {shown}"
         for data, what in (
             (bytes((NmtCommand.STOP, _NO_NODE)), f"a command to node {_NO_NODE}"),
             (bytes((_NO_COMMAND, node.id)), f"command {_NO_COMMAND:02X}h"),

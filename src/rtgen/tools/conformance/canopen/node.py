@@ -164,13 +164,13 @@ class NodeUnderTest:
         return _code(lambda: self.download(number, value))
 
     def values_soon(
-        self, things: Iterable[DescribedObject], wanted: list[bytes]
+        self, things: Iterable[DescribedObject], expected: list[bytes]
     ) -> list[bytes]:
-        """Return the values of objects, as soon as they are `wanted`, or after some cycles."""
+        """Return the values of objects, as soon as they are `expected`, or after some cycles."""
         end, numbers = self.line.now() + self.bounds.cycles, [t.number for t in things]
         while True:
             values = [self.upload(number) for number in numbers]
-            if values == wanted or self.line.now() >= end:
+            if values == expected or self.line.now() >= end:
                 return values
 
     def values_later(self, things: Iterable[DescribedObject]) -> list[bytes]:
@@ -218,9 +218,9 @@ class NodeUnderTest:
                 return frame
         return None
 
-    def await_state(self, wanted: Iterable[NmtState], within: int) -> int | None:
-        """Return the last state shown by error control, at once if it is one of `wanted`."""
-        end, states, last = self.line.now() + within, set(wanted), None
+    def await_state(self, expected: Iterable[NmtState], within: int) -> int | None:
+        """Return the last state shown by error control, at once if it is one of `expected`."""
+        end, states, last = self.line.now() + within, set(expected), None
         while (left := end - self.line.now()) > 0:
             frame = self.await_frame(ERROR_CONTROL + self.id, left)
             if frame is None:
@@ -252,11 +252,11 @@ class NodeUnderTest:
             raise
 
 
-def refusal(what: object, code: int | None, *wanted: int) -> str | None:
+def refusal(what: object, code: int | None, *expected: int) -> str | None:
     """Return the problem unless an access was rejected with one of these codes."""
-    if code in wanted:
+    if code in expected:
         return None
-    text = f"{wanted[0]:08X}h, {ABORT_TEXTS[wanted[0]]}"
+    text = f"{expected[0]:08X}h, {ABORT_TEXTS[expected[0]]}"
     got = "it was accepted" if code is None else f"it was refused with {code:08X}h"
     return f"{what}: {got}, not with {text}"
 

@@ -254,10 +254,12 @@ def _carried(each: ChangedPdo, mapped: list[DescribedObject]) -> str | None:
         after = [node.upload(thing.number) for thing in mapped]
     if frame is None:
         return f"{each.name}: not sent after a SYNC"
-    wanted = b"".join(after)
+    expected = b"".join(after)
     # Values that change meanwhile are not compared, only their length.
-    fits = frame.data == wanted if before == after else len(frame.data) == len(wanted)
-    problem = f"{each.name} has {frame.data.hex()}, its objects have {wanted.hex()}"
+    fits = (
+        frame.data == expected if before == after else len(frame.data) == len(expected)
+    )
+    problem = f"{each.name} has {frame.data.hex()}, its objects have {expected.hex()}"
     return None if fits else problem
 
 

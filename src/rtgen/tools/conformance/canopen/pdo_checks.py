@@ -28,14 +28,14 @@ def parameters(node: NodeUnderTest) -> Problems:
                 if number[0] != index:
                     continue
                 values = node.described_values(number)
-                wanted = [value for value in values if isinstance(value, int)]
-                if wanted:
+                expected = [value for value in values if isinstance(value, int)]
+                if expected:
                     got = int.from_bytes(octets, "little")
-                    shown = " or ".join(f"{value:X}h" for value in wanted)
+                    shown = " or ".join(f"{value:X}h" for value in expected)
                     thing = node.described.objects[number]
                     yield (
                         None
-                        if got in wanted
+                        if got in expected
                         else f"{thing} is {got:X}h, described is {shown}"
                     )
 
@@ -102,12 +102,12 @@ def reception(node: NodeUnderTest) -> Problems:
             for values in (other, before):
                 node.line.send(Frame(can_id, b"".join(values)))
                 now = node.values_soon(mapped, values)
-                for thing, actual, wanted in zip(mapped, now, values, strict=True):
-                    same = actual == wanted
+                for thing, actual, expected in zip(mapped, now, values, strict=True):
+                    same = actual == expected
                     yield (
                         None
                         if same
-                        else f"rpdo{pdo.number}: {thing} is {actual.hex()}, sent was {wanted.hex()}"
+                        else f"rpdo{pdo.number}: {thing} is {actual.hex()}, sent was {expected.hex()}"
                     )
     finally:
         node.command(NmtCommand.ENTER_PRE_OPERATIONAL)

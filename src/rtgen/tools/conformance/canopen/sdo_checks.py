@@ -163,9 +163,9 @@ def block_repeats(node: NodeUnderTest) -> Problems:
     answer = _blocks(node, before)
     check = sdo.crc(before) if answer[0] & sdo.WITH_CRC else 0
     last = before.ljust(sdo.SEGMENT, b"\0")
-    for number, wanted in ((2, 0), (1, 1)):
+    for number, expected in ((2, 0), (1, 1)):
         answer = node.ask(bytes((sdo.LAST_IN_BLOCK | number,)) + last)
-        fits = answer[:2] == bytes((sdo.BLOCK_ACKNOWLEDGED, wanted))
+        fits = answer[:2] == bytes((sdo.BLOCK_ACKNOWLEDGED, expected))
         shown = answer.hex(" ")
         yield None if fits else f"the answer to segment {number} is {shown}"
         if not fits:

@@ -27,27 +27,27 @@ _SDO: Final = "OMG SDO, "
 
 def profile(rtc: RtcUnderTest) -> Problems:
     """Check that type name, category, vendor, version and description match the definition."""
-    for name, wanted in rtc.expected.texts.items():
+    for name, expected in rtc.expected.texts.items():
         actual = getattr(rtc.profile, name)
-        yield unequal(name.replace("_", " "), actual, wanted)
+        yield unequal(name.replace("_", " "), actual, expected)
 
 
 def properties(rtc: RtcUnderTest) -> Problems:
     """Check that properties of the profile match the definition, if the component has them."""
     actual = texts(rtc.profile.properties)
-    for name, wanted in rtc.expected.properties.items():
+    for name, expected in rtc.expected.properties.items():
         if name in actual:
-            known = actual[name] in wanted
+            known = actual[name] in expected
             hint = rtc.expected.saying(name, actual[name])
-            problem = f"{name} is {actual[name]!r}, not {wanted[0]!r}{hint}"
+            problem = f"{name} is {actual[name]!r}, not {expected[0]!r}{hint}"
             yield None if known else problem
 
 
 def identity(rtc: RtcUnderTest) -> Problems:
     """Check that the component is alive, and its SDO id is its instance name."""
     yield None if rtc.is_alive() else "is_alive returned false"
-    wanted = rtc.profile.instance_name
-    yield unequal("the SDO id", rtc.call("get_sdo_id"), wanted)
+    expected = rtc.profile.instance_name
+    yield unequal("the SDO id", rtc.call("get_sdo_id"), expected)
 
 
 def exits(rtc: RtcUnderTest) -> Problems:

@@ -148,17 +148,17 @@ class RtcUnderTest(RemoteRtc):
             raise SkipError(f"{self.pending[0]} has not taken effect")
         return context
 
-    def request(self, operation: str, wanted: LifeCycleState) -> ReturnCode_t:
+    def request(self, operation: str, state: LifeCycleState) -> ReturnCode_t:
         """Request a state of the context, and wait for it; the request is `pending` until then."""
         try:
             code: ReturnCode_t = self.ask(self.context, operation, self.reference)
         except CORBA.SystemException as error:
             if is_timeout(error):
-                self.pending = operation, wanted
+                self.pending = operation, state
             raise
         if code in (RTC_OK, RTC_ERROR):  # the latter from OpenRTM if it takes long
-            ended = self.becomes(wanted) or self.state() is ERROR_STATE
-            self.pending = None if ended else (operation, wanted)
+            ended = self.becomes(state) or self.state() is ERROR_STATE
+            self.pending = None if ended else (operation, state)
         return code
 
     # Restoring
@@ -242,8 +242,8 @@ class RtcUnderTest(RemoteRtc):
 
     def _restore_state(self, before: Condition) -> str | None:
         if self.pending is not None:
-            operation, wanted = self.pending
-            if not self.becomes(wanted):
+            operation, target = self.pending
+            if not self.becomes(target):
                 now = self.state().name
                 return f"it is {now}, and {operation} may take effect later"
             self.pending = None

@@ -16,11 +16,11 @@ from rtgen.tools.conformance.rtc.expected import ExpectedParameter
 
 def parameter_names(rtc: RtcUnderTest) -> Problems:
     """Check that the set `default` has the parameters of the definition."""
-    actual, wanted = rtc.sets().get("default", {}), rtc.expected.parameters
-    for name in wanted:
+    actual, expected = rtc.sets().get("default", {}), rtc.expected.parameters
+    for name in expected:
         yield None if name in actual else f"there is no parameter {name}"
     for name in actual:
-        if name not in wanted:
+        if name not in expected:
             yield f"the definition has no parameter {name}"
 
 
@@ -122,20 +122,20 @@ def set_values(rtc: RtcUnderTest) -> Problems:
         other = next(parameter.others(text), None)
         if other is None:
             continue
-        for given in (other, text):
+        for value in (other, text):
             before = rtc.sets()
-            if not rtc.set_value("default", name, given):
-                yield f"{name} = {given} was refused"
+            if not rtc.set_value("default", name, value):
+                yield f"{name} = {value} was refused"
                 continue
             after = rtc.sets()
             now = after["default"].pop(name, "")
             del before["default"][name]
             problem = parameter.problem(now)
-            if problem is None and parameter.value(now) != parameter.value(given):
+            if problem is None and parameter.value(now) != parameter.value(value):
                 problem = f"it is {now}"
             elif after != before:
                 problem = "other values have changed, too"
-            yield None if problem is None else f"{name} = {given}: {problem}"
+            yield None if problem is None else f"{name} = {value}: {problem}"
 
 
 def set_parameters(rtc: RtcUnderTest) -> Problems:
@@ -144,14 +144,14 @@ def set_parameters(rtc: RtcUnderTest) -> Problems:
         raise SkipError("OpenRTM sets parameters by their set only")
     for name, parameter, _ in _parameters(rtc):
         text = rtc.sets()[rtc.active_set()][name]
-        for given in (*islice(parameter.others(text), 1), text):
+        for value in (*islice(parameter.others(text), 1), text):
             taken = rtc.configure(
-                "set_configuration_parameter", name, anys.to_any(given)
+                "set_configuration_parameter", name, anys.to_any(value)
             )
             now = rtc.sets()[rtc.active_set()][name]
             same = parameter.problem(now) is None
-            same = same and parameter.value(now) == parameter.value(given)
-            yield None if taken and same else f"{name} = {given}: it is {now}"
+            same = same and parameter.value(now) == parameter.value(value)
+            yield None if taken and same else f"{name} = {value}: it is {now}"
 
 
 def added_set(rtc: RtcUnderTest) -> Problems:

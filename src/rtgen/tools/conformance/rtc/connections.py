@@ -90,11 +90,11 @@ class _Partner:
 
 @contextmanager
 def _partner(rtc: RtcUnderTest, offered: Iterable[str] = ()) -> Iterator[_Partner]:
-    made = _Partner(rtc.exported, offered)
+    partner = _Partner(rtc.exported, offered)
     try:
-        yield made
+        yield partner
     finally:
-        made.close()
+        partner.close()
 
 
 def _profile(
@@ -126,15 +126,19 @@ def _connected(rtc: RtcUnderTest, port: Any, partner: _Partner) -> Problems:
 
     asked = _profile(port, partner, {})
     identity = asked.connector_id
-    code, made = call("connect", asked)
+    code, profile_made = call("connect", asked)
     if code is not RTC_OK:
         yield f"connect returned {code.name}"
         return
-    same = (made.name, made.connector_id, len(made.ports)) == (identity, identity, 2)
+    same = (profile_made.name, profile_made.connector_id, len(profile_made.ports)) == (
+        identity,
+        identity,
+        2,
+    )
     yield None if same else "connect changed name, id or ports"
     if texts(port.properties).get("port.port_type") == "DataInPort":
-        yield _offered(rtc, texts(made.properties))
-    yield _changed("connect", asked, made)
+        yield _offered(rtc, texts(profile_made.properties))
+    yield _changed("connect", asked, profile_made)
     listed = [each.connector_id for each in call("get_connector_profiles")]
     yield None if identity in listed else "its connector is not listed"
     own = call("get_port_profile").connector_profiles
@@ -152,11 +156,11 @@ def _connected(rtc: RtcUnderTest, port: Any, partner: _Partner) -> Problems:
     yield None if notified else "it did not notify the other port of the disconnection"
 
 
-def _offered(rtc: RtcUnderTest, made: Mapping[str, str]) -> str | None:
+def _offered(rtc: RtcUnderTest, properties: Mapping[str, str]) -> str | None:
     """Return the problem of the object that an InPort offers for its samples."""
-    if _IN_IOR not in made:
+    if _IN_IOR not in properties:
         return f"it has offered no {_IN_IOR}"
-    reference = rtc.exported.reference(made[_IN_IOR])
+    reference = rtc.exported.reference(properties[_IN_IOR])
     is_one = reference is not None and reference._is_a(IN_PORT_CDR.repository_id)
     return None if is_one else f"its {_IN_IOR} is not that of an InPort"
 
@@ -165,10 +169,10 @@ def _changed(
     operation: str, asked: ConnectorProfile, actual: ConnectorProfile
 ) -> str | None:
     """Return the problem of a profile that states another transfer of data."""
-    wanted, stated = texts(asked.properties), texts(actual.properties)
+    expected, stated = texts(asked.properties), texts(actual.properties)
     for key in ("dataport.interface_type", "dataport.dataflow_type"):
-        if key in wanted and stated.get(key) != wanted[key]:
-            return f"{operation}: {key} is {stated.get(key)!r}, not {wanted[key]!r}"
+        if key in expected and stated.get(key) != expected[key]:
+            return f"{operation}: {key} is {stated.get(key)!r}, not {expected[key]!r}"
     return None
 
 
@@ -253,11 +257,11 @@ def _provided(
 ) -> str | None:
     with _partner(rtc) as partner:
         asked = _profile(port, partner, {})
-        code, made = rtc.at_port(port, "connect", asked)
+        code, profile = rtc.at_port(port, "connect", asked)
         if code is not RTC_OK:
             return f"connect returned {code.name}"
         try:
-            offered = texts(made.properties)
+            offered = texts(profile.properties)
             keys = (f"port.{name}.{instance}" for name in interface.names)
             text = next((offered[key] for key in keys if key in offered), None)
             if text is None:

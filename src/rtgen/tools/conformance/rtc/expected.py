@@ -201,13 +201,13 @@ def _ports(model: Model, component: Component) -> dict[str, ExpectedPort]:
                 )
                 for port in ports
             }
-            made = ExpectedPort(_TYPES[way], interfaces=interfaces)
+            expected = ExpectedPort(_TYPES[way], interfaces=interfaces)
         else:
             types = _names(model, ports[0])
             if any(each.name == EVENT_PORT for each in ports[0].annotations):
                 types += (_ANY,)
-            made = ExpectedPort(_TYPES[way], types)
-        by_name[known_name(names[way, name])] = made
+            expected = ExpectedPort(_TYPES[way], types)
+        by_name[known_name(names[way, name])] = expected
     return by_name
 
 

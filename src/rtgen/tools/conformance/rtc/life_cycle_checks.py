@@ -117,10 +117,12 @@ def states(rtc: RtcUnderTest) -> Problems:
 def _rows(rtc: RtcUnderTest, rows: tuple[_Row, ...]) -> Problems:
     """Yield problems of calls with expected return codes, none of which changes the state."""
     context, before = rtc.context, rtc.state()
-    for operation, wanted in rows:
+    for operation, expected in rows:
         code = rtc.ask(context, operation, rtc.reference)
-        same = code is wanted
-        problem = f"{before.name}: {operation} returned {code.name}, not {wanted.name}"
+        same = code is expected
+        problem = (
+            f"{before.name}: {operation} returned {code.name}, not {expected.name}"
+        )
         yield None if same else problem
     # A request takes effect at the next tick.
     rtc.remains(before, ticks=_TICKS)
@@ -204,14 +206,14 @@ def strangers(rtc: RtcUnderTest) -> Problems:
 def running(rtc: RtcUnderTest) -> Problems:
     """Check that a context stops and starts, each only once."""
     context = rtc.inactive()
-    for operation, wanted, runs in (
+    for operation, expected, runs in (
         ("start", PRECONDITION_NOT_MET, True),
         ("stop", RTC_OK, False),
         ("stop", PRECONDITION_NOT_MET, False),
         ("start", RTC_OK, True),
     ):
         code = rtc.ask(context, operation)
-        yield unequal(operation, code.name, wanted.name)
+        yield unequal(operation, code.name, expected.name)
         yield unequal("is_running", bool(rtc.ask(context, "is_running")), runs)
 
 
@@ -221,12 +223,12 @@ def rates(rtc: RtcUnderTest) -> Problems:
     if rtc.ask(context, "get_kind") is not ExecutionKind.PERIODIC:
         raise SkipError("its execution context is not of PERIODIC kind")
     before = rtc.ask(context, "get_rate")
-    for rate, wanted, after in (
+    for rate, expected, after in (
         (before / 2, RTC_OK, before / 2),
         (0.0, BAD_PARAMETER, before / 2),
         (-1.0, BAD_PARAMETER, before / 2),
         (before, RTC_OK, before),
     ):
         code = rtc.ask(context, "set_rate", rate)
-        yield unequal(f"set_rate({rate})", code.name, wanted.name)
+        yield unequal(f"set_rate({rate})", code.name, expected.name)
         yield unequal("the rate", rtc.ask(context, "get_rate"), after)

@@ -28,11 +28,11 @@ def _common(rtc: RtcUnderTest) -> Iterator[tuple[str, ExpectedPort, Any]]:
 
 def port_names(rtc: RtcUnderTest) -> Problems:
     """Check that the ports are those of the definition."""
-    ports, wanted = _found(rtc), rtc.expected.ports
-    for name in wanted:
+    ports, expected_ports = _found(rtc), rtc.expected.ports
+    for name in expected_ports:
         yield None if name in ports else f"there is no port {name}"
     for name in ports:
-        if name not in wanted:
+        if name not in expected_ports:
             yield f"the definition has no port {name}"
     names = [known_name(port.name) for port in rtc.profile.port_profiles]
     for name in ports:
@@ -52,8 +52,8 @@ def data_types(rtc: RtcUnderTest) -> Problems:
         if expected.data_types:
             type_ = texts(port.properties).get("dataport.data_type", "")
             known = type_ in expected.data_types
-            wanted = expected.data_types[0]
-            yield None if known else f"{name}: its type is {type_!r}, not {wanted!r}"
+            data_type = expected.data_types[0]
+            yield None if known else f"{name}: its type is {type_!r}, not {data_type!r}"
 
 
 def interfaces(rtc: RtcUnderTest) -> Problems:
@@ -98,7 +98,7 @@ def unknown_connectors(rtc: RtcUnderTest) -> Problems:
     """Check that ports refuse to end an unknown connection."""
     for name, port in _found(rtc).items():
         code = rtc.at_port(port, "disconnect", UNKNOWN)
-        wanted = f"{name}: disconnect of an unknown id returned {code.name}"
-        yield None if code is BAD_PARAMETER else f"{wanted}, not BAD_PARAMETER"
+        problem = f"{name}: disconnect of an unknown id returned {code.name}"
+        yield None if code is BAD_PARAMETER else f"{problem}, not BAD_PARAMETER"
         unknown = rtc.at_port(port, "get_connector_profile", UNKNOWN).connector_id
         yield f"{name}: an unknown id leads to connector {unknown}" if unknown else None

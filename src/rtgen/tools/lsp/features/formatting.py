@@ -41,12 +41,12 @@ def formatting(
                 for edit in edits(source, form, options, lines, check)
             ]
         if form is None:
-            made = toml.changed_text(plain, view.document.path, options, lines)
+            formatted = toml.changed_text(plain, view.document.path, options, lines)
         else:
-            made = changed_text(plain, form, options, lines, check)
+            formatted = changed_text(plain, form, options, lines, check)
     except (LexicalError, InputError, ToolError):
         return []
-    new = made.replace("\n", "\r\n") if "\r\n" in source else made
+    new = formatted.replace("\n", "\r\n") if "\r\n" in source else formatted
     new = source[: source.startswith("\ufeff")] + new
     shift = Shift.between(source, new)
     if shift.start == shift.old == shift.new:

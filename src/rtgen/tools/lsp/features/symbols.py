@@ -86,11 +86,11 @@ def _after(one: Position, two: Position) -> bool:
 
 def workspace_symbols(workspace: Workspace, query: str) -> list[WorkspaceSymbol]:
     """Return the names that contain the letters of a query in order, best matches first."""
-    wanted = query.lower()
+    lower_query = query.lower()
     symbols: dict[tuple[str, str, int], tuple[tuple[int, str], WorkspaceSymbol]] = {}
     for analysis in workspace.analyses():
         for file, d in analysis.index.all():
-            rank = _rank(wanted, d.name.lower())
+            rank = _rank(lower_query, d.name.lower())
             if rank is None or d.kind in _LEFT_OUT:
                 continue
             place = Place(file, d.start, d.end, True)

@@ -171,16 +171,16 @@ class ManagerStation:
 
     def request(self, command: int, node_id: int) -> None:
         """See `NmtMaster`. While the bus is lost, the request is only recorded."""
-        wanted = NmtCommand(command)
+        nmt_command = NmtCommand(command)
         with self.link.lock:
-            if node_id == 0 and wanted is not NmtCommand.START:
-                self._command(wanted, 0)
+            if node_id == 0 and nmt_command is not NmtCommand.START:
+                self._command(nmt_command, 0)
             elif node_id not in (0, *self.nodes):
-                self._command(wanted, node_id)
+                self._command(nmt_command, node_id)
             for node in self.nodes.values():
                 if node_id in (0, node.description.id):
-                    broadcast = node_id == 0 and wanted is not NmtCommand.START
-                    node.request(wanted, send=not broadcast)
+                    broadcast = node_id == 0 and nmt_command is not NmtCommand.START
+                    node.request(nmt_command, send=not broadcast)
                     self._schedule(node)
             self._flush()
 

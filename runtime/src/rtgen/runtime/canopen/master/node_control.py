@@ -203,19 +203,19 @@ class NodeControl:
         if link.master is None and self._master:
             yield from self._set_up()
         yield from self._supervise()
-        wanted = parameters()
-        for number, octets in self.parameter_writes(wanted):
+        values = parameters()
+        for number, octets in self.parameter_writes(values):
             described = self._description.by_number[number]
             attempts = ATTEMPTS if described.readable else 1
             yield from self._download(number, octets, attempts)
-        self.written.update(wanted)
+        self.written.update(values)
         foreign += channel.unexpected
         if foreign >= max(_FOREIGN_ANSWERS, self._transfers - 1):
             raise NodeError(f"{self} {_TWICE}")
         yield from self._go(NmtCommand.START, NmtState.OPERATIONAL)
 
     def parameter_writes(
-        self, wanted: Mapping[ObjectNumber, ObjectValue]
+        self, values: Mapping[ObjectNumber, ObjectValue]
     ) -> list[tuple[ObjectNumber, bytes]]:
         """Return the writes of parameters. Raises ObjectValueError for an invalid value."""
         is_known = self._placed is not None or self._master
@@ -224,7 +224,7 @@ class NodeControl:
             self._node.node_id,
             self._configuration if is_known else None,
             self.written,
-            wanted,
+            values,
         )
         return list(writer.writes())
 
@@ -235,12 +235,12 @@ class NodeControl:
             self._description.configuration if placed is None else placed.configuration
         )
 
-    def _await_master(self, wanted: NmtState | None) -> Steps:
+    def _await_master(self, state: NmtState | None) -> Steps:
         """Wait for an NMT master here, or until another one has changed the node's state."""
         link, node = self._link, self._node
         limit = link.now() + self._boot_timeout
         while link.master is None and not self._master:
-            if wanted is not None and node.state is wanted:
+            if state is not None and node.state is state:
                 return
             if link.now() >= limit:
                 return
@@ -264,15 +264,15 @@ class NodeControl:
         else:
             yield from self._await_answer()
         identity = (None,) * len(IDENTITY) if placed is None else placed.identity
-        for (index, subindex, what), wanted in zip(IDENTITY, identity, strict=True):
-            if wanted is None:
+        for (index, subindex, what), expected in zip(IDENTITY, identity, strict=True):
+            if expected is None:
                 continue
             octets = yield from self._upload((index, subindex))
             found = int.from_bytes(octets, "little")
-            if found != wanted:
+            if found != expected:
                 raise NodeError(
                     f"{self} is another device: its {what} ({index:04X}h:{subindex:X}) is "
-                    f"{found:#x}, not {wanted:#x}"
+                    f"{found:#x}, not {expected:#x}"
                 )
         if self._node.state is NmtState.OPERATIONAL:
             return
@@ -410,24 +410,24 @@ class NodeControl:
 
     # Common steps
 
-    def _go(self, command: NmtCommand, wanted: NmtState) -> Steps:
+    def _go(self, command: NmtCommand, state: NmtState) -> Steps:
         """Command the node to a state, and wait for the heartbeat with that state."""
         link, node = self._link, self._node
         # Without heartbeat, only the boot-up message shows PRE_OPERATIONAL.
-        known = wanted is NmtState.OPERATIONAL or not self._silent
-        if node.state is wanted and known:
-            self.running = wanted is NmtState.OPERATIONAL
+        known = state is NmtState.OPERATIONAL or not self._silent
+        if node.state is state and known:
+            self.running = state is NmtState.OPERATIONAL
             return
         self.command(command)
         patience = max(_MIN_TIMEOUT, node.timeout)
         limit = link.now() + patience
-        while node.state is not wanted and not self._silent:
+        while node.state is not state and not self._silent:
             if link.now() >= limit:
                 raise NodeError(
-                    f"{self} is not {_STATES[wanted]} within {_seconds(patience)}: "
+                    f"{self} is not {_STATES[state]} within {_seconds(patience)}: "
                     f"its state is {_STATES[node.state]}"
                 )
-            yield f"{self} to be {_STATES[wanted]}"
+            yield f"{self} to be {_STATES[state]}"
 
     def _upload(
         self, number: ObjectNumber, attempts: int = ATTEMPTS

@@ -30,7 +30,7 @@ class ParameterWriter:
         node_id: int,
         configuration: Sequence[Write] | None,
         written: Mapping[ObjectNumber, ObjectValue],
-        wanted: Mapping[ObjectNumber, ObjectValue],
+        values: Mapping[ObjectNumber, ObjectValue],
     ) -> None:
         self._description = description
         self._node_id = node_id
@@ -40,7 +40,7 @@ class ParameterWriter:
             (pdo.mapping_index, 0): len(pdo.mapping) for pdo in description.pdos
         }
         self._written = written
-        self._wanted = wanted
+        self._wanted = values
 
     def writes(self) -> Iterator[tuple[ObjectNumber, bytes]]:
         """Yield the writes of the wanted values.

@@ -120,7 +120,7 @@ class Watcher(Protocol):
     def received(self) -> None:
         """Called for a PDO."""
 
-    def malformed(self, number: int, octets: int, wanted: int) -> None:
+    def malformed(self, number: int, octets: int, expected: int) -> None:
         """Called for a TPDO of a wrong length, the first one after those of the right length."""
 
     def unusable(self, number: int, why: str) -> None:

@@ -48,10 +48,10 @@ class StateMirror(msgspec.Struct, eq=False):
         for context in tuple(self._component._contexts.values()):
             context.wake()
 
-    def malformed(self, number: int, octets: int, wanted: int) -> None:
+    def malformed(self, number: int, octets: int, expected: int) -> None:
         """See `Watcher`."""
-        effect = "it is ignored" if octets < wanted else f"only {wanted} are used"
-        self._report(f"tpdo{number} has {octets} octets, not {wanted}: {effect}")
+        effect = "it is ignored" if octets < expected else f"only {expected} are used"
+        self._report(f"tpdo{number} has {octets} octets, not {expected}: {effect}")
 
     def unusable(self, number: int, why: str) -> None:
         """See `Watcher`."""

@@ -237,8 +237,12 @@ class CanopenDevice(DeviceHooks, Component):
         def get(number: ObjectNumber) -> ObjectValue:
             return values.zero(self.description.by_number[number].kind)
 
-        made = (incoming(get, 0) for incoming in self._incoming_by_number.values())
-        return list(dict.fromkeys(name for samples in made for name, _ in samples))
+        incoming_values = (
+            incoming(get, 0) for incoming in self._incoming_by_number.values()
+        )
+        return list(
+            dict.fromkeys(name for samples in incoming_values for name, _ in samples)
+        )
 
     def _connect(self, name: str, source: OutPort[Any], target: InPort[Any]) -> None:
         connector = DataConnector(

@@ -58,19 +58,19 @@ class HeartbeatConsumers:
 
     def configure(self) -> None:
         """Apply 1016h; consumers whose entry is unchanged keep their state."""
-        wanted: dict[int, int] = {}
+        times: dict[int, int] = {}
         for number in self._entries:
             entry = watched(self._dictionary.number(number)) if number[1] else None
             if entry is not None:
-                wanted.setdefault(*entry)
-        for node_id in [n for n in self._consumers if n not in wanted]:
+                times.setdefault(*entry)
+        for node_id in [n for n in self._consumers if n not in times]:
             del self._consumers[node_id]
             self._errors.remove(HEARTBEAT_LOST, bytes((node_id,)))
-        for node_id, time in wanted.items():
+        for node_id, time in times.items():
             if node_id not in self._consumers or self._periods[node_id] != time:
                 consumer = HeartbeatConsumer(node_id, time * MILLISECOND)
                 self._consumers[node_id] = consumer
-        self._periods = wanted
+        self._periods = times
         self._settle()
 
     def reset(self) -> None:

@@ -132,8 +132,8 @@ class DeviceDictionary:
         described = self.describe((index, subindex))
         if not described.writable:
             raise SdoAbort(sdo.READ_ONLY)
-        wanted = values.size(described.kind)
-        return sdo.MAX_SIZE if wanted is None else wanted
+        expected = values.size(described.kind)
+        return sdo.MAX_SIZE if expected is None else expected
 
     def write(self, index: int, subindex: int, value: bytes) -> None:
         """See `sdo_server.ObjectDictionary`."""

@@ -373,11 +373,11 @@ class DeviceStation:
         """Handle a communication error according to 1029h:1; by default leave OPERATIONAL."""
         if self._nmt is None:
             return
-        wanted = self.dictionary.number(ERROR_BEHAVIOUR)
-        if wanted == 2:
+        behaviour = self.dictionary.number(ERROR_BEHAVIOUR)
+        if behaviour == 2:
             self._out += self.errors.take(self._now, at_once=True)
             self._on_transition(self._nmt.go(NmtState.STOPPED))
-        elif wanted == 0 and self.state is NmtState.OPERATIONAL:
+        elif behaviour == 0 and self.state is NmtState.OPERATIONAL:
             self._on_transition(self._nmt.go(NmtState.PRE_OPERATIONAL))
 
     def _on_heartbeat(self, node_id: int, event: HeartbeatEvent) -> None:

@@ -106,32 +106,34 @@ def _scanned(number: int, bit: int, part: int, following: int) -> Request:
     return Request(message, LssCommand.IDENTIFIED, many=True)
 
 
-def find(wanted: PartialAddress) -> Procedure[LssAddress]:
+def find(partial_address: PartialAddress) -> Procedure[LssAddress]:
     """Switch the slave of an address to CONFIGURATION, all others to WAITING.
 
     If parts are unknown the slave must be unconfigured. Raises LssError.
     """
     yield switch(lss.WAITING)
-    vendor, product, revision, serial = wanted
+    vendor, product, revision, serial = partial_address
     if None not in (vendor, product, revision, serial):
         address = LssAddress(vendor or 0, product or 0, revision or 0, serial or 0)
         if (yield from select(address)):
             return address
         identity = None
     else:
-        identity = yield from scan(wanted)
+        identity = yield from scan(partial_address)
     if identity is None:
-        raise LssError(f"no node answers to the LSS address {address_text(wanted)}")
+        raise LssError(
+            f"no node answers to the LSS address {address_text(partial_address)}"
+        )
     return identity
 
 
-def assign(wanted: PartialAddress, node_id: int) -> Procedure[Assigned]:
+def assign(partial_address: PartialAddress, node_id: int) -> Procedure[Assigned]:
     """Assign a node-id to a slave, effective immediately, or after reset communication.
 
     A slave without one boots at the end. Raises LssError.
     """
     checked_node_id(node_id)
-    address = yield from find(wanted)
+    address = yield from find(partial_address)
     answer = yield from inquire(LssCommand.INQUIRE_NODE_ID)
     before = answer & 0xFF
     message = lss.message(LssCommand.CONFIGURE_NODE_ID, node_id, 1)
@@ -163,7 +165,7 @@ def store() -> Procedure[bool]:
 
 
 def set_bit_rate(
-    wanted: PartialAddress, bit_rate: int | None, *, delay: int | None = None
+    partial_address: PartialAddress, bit_rate: int | None, *, delay: int | None = None
 ) -> Procedure[bool]:
     """Set a slave's bit rate in kbit/s, None for automatic; return whether the slave stores it.
 
@@ -172,7 +174,7 @@ def set_bit_rate(
     a bit rate unknown to CiA 305.
     """
     index = lss.AUTOMATIC_BIT_RATE if bit_rate is None else lss.BIT_RATES[bit_rate]
-    yield from find(wanted)
+    yield from find(partial_address)
     message = lss.message(LssCommand.CONFIGURE_BIT_TIMING, index << 8, 2)
     error = yield from _configured(LssCommand.CONFIGURE_BIT_TIMING, message)
     if error:

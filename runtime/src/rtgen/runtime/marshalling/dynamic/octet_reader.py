@@ -22,10 +22,10 @@ class Input(bytes):
     work: int
 
     def __new__(cls, data: Buffer) -> Input:
-        made = super().__new__(cls, memoryview(data))
-        made.values = {}
-        made.work = _MIN_WORK + _WORK_PER_OCTET * len(made)
-        return made
+        view = super().__new__(cls, memoryview(data))
+        view.values = {}
+        view.work = _MIN_WORK + _WORK_PER_OCTET * len(view)
+        return view
 
 
 class OctetReader:

@@ -177,15 +177,15 @@ class Reader(OctetReader):
         number = self._integer(descriptor.code)
         if number not in [n for _, n in descriptor.members]:
             raise Fault(f"{number} is not a member of {descriptor.name}")
-        made = class_of(descriptor)
-        return number if made is None else made(number)
+        class_ = class_of(descriptor)
+        return number if class_ is None else class_(number)
 
     def _bits(self, descriptor: FlagsDescriptor | BitsetDescriptor) -> Any:
         number = self._integer(bits_code(descriptor.bound))
         if number >> descriptor.bound:
             raise Fault(f"{number} has more than {descriptor.bound} bits")
-        made = class_of(descriptor)
-        return number if made is None else made.from_number(number)
+        class_ = class_of(descriptor)
+        return number if class_ is None else class_.from_number(number)
 
     # Collections.
 
@@ -221,16 +221,16 @@ class Reader(OctetReader):
     def _map(self, key: Descriptor, item: Descriptor, bound: int | None) -> Any:
         count = self._count(1)
         check_bound(count, bound, "items")
-        made: dict[Any, Any] = {}
+        entries: dict[Any, Any] = {}
         try:
             for _ in range(count):
                 k = self.value(key)
-                made[k] = self.value(item)
+                entries[k] = self.value(item)
         except LOCATED as failure:
-            raise located(failure, f"[{len(made)}]") from failure
-        if len(made) != count:
+            raise located(failure, f"[{len(entries)}]") from failure
+        if len(entries) != count:
             raise Fault("a key that is there twice")
-        return made
+        return entries
 
     # Constructed types.
 
@@ -243,9 +243,9 @@ class Reader(OctetReader):
                 values.append(self.value(member.type))
         except LOCATED as failure:
             raise located(failure, part) from failure
-        made = class_of(descriptor)
-        if made is not None:
-            return made(*values)
+        class_ = class_of(descriptor)
+        if class_ is not None:
+            return class_(*values)
         names = [member.name for member in descriptor.members]
         members = dict(zip(names, values, strict=True))
         return UNKNOWN[StructDescriptor](descriptor, members)
@@ -261,8 +261,8 @@ class Reader(OctetReader):
                 value = self.value(branch.type)
         except LOCATED as failure:
             raise located(failure, part) from failure
-        made = class_of(descriptor) or partial(UNKNOWN[UnionDescriptor], descriptor)
-        return made(discriminator, value)
+        class_ = class_of(descriptor) or partial(UNKNOWN[UnionDescriptor], descriptor)
+        return class_(discriminator, value)
 
     def _reference(self) -> ObjectReference | None:
         type_id = self._text()
@@ -413,38 +413,38 @@ class Reader(OctetReader):
     ) -> Any:
         self._level += chunked
         self._chunk_end = self.offset
-        made: Any
+        state: Any
         if isinstance(actual, BoxDescriptor):
-            made = _empty(actual)
-            self._data.values[place] = made
+            state = _empty(actual)
+            self._data.values[place] = state
             try:
-                made.value = self.value(actual.target)
+                state.value = self.value(actual.target)
             except LOCATED as failure:
                 raise located(failure, ".value") from failure
         else:
-            made = self._members(actual, place)
+            state = self._members(actual, place)
         if chunked:
             self._end_value(truncated)
-        return made
+        return state
 
     def _members(self, actual: ValueDescriptor, place: int) -> Any:
         if actual.modifier in ("abstract", "custom"):
             raise Fault(f"{actual.name} is {actual.modifier}: it has no state here")
         class_ = class_of(actual)
-        made = _empty(actual)
-        self._data.values[place] = made
+        state = _empty(actual)
+        self._data.values[place] = state
         part = ""
         try:
             for member in actual.all_members():
                 part = f".{member.name}"
                 inner = self.value(member.type)
                 if class_ is None:
-                    made.members[member.name] = inner
+                    state.members[member.name] = inner
                 else:
-                    setattr(made, member.attribute, inner)
+                    setattr(state, member.attribute, inner)
         except LOCATED as failure:
             raise located(failure, part) from failure
-        return made
+        return state
 
     def _end_value(self, truncated: bool) -> None:
         """Read the end tag, which may also close enclosing values."""

@@ -215,14 +215,14 @@ class _PhasedShapes(_Table[Callable[..., bytes]]):
 
 class _Readers(_Table[_Reader]):
     def _made(self, key: int) -> _Reader:
-        made = self._reading(int(self._sections[0][1]), (key,))
-        return made.unpack_from, made.size
+        reader = self._reading(int(self._sections[0][1]), (key,))
+        return reader.unpack_from, reader.size
 
 
 class _PhasedReaders(_Table[_Reader]):
     def _made(self, key: int) -> _Reader:
-        made = self._reading(key & 7, (key >> 3,))
-        return made.unpack_from, made.size
+        reader = self._reading(key & 7, (key >> 3,))
+        return reader.unpack_from, reader.size
 
 
 def _arranged(

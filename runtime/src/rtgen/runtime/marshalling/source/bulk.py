@@ -147,9 +147,9 @@ def _array_taker(atom: Atom, order: Order) -> _Take:
             return swapped_array(octets, code), end
         if short:
             return NumericArray(code, octets), end
-        made = NumericArray(code)
-        made.frombytes(octets)
-        return made, end
+        array = NumericArray(code)
+        array.frombytes(octets)
+        return array, end
 
     return take
 

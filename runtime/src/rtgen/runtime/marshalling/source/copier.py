@@ -85,11 +85,11 @@ class Copier:
     def _list(self, value: str, depth: int = 1) -> str:
         """Return a list with the numbers of a list, or of an object in another form."""
         listing = self._refer.function(listed)
-        made, other = f"[*{value}]", f"{listing}({value})"
+        text, other = f"[*{value}]", f"{listing}({value})"
         if depth > 1:
-            made = f"[{self._list('row', depth - 1)} for row in {value}]"
+            text = f"[{self._list('row', depth - 1)} for row in {value}]"
             other = f"{listing}({value}, {depth})"
-        return f"{made} if {value}.__class__ is list else {other}"
+        return f"{text} if {value}.__class__ is list else {other}"
 
     def _inner(self, node: Node) -> str:
         """Return the copy of `item`, within a comprehension."""
@@ -108,5 +108,5 @@ class _Inline(Copier):
         return super().copy(node, value)
 
 
-def _unless_none(value: str, made: str) -> str:
-    return f"None if {value} is None else {made}"
+def _unless_none(value: str, text: str) -> str:
+    return f"None if {value} is None else {text}"

@@ -306,14 +306,14 @@ class Decoder(Position):
         convert = self._convert
         match node:
             case Group(type=type_, members=members):
-                made = "cls" if outermost else self._refer.made(type_)
+                class_ = "cls" if outermost else self._refer.made(type_)
                 inner = [self.value(n, (*path, m)) for m, n in members]
-                return f"{made}({', '.join(inner)})"
+                return f"{class_}({', '.join(inner)})"
             case Records(form="list"):
                 return self._records(node, path)
             case MemberList(type=type_):
-                made = "cls" if outermost else self._refer.made(type_)
-                return f"{made}(**{self.found(path)})"
+                class_ = "cls" if outermost else self._refer.made(type_)
+                return f"{class_}(**{self.found(path)})"
             case Delimited(node=inner):
                 return self.value(inner, path, outermost)
         raw = self._locals.name(path)
@@ -341,9 +341,9 @@ class Decoder(Position):
 
     def _made(self, node: AtomArray, path: Path) -> str:
         """Return the function that makes an array from octets."""
-        made = self._locals.name(path, "made_")
-        self.body.choose(made, made, Arrays(node), "made")
-        return made
+        name = self._locals.name(path, "made_")
+        self.body.choose(name, name, Arrays(node), "made")
+        return name
 
     def _run(self, run: Run, prefix: Path) -> None:
         readers = []

@@ -354,8 +354,8 @@ class Encoder:
         atom, dimensions = node.atom, node.dimensions
         code = buffer_code(atom)
         if code:
-            made = flattener(code, atom.size, dimensions)
-            items = f"{self._refer.namespace.bind('flat_numbers', made)}({value})"
+            flatten = flattener(code, atom.size, dimensions)
+            items = f"{self._refer.namespace.bind('flat_numbers', flatten)}({value})"
             if len(dimensions) == 1:
                 items = _unless(value, "list", dimensions[0], items)
         else:

@@ -185,13 +185,13 @@ def _decoding(
 
         first = [f"data = {refer.function(Input)}(data)"]
     if isinstance(descriptor, UnionDescriptor):
-        made = refer.made(descriptor)
+        class_ = refer.made(descriptor)
         return [
             *first,
             f"value, offset = {refer.reader(descriptor)}(data, 0, little_endian)",
             "if offset != len(data):",
             '    raise ValueError("octets too many")',
-            f"same = cls is {made}",
+            f"same = cls is {class_}",
             "return value if same else cls(value.discriminator, value.value)",
         ]
     node = _node(descriptor, refer)

@@ -42,8 +42,8 @@ class References:
         """Return the function of a kind that is compiled for the type."""
         key = (kind, id(descriptor))
         if key not in self.needed:
-            made = descriptor.name.rpartition("::")[2]
-            name = self.namespace.free(f"{kind}_{made}")
+            class_name = descriptor.name.rpartition("::")[2]
+            name = self.namespace.free(f"{kind}_{class_name}")
             self.needed[key] = (name, kind, descriptor)
         return self.needed[key][0]
 

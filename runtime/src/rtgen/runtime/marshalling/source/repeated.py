@@ -178,6 +178,6 @@ class Repeated:
         unpack = table.shape(counts).unpack
         values = {**self._namespace.values, "unpack": unpack}
         values["little_endian"] = little_endian
-        made: dict[str, _Reader] = {}  # a class may have the function's name
-        exec(compile(text, file, "exec"), values, made)
-        return made["read"]
+        namespace: dict[str, _Reader] = {}  # a class may have the function's name
+        exec(compile(text, file, "exec"), values, namespace)
+        return namespace["read"]

@@ -61,20 +61,20 @@ class Namespace:
         self._names: dict[int, str] = {}
         self._taken: set[str] = {*_FIXED}
 
-    def bind(self, wanted: str, value: object) -> str:
-        """Bind an object; return its name, `wanted` if that is free."""
+    def bind(self, name: str, value: object) -> str:
+        """Bind an object; return its name, `name` if that is free."""
         known = self._names.get(id(value))
         if known is None:
-            known = self._names[id(value)] = self.free(wanted)
+            known = self._names[id(value)] = self.free(name)
             self.values[known] = value
         return known
 
-    def free(self, wanted: str) -> str:
+    def free(self, text: str) -> str:
         """Return an unused identifier, similar to a name of any characters.
 
         It has ASCII characters alone, since Python changes others (PEP 3131).
         """
-        name = _NO_IDENTIFIER.sub("_", wanted)
+        name = _NO_IDENTIFIER.sub("_", text)
         if not name.strip("_") or name[0].isdigit():
             name = f"of_{name}"
         while name in self._taken or iskeyword(name):

@@ -159,7 +159,7 @@ def copy(
     descriptor: UnionDescriptor, copier: Copier, refer: References, format_: Format
 ) -> list[str]:
     """Return the body of `_snapshot_`, from the branches' trees in a format."""
-    made = refer.made(descriptor)
+    class_ = refer.made(descriptor)
     body = copier.body
     body.add("inner = self.value")
     body.add("selected = self.discriminator")
@@ -170,8 +170,8 @@ def copy(
         body.add("pass" if copied[-1] == "inner" else f"inner = {copied[-1]}")
         body.end()
     if all(text == "inner" for text in copied):
-        return [f"return {made}(self.discriminator, self.value)"]
-    return [*body.lines, f"return {made}(selected, inner)"]
+        return [f"return {class_}(self.discriminator, self.value)"]
+    return [*body.lines, f"return {class_}(selected, inner)"]
 
 
 def _switch(descriptor: UnionDescriptor, format_: Format) -> Atom:

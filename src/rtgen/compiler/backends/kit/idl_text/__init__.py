@@ -41,12 +41,12 @@ def idl_text(
         if isinstance(declaration, left_out) or names.is_inner(declaration):
             continue
         macro = guard(declaration)
-        wanted = declaration.name[:-1]
+        path = declaration.name[:-1]
         if macro:
             parts += [*_to(scope, (), escape), f"#ifndef {macro}\n#define {macro}\n"]
             scope = ()
-        parts += _to(scope, wanted, escape)
-        scope = wanted
+        parts += _to(scope, path, escape)
+        scope = path
         parts += writer.top(declaration)
         if macro:
             parts += [*_to(scope, (), escape), f"#endif // {macro}\n"]
@@ -56,13 +56,13 @@ def idl_text(
 
 
 def _to(
-    scope: ScopedName, wanted: ScopedName, escape: Callable[[str], str]
+    scope: ScopedName, path: ScopedName, escape: Callable[[str], str]
 ) -> Iterator[str]:
     """Yield the lines between two modules."""
     common = 0
-    while common < min(len(scope), len(wanted)) and scope[common] == wanted[common]:
+    while common < min(len(scope), len(path)) and scope[common] == path[common]:
         common += 1
     for depth in range(len(scope), common, -1):
         yield f"{STEP * (depth - 1)}}};\n"
-    for depth in range(common, len(wanted)):
-        yield f"{STEP * depth}module {escape(wanted[depth])} {{\n"
+    for depth in range(common, len(path)):
+        yield f"{STEP * depth}module {escape(path[depth])} {{\n"

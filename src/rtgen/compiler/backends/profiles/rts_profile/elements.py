@@ -157,7 +157,7 @@ def component_element(
 
 def connector_element(connection: Connection, ids: Mapping[str, str]) -> ProfileElement:
     """Return the element of a connection; `ids` are those of the components, by instance."""
-    given = dict(connection.properties)
+    properties = dict(connection.properties)
     attributes = {
         "connectorId": connection.id or connection.name,
         "name": connection.name,
@@ -165,7 +165,7 @@ def connector_element(connection: Connection, ids: Mapping[str, str]) -> Profile
     kind = "Service" if connection.service else "Data"
     if not connection.service:
         for key, attribute in PROFILE_ATTRIBUTES.items():
-            attributes[attribute] = given.pop(key, _DEFAULTS.get(key, ""))
+            attributes[attribute] = properties.pop(key, _DEFAULTS.get(key, ""))
 
     def end(name: str, reference: PortReference) -> ProfileElement:
         instance = reference.instance
@@ -182,7 +182,7 @@ def connector_element(connection: Connection, ids: Mapping[str, str]) -> Profile
         [
             end("source", connection.source),
             end("target", connection.target),
-            *_properties(given.items()),
+            *_properties(properties.items()),
         ],
         f"{kind.lower()}port_connector_ext",
         visible=True,

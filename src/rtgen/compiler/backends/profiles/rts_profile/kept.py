@@ -71,18 +71,18 @@ EMPTY_WITHOUT = {
 
 
 def with_kept(
-    made: ProfileElement, document: ProfileElement, *, all_ports: bool
+    element: ProfileElement, document: ProfileElement, *, all_ports: bool
 ) -> ProfileElement:
     """Return the root of a profile, completed by the content of the file's root.
 
     `all_ports`: the elements made have every port of the components, not only connected ones.
     """
     instances = frozenset(
-        each.get(RTS, "instanceName") for each in made.all("Components")
+        each.get(RTS, "instanceName") for each in element.all("Components")
     )
-    merged = _Merge(instances, all_ports).element(made, document)
+    merged = _Merge(instances, all_ports).element(element, document)
     activation = next(document.all("Activation"), None)
-    if activation is None and _is_default(made):
+    if activation is None and _is_default(element):
         children = tuple(c for c in merged.children if c.name[1] != "Activation")
         merged = replace(merged, children=children)
     return merged
@@ -109,16 +109,16 @@ class _Merge:
     instances: frozenset[str]
     all_ports: bool
 
-    def element(self, made: ProfileElement, old: ProfileElement) -> ProfileElement:
+    def element(self, generated: ProfileElement, old: ProfileElement) -> ProfileElement:
         """Return an element of the model, completed by the content of the file's element."""
-        first = _FOR_THE_SCHEMA.get(made.name[1], frozenset())
+        first = _FOR_THE_SCHEMA.get(generated.name[1], frozenset())
         attributes = {
             name: (
                 old.attributes.get(name, text)
                 if name in first
                 else _spelled(text, old.attributes.get(name))
             )
-            for name, text in made.attributes.items()
+            for name, text in generated.attributes.items()
         }
         for name, text in old.attributes.items():
             attributes.setdefault(name, text)
@@ -126,24 +126,24 @@ class _Merge:
             # rtsprofile writes it in lower case, which violates the schema.
             attributes[_DIRECTION] = attributes[_DIRECTION].upper()
         return replace(
-            made,
+            generated,
             attributes=attributes,
-            children=tuple(self._children(made, old)),
-            text=old.text if not made.text else made.text,
+            children=tuple(self._children(generated, old)),
+            text=old.text if not generated.text else generated.text,
         )
 
     def _children(
-        self, made: ProfileElement, old: ProfileElement
+        self, generated: ProfileElement, old: ProfileElement
     ) -> list[ProfileElement]:
         waiting = defaultdict(list)
-        for child in made.children:
+        for child in generated.children:
             waiting[child.name, _key(child)].append(child)
         children = []
         for child in old.children:
             same = waiting[child.name, _key(child)]
             if same:
                 children.append(self.element(same.pop(0), child))
-            elif self._is_kept(child, made):
+            elif self._is_kept(child, generated):
                 children += self._without_lost(child)
         children += [child for listed in waiting.values() for child in listed]
         return sorted(children, key=lambda child: position(child.name))

@@ -97,7 +97,7 @@ class Components(msgspec.Struct, eq=False):
                             configuration.append(parameter)
         references = self._types.tables.references
         supported = (references.get(name) for name in node.supports)
-        made = Component(
+        component = Component(
             **common,
             **self._profile(common, entity),
             ports=tuple(ports),
@@ -105,8 +105,8 @@ class Components(msgspec.Struct, eq=False):
             base=base.name if base else None,
             supports=tuple(s.path for s in supported if isinstance(s, Entity)),
         )
-        self._made[entity] = made
-        return made
+        self._made[entity] = component
+        return component
 
     def _base(self, node: tree.Component) -> Component | None:
         if node.base is None:
@@ -219,15 +219,15 @@ class Components(msgspec.Struct, eq=False):
         type_kind = self._types.kind_of(plain)
         if kind in _DATA:
             good = type_kind in (Kind.STRUCT, Kind.UNION, Kind.VALUETYPE)
-            wanted = "a struct or union"
+            expectation = "a struct or union"
         else:
             good = type_kind is Kind.INTERFACE or plain == PrimitiveType(
                 Primitive.OBJECT
             )
-            wanted = "an interface"
+            expectation = "an interface"
         if not good:
             span = unit.span(node.type.start, node.type.end)
-            message = f"'{node.keyword}' takes {wanted}, not {type_}"
+            message = f"'{node.keyword}' takes {expectation}, not {type_}"
             related = []
             if isinstance(type_, NamedType):
                 entity = self._types.entity(type_.name)
@@ -267,11 +267,11 @@ class Components(msgspec.Struct, eq=False):
             return []
         attached = annotations.of(item.annotations, "configuration", unit, type_)
         doc = self._fields.doc(item, unit)
-        made = []
+        parameters = []
         for name in node.names:
             entity = self._types.tables.entities[name]
-            made.append(self._parameter(entity, type_, attached, doc))
-        return made
+            parameters.append(self._parameter(entity, type_, attached, doc))
+        return parameters
 
     def _parameter(
         self, entity: Entity, type_: Type, attached: tuple[Annotation, ...], doc: str

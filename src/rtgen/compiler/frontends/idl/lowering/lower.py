@@ -85,10 +85,10 @@ class Lowering:
             return None
         if entity.node is None:
             return self._undefined(entity)
-        made = self._makers[entity.kind](entity, entity.node)
-        if made is None:
+        lowered = self._makers[entity.kind](entity, entity.node)
+        if lowered is None:
             entity.poisoned = True
-        return made
+        return lowered
 
     def _undefined(self, entity: Entity) -> Declaration | None:
         """Return an interface without a definition, which can still be referenced."""
@@ -309,9 +309,9 @@ class Lowering:
         nodes = entity.item.annotations if entity.item else ()
         attached = common["annotations"]
         initial = self._annotations.initial(nodes, attached, type_, entity.unit)
-        made = Typedef(**common, type=type_, initial=initial)
-        self._typedefs[made.name] = made
-        return made
+        typedef = Typedef(**common, type=type_, initial=initial)
+        self._typedefs[typedef.name] = typedef
+        return typedef
 
     def _const(self, entity: Entity, node: tree.Const) -> Declaration | None:
         type_ = self._types.of_node(node.type, entity.unit)

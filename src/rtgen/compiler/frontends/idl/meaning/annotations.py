@@ -81,12 +81,12 @@ class Annotations:
         unit: Unit,
     ) -> InitialValue | None:
         """Return the value of `@default` of a type; None without a valid one."""
-        given = value(annotations, "default")
+        default = value(annotations, "default")
         plain = self._types.unaliased(type_)
-        if given is None or not isinstance(plain, SequenceType | ArrayType):
-            return given
+        if default is None or not isinstance(plain, SequenceType | ArrayType):
+            return default
         try:
-            return items_of(self._types, plain, str(given))
+            return items_of(self._types, plain, str(default))
         except DefaultError as error:
             node = next(node for node in nodes if node.name == "default")
             self._misfit(node.arguments[0].value, unit, error)
@@ -168,7 +168,7 @@ class Annotations:
         unit: Unit,
         type_: Type | None,
     ) -> ConstantValue | None:
-        wanted: Wanted | None = None
+        parameter_type: Wanted | None = None
         if definition is not None:
             if key not in definition.arguments:
                 near = nearest(key, definition.arguments)
@@ -185,17 +185,17 @@ class Annotations:
                     )
                 )
                 return None
-            wanted = definition.arguments[key]
-        if wanted == TYPED:
+            parameter_type = definition.arguments[key]
+        if parameter_type == TYPED:
             plain = self._types.unaliased(type_)
             if isinstance(plain, NamedType):
                 return self._named(value, plain, unit)
-            wanted = self._scalar(type_)
-        if wanted is None or isinstance(wanted, str):
+            parameter_type = self._scalar(type_)
+        if parameter_type is None or isinstance(parameter_type, str):
             words = definition.words.get(key, ()) if definition is not None else ()
             return self._word(node, value, words, unit)
-        constant = self._evaluated(value, wanted, unit)
-        single = self._types.unaliased(wanted) == PRIMITIVES[Primitive.FLOAT]
+        constant = self._evaluated(value, parameter_type, unit)
+        single = self._types.unaliased(parameter_type) == PRIMITIVES[Primitive.FLOAT]
         return (
             shortest(constant) if single and isinstance(constant, float) else constant
         )
@@ -313,11 +313,11 @@ def _last(name: tree.ScopedName) -> str:
 
 def _complete(node: tree.Annotation, definition: Definition) -> bool:
     """Return whether the mandatory argument is present, valid or not."""
-    given = [a.name.text if a.name else "value" for a in node.arguments]
+    names = [a.name.text if a.name else "value" for a in node.arguments]
     return (
         not definition.required
-        or definition.required in given
-        or not definition.arguments.keys() >= set(given)
+        or definition.required in names
+        or not definition.arguments.keys() >= set(names)
     )
 
 

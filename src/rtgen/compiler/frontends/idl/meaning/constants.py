@@ -81,7 +81,7 @@ class Constants:
         plain = self._types.unaliased(type_)
         if plain is None:
             return None
-        wanted = operand_class_of(plain, self._types.is_enum)
+        operand_class = operand_class_of(plain, self._types.is_enum)
         saved = (
             *(getattr(self, "_unit", unit), self._bits, self._signed),
             self._complement,
@@ -94,19 +94,19 @@ class Constants:
             or INTEGER_RANGES.get(plain.kind, (-1, 0))[0] < 0
         )
         try:
-            if wanted is None:
+            if operand_class is None:
                 self._fail(
                     type_rules.BAD_CONST_TYPE,
                     node,
                     f"no {what} can be of type {type_}",
                     "constants are numbers, characters, strings, booleans and enumerators",
                 )
-            assert wanted is not None
-            value = self._evaluate(node, wanted, 0)
+            assert operand_class is not None
+            value = self._evaluate(node, operand_class, 0)
             width = NARROW.get(plain.kind) if isinstance(plain, PrimitiveType) else None
             if width is not None and isinstance(value, int) and value >= 1 << width:
                 self._complement = width
-                value = self._evaluate(node, wanted, 0)
+                value = self._evaluate(node, operand_class, 0)
             return self._fit(value, plain, node)
         except _NoValueError:
             return None
@@ -157,57 +157,57 @@ class Constants:
         self._report(rule.at(span, message, related=related, hint=hint))
 
     def _evaluate(
-        self, node: tree.Expression, wanted: OperandClass, depth: int
+        self, node: tree.Expression, target: OperandClass, depth: int
     ) -> ConstantValue:
         if depth > MAX_NESTING:
             self._fail(syntax.TOO_DEEP, node, "this expression is nested too deeply")
         match node:
             case tree.Group(inner):
-                return self._evaluate(inner, wanted, depth + 1)
+                return self._evaluate(inner, target, depth + 1)
             case tree.Number():
-                return self._number(node, wanted)
+                return self._number(node, target)
             case tree.Text():
-                return self._text(node, wanted)
+                return self._text(node, target)
             case tree.Boolean():
-                if wanted is not OperandClass.BOOLEAN:
-                    self._mixed(node, wanted, OperandClass.BOOLEAN)
+                if target is not OperandClass.BOOLEAN:
+                    self._mixed(node, target, OperandClass.BOOLEAN)
                 return node.value
             case tree.ScopedName():
-                return self._named(node, wanted)
+                return self._named(node, target)
             case tree.Unary(operator, operand):
-                self._has_operators(node, wanted)
-                value = self._evaluate(operand, wanted, depth + 1)
-                return self._checked(self._unary(operator, value, node, wanted), node)
+                self._has_operators(node, target)
+                value = self._evaluate(operand, target, depth + 1)
+                return self._checked(self._unary(operator, value, node, target), node)
             case tree.Chain(first, rest):
-                self._has_operators(node, wanted)
-                value = self._evaluate(first, wanted, depth + 1)
+                self._has_operators(node, target)
+                value = self._evaluate(first, target, depth + 1)
                 for operator, operand in rest:
-                    right = self._evaluate(operand, wanted, depth + 1)
+                    right = self._evaluate(operand, target, depth + 1)
                     value = self._checked(
                         self._binary(operator, value, right, operand), node
                     )
                 return value
 
-    def _has_operators(self, node: tree.Expression, wanted: OperandClass) -> None:
-        if wanted not in (OperandClass.INTEGER, OperandClass.FLOAT, OperandClass.FIXED):
+    def _has_operators(self, node: tree.Expression, target: OperandClass) -> None:
+        if target not in (OperandClass.INTEGER, OperandClass.FLOAT, OperandClass.FIXED):
             hint = (
                 "adjacent strings are joined"
-                if wanted in (OperandClass.TEXT, OperandClass.WIDE_TEXT)
+                if target in (OperandClass.TEXT, OperandClass.WIDE_TEXT)
                 else None
             )
-            self._fail(rules.WRONG_KIND, node, f"{wanted} has no operators", hint)
+            self._fail(rules.WRONG_KIND, node, f"{target} has no operators", hint)
 
     def _mixed(
-        self, node: tree.Expression, wanted: OperandClass, operand_class: OperandClass
+        self, node: tree.Expression, target: OperandClass, operand_class: OperandClass
     ) -> None:
         self._fail(
             rules.WRONG_KIND,
             node,
-            f"{wanted} is expected here, not {operand_class}",
-            CONVERSIONS.get((wanted, operand_class)) or EXAMPLES[wanted],
+            f"{target} is expected here, not {operand_class}",
+            CONVERSIONS.get((target, operand_class)) or EXAMPLES[target],
         )
 
-    def _number(self, node: tree.Number, wanted: OperandClass) -> ConstantValue:
+    def _number(self, node: tree.Number, target: OperandClass) -> ConstantValue:
         try:
             value = literals.number(node.text)
         except literals.LiteralError as error:
@@ -215,28 +215,28 @@ class Constants:
             raise _NoValueError from error
         match value:
             case int():
-                return self._from_integer(value, node, wanted)
-            case float() if wanted is OperandClass.FLOAT:
+                return self._from_integer(value, node, target)
+            case float() if target is OperandClass.FLOAT:
                 return value
-            case Decimal() if wanted is OperandClass.FIXED:
+            case Decimal() if target is OperandClass.FIXED:
                 return value
         self._mixed(
             node,
-            wanted,
+            target,
             OperandClass.FLOAT if isinstance(value, float) else OperandClass.FIXED,
         )
         return value
 
     def _from_integer(
-        self, value: int, node: tree.Expression, wanted: OperandClass
+        self, value: int, node: tree.Expression, target: OperandClass
     ) -> ConstantValue:
-        if wanted in (OperandClass.FLOAT, OperandClass.FIXED):
-            example = f"{value}.0" if wanted is OperandClass.FLOAT else f"{value}d"
-            message, hint = f"{wanted} is expected here", f"write {example}"
+        if target in (OperandClass.FLOAT, OperandClass.FIXED):
+            example = f"{value}.0" if target is OperandClass.FLOAT else f"{value}d"
+            message, hint = f"{target} is expected here", f"write {example}"
             self._report_at(rules.INTEGER_AS_FLOAT, node, message, hint)
-            return float(value) if wanted is OperandClass.FLOAT else Decimal(value)
-        if wanted is not OperandClass.INTEGER:
-            self._mixed(node, wanted, OperandClass.INTEGER)
+            return float(value) if target is OperandClass.FLOAT else Decimal(value)
+        if target is not OperandClass.INTEGER:
+            self._mixed(node, target, OperandClass.INTEGER)
         low, high = self._bounds()
         if not low <= value <= high:
             self._overflow(node, value)
@@ -254,7 +254,7 @@ class Constants:
             wider(value),
         )
 
-    def _text(self, node: tree.Text, wanted: OperandClass) -> ConstantValue:
+    def _text(self, node: tree.Text, target: OperandClass) -> ConstantValue:
         try:
             text = literals.text(node.parts, node.character)
         except literals.LiteralError as error:
@@ -276,17 +276,17 @@ class Constants:
             if node.character
             else (OperandClass.TEXT, OperandClass.WIDE_TEXT)
         )
-        if wanted is not sorts[text.wide]:
-            self._mixed(node, wanted, sorts[text.wide])
+        if target is not sorts[text.wide]:
+            self._mixed(node, target, sorts[text.wide])
         return text.value
 
-    def _named(self, node: tree.ScopedName, wanted: OperandClass) -> ConstantValue:
+    def _named(self, node: tree.ScopedName, target: OperandClass) -> ConstantValue:
         entity = self._types.tables.references.get(node)
         if entity is None:
             raise _NoValueError
         if isinstance(entity, Entity) and entity.kind is Kind.ENUMERATOR:
-            if wanted is not OperandClass.ENUM:
-                self._mixed(node, wanted, OperandClass.ENUM)
+            if target is not OperandClass.ENUM:
+                self._mixed(node, target, OperandClass.ENUM)
             return EnumeratorName(entity.path)
         if not isinstance(entity, Entity) or entity.kind is not Kind.CONST:
             self._fail(
@@ -306,9 +306,9 @@ class Constants:
             raise _NoValueError
         operand_class = operand_class_of(type_, self._types.is_enum)
         if operand_class is OperandClass.INTEGER and isinstance(value, int):
-            return self._from_integer(value, node, wanted)
-        if operand_class is not wanted:
-            self._mixed(node, wanted, operand_class or OperandClass.INTEGER)
+            return self._from_integer(value, node, target)
+        if operand_class is not target:
+            self._mixed(node, target, operand_class or OperandClass.INTEGER)
         return value
 
     def _unary(
@@ -316,7 +316,7 @@ class Constants:
         operator: str,
         value: ConstantValue,
         node: tree.Expression,
-        wanted: OperandClass,
+        target: OperandClass,
     ) -> ConstantValue:
         if isinstance(value, int) and not isinstance(value, bool):
             match operator:
@@ -330,7 +330,7 @@ class Constants:
         assert isinstance(value, float | Decimal)
         if operator == "~":
             hint = "'~' is the complement of an integer"
-            self._fail(rules.WRONG_KIND, node, f"{wanted} has no '~'", hint)
+            self._fail(rules.WRONG_KIND, node, f"{target} has no '~'", hint)
         return -value if operator == "-" else value
 
     def _binary(

@@ -69,9 +69,9 @@ def hashes_ids(annotations: Sequence[Annotation]) -> bool:
 
 def member_id(name: str, annotations: Sequence[Annotation], hashed: bool) -> int | None:
     """Return the member id from `@id`, `@hashid` or `@autoid(HASH)`; None: sequential."""
-    given = integer(annotations, "id")
-    if given is not None:
-        return given
+    explicit = integer(annotations, "id")
+    if explicit is not None:
+        return explicit
     for annotation in annotations:
         if annotation.name == "hashid":
             return hashed_id(str(annotation.get() or name))

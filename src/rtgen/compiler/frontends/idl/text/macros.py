@@ -233,9 +233,9 @@ class Expander:
         if macro.variadic and len(arguments) == len(macro.parameters) - 1:
             arguments.append([])
         if len(arguments) != len(macro.parameters):
-            wanted = len(macro.parameters) - macro.variadic
+            count = len(macro.parameters) - macro.variadic
             raise ExpansionError(
-                f"{macro.name} takes {wanted} argument{'' if wanted == 1 else 's'}"
+                f"{macro.name} takes {count} argument{'' if count == 1 else 's'}"
                 f"{' or more' if macro.variadic else ''}, not {len(arguments)}",
             )
         stripped = map(_stripped, arguments)

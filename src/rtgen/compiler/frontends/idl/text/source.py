@@ -187,12 +187,15 @@ class Library(library.Library[Source]):
             return None
         if absolute not in self._printed:
             shown = Path(self._displayed(absolute))
-            made = self._interfaces(shown, folder is not None)
+            printed = self._interfaces(shown, folder is not None)
             printed_source = None
-            if made is not None:
-                place = self._root / made.name
-                text = made.text.encode()
-                printed_source = self._make(made.name, made.name, place, text), made
-                self.note(made.dependencies)
+            if printed is not None:
+                place = self._root / printed.name
+                text = printed.text.encode()
+                printed_source = (
+                    self._make(printed.name, printed.name, place, text),
+                    printed,
+                )
+                self.note(printed.dependencies)
             self._printed[absolute] = printed_source
         return self._printed[absolute]

@@ -54,11 +54,11 @@ _CHECKS: Mapping[Kind, tuple[Callable[[Entity, Context], None], ...]] = {
 def run(
     tables: Tables,
     types: Types,
-    made: Mapping[ScopedName, Declaration],
+    declarations: Mapping[ScopedName, Declaration],
     report: Callable[[Diagnostic], None],
 ) -> None:
     """Check a translation unit: its tree, and the declarations lowered from it."""
-    context = Context(types, made, report)
+    context = Context(types, declarations, report)
     ids: dict[str, Entity] = {}
     for entity in tables.declared:
         if entity.node is None:
@@ -71,8 +71,8 @@ def run(
 def left_out(
     tables: Tables,
     types: Types,
-    made: Mapping[ScopedName, Declaration],
+    declarations: Mapping[ScopedName, Declaration],
     report: Callable[[Diagnostic], None],
 ) -> None:
     """Report valid declarations that are missing from the model."""
-    missing_definitions.report(tables, Context(types, made, report))
+    missing_definitions.report(tables, Context(types, declarations, report))

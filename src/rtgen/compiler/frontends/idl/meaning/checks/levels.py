@@ -13,13 +13,15 @@ from rtgen.compiler.typemap.python.implementation_modules import referred
 
 
 def checked(
-    made: Mapping[ScopedName, Declaration], report: Callable[[Diagnostic], None]
+    declarations: Mapping[ScopedName, Declaration], report: Callable[[Diagnostic], None]
 ) -> dict[ScopedName, Declaration]:
     """Return the declarations within MAX_LEVELS; reports the first chain that is deeper.
 
     Components beyond the limit are dropped, because each copies all inherited members.
     """
-    edges = {name: set(_parts(declaration)) for name, declaration in made.items()}
+    edges = {
+        name: set(_parts(declaration)) for name, declaration in declarations.items()
+    }
     levels: dict[ScopedName, int] = {}
     for group in groups(edges):
         below = max(
@@ -28,7 +30,7 @@ def checked(
         level = below + len(group)
         levels.update(dict.fromkeys(group, level))
         if below <= MAX_LEVELS < level:
-            first = made[min(group, key=lambda name: made[name].span)]
+            first = declarations[min(group, key=lambda name: declarations[name].span)]
             message = (
                 f"{first.scoped} leads from declaration to declaration for"
                 f" {level} levels, more than {MAX_LEVELS}"
@@ -36,7 +38,7 @@ def checked(
             report(TOO_DEEP.at(first.span, message))
     return {
         name: declaration
-        for name, declaration in made.items()
+        for name, declaration in declarations.items()
         if levels[name] <= MAX_LEVELS or not isinstance(declaration, Component)
     }
 
