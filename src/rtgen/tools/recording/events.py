@@ -106,7 +106,7 @@ class Log:
     def events(
         self, is_selected: Callable[[Mapping[str, str]], bool] = lambda entry: True
     ) -> Iterator[Event]:
-        """Yield all events in order; `is_selected` is called with `event`, `instance` and `port`."""
+        """Yield all events in order; `is_selected` gets `event`, `instance` and `port`."""
         if self.mcap is None:
             return (event for event in self._lines() if is_selected(event))
         return self._decoded(self.mcap, is_selected)

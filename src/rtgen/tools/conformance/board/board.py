@@ -95,7 +95,7 @@ class BoardUnderTest:
             channel.close()
         if not served and self.address is not None:
             # The next connection is served after this one: calls do not fill the board's queue.
-            self.raw([self.unknown_request], wanted=1)
+            self.raw([self.unknown_request], count=1)
         return None
 
     def serves(self, channel: TcpChannel | SerialChannel) -> bool:

@@ -102,13 +102,9 @@ def reception(node: NodeUnderTest) -> Problems:
             for values in (other, before):
                 node.line.send(Frame(can_id, b"".join(values)))
                 now = node.values_soon(mapped, values)
-                for thing, actual, expected in zip(mapped, now, values, strict=True):
-                    same = actual == expected
-                    yield (
-                        None
-                        if same
-                        else f"rpdo{pdo.number}: {thing} is {actual.hex()}, sent was {expected.hex()}"
-                    )
+                for thing, actual, sent in zip(mapped, now, values, strict=True):
+                    problem = f"rpdo{pdo.number}: {thing} is {actual.hex()}, sent was {sent.hex()}"
+                    yield None if actual == sent else problem
     finally:
         node.command(NmtCommand.ENTER_PRE_OPERATIONAL)
 
