@@ -101,8 +101,8 @@ def emit(
     installed = {backend.name: backend for backend in stage.backends()}
     unknown = [b for b in backends if isinstance(b, str) and b not in installed]
     if unknown:
-        known = ", ".join(installed)
-        raise ValueError(f"no back end is called {unknown[0]!r}; there are: {known}")
+        names = ", ".join(installed)
+        raise ValueError(f"no back end is called {unknown[0]!r}; there are: {names}")
     chosen = [installed[b] if isinstance(b, str) else b for b in backends]
     settings = options or Options("robots", "", __version__)
     emission = stage.emitted(model, settings, chosen or installed.values())

@@ -96,7 +96,7 @@ def _system(console: Console, path: Path, form: str) -> int:
     )
     from rtgen.compiler.systems.checks import as_warnings, check_properties
 
-    shown = path.as_posix()
+    name = path.as_posix()
     read = rts_profile.load(path)
     diagnostics = [*read.diagnostics]
     if read.system is not None:
@@ -111,10 +111,10 @@ def _system(console: Console, path: Path, form: str) -> int:
     if is_yaml is form.endswith("yaml"):
         write_out(data)
     elif is_yaml:
-        text = profile_tree.text_of(data, shown, diagnostics.append)
-        write_out(profile_yaml.to_xml(text, shown))
+        text = profile_tree.text_of(data, name, diagnostics.append)
+        write_out(profile_yaml.to_xml(text, name))
     else:
-        root, _ = profile_tree.parse(data, shown, diagnostics.append)
+        root, _ = profile_tree.parse(data, name, diagnostics.append)
         assert root is not None
         write_out(profile_yaml.to_yaml(root))
     return OK
@@ -160,7 +160,7 @@ def _profile(
     from rtgen.compiler.frontends.profiles import profile_tree, profile_yaml
     from rtgen.tools.components.component_text import component_profile
 
-    shown = path.as_posix()
+    name = path.as_posix()
     if not is_component_profile(path):
         xml = component_profile(model, component, project)
     else:
@@ -168,10 +168,10 @@ def _profile(
         if (path.suffix.lower() in YAML_SUFFIXES) is form.endswith("yaml"):
             return data
         reported: list[Diagnostic] = []
-        text = profile_tree.text_of(data, shown, reported.append, project.encoding)
+        text = profile_tree.text_of(data, name, reported.append, project.encoding)
         if form == "rtc-xml":
-            return profile_yaml.to_xml(text, shown)
+            return profile_yaml.to_xml(text, name)
         xml = text
     if form == "rtc-xml":
         return xml
-    return profile_yaml.to_yaml(located_xml.parse(xml, shown))
+    return profile_yaml.to_yaml(located_xml.parse(xml, name))

@@ -18,12 +18,12 @@ def explain(console: Console, code: str | None) -> int:
     """Explain a diagnostic; without CODE, list all codes."""
     from rtgen.compiler.diagnostics.explain import rules, similar, story
 
-    known = rules()
+    by_code = rules()
     if code is None:
-        for rule in known.values():
+        for rule in by_code.values():
             write_out(f"{rule.code}  {rule.severity.value:<7}  {rule.title}\n")
         return OK
-    explained = known.get(code.upper())
+    explained = by_code.get(code.upper())
     if explained is None:
         close = similar(code)
         hint = (

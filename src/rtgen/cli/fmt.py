@@ -118,8 +118,10 @@ def fmt(
     if check or as_diff:
         _print(changes, as_diff)
         return NO if changes else OK
-    kept = len(files) - len(changes)
-    console.say(f"{counted(len(changes), 'file')} formatted, {kept} left as they are")
+    unchanged = len(files) - len(changes)
+    console.say(
+        f"{counted(len(changes), 'file')} formatted, {unchanged} left as they are"
+    )
     return OK
 
 

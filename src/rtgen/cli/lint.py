@@ -110,8 +110,8 @@ def _findings(
             *timeline_checks.findings(project.systems, project.encoding),
         ]
         result = replace(result, sources=added.sources)
-    known = {*result.diagnostics, *of_systems}
-    of_outputs = [each for each in of_outputs if each not in known]
+    reported = {*result.diagnostics, *of_systems}
+    of_outputs = [each for each in of_outputs if each not in reported]
     of_behaviours = behaviours.misspelt_callbacks(project) if whole else []
     diagnostics = findings(
         project,

@@ -56,13 +56,13 @@ def findings(
         for pattern, code, span in project.ignored_in_files
     ]
     diagnostics = suppressed(
-        diagnostics, result.sources, patterns, known=rules(), active=active, whole=whole
+        diagnostics, result.sources, patterns, codes=rules(), active=active, whole=whole
     )
     ignored = {code.upper() for code in (*ignore, *project.ignored)}
-    left = (
+    remaining = (
         d for d in diagnostics if d.severity is Severity.ERROR or d.code not in ignored
     )
-    return fixes.attached(in_order(left), result.sources)
+    return fixes.attached(in_order(remaining), result.sources)
 
 
 def unknown_codes(project: Project) -> Iterator[Diagnostic]:

@@ -90,6 +90,6 @@ def merged(of_idl: FrontendResult, others: FrontendResult) -> FrontendResult:
         for file in model.files
         if file.name not in names
     )
-    kept = tuple(d for d in model.declarations if d.file not in names)
-    rest = replace(of_idl, model=replace(model, files=files, declarations=kept))
+    remaining = tuple(d for d in model.declarations if d.file not in names)
+    rest = replace(of_idl, model=replace(model, files=files, declarations=remaining))
     return together([others, rest])

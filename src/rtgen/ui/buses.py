@@ -194,8 +194,8 @@ class Buses(SeenBuses):
     def manage(self, command: ui.NmtCommand) -> None:
         """Send an NMT command to a node or to all nodes."""
         if command.command not in COMMANDS:
-            known = ", ".join(COMMANDS)
-            message = f"{command.command!r} is not an NMT command; known: {known}"
+            choices = ", ".join(COMMANDS)
+            message = f"{command.command!r} is not an NMT command; known: {choices}"
             raise CommandError(UNKNOWN, message)
         if command.node_id > 127:
             raise CommandError(BAD_VALUE, f"{command.node_id} is not a node-id")
@@ -228,8 +228,8 @@ class Buses(SeenBuses):
 
     def _known(self, name: str) -> _Bus:
         if name not in self._buses:
-            known = ", ".join(self._buses) or "none"
-            raise CommandError(UNKNOWN, f"there is no bus {name!r}; known: {known}")
+            names = ", ".join(self._buses) or "none"
+            raise CommandError(UNKNOWN, f"there is no bus {name!r}; known: {names}")
         return self._buses[name]
 
     def _link(self, name: str) -> SimulatedCanBus:

@@ -32,9 +32,9 @@ def carried_out(interface: type[Servant], invoke: Invoker, command: ui.Call) -> 
     except ServiceError as error:
         raise CommandError(CALL_FAILED, str(error)) from error
     if command.operation not in calls:
-        known = ", ".join(calls)
+        names = ", ".join(calls)
         raise CommandError(
-            UNKNOWN, f"there is no operation {command.operation!r}; known: {known}"
+            UNKNOWN, f"there is no operation {command.operation!r}; known: {names}"
         )
     form = calls[command.operation]
     if form.refused:
@@ -72,10 +72,10 @@ def _provider(system: System, command: ui.Call) -> Provider[Any]:
     providers = system.component(command.port.instance).providers
     key = command.port.port, command.interface_name
     if key not in providers:
-        known = ", ".join(f"{port}:{name}" for port, name in providers) or "none"
+        names = ", ".join(f"{port}:{name}" for port, name in providers) or "none"
         raise CommandError(
             UNKNOWN,
-            f"{command.port.instance} provides no {':'.join(key)}; known: {known}",
+            f"{command.port.instance} provides no {':'.join(key)}; known: {names}",
         )
     return providers[key]
 

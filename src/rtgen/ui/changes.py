@@ -87,9 +87,9 @@ class Changes:
 
     def _ends(self, connection: Connection) -> tuple[End, ...]:
         stated = connection.source, connection.target
-        known = self._joined.get(connection.name)
-        if known is not None and {e.instance for e in stated} == {e[0] for e in known}:
-            return known
+        ends = self._joined.get(connection.name)
+        if ends is not None and {e.instance for e in stated} == {e[0] for e in ends}:
+            return ends
         return tuple((each.instance, each.port) for each in stated)
 
     def add(self, component: SystemComponent, system: RunningSystem) -> Change | None:
@@ -107,21 +107,21 @@ class Changes:
 
     def remove(self, instance: str) -> Change | None:
         """Return the effect of removing a component."""
-        known = self.component(instance) is not None
-        return (lambda file: file.remove(instance)) if known else None
+        exists = self.component(instance) is not None
+        return (lambda file: file.remove(instance)) if exists else None
 
     def move(self, instance: str, place: tuple[float, float]) -> Change | None:
         """Return the effect of moving a component."""
         x, y = map(round, place)
-        known = self.component(instance) is not None
-        return (lambda file: file.move(instance, x, y)) if known else None
+        exists = self.component(instance) is not None
+        return (lambda file: file.move(instance, x, y)) if exists else None
 
     def configure(
         self, instance: str, set_id: str, parameter: str, text: str
     ) -> Change | None:
         """Return the effect of setting a parameter."""
-        known = self.component(instance) is not None
-        if not known:
+        exists = self.component(instance) is not None
+        if not exists:
             return None
         return lambda file: file.configure(instance, set_id, parameter, text)
 
@@ -129,8 +129,8 @@ class Changes:
         self, instance: str, set_id: str, values: Mapping[str, str]
     ) -> Change | None:
         """Return the effect of activating a set; `values` are those that it has now."""
-        known = self.component(instance)
-        if known is None:
+        component = self.component(instance)
+        if component is None:
             return None
         missing = set_id not in self._sets.get(instance, ())
         stated = tuple(values.items()) if missing else ()
@@ -158,8 +158,8 @@ class Changes:
         added: Iterable[str] = (),
     ) -> Change | None:
         """Return the effect of making a connection; `added` are instances that the file gets."""
-        known = {*added, *(c.instance for c in self.written.components)}
-        if not {instance for instance, _ in ends} <= known:
+        instances = {*added, *(c.instance for c in self.written.components)}
+        if not {instance for instance, _ in ends} <= instances:
             return None
         if self.connection(name, ends) is not None:
             return None
@@ -183,8 +183,8 @@ class Changes:
         connection = self.connection(name, ends)
         if connection is None:
             return None
-        known = connection.name
-        return lambda file: file.cut(known)
+        connection_name = connection.name
+        return lambda file: file.cut(connection_name)
 
 
 def together(changes: Iterable[Change | None]) -> Change | None:

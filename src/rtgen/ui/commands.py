@@ -482,8 +482,8 @@ class Commands:
             raise CommandError(FILE, str(error)) from error
         if not replace_file:
             self._require_runnable(profile)
-        known = session.known
-        backup = session.project.write(target, data, known, replace=replace_file)
+        content = session.known
+        backup = session.project.write(target, data, content, replace=replace_file)
         session.take_over(profile)
         session.file, session.known = target, Known(target, data)
         session.edits.mark_saved()

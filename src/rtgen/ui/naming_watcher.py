@@ -166,9 +166,9 @@ class NamingWatcher:
         while not self._closing.is_set():
             next_round = time.monotonic() + self._period
             self._poll()
-            while (left := next_round - time.monotonic()) > 0:
+            while (remaining := next_round - time.monotonic()) > 0:
                 try:
-                    self._requests.get(timeout=left)()
+                    self._requests.get(timeout=remaining)()
                 except queue.Empty:
                     break
                 if self._closing.is_set():
@@ -211,14 +211,14 @@ class NamingWatcher:
         """Update the components from the bindings of the naming services."""
         components: dict[str, RemoteComponent] = {}
         self._aliases = {}
-        known: dict[bytes, list[RemoteComponent]] = {}
+        by_key: dict[bytes, list[RemoteComponent]] = {}
         for service in self._services:
             for name, reference in service.components:
                 mine = None if self._own is None else self._own.own(reference)
                 if isinstance(mine, RtObject):
                     self._aliases[name] = mine.component.instance_name
                     continue
-                same = known.setdefault(self._exported.key(reference), [])
+                same = by_key.setdefault(self._exported.key(reference), [])
                 other = next((each for each in same if each.is_at(reference)), None)
                 if other is None:
                     before = self._found.get(name)
@@ -537,10 +537,10 @@ class NamingWatcher:
         source, target = wanted.source, wanted.target
         if not self._end_here(wanted, connector_id):
             # At a component of rtgen, which makes a connection again that the other end ends.
-            known = [self._found.get(each.instance) for each in (source, target)]
+            components = [self._found.get(each.instance) for each in (source, target)]
             ends = [
                 end
-                for end, binding in zip((source, target), known, strict=True)
+                for end, binding in zip((source, target), components, strict=True)
                 if binding is not None and not binding.component.silent
             ]
             ends.sort(key=lambda end: not self._found[end.instance].is_of_rtgen)

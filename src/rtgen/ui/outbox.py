@@ -96,8 +96,8 @@ class Outbox:
     def show(self, events: list[Event], past: float | None) -> None:
         """Show the state at a time instead of all waiting events; sets `past`."""
         with self._lock:
-            kept = (e for e in self._changes if e.discriminator in _ALWAYS)
-            self._changes = deque((*kept, *events))
+            sent = (e for e in self._changes if e.discriminator in _ALWAYS)
+            self._changes = deque((*sent, *events))
             self._statistics, self._latest = {}, {}
             self._samples, self._traffic = [], deque()
             self.past, self.missed_changes = past, False

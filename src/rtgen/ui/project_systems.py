@@ -88,12 +88,12 @@ class CommandProject:
         if not file:
             return Opened(Document.new("").system(()), None)
         path = _path_of(file)
-        shown = path.as_posix()
+        name = path.as_posix()
         sink = profile_tree.sink()
-        data = profile_tree.read(path, shown, sink.report)
+        data = profile_tree.read(path, name, sink.report)
         result = rts_profile.SystemResult(None, sink.diagnostics, {})
         if data is not None:
-            result = rts_profile.load_bytes(data, shown)
+            result = rts_profile.load_bytes(data, name)
         profile, diagnostics, sources = result
         diagnostics = (
             *diagnostics,
@@ -105,7 +105,7 @@ class CommandProject:
         plan = _timeline(profile)
         self._console.findings(plan.skipped)
         self._plans[profile.file] = plan
-        return Opened(profile, Document(shown, data))
+        return Opened(profile, Document(name, data))
 
     def write(self, file: str, data: bytes, own: Known, *, replace: bool) -> str:
         """Write a system, below the working folder or beside a system of the command line.
@@ -124,9 +124,9 @@ class CommandProject:
         if path.exists() and not is_system(path):
             raise CommandError(FILE, f"{file} exists and is not a system")
         is_own = own.file != "" and _path_of(own.file).resolve() == path
-        known = own.data if is_own else None
+        content = own.data if is_own else None
         try:
-            backup = store(path, data, known, replace=replace)
+            backup = store(path, data, content, replace=replace)
         except OtherContentError as error:
             hint = "its content stays in a file beside it if it is replaced"
             raise CommandError(QUESTION, f"{file}: {error}", hint) from error

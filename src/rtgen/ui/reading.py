@@ -114,10 +114,10 @@ class Reading:
     def _channel(self, shown: Channel, *, beside: bool) -> ui.Channel:
         """Return the channel of a port; a recording has one for each component that wrote."""
         address = ui.PortAddress(*_address_of(shown))
-        for known in self._of_messages.values():
-            if known.port == address:
-                self._of_messages[shown] = known
-                return known
+        for listed in self._of_messages.values():
+            if listed.port == address:
+                self._of_messages[shown] = listed
+                return listed
         number = self._type_number(shown)
         channel = ui.Channel(
             id=next(self._channel_numbers),
@@ -237,14 +237,14 @@ class Reading:
 
         An InPort and an OutPort of a component may have the same name.
         """
-        known = {
+        by_port = {
             (component.instance, port.name): port
             for component in self.components.values()
             for port in component.ports
         }
         for connection in self._joined:
             source, target = _address(connection.source), _address(connection.target)
-            port = known.get((source.instance, source.port), ui.Port())
+            port = by_port.get((source.instance, source.port), ui.Port())
             kinds = [ui.PortKind.PORT_SERVICE] * 2
             if port.name or any(
                 p.name[:9] == "dataport." for p in connection.properties

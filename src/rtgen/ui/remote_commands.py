@@ -120,15 +120,17 @@ class RemoteCommands:
         session = self._session
         remote = session.remote
         names = {
-            known.instance: instance
-            for path, known in session.foreign.items()
+            component.instance: instance
+            for path, component in session.foreign.items()
             if (instance := path.removesuffix(f".{KIND}")) in remote.components
         }
         commands = [
             command
-            for known in session.foreign.values()
-            if known.instance in names
-            for command in _settings(known, remote.components[names[known.instance]])
+            for component in session.foreign.values()
+            if component.instance in names
+            for command in _settings(
+                component, remote.components[names[component.instance]]
+            )
         ]
         there = {
             _ends(each.source, each.target) for each in remote.connections.values()
@@ -183,10 +185,10 @@ class RemoteCommands:
         offered = {e.name: e for e in self._port(command.port).interfaces if e.provided}
         if command.interface_name not in offered:
             where = f"{command.port.instance}.{command.port.port}"
-            known = ", ".join(offered) or "none"
+            names = ", ".join(offered) or "none"
             raise CommandError(
                 UNKNOWN,
-                f"{where} provides no {command.interface_name!r}; known: {known}",
+                f"{where} provides no {command.interface_name!r}; known: {names}",
             )
         type_ = offered[command.interface_name].type
         interface = self._session.project.interface(type_)
@@ -211,16 +213,16 @@ class RemoteCommands:
         return partial(watcher.give, command.port, value)
 
 
-def _settings(known: SystemComponent, now: ui.Component) -> Iterator[ui.Command]:
+def _settings(component: SystemComponent, now: ui.Component) -> Iterator[ui.Command]:
     """Yield the commands that set the values and the active set of the file."""
     sets = {s.name: {v.name: v.text for v in s.values} for s in now.configuration_sets}
-    for set_id, values in known.parameter_sets:
+    for set_id, values in component.parameter_sets:
         for name, text in values:
             if sets.get(set_id, {}).get(name) != text:
                 command = ui.SetParameter(now.instance, set_id, name, text)
                 yield ui.Command.of_setting(command)
-    if known.active_set != now.active_set:
-        yield ui.Command.of_chosen(ui.ActiveSet(now.instance, known.active_set))
+    if component.active_set != now.active_set:
+        yield ui.Command.of_chosen(ui.ActiveSet(now.instance, component.active_set))
 
 
 def _ends(source: ui.PortAddress, target: ui.PortAddress) -> tuple[str, ...]:

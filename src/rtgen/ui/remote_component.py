@@ -149,11 +149,11 @@ class RemoteComponent:
 
     def set(self, set_id: str, parameter: str, text: str) -> None:
         """Set a parameter. Values of the active set take effect, as by OpenRTM's tools."""
-        known = next(
+        declared = next(
             (p for p in self.component.parameters if p.name == parameter), None
         )
-        if known is not None:
-            why = problem(parameter, text, known.type, known.constraint)
+        if declared is not None:
+            why = problem(parameter, text, declared.type, declared.constraint)
             if why:
                 raise CommandError(BAD_VALUE, f"{self.component.instance}: {why}")
         try:

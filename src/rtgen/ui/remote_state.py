@@ -42,13 +42,13 @@ class RemoteState:
         for name in before.components.keys() - self.components.keys():
             yield ui.Event.of_removed(name)
         for name, component in self.components.items():
-            known = before.components.get(name)
-            if known is not None and known.current is not component.current:
-                yield ui.Event.of_change(_change(known, component, now))
-                known = replace(known, current=component.current)
-            if known is not None and known.silent != component.silent:
+            former = before.components.get(name)
+            if former is not None and former.current is not component.current:
+                yield ui.Event.of_change(_change(former, component, now))
+                former = replace(former, current=component.current)
+            if former is not None and former.silent != component.silent:
                 yield ui.Event.of_reported(_notice(component, now))
-            if known != component:
+            if former != component:
                 yield ui.Event.of_described(component)
         for name, connection in self.connections.items():
             if before.connections.get(name) != connection:

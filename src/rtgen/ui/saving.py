@@ -48,9 +48,9 @@ def content(session: Session, file: str) -> tuple[bytes, System]:
 def component_now(session: Session, instance: str) -> SystemComponent:
     """Return a component with its current configuration and place."""
     component = session.system.component(instance)
-    known = {each.instance: each for each in session.profile.components}
+    by_instance = {each.instance: each for each in session.profile.components}
     profile, sets = component.profile, component.configuration_sets
-    before = known.get(instance) or new_component(instance, profile.type_name)
+    before = by_instance.get(instance) or new_component(instance, profile.type_name)
     informing = tuple(each for each in before.configuration if each[0][:2] == "__")
     return replace(
         before,
@@ -72,7 +72,7 @@ def profile_now(session: Session) -> System:
     naming service has now are kept, with their connections.
     """
     system = session.system
-    known = {each.name: each for each in session.profile.connections}
+    by_name = {each.name: each for each in session.profile.connections}
     names = _remote_names(session)
     absent = _absent(session, names)
     instances = {*system.instances, *names.values(), *(c.instance for c in absent)}
@@ -85,14 +85,14 @@ def profile_now(session: Session) -> System:
             *absent,
         ),
         connections=(
-            *(_connection(each, known.get(each.name)) for each in session.connectors),
+            *(_connection(each, by_name.get(each.name)) for each in session.connectors),
             *(
                 _remote_connection(each, names)
                 for each in session.remote.connections.values()
             ),
             *(
                 each
-                for each in known.values()
+                for each in by_name.values()
                 if lost & {each.source.instance, each.target.instance}
             ),
         ),
@@ -141,15 +141,15 @@ def _absent(session: Session, names: Mapping[str, str]) -> list[SystemComponent]
 def _properties(
     session: Session, foreign: Iterable[str]
 ) -> tuple[tuple[str, str], ...]:
-    kept = [each for each in session.profile.properties if each[0] != FOREIGN]
+    properties = [each for each in session.profile.properties if each[0] != FOREIGN]
     stated = ", ".join(foreign)
-    return (*kept, *([(FOREIGN, stated)] if stated else []))
+    return (*properties, *([(FOREIGN, stated)] if stated else []))
 
 
 def _outside(session: Session, instance: str, name: str) -> SystemComponent:
     component = session.remote.components[instance]
-    known = {each.instance: each for each in session.profile.components}
-    before = known.get(name) or new_component(name, component.type)
+    by_instance = {each.instance: each for each in session.profile.components}
+    before = by_instance.get(name) or new_component(name, component.type)
     profile = (component.vendor, component.category, component.type, component.version)
     return replace(
         before,
@@ -218,9 +218,9 @@ def remote_move(
     session: Session, instance: str, place: tuple[float, float]
 ) -> Change | None:
     """Return the effect of moving a component of another process on the file."""
-    name, known = _foreign(session, instance)
+    name, component = _foreign(session, instance)
     x, y = map(round, place)
-    return together((known, lambda file: file.move(name, x, y)))
+    return together((component, lambda file: file.move(name, x, y)))
 
 
 def remote_effect(session: Session, command: ui.Command) -> Change | None:
@@ -231,16 +231,18 @@ def remote_effect(session: Session, command: ui.Command) -> Change | None:
     value: Any = command.value
     match command.discriminator:
         case ui.CommandKind.COMMAND_SET:
-            name, known = _foreign(session, value.instance)
+            name, component = _foreign(session, value.instance)
             set_id = value.set or session.remote.components[value.instance].active_set
             parameter, text = value.parameter, value.text
             return together(
-                (known, lambda file: file.configure(name, set_id, parameter, text))
+                (component, lambda file: file.configure(name, set_id, parameter, text))
             )
         case ui.CommandKind.COMMAND_ACTIVATE_SET:
-            name, known = _foreign(session, value.instance)
+            name, component = _foreign(session, value.instance)
             set_id = value.set
-            return together((known, lambda file: file.activate_set(name, set_id, ())))
+            return together(
+                (component, lambda file: file.activate_set(name, set_id, ()))
+            )
         case ui.CommandKind.COMMAND_CONNECT:
             return _remote_wire(session, value)
         case ui.CommandKind.COMMAND_CUT:
@@ -280,7 +282,7 @@ def _remote_wire(session: Session, command: ui.Connect) -> Change | None:
         service=service,
         added=[name for name, _ in pairs],
     )
-    return together((*(known for _, known in pairs), joined))
+    return together((*(change for _, change in pairs), joined))
 
 
 def _written_end(session: Session, address: ui.PortAddress) -> End:

@@ -287,8 +287,8 @@ class Session:
 
         Numbers of channels that do not exist are ignored.
         """
-        known = (*self._channels.values(), *self._channels_beside)
-        watched = frozenset(channels).intersection(each.id for each in known)
+        open_channels = (*self._channels.values(), *self._channels_beside)
+        watched = frozenset(channels).intersection(each.id for each in open_channels)
         added = watched - page.watched
         page.watched = watched
         self.watch_changed()
@@ -388,9 +388,9 @@ class Session:
             for instance in before.components.keys() - self.remote.components.keys():
                 self.forget(instance)
             for instance in self.remote.components.keys() - before.components.keys():
-                known = self.foreign.get(f"{instance}.{KIND}")
-                if known is not None and known.location is not None:
-                    x, y = known.location[:2]
+                component = self.foreign.get(f"{instance}.{KIND}")
+                if component is not None and component.location is not None:
+                    x, y = component.location[:2]
                     self.places.setdefault(instance, (float(x), float(y)))
             opened = self._open_remote()
             changes = self.remote.changes(before, self.now)

@@ -63,12 +63,12 @@ class TypeTable:
         """Return the number of a type, which is added if it is new; NO_TYPE without a codec."""
         if descriptor is None or id(descriptor) in self._refused:
             return NO_TYPE
-        count, known = len(self.nodes), dict(self._numbers)
+        count, numbers = len(self.nodes), dict(self._numbers)
         try:
             return self._number(descriptor)
         except _NoNodeError:
             del self.nodes[count:]
-            self._numbers = known
+            self._numbers = numbers
             self._refused.add(id(descriptor))
             return NO_TYPE
 

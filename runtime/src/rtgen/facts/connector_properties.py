@@ -131,13 +131,13 @@ def _flag(text: str) -> str | None:
 
 
 def _byte_orders(text: str) -> str | None:
-    known = all(order.strip() in ("little", "big") for order in text.split(","))
-    return None if known else "little or big, in order of wish"
+    is_valid = all(order.strip() in ("little", "big") for order in text.split(","))
+    return None if is_valid else "little or big, in order of wish"
 
 
 def _marshaling(text: str) -> str | None:
-    known = text == "cdr" or parse_marshaling(text) is not None
-    return None if known else "cdr or ros2:PACKAGE/TYPE"
+    is_valid = text == "cdr" or parse_marshaling(text) is not None
+    return None if is_valid else "cdr or ros2:PACKAGE/TYPE"
 
 
 def _text(_: str) -> None:

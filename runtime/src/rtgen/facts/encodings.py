@@ -77,8 +77,8 @@ def labelled(data: bytes, label: str) -> str:
     `label` is the name of the encoding in the declaration, as of XML and Python. Raises LookupError
     for an unknown one, UnicodeDecodeError for octets that do not fit it.
     """
-    known = encoding_of(label)
-    text = strict(data, known) if known else data.decode(label)
+    encoding = encoding_of(label)
+    text = strict(data, encoding) if encoding else data.decode(label)
     return text.removeprefix("\ufeff")
 
 

@@ -186,8 +186,8 @@ class Component:
         # None and False are not RTC_OK: a callback without a return value has failed.
         if type(code) is int and code == RTC_OK:
             return True
-        known = type(code) is int and 0 <= code < len(CODE_NAMES)
-        shown = CODE_NAMES[code] if known else repr(code)
+        is_code = type(code) is int and 0 <= code < len(CODE_NAMES)
+        shown = CODE_NAMES[code] if is_code else repr(code)
         self._note(callback, self._failing or callback + ": returned " + shown)
         return False
 

@@ -50,18 +50,18 @@ def monitor_(
     On a terminal, the output is a table with a row per identifier; elsewhere, or with --plain, a
     line per frame. The command stops at Ctrl-C, or according to --for and --count.
     """
-    known = described.known()
-    selection = Wanted(known, nodes, kinds)
-    with opened(access.on(known)) as bus, frames(bus, seconds, count) as received:
+    node_index = described.known()
+    selection = Wanted(node_index, nodes, kinds)
+    with opened(access.on(node_index)) as bus, frames(bus, seconds, count) as received:
         if as_json or plain or not sys.stdout.isatty():
-            printer = Printer(known, selection, as_json=as_json, write=write_out)
+            printer = Printer(node_index, selection, as_json=as_json, write=write_out)
             for message in received:
                 if message is not None:
                     printer.take(message)
         else:
             from rtgen.tools.can.decoding.live_table import show
 
-            show(received, MessageDecoder(known), selection, bus.bus.channel_info)
+            show(received, MessageDecoder(node_index), selection, bus.bus.channel_info)
     if received.lost:
         console.say(f"{received.lost} frames came too fast and are missing")
     return OK

@@ -61,15 +61,18 @@ def plot_(
     it. Values come from PDOs and SDO, and are physical if the object has a factor. On a bus, the
     command stops at Ctrl-C, or according to --for and --count. Exit code 1: there was no value.
     """
-    known = described.known()
+    node_index = described.known()
     for path in outputs:
         check_output(path)
-    curves = _series(known, objects)
-    decoder = MessageDecoder(known)
+    curves = _series(node_index, objects)
+    decoder = MessageDecoder(node_index)
     if record is not None:
         _collect(logs.read(record, console.say), decoder, curves)
     else:
-        with opened(access.on(known)) as bus, frames(bus, seconds, count) as received:
+        with (
+            opened(access.on(node_index)) as bus,
+            frames(bus, seconds, count) as received,
+        ):
             _collect(received, decoder, curves)
     for path in outputs:
         if path.suffix.lower() == ".csv":
@@ -83,11 +86,11 @@ def plot_(
 
 
 def _series(
-    known: NodeIndex, objects: tuple[str, ...]
+    node_index: NodeIndex, objects: tuple[str, ...]
 ) -> dict[tuple[str, tuple[int, int]], Series]:
     series = {}
     for text in objects:
-        for node, thing in known.find(text):
+        for node, thing in node_index.find(text):
             key = node.name, thing.number
             series[key] = Series(f"{node.name}.{thing.name}", thing.unit)
     return series

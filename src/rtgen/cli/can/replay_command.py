@@ -81,10 +81,10 @@ def replay_(
     --decode prints frames as `monitor` does. Error frames and frames of CAN FD are not sent, nor
     are remote frames over socketcand. What is damaged in FILE is reported, and the rest is read.
     """
-    known = described.known()
+    node_index = described.known()
     if decode:
-        selection = Wanted(known, nodes, kinds)
-        printer = Printer(known, selection, as_json=as_json, write=write_out)
+        selection = Wanted(node_index, nodes, kinds)
+        printer = Printer(node_index, selection, as_json=as_json, write=write_out)
         for message in logs.read(file, console.say):
             printer.take(message)
         return OK
@@ -92,7 +92,7 @@ def replay_(
         raise click.UsageError("--json, --node and --kind go with --decode")
     messages = logs.read(file, console.say, only_certain=True)
     sent = left_out = 0
-    with opened(access.on(known)) as bus, drained(bus), until_interrupted():
+    with opened(access.on(node_index)) as bus, drained(bus), until_interrupted():
         for message in _in_time(messages, speed, at_once=at_once):
             frame = frame_of(message)
             if frame is None or not can_carry(bus, frame):

@@ -64,13 +64,14 @@ def scan_(
     heartbeats reveal nodes that do not serve SDO now. LSS fastscan finds nodes without a node-id,
     and does not change them. Exit code 1: with --bus or --eds, a node is missing or different.
     """
-    known = described.known()
-    with opened(access.on(known)) as bus:
+    node_index = described.known()
+    with opened(access.on(node_index)) as bus:
         nodes, strangers = scanned(bus, seconds), list[LssAddress]()
         if not no_lss:
             strangers = unconfigured(BusSession(bus))
     lines = [
-        _line(known, nodes.get(node_id), node_id) for node_id in _ids(known, nodes)
+        _line(node_index, nodes.get(node_id), node_id)
+        for node_id in _ids(node_index, nodes)
     ]
     wrong = any(line.verdict not in ("", "as described") for line in lines)
     if as_json:
@@ -86,15 +87,15 @@ def scan_(
             if not no_lss
             else f"{len(nodes)} nodes answer"
         )
-    return NO if wrong and known.nodes else OK
+    return NO if wrong and node_index.nodes else OK
 
 
-def _ids(known: NodeIndex, nodes: dict[int, Found]) -> list[int]:
-    return sorted({*known.nodes, *nodes})
+def _ids(node_index: NodeIndex, nodes: dict[int, Found]) -> list[int]:
+    return sorted({*node_index.nodes, *nodes})
 
 
-def _line(known: NodeIndex, node: Found | None, node_id: int) -> _Row:
-    name = known.name(node_id)
+def _line(node_index: NodeIndex, node: Found | None, node_id: int) -> _Row:
+    name = node_index.name(node_id)
     if node is None:
         return _Row(node_id, name, "", "", "missing")
     return _Row(
@@ -102,16 +103,16 @@ def _line(known: NodeIndex, node: Found | None, node_id: int) -> _Row:
         name,
         node.state_text,
         node.device_text,
-        _verdict(known, node, node_id),
+        _verdict(node_index, node, node_id),
         node.identity,
     )
 
 
-def _verdict(known: NodeIndex, answers: Found, node_id: int) -> str:
+def _verdict(node_index: NodeIndex, answers: Found, node_id: int) -> str:
     """Return how the node differs from its description; empty if there is none to compare."""
-    node = known.nodes.get(node_id)
+    node = node_index.nodes.get(node_id)
     if node is None:
-        if not known.nodes or node_id == known.manager:
+        if not node_index.nodes or node_id == node_index.manager:
             return ""
         return "not described"
     if answers.identity[0] is None:

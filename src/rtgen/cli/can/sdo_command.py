@@ -127,16 +127,16 @@ def sdo_(
     as 6040 or 6401:1. Long values use block transfer if the node supports it. Exit code 1: the node
     refuses, or an answer is missing or not valid: what has happened to which message is printed.
     """
-    known = described.known()
-    node_id = known.node(node)
-    thing = requested_object(known, node_id, name, kind, raw=raw)
+    node_index = described.known()
+    node_id = node_index.node(node)
+    thing = requested_object(node_index, node_id, name, kind, raw=raw)
     if action == "read" and value is not None:
         raise click.UsageError("a value is for `write`")
     octets = _octets(thing, value, file) if action == "write" else None
-    called = f"{known.name(node_id)} {thing}"
-    cob_ids = server_cob_ids(known, node_id, server)
-    with opened(access.on(known)) as bus:
-        watch = OtherClientWatch(known, node_id, cob_ids[0], is_shared=server == 1)
+    called = f"{node_index.name(node_id)} {thing}"
+    cob_ids = server_cob_ids(node_index, node_id, server)
+    with opened(access.on(node_index)) as bus:
+        watch = OtherClientWatch(node_index, node_id, cob_ids[0], is_shared=server == 1)
         session = BusSession(bus, watch)
         if not no_look:
             warn_of_other_client(console, watch, session)
@@ -161,7 +161,7 @@ def sdo_(
             raise _NoValueError(f"{called}: {abort.explanation}") from abort
         except SilentError:
             raise ToolError(
-                f"{known.name(node_id)} does not answer",
+                f"{node_index.name(node_id)} does not answer",
                 hint="`rtgen can scan` lists the nodes of the bus; a stopped node has no SDO",
             ) from None
     if file is not None:
@@ -169,7 +169,7 @@ def sdo_(
         console.say(f"{len(got)} octets in {file}")
         return OK
     try:
-        field = Field(known.name(node_id), thing, decoded(thing, got))
+        field = Field(node_index.name(node_id), thing, decoded(thing, got))
     except ObjectValueError as error:
         raise _NoValueError(
             f"{called}: the answer is not valid: {error}; `--type octets` prints it"

@@ -65,15 +65,15 @@ def send_(
     """
     if bool(texts) == (file is not None):
         raise click.UsageError(f"give frames, or --file; a frame is {FORMS}")
-    known = described.known()
+    node_index = described.known()
     if file is not None:
-        steps = read_sequence(file, known)
+        steps = read_sequence(file, node_index)
     else:
-        steps = [Step(0.0, frame_of_text(text, known)) for text in texts]
+        steps = [Step(0.0, frame_of_text(text, node_index)) for text in texts]
     sent = 0
     period = steps[-1].at if every is None else every
     times = count or (1 if every is None else None)
-    with opened(access.on(known)) as bus, drained(bus), until_interrupted():
+    with opened(access.on(node_index)) as bus, drained(bus), until_interrupted():
         begin = time.monotonic()
         for number in itertools.count() if times is None else range(times):
             _run(bus, steps, begin + number * period)

@@ -142,9 +142,9 @@ def asker(peers: Peers, instance: str, options: CtlOptions) -> Asker:
     deadline = time.monotonic() + options.wait
     while not peers.is_present(instance):
         if time.monotonic() > deadline:
-            known = ", ".join(peers.instances) or "none"
+            names = ", ".join(peers.instances) or "none"
             raise ToolError(
-                f"no process has {instance}; known: {known}",
+                f"no process has {instance}; known: {names}",
                 hint="the processes need the same --transport, and the same --partition or system",
             )
         peers.wait(_POLL_INTERVAL)
@@ -154,14 +154,14 @@ def asker(peers: Peers, instance: str, options: CtlOptions) -> Asker:
 def settled(peers: Peers, options: CtlOptions) -> Sequence[str]:
     """Return the components of all processes, once no further one is found."""
     begun = changed = time.monotonic()
-    known = peers.instances
+    instances = peers.instances
     while True:
         peers.wait(_POLL_INTERVAL)
         now = time.monotonic()
-        if peers.instances != known:
-            known, changed = peers.instances, now
-        if now - begun >= options.wait or (known and now - changed >= _SETTLED):
-            return known
+        if peers.instances != instances:
+            instances, changed = peers.instances, now
+        if now - begun >= options.wait or (instances and now - changed >= _SETTLED):
+            return instances
 
 
 def print_json(value: object) -> None:

@@ -46,12 +46,12 @@ def get_(
             sets = asker(peers, instance, options).parameters()
             values = sets.sets.get(sets.active if set_id is None else set_id)
             if values is None:
-                known = ", ".join(sets.sets)
-                raise Refused(f"{instance} has no set {set_id!r}; known: {known}")
+                choices = ", ".join(sets.sets)
+                raise Refused(f"{instance} has no set {set_id!r}; known: {choices}")
             if parameter and parameter not in values:
-                known = ", ".join(values) or "none"
+                choices = ", ".join(values) or "none"
                 raise Refused(
-                    f"{instance} has no configuration parameter {parameter!r}; known: {known}"
+                    f"{instance} has no configuration parameter {parameter!r}; known: {choices}"
                 )
             chosen = {parameter: values[parameter]} if parameter else values
             by_instance.setdefault(instance, {}).update(chosen)

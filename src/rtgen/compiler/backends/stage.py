@@ -158,19 +158,19 @@ def together(emissions: Iterable[Emission]) -> Emission:
     diagnostics: list[Diagnostic] = []
     components = ComponentTypes()
     files: list[list[Artifact]] = []
-    known: dict[str, list[Artifact]] = {}
+    by_name: dict[str, list[Artifact]] = {}
     for emission in emissions:
         diagnostics += emission.diagnostics
         components = components.joined(emission.components)
         own: dict[str, list[Artifact]] = {}
         for artifact in emission.artifacts:
-            earlier = known.get(artifact.path)
+            earlier = by_name.get(artifact.path)
             if earlier and _are_parts(*earlier, artifact):
                 earlier.append(artifact)
                 continue
             files.append([artifact])
             own.setdefault(artifact.path, files[-1])
-        known = {**own, **known}
+        by_name = {**own, **by_name}
     diagnostics = list(
         dict.fromkeys(diagnostics)
     )  # several meet the same fault of a template

@@ -37,13 +37,13 @@ def document(root: XmlElement, prefixes: Mapping[str, str], comment: str = "") -
     return f"{DECLARATION}{comment}{body}\n"
 
 
-def new_prefixes(root: XmlElement, known: Mapping[str, str]) -> dict[str, str]:
-    """Return prefixes for the namespaces of an element that are not `known`, by namespace."""
+def new_prefixes(root: XmlElement, in_scope: Mapping[str, str]) -> dict[str, str]:
+    """Return prefixes for the namespaces of an element that are not `in_scope`, by namespace."""
     prefixes: dict[str, str] = {}
-    taken = {*known.values()}
+    taken = {*in_scope.values()}
     free = (name for n in count(1) if (name := f"ns{n}") not in taken)
     for namespace in _namespaces(root):
-        if namespace and namespace not in known and namespace not in prefixes:
+        if namespace and namespace not in in_scope and namespace not in prefixes:
             prefixes[namespace] = next(free)
     return prefixes
 

@@ -204,8 +204,8 @@ def _suffix_maxima(costs: Sequence[int]) -> list[int]:
 
 
 def _sum(*times: int | None) -> int | None:
-    known = [time for time in times if time is not None]
-    return sum(known) if len(known) == len(times) else None
+    finite = [time for time in times if time is not None]
+    return sum(finite) if len(finite) == len(times) else None
 
 
 def _transmission(message: Message, bit_rate: int) -> int:

@@ -103,9 +103,9 @@ class _Writer:
         raise AssertionError(type_)
 
     def _struct(self, tag: ScopedName) -> str:
-        known = self._numbers.get(tag)
-        if known is not None:
-            return f"struct {known}"
+        earlier = self._numbers.get(tag)
+        if earlier is not None:
+            return f"struct {earlier}"
         number = self._numbers[tag] = len(self._numbers) + 1
         try:
             struct = self._unit.find(tag, TecsStruct)

@@ -179,13 +179,13 @@ def _check_order(
 
     `before` are earlier values, `known_items` those that both peers know from the request.
     """
-    known = {item.name for item in before}
+    names = {item.name for item in before}
     travels = {item.name for item in items}
     for item in items:
         bounds = capacity(item.node) if is_known(item.node, known_items) else None
         for expression in sizes_of(item.node):
             for name in references(expression):
-                if name in known or (expression is bounds and _is_bound_only(item)):
+                if name in names or (expression is bounds and _is_bound_only(item)):
                     continue
                 late = name in travels and name != item.name
                 raise TransferError(
@@ -194,7 +194,7 @@ def _check_order(
                     + ("after it" if late else "another way"),
                     f"declare {name!r} before {item.name!r}" if late else None,
                 )
-        known.add(item.name)
+        names.add(item.name)
 
 
 def _is_bound_only(item: Item) -> bool:
@@ -403,18 +403,18 @@ class _Nodes:
 
 
 def _check_members(struct: TecsStruct, ordered: Sequence[Item]) -> None:
-    known: set[str] = set()
+    names: set[str] = set()
     for item in ordered:
         for expression in sizes_of(item.node):
             _check_expression(expression, item)
             for name in references(expression):
-                if name not in known:
+                if name not in names:
                     raise TransferError(
                         item.span,
                         f"the size of {struct.scoped}.{item.name} depends on {name!r}, "
                         "which does not come before it",
                     )
-        known.add(item.name)
+        names.add(item.name)
 
 
 def _check_element(element: Node, span: Span) -> None:

@@ -49,13 +49,13 @@ def suppressed(
     sources: Mapping[str, str],
     patterns: Sequence[FilePattern] = (),
     *,
-    known: Collection[str],
+    codes: Collection[str],
     active: Collection[str] | None,
     whole: bool = False,
 ) -> list[Diagnostic]:
     """Return the remaining diagnostics, and one for each suppression without effect.
 
-    `known` are the codes of all rules; `active` those of the rules that were run, None if that is
+    `codes` are those of all rules; `active` those of the rules that were run, None if that is
     unknown. `whole`: `sources` are all files that the patterns can match.
     """
     comments = {
@@ -63,19 +63,21 @@ def suppressed(
         for name, text in sources.items()
         if "ignore[" in text
     }
-    left = [d for d in diagnostics if not _is_suppressed(d, comments, patterns)]
+    remaining = [d for d in diagnostics if not _is_suppressed(d, comments, patterns)]
     if active is not None:
         written = [
             s for lines in comments.values() for ss in lines.values() for s in ss
         ]
         for each in [*written, *(patterns if whole else ())]:
-            if each.code not in known:
+            if each.code not in codes:
                 message = f"no rule has the code {each.code!r}"
-                left.append(rules.NO_EFFECT.at(each.span, message))
+                remaining.append(rules.NO_EFFECT.at(each.span, message))
             elif not each.used and each.code in active:
                 message = f"no finding of {each.code} is suppressed here"
-                left.append(rules.NO_EFFECT.at(each.span, message, hint="remove it"))
-    return left
+                remaining.append(
+                    rules.NO_EFFECT.at(each.span, message, hint="remove it")
+                )
+    return remaining
 
 
 def _is_suppressed(

@@ -160,10 +160,10 @@ class _Maker:
         for to, from_ in entry.mapping:
             to_path, from_path = tuple(to.split(".")), tuple(from_.split("."))
             self._check(self._type(target, to_path), self._type(source, from_path), to)
-            for known in copies:
-                shorter = min(len(known), len(to_path))
-                if known[:shorter] == to_path[:shorter]:
-                    message = f"{to!r} and {'.'.join(known)!r} fill the same member"
+            for copy_path in copies:
+                shorter = min(len(copy_path), len(to_path))
+                if copy_path[:shorter] == to_path[:shorter]:
+                    message = f"{to!r} and {'.'.join(copy_path)!r} fill the same member"
                     raise self._error(ADAPTER_VALUE, message)
             copies[to_path] = from_path
         targets = {path[0] for path in copies}
@@ -220,17 +220,17 @@ class _Maker:
     ) -> None:
         """Copy a struct member by member, if one of its members is converted."""
         self._type(target, path)
-        known = next((k for k in copies if path[: len(k)] == k), None)
-        if known is None:
+        prefix = next((k for k in copies if path[: len(k)] == k), None)
+        if prefix is None:
             raise self._error(ADAPTER_VALUE, f"nothing fills {'.'.join(path)!r}")
-        while known != path:
-            from_, inner = copies.pop(known), self._type(target, known)
+        while prefix != path:
+            from_, inner = copies.pop(prefix), self._type(target, prefix)
             assert isinstance(inner, NamedType)
             struct = self.model.find(inner.name)
             assert isinstance(struct, Struct)
             for member in self._members(struct):
-                copies[*known, member.name] = (*from_, member.name)
-            known = path[: len(known) + 1]
+                copies[*prefix, member.name] = (*from_, member.name)
+            prefix = path[: len(prefix) + 1]
 
     def _conversion(
         self,
@@ -322,11 +322,11 @@ class _Maker:
         structs = {d.name: d for d in self.model.declarations if isinstance(d, Struct)}
         if name in structs:
             return structs[name]
-        known = ["::".join(known) for known in structs]
+        structs_known = ["::".join(structs_known) for structs_known in structs]
         from difflib import get_close_matches
 
-        close = get_close_matches(scoped, known, n=1)
-        ending = [k for k in known if k.endswith(f"::{scoped}")]
+        close = get_close_matches(scoped, structs_known, n=1)
+        ending = [k for k in structs_known if k.endswith(f"::{scoped}")]
         meant = next(iter(ending or close), None)
         hint = _include(name) or (f"did you mean {meant!r}?" if meant else None)
         raise self._error(ADAPTER_TYPE, f"no struct {scoped!r}", hint)
@@ -350,9 +350,9 @@ class _Maker:
             from difflib import get_close_matches
 
             close = get_close_matches(name, members, n=1)
-            known = f"did you mean {close[0]!r}?" if close else ", ".join(members)
+            choices = f"did you mean {close[0]!r}?" if close else ", ".join(members)
             message = f"{struct.scoped} has no member {name!r}"
-            raise self._error(ADAPTER_MEMBER, message, known)
+            raise self._error(ADAPTER_MEMBER, message, choices)
         type_ = self.model.unalias(members[name].type)
         if members[name].optional:
             raise self._error(ADAPTER_VALUE, f"{name!r} is optional")

@@ -94,14 +94,14 @@ def _implemented(model: Model) -> set[str]:
     digests = implemented_idl()
     held: set[str] = set()
     for file in model.files:  # included before includer
-        known = digests.get(file.key)
+        expected = digests.get(file.key)
         if (
-            known is None
+            expected is None
             or file.belongs_to is not None
             or not held.issuperset(file.includes)
         ):
             continue
-        if digest(classes_of(model, file.name)) == known:
+        if digest(classes_of(model, file.name)) == expected:
             held.add(file.name)
     return held
 

@@ -111,10 +111,10 @@ def _ports(file: str, text: str, base: str) -> Iterator[Diagnostic]:
     if mixed or not _OF_COMPONENT.search(base):
         return
     declared = set(_DECLARED.findall(base))
-    known = {*declared, *_SET.findall(text), *_NAMED.findall(text)}
+    names = {*declared, *_SET.findall(text), *_NAMED.findall(text)}
     uses = {use[1]: use for use in reversed([*_USE.finditer(text)])}
     for name, use in uses.items():
-        if name not in known:
+        if name not in names:
             near = _nearest(name, declared)
             yield UNKNOWN_PORT.at(
                 _span(file, text, use.start(1), use.end(1)),

@@ -94,10 +94,10 @@ def _patterns(value: Any) -> str | None:
     return None if fine else "must be a table of patterns of files to lists of codes"
 
 
-def _one_of(*known: str) -> Check:
+def _one_of(*choices: str) -> Check:
     def check(value: Any) -> str | None:
-        fine = isinstance(value, str) and value in known
-        return None if fine else "must be one of " + ", ".join(map(repr, known))
+        fine = isinstance(value, str) and value in choices
+        return None if fine else "must be one of " + ", ".join(map(repr, choices))
 
     return check
 
@@ -470,8 +470,8 @@ def _check_key(
         yield WRONG_TYPE.at(span, f"{key!r} in [{section}] {problem}")
 
 
-def _did_you_mean(name: str, known: dict[str, Any]) -> str:
+def _did_you_mean(name: str, keys: dict[str, Any]) -> str:
     from difflib import get_close_matches
 
-    close = get_close_matches(name, known, n=1)
-    return f"did you mean {close[0]!r}?" if close else "known: " + ", ".join(known)
+    close = get_close_matches(name, keys, n=1)
+    return f"did you mean {close[0]!r}?" if close else "known: " + ", ".join(keys)

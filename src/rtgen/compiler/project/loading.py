@@ -332,8 +332,8 @@ def with_arguments(
         findings += _without_definitions(named, changes.output)
         if findings:
             raise InputError(findings)
-        known = [*project.sources, *project.systems] if add else []
-        changes = _with_files(changes, [*known, *named])
+        before = [*project.sources, *project.systems] if add else []
+        changes = _with_files(changes, [*before, *named])
         if changes.systems and not changes.sources:
             changes = replace(changes, sources=project.sources)
         elif not add:

@@ -115,14 +115,14 @@ def _plan(project: Project, run: Compilation) -> Plan:
     contents = {a.path: a.text.encode() for a in own}
     with _disk_failures():
         there, files, temporary = _tree(project.output)
-        known = _former(project.output)
+        former_files = _former(project.output)
         differences = {
             p: _difference(project.output / p, contents[p]) for p in sorted(contents)
         }
-        findings = [*_check_foreign(differences, known)]
+        findings = [*_check_foreign(differences, former_files)]
         if findings:
             raise InputError(findings)
-        former = [p for p in known if p in there and p not in contents]
+        former = [p for p in former_files if p in there and p not in contents]
         manifest = _manifest(own, contents, run)
         changes = [
             Change(project.output / p, _read(project.output / p), None) for p in former
@@ -130,7 +130,7 @@ def _plan(project: Project, run: Compilation) -> Plan:
         changes += _difference(project.output / MANIFEST, manifest)
         changes += (change for files in differences.values() for change in files)
         written = sum(c.new is not None for c in changes)
-        kept = {
+        folders_in_use = {
             f for p in {*there.difference(former), *ours} for f in _folders_above(p)
         }
         folders = {place.parent for place, _ in users}
@@ -149,7 +149,7 @@ def _plan(project: Project, run: Compilation) -> Plan:
                 *(f for d in sorted(folders) for f in _temporary_in(d)),
             ),
             barren=tuple(
-                project.output / f for f in sorted(files - kept, reverse=True)
+                project.output / f for f in sorted(files - folders_in_use, reverse=True)
             ),
             unchanged=len(contents) + 1 - written,
         )
@@ -363,13 +363,13 @@ def _check_links(
 
 
 def _check_foreign(
-    differences: Mapping[str, list[Change]], known: Sequence[str]
+    differences: Mapping[str, list[Change]], former: Sequence[str]
 ) -> Iterator[Diagnostic]:
     """Yield diagnostics for files that rtgen would overwrite but did not generate.
 
     rtgen's own files are in the manifest; if that is lost, their headers identify them.
     """
-    for path in sorted(set(differences).difference(known)):
+    for path in sorted(set(differences).difference(former)):
         for change in differences[path]:
             if change.old is not None and _MARK not in change.old[:_HEAD]:
                 yield FOREIGN_FILE.at(

@@ -67,12 +67,16 @@ _ASCENDING = (Severity.NOTE, Severity.WARNING, Severity.ERROR)
 _TYPE_KEY = "dataport.data_type"
 
 
-def check(system: System, known: Mapping[str, Known]) -> list[Diagnostic]:
-    """Return all diagnostics about a system; `known` maps type names to definitions."""
+def check(system: System, components: Mapping[str, Known]) -> list[Diagnostic]:
+    """Return all diagnostics about a system; `components` maps type names to definitions."""
     diagnostics = [*check_properties(system)]
     for c in system.components:
-        diagnostics += _component(c, known)
-    ends = {c.instance: known[c.type] for c in system.components if c.type in known}
+        diagnostics += _component(c, components)
+    ends = {
+        c.instance: components[c.type]
+        for c in system.components
+        if c.type in components
+    }
     for connection in system.connections:
         if connector_properties.OWN_PORT in dict(connection.properties):
             continue
@@ -147,10 +151,12 @@ def _guess(near: str | None) -> str | None:
     return f"did you mean {near}?" if near else None
 
 
-def _component(c: SystemComponent, known: Mapping[str, Known]) -> Iterator[Diagnostic]:
-    definition = known.get(c.type)
+def _component(
+    c: SystemComponent, components: Mapping[str, Known]
+) -> Iterator[Diagnostic]:
+    definition = components.get(c.type)
     if definition is None:
-        hint = _guess(nearest(c.type, known)) or "give its definition as a source"
+        hint = _guess(nearest(c.type, components)) or "give its definition as a source"
         message = f"the component {c.type!r} of {c.instance} is not defined"
         yield UNKNOWN_COMPONENT.at(c.span, message, hint=hint)
         return

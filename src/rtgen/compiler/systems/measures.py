@@ -85,13 +85,13 @@ def parse(entry: Mapping[str, Any], place: Callable[[str], Span]) -> Measure:
             raise wrong("", f"a measure needs {key}, a text")
     kind = _KINDS.get(entry["kind"])
     if kind is None:
-        known = ", ".join(_KINDS)
-        raise wrong("kind", f"no kind {entry['kind']!r}", f"known: {known}")
+        choices = ", ".join(_KINDS)
+        raise wrong("kind", f"no kind {entry['kind']!r}", f"known: {choices}")
     needed = [*_REQUIRED_KEYS, *(["to"] if kind.two else []), *kind.keys]
     for key in entry:
         if key not in needed and key not in _LIMITS:
-            known = ", ".join([*needed, *_LIMITS])
-            raise wrong(key, f"unknown key {key!r}; known: {known}")
+            choices = ", ".join([*needed, *_LIMITS])
+            raise wrong(key, f"unknown key {key!r}; known: {choices}")
     to = entry.get("to")
     if kind.two and not (isinstance(to, str) and to):
         raise wrong("to", f"{entry['kind']!r} needs to, an observable")

@@ -122,14 +122,14 @@ def against(
 
 def as_defined(systems: Iterable[System], models: Iterable[Model]) -> list[System]:
     """Return the systems with the definitions' port names in place of OpenRTM's."""
-    known = known_components(models)
+    components = known_components(models)
     return [
         with_definition_names(
             system,
             {
-                c.instance: ports_of(known[c.type].component)
+                c.instance: ports_of(components[c.type].component)
                 for c in system.components
-                if c.type in known
+                if c.type in components
             },
         )
         for system in systems
@@ -138,9 +138,9 @@ def as_defined(systems: Iterable[System], models: Iterable[Model]) -> list[Syste
 
 def checked(systems: Iterable[System], models: Iterable[Model]) -> Iterator[Diagnostic]:
     """Yield diagnostics about systems whose components are defined in models."""
-    known = known_components(models)
+    components = known_components(models)
     for system in systems:
-        yield from check(system, known)
+        yield from check(system, components)
 
 
 def _with_conf(

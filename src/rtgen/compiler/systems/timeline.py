@@ -163,12 +163,14 @@ def assignment(text: str, system: System, span: Span | None = None) -> SetParame
 
 def require_instance(instance: str, system: System, span: Span | None) -> str:
     """Return the name of a component of the system. Raises InputError for an unknown one."""
-    known = [c.instance for c in system.components]
-    if instance not in known:
+    instances = [c.instance for c in system.components]
+    if instance not in instances:
         from difflib import get_close_matches
 
-        close = get_close_matches(instance, known, n=1)
-        hint = f"did you mean {close[0]!r}?" if close else f"known: {', '.join(known)}"
+        close = get_close_matches(instance, instances, n=1)
+        hint = (
+            f"did you mean {close[0]!r}?" if close else f"known: {', '.join(instances)}"
+        )
         finding = UNKNOWN_INSTANCE.at(
             span, f"no component {instance!r} in the system", hint=hint
         )
@@ -275,9 +277,9 @@ class _Reader:
         """Fill `found`, `measures`, `skipped` and `findings`."""
         for key in content:
             if key not in _SECTIONS:
-                known = "[[at]], [[measure]] and follows"
+                choices = "[[at]], [[measure]] and follows"
                 self._refuse(
-                    self._span("", -1), f"unknown section {key!r}; known: {known}"
+                    self._span("", -1), f"unknown section {key!r}; known: {choices}"
                 )
         if not isinstance(content.get("follows", ""), str):
             self._refuse(self._span("", -1), "'follows' must name a file")
@@ -317,9 +319,9 @@ class _Reader:
             return
         for key in entry:
             if kinds[0] == "connect" and key != "t" and key not in _ORDER:
-                known = ", ".join(_ORDER)
+                choices = ", ".join(_ORDER)
                 place = self._span("at", number, key)
-                self._refuse(place, f"unknown key {key!r}; known: t, {known}")
+                self._refuse(place, f"unknown key {key!r}; known: t, {choices}")
         for kind in kinds:
             span = self._span("at", number, kind)
             values = entry.get(kind, [])
@@ -364,9 +366,12 @@ class _Reader:
             return StateRequest(kind, require_instance(value, self._system, span))
         links = self._own
         name = self._link(value, span, links).name
-        known = next(c for c in self._system.connections if c.name == name)
+        connection = next(c for c in self._system.connections if c.name == name)
         return Connect(
-            name, known.source, known.target, own_properties(known.properties)
+            name,
+            connection.source,
+            connection.target,
+            own_properties(connection.properties),
         )
 
     def _link(self, text: str, span: Span, links: list[_Link]) -> _Link:
@@ -377,9 +382,9 @@ class _Reader:
         ):
             if matches:
                 return matches[0]
-        known = ", ".join(dict.fromkeys(link.name for link in links)) or "none"
+        choices = ", ".join(dict.fromkeys(link.name for link in links)) or "none"
         message = f"no connection {text!r} in the system"
-        raise InputError([SKIPPED.at(span, message, hint=f"known: {known}")])
+        raise InputError([SKIPPED.at(span, message, hint=f"known: {choices}")])
 
     def _between(self, value: dict[str, Any], span: Span) -> Disconnect:
         """Return the cut of the connection of two ports, in either direction.

@@ -59,8 +59,8 @@ def _shown(unit: str, is_silent: bool) -> str:
 def _defined(port: Port, model: Model) -> str:
     """Return the units of a port without one: those of its type, if each real number has one."""
     units = [leaf.unit for leaf in _reals(port, model)]
-    known = [unit for unit in units if unit and _is_unit(unit)]
-    return ", ".join(dict.fromkeys(known)) if len(known) == len(units) else ""
+    valid = [unit for unit in units if unit and _is_unit(unit)]
+    return ", ".join(dict.fromkeys(valid)) if len(valid) == len(units) else ""
 
 
 def _is_unit(text: str) -> bool:

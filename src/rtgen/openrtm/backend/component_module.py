@@ -183,13 +183,13 @@ class _ComponentModule:
 
     def _attribute(self, kind: str, key: str, name: str) -> str:
         """Return an item's attribute, by kind and key: its name, with `_` appended if necessary."""
-        known = self._attributes.get((kind, key))
-        if known is None:
+        attribute = self._attributes.get((kind, key))
+        if attribute is None:
             taken = self._attributes.values()
             while name in taken:
                 name += "_"
-            known = self._attributes[kind, key] = name
-        return known
+            attribute = self._attributes[kind, key] = name
+        return attribute
 
     def _datum(self, port: DataPort) -> str:
         return self._attribute("datum", port.attribute, f"_d_{port.attribute}")
@@ -249,10 +249,10 @@ class _ComponentModule:
 
     def _module(self, path: str) -> str:
         """Return a module of types, or a class in a package, under its local name."""
-        known = self._modules.get(path)
-        if known is None:
-            known = self._modules[path] = self._own(path.rpartition(".")[2])
-        return known
+        module = self._modules.get(path)
+        if module is None:
+            module = self._modules[path] = self._own(path.rpartition(".")[2])
+        return module
 
     def _stub(self, path: str) -> str:
         """Return a class of stubs, with the import of its package."""

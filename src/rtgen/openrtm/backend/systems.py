@@ -329,8 +329,8 @@ class _Writer:
 
     def _profile(self) -> str:
         ports = {}
-        for instance, known in self._ends.items():
-            names = names_of(known.component)
+        for instance, ends in self._ends.items():
+            names = names_of(ends.component)
             data = [known_name(names[key]) for key in names if key[0] != SERVICE]
             service = [known_name(names[key]) for key in names if key[0] == SERVICE]
             ports[instance] = InstancePorts(tuple(data), tuple(service))

@@ -156,10 +156,10 @@ class Expressions:
             case ast.Compare(left=left, ops=[op], comparators=[right]):
                 return self._compared(left, op, right, frame)
             case ast.IfExp(test=test, body=body, orelse=orelse):
-                known = self.value(test, frame)
+                condition = self.value(test, frame)
                 yes, no = self.value(body, frame), self.value(orelse, frame)
-                if is_known(known):
-                    return yes if known else no
+                if is_known(condition):
+                    return yes if condition else no
                 return merged(yes, no)
             case ast.JoinedStr(values=parts):
                 return self._text([self.value(part, frame) for part in parts])

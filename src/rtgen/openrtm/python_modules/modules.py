@@ -82,15 +82,15 @@ class Modules:
         """Return the file of a module of the repository that is not found and has a class."""
         file_name = f"{path[-1]}.py"
         declares = re.compile(rf"^class\s+{re.escape(name)}\b", re.MULTILINE)
-        left = _MAX_SEARCHED
+        remaining = _MAX_SEARCHED
         for folder, below, files in os.walk(self._root):
             below[:] = sorted(each for each in below if not each.startswith("."))
-            left -= len(files)
+            remaining -= len(files)
             if file_name in files:
                 file = Path(folder, file_name)
                 if declares.search(read_source(file).text):
                     return file
-            if left < 0:
+            if remaining < 0:
                 break
         return None
 

@@ -66,18 +66,20 @@ def component_classes(module: Module, walker: Walker) -> list[Class]:
         if isinstance(node, ast.ClassDef)
     ]
     own = {each.node.name: each for each in classes}
-    known = [lineage for each in classes if (lineage := _line(each, own, walker, []))]
+    lineages = [
+        lineage for each in classes if (lineage := _line(each, own, walker, []))
+    ]
     for call in ast.walk(module.tree):
         if not isinstance(call, ast.Call) or len(call.args) < 2:
             continue
         if dotted(call.func)[-1:] == ("registerFactory",):
             named = walker.expressions.value(call.args[1], frame)
             if isinstance(named, Class):
-                chosen = [line for line in known if line[0].node is named.node]
+                chosen = [line for line in lineages if line[0].node is named.node]
                 chosen = chosen or [_line(named, own, walker, [])]
                 if chosen[0]:
                     return chosen[0]
-    return known[0] if known else []
+    return lineages[0] if lineages else []
 
 
 def _line(

@@ -85,12 +85,12 @@ class Ports:
                 message = f"the port {shown} is computed"
                 self._report_at(rules.COMPUTED, self._span(call.made), message)
         created = [each for each in self._walker.made if is_made(each, *_DATA_PORTS)]
-        known: dict[tuple[bool, str], list[ProfileDataPort]] = {}
+        by_name: dict[tuple[bool, str], list[ProfileDataPort]] = {}
         for each in created:
             port = self._data_port(each, added)
             if port is not None:
-                known.setdefault((port.output, port.name), []).append(port)
-        for same in known.values():
+                by_name.setdefault((port.output, port.name), []).append(port)
+        for same in by_name.values():
             types = list(dict.fromkeys(port.type for port in same))
             if len(types) > 1:
                 self._chosen(same[0].span, same[0].name, types)

@@ -159,9 +159,9 @@ class ModuleReader:
         for each in modules:
             file = self._modules.elsewhere(each, name) if each else None
             if file is not None:
-                shown = Path(os.path.relpath(file)).as_posix()
-                folder = Path(shown).parents[len(each) - 1].as_posix()
-                return f"{shown} has it: -I {folder}"
+                path = Path(os.path.relpath(file)).as_posix()
+                folder = Path(path).parents[len(each) - 1].as_posix()
+                return f"{path} has it: -I {folder}"
         listed = " or ".join(".".join(each) for each in modules if each)
         return f"name the folder of the module {listed} with -I"
 
@@ -194,8 +194,8 @@ class ModuleReader:
     def _pairs(self, items: Sequence[Item]) -> Iterator[tuple[str, str]]:
         for (_, name), (node, text) in zip(items[::2], items[1::2], strict=False):
             if not isinstance(name, str) or not isinstance(text, str):
-                shown = name if isinstance(name, str) else ""
-                message = f"the entry {shown} of the module spec is computed"
+                label = name if isinstance(name, str) else ""
+                message = f"the entry {label} of the module spec is computed"
                 self._report_at(rules.COMPUTED, self._span(node), message)
             else:
                 yield name, text
@@ -346,10 +346,10 @@ def _is_empty(function: ast.FunctionDef) -> bool:
 def _own_text(docstring: str | None) -> str:
     """Return the class's docstring, without the lines of RTCBuilder's template."""
     lines = (line.strip() for line in (docstring or "").split("\n"))
-    kept = [
+    remaining = [
         line for line in lines if not line.startswith(("\\brief", "@class", "@brief"))
     ]
-    return "\n".join(kept).strip()
+    return "\n".join(remaining).strip()
 
 
 def _positive(word: str) -> float | None:

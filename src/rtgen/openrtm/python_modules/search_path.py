@@ -125,8 +125,8 @@ class _Reading:
 
     def _joined(self, nodes: list[ast.expr], depth: int) -> str | None:
         parts = [self._text(each, depth) for each in nodes]
-        known = [part for part in parts if part is not None]
-        return str(Path(*known)) if known and len(known) == len(parts) else None
+        texts = [part for part in parts if part is not None]
+        return str(Path(*texts)) if texts and len(texts) == len(parts) else None
 
     def _parent(self, node: ast.expr, count: int, depth: int) -> str | None:
         text = self._text(node, depth)

@@ -330,9 +330,13 @@ class Walker:
                 return Super(frame.component, frame.owner)
             case Named(("getattr",)) if len(arguments) > 1:
                 name = arguments[1]
-                known = isinstance(name, str) and isinstance(arguments[0], Component)
+                is_component = isinstance(name, str) and isinstance(
+                    arguments[0], Component
+                )
                 return (
-                    self.expressions.attribute(arguments[0], name) if known else UNKNOWN
+                    self.expressions.attribute(arguments[0], name)
+                    if is_component
+                    else UNKNOWN
                 )
             case Named(("setattr",)) if len(arguments) == 3:
                 holder, name, new = arguments

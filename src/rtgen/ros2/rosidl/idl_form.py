@@ -166,8 +166,8 @@ class _Reader:
             self._take(";")
             if name in self._structs:
                 raise self._other()
-            kept = tuple(f for f in fields if f.name != _FILLER)
-            self._structs[name] = Part(kept, (), annotations.get("verbatim", ""))
+            members = tuple(f for f in fields if f.name != _FILLER)
+            self._structs[name] = Part(members, (), annotations.get("verbatim", ""))
 
     def _constant(self) -> Field:
         doc = self._annotations().get("verbatim", "")

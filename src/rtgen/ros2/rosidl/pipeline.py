@@ -59,10 +59,10 @@ def load(
     packages, `encoding` is that of files that are not UTF-8. All errors in the input are among the
     diagnostics; no exception is raised for them.
     """
-    shown = {absolute_path(path): path.as_posix() for path in reversed(paths)}
-    run = _Run(Library(InterfaceFile, root, include, shown, shipped()), encoding)
+    names = {absolute_path(path): path.as_posix() for path in reversed(paths)}
+    run = _Run(Library(InterfaceFile, root, include, names, shipped()), encoding)
     for absolute in dict.fromkeys(map(absolute_path, paths)):
-        run.read_main(Path(absolute), shown[absolute])
+        run.read_main(Path(absolute), names[absolute])
     return run.result()
 
 
@@ -91,12 +91,12 @@ class _Run:
             dependencies=(*self._library.dependencies, *dependencies(self._files)),
         )
 
-    def read_main(self, path: Path, shown: str) -> None:
-        stages.file(shown)
+    def read_main(self, path: Path, name: str) -> None:
+        stages.file(name)
         file = open_main(
             self._library,
             path,
-            shown,
+            name,
             self._findings.report,
             missing=rules.MISSING_FILE,
             unreadable=rules.UNREADABLE,
@@ -109,9 +109,9 @@ class _Run:
         else:
             self._interface(file, main=True)
 
-    def _mark_main(self, shown: str) -> None:
+    def _mark_main(self, name: str) -> None:
         self._files = [
-            msgspec.structs.replace(file, main=True) if file.name == shown else file
+            msgspec.structs.replace(file, main=True) if file.name == name else file
             for file in self._files
         ]
 

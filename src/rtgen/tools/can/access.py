@@ -42,11 +42,11 @@ class BusAccess:
         options = tuple(sorted(arguments.items()))
         return BusAddress(interface, channel, bitrate or 0, options)
 
-    def on(self, known: NodeIndex) -> BusAccess:
+    def on(self, node_index: NodeIndex) -> BusAccess:
         """Return a copy with the bit rate of the bus file, unless an option sets one."""
-        if self.bitrate is not None or known.bus is None:
+        if self.bitrate is not None or node_index.bus is None:
             return self
-        return replace(self, bitrate=1000 * known.bus.bit_rate)
+        return replace(self, bitrate=1000 * node_index.bus.bit_rate)
 
 
 def _configuration() -> dict[str, Any]:

@@ -33,12 +33,12 @@ def watch(console: Console, request: Request) -> int:
             "--watch needs the package watchfiles, which is not installed",
             hint="pip install 'rtgen[watch]'",
         ) from error
-    known: tuple[Path, ...] = ()
+    files: tuple[Path, ...] = ()
     try:
         while True:
-            before, _ = _state(request, known)
-            known = _attempt(console, request)
-            after, sources = _state(request, known)
+            before, _ = _state(request, files)
+            files = _attempt(console, request)
+            after, sources = _state(request, files)
             seen = {
                 file: before.get(file) if file in before or file in sources else now
                 for file, now in after.items()
@@ -52,7 +52,7 @@ def watch(console: Console, request: Request) -> int:
                 rust_timeout=_SECOND_MS,
                 yield_on_timeout=True,
             ):
-                if _state(request, known)[0] != seen:
+                if _state(request, files)[0] != seen:
                     break
     except KeyboardInterrupt:
         console.say("ended")
@@ -78,7 +78,7 @@ def _attempt(console: Console, request: Request) -> tuple[Path, ...]:
     return ()
 
 
-def _state(request: Request, known: Iterable[Path]) -> tuple[State, set[Path]]:
+def _state(request: Request, included: Iterable[Path]) -> tuple[State, set[Path]]:
     """Return the state of all inputs, and the sources among them."""
     settings = find(Path.cwd()) or Path.cwd() / FILE_NAME
     try:
@@ -87,7 +87,7 @@ def _state(request: Request, known: Iterable[Path]) -> tuple[State, set[Path]]:
         sources = {path.absolute() for path in paths}
     except (InputError, ToolError):
         sources = {Path(path).absolute() for path in request.definitions.paths}
-    files = {settings, *sources, *(path.absolute() for path in known)}
+    files = {settings, *sources, *(path.absolute() for path in included)}
     return {file: _version(file) for file in files}, sources
 
 

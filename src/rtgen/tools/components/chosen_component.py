@@ -16,17 +16,20 @@ def chosen(model: Model, file: str, name: str | None) -> Component:
     files = {source.name for source in model.files if source.main}
     if is_component_profile(Path(file)):
         files = {Path(file).as_posix()}
-    known = [d for d in model.declarations if isinstance(d, Component)]
-    known = [d for d in known if d.file in files]
-    matches = [d for d in known if name in (None, d.name[-1], d.scoped)]
+    components = [d for d in model.declarations if isinstance(d, Component)]
+    components = [d for d in components if d.file in files]
+    matches = [d for d in components if name in (None, d.name[-1], d.scoped)]
     if len(matches) == 1:
         return matches[0]
-    names = ", ".join(d.scoped for d in known)
-    if not known:
+    names = ", ".join(d.scoped for d in components)
+    if not components:
         message, hint = f"{file} defines no component", None
     elif name is None:
-        message, hint = f"{file} defines {len(known)} components", "--component NAME"
+        message, hint = (
+            f"{file} defines {len(components)} components",
+            "--component NAME",
+        )
     else:
         message, hint = f"{file} defines no component {name}", None
-    hint = f"{hint + ': ' if hint else 'it has '}{names}" if known else None
+    hint = f"{hint + ': ' if hint else 'it has '}{names}" if components else None
     raise InputError([WHICH_COMPONENT.at(None, message, hint=hint)])

@@ -38,9 +38,9 @@ class Content:
 def check_name(name: str) -> None:
     """Raise InputError for a file that cannot be formatted."""
     if PurePath(name).suffix.lower() not in SUFFIXES:
-        known = ", ".join(f"*{suffix}" for suffix in SUFFIXES)
+        patterns = ", ".join(f"*{suffix}" for suffix in SUFFIXES)
         message = f"{name} has no form that rtgen knows"
-        raise InputError([OTHER_FILE.at(None, message, hint=f"it knows {known}")])
+        raise InputError([OTHER_FILE.at(None, message, hint=f"it knows {patterns}")])
 
 
 def content(data: bytes, language: Language | None, encoding: str = "auto") -> Content:

@@ -489,10 +489,10 @@ class Layout:
 
     def _fits_one_line(self) -> bool:
         """Return whether the statement so far, and a semicolon, fit on one line."""
-        left = self._frame.width - self._indent
+        remaining = self._frame.width - self._indent
         for number, piece in enumerate(self._pieces):
-            left -= len(piece.text) + (piece.space and number > 0)
-            if left < 1:
+            remaining -= len(piece.text) + (piece.space and number > 0)
+            if remaining < 1:
                 return False
         return True
 

@@ -134,9 +134,9 @@ def analyse(
         _add_unread(collector, texts, project.encoding)
     _add_others(collector, project, result.model, texts)
     files = {file.path: file for file in collector.indexes(texts)}
-    for path, kept in (before.index.files if before is not None else {}).items():
+    for path, index in (before.index.files if before is not None else {}).items():
         if path not in files and (path in snapshot.texts or Path(path).is_file()):
-            files[path] = kept
+            files[path] = index
     return Analysis(
         project,
         result.model,
@@ -166,8 +166,8 @@ def emitted(
         diagnostics = list(outcome.diagnostics)
         if not outcome.failed:
             diagnostics += behaviours.check(project, outcome.artifacts)
-    known = analysis.reading.union(analysis.findings)
-    emitting = tuple(d for d in in_order(diagnostics) if d not in known)
+    dependencies = analysis.reading.union(analysis.findings)
+    emitting = tuple(d for d in in_order(diagnostics) if d not in dependencies)
     return replace(analysis, complete=None, emitting=emitting)
 
 
@@ -220,11 +220,13 @@ def _texts(
         sources[shown(project.file)] = decode(data, standard=True).normal
     texts = {}
     for name, source in sources.items():
-        known = snapshot.texts.get(absolute_path(name))
-        if known is None and before is not None:
-            known = before.texts.get(name)
-        same = known is not None and known.normal == source
-        texts[name] = known if known is not None and same else Text(source)
+        text_of_file = snapshot.texts.get(absolute_path(name))
+        if text_of_file is None and before is not None:
+            text_of_file = before.texts.get(name)
+        same = text_of_file is not None and text_of_file.normal == source
+        texts[name] = (
+            text_of_file if text_of_file is not None and same else Text(source)
+        )
     return texts
 
 

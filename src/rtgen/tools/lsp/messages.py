@@ -84,22 +84,22 @@ class Messages:
     def _fields(self) -> dict[bytes, bytes] | None:
         """Return the fields of a header by name in lower case; None at the end of the stream."""
         fields: dict[bytes, bytes] = {}
-        left = MAX_HEADER
-        while line := self._stream.readline(left):
-            left -= len(line)
+        remaining = MAX_HEADER
+        while line := self._stream.readline(remaining):
+            remaining -= len(line)
             if not line.endswith(b"\n"):
-                raise FramingError(_TOO_LONG if left <= 0 else _CUT_OFF)
+                raise FramingError(_TOO_LONG if remaining <= 0 else _CUT_OFF)
             name, colon, value = line.strip().partition(b":")
             if not name:
                 return fields
             name, value = name.strip().lower(), value.strip()
             if not colon:
-                shown = name[:_SHOWN].decode("ascii", "backslashreplace")
-                raise FramingError(f"{shown!r} is not a field of a header")
+                header = name[:_SHOWN].decode("ascii", "backslashreplace")
+                raise FramingError(f"{header!r} is not a field of a header")
             if fields.setdefault(name, value) != value:
-                shown = name[:_SHOWN].decode("ascii", "backslashreplace")
-                raise FramingError(f"a header has two different fields {shown!r}")
-        if left <= 0:
+                header = name[:_SHOWN].decode("ascii", "backslashreplace")
+                raise FramingError(f"a header has two different fields {header!r}")
+        if remaining <= 0:
             raise FramingError(_TOO_LONG)
         if fields:
             raise FramingError(_CUT_OFF)
@@ -119,8 +119,8 @@ def _length(fields: dict[bytes, bytes]) -> int:
     if value is None:
         raise FramingError("a header has no Content-Length")
     if not (value.isdigit() and len(value) <= _DIGITS):
-        shown = value[:_SHOWN].decode("ascii", "backslashreplace")
-        raise FramingError(f"the Content-Length {shown!r} is not a length")
+        text = value[:_SHOWN].decode("ascii", "backslashreplace")
+        raise FramingError(f"the Content-Length {text!r} is not a length")
     return int(value)
 
 

@@ -66,9 +66,9 @@ class Workspace:
     def key_of(self, path: str) -> ProjectKey:
         """Return the project of a file, which may have to be loaded."""
         with self._lock:
-            known = self._keys.get(path)
-        if known is not None:
-            return known
+            cached = self._keys.get(path)
+        if cached is not None:
+            return cached
         folder = Path(path).parent
         with overlaid(self.documents.snapshot().contents):
             try:
@@ -150,9 +150,9 @@ class Workspace:
         except ToolError as error:
             return self._by_file(key, (*state.problems, *problems_of(error)))
         if analysis.complete is not None and before is not None:
-            kept = (self._moved(emission, before) for emission in before.emitting)
+            moved = (self._moved(emission, before) for emission in before.emitting)
             analysis = replace(
-                analysis, emitting=tuple(d for d in kept if d is not None)
+                analysis, emitting=tuple(d for d in moved if d is not None)
             )
         state.analysis = analysis
         return self._by_file(

@@ -117,12 +117,12 @@ class Log:
             yield from self._lines()
             return
         start = self.start
-        known: dict[Channel, Event] = {}
+        latest: dict[Channel, Event] = {}
         for message in self.mcap.messages():
             channel = message.channel
-            if channel not in known:
-                known[channel] = _head(channel) | {"type": channel.schema.name}
-            yield known[channel] | {"t": message.time - start}
+            if channel not in latest:
+                latest[channel] = _head(channel) | {"type": channel.schema.name}
+            yield latest[channel] | {"t": message.time - start}
 
     def _decoded(
         self, file: McapFile, is_selected: Callable[[Mapping[str, str]], bool]
@@ -182,12 +182,12 @@ def _head(channel: Channel) -> Event:
     kind = channel.get("kind")
     if not kind:
         return {"event": "sample", "instance": "", "port": channel.topic}
-    known = {
+    keys = {
         "sample": ("instance", "port"),
         "frame": ("bus",),
         "call": ("instance",),
     }
-    return {"event": kind, **{key: channel.get(key) for key in known.get(kind, ())}}
+    return {"event": kind, **{key: channel.get(key) for key in keys.get(kind, ())}}
 
 
 def _is_shared(head: Event) -> bool:

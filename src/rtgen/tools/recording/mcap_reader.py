@@ -230,7 +230,7 @@ def _records(
     from mcap.exceptions import McapError
     from mcap.opcode import Opcode
 
-    known: dict[int, Any] = {
+    types: dict[int, Any] = {
         Opcode.CHANNEL: records.Channel,
         Opcode.SCHEMA: records.Schema,
         Opcode.CHUNK: records.Chunk,
@@ -246,14 +246,14 @@ def _records(
         if here > end or opcode == _NO_OPCODE:
             return
         count()
-        if (opcode not in known and opcode != Opcode.MESSAGE) or length > _MAX_SIZE:
+        if (opcode not in types and opcode != Opcode.MESSAGE) or length > _MAX_SIZE:
             stream.seek(here)
             continue
         if opcode == Opcode.MESSAGE:
             yield from _message(stream, length)
             continue
         try:
-            yield known[opcode].read(ReadDataStream(BytesIO(stream.read(length))))
+            yield types[opcode].read(ReadDataStream(BytesIO(stream.read(length))))
         except (*_DAMAGE, McapError):
             continue
         if opcode == Opcode.DATA_END:

@@ -162,7 +162,7 @@ def _scoped(text: str, package: str = "") -> ScopedName | None:
 
 
 def _declarations(messages: list[Message]) -> Iterator[Declaration]:
-    known: dict[ScopedName, Message] = {message.name: message for message in messages}
+    by_name: dict[ScopedName, Message] = {message.name: message for message in messages}
     levels: dict[ScopedName, int] = {}
 
     def level(name: ScopedName, inside: int) -> int:
@@ -172,9 +172,9 @@ def _declarations(messages: list[Message]) -> Iterator[Declaration]:
                 f"{'/'.join(name)} contains itself, or over {_MAX_DEPTH} levels of messages"
             )
         if name not in levels:
-            if name not in known:
+            if name not in by_name:
                 raise SchemaError(f"the schema declares no {'/'.join(name)[:80]}")
-            fields = known[name].part.fields
+            fields = by_name[name].part.fields
             inner = [
                 _scoped(f.type.base, name[0]) or (f.type.base,)
                 for f in fields
@@ -185,7 +185,7 @@ def _declarations(messages: list[Message]) -> Iterator[Declaration]:
             )
         return levels[name]
 
-    for message in known.values():
+    for message in by_name.values():
         if level(message.name, 1) > _MAX_DEPTH:
             raise SchemaError(f"over {_MAX_DEPTH} levels of messages")
         yield from declarations(message, "")

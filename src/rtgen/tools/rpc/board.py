@@ -168,17 +168,20 @@ def _echo(
     values = {i.name: z for i, z in zip(layout.outs, zeros, strict=True)} | {
         item.name: arguments_by_name[item.name] for item in layout.outs if item.inward
     }
-    known = arguments_by_name | values
+    values_by_name = arguments_by_name | values
     for item in layout.outs:
         if not item.inward and isinstance(item.node, Counted):
-            values[item.name] = _zeros(service, function, item.node, known)
+            values[item.name] = _zeros(service, function, item.node, values_by_name)
     return returned, tuple(values[item.name] for item in layout.outs)
 
 
 def _zeros(
-    service: Service, function: Function, node: Counted, known: dict[str, object]
+    service: Service,
+    function: Function,
+    node: Counted,
+    values_by_name: dict[str, object],
 ) -> object:
-    count = function.evaluated(node.count, known)
+    count = function.evaluated(node.count, values_by_name)
     if node.is_octets:
         return bytes(count)
     types = dict(vars(service.types))

@@ -258,6 +258,6 @@ class Reader:
 
     def finish(self) -> None:
         """Raise ProtocolError if octets are left."""
-        left = len(self._data) - self._at
-        if left:
-            raise ProtocolError(E_BOVR, f"{left} bytes are left over")
+        remaining = len(self._data) - self._at
+        if remaining:
+            raise ProtocolError(E_BOVR, f"{remaining} bytes are left over")

@@ -116,11 +116,11 @@ def octets(text: str) -> bytes:
         raise refused(f"{text[:40]!r} is not hex: write {digits}") from error
 
 
-def _unknown(what: str, name: str, known: list[str]) -> Refusal:
+def _unknown(what: str, name: str, names: list[str]) -> Refusal:
     from difflib import get_close_matches
 
-    close = get_close_matches(name, known, n=1)
-    hint = f"did you mean {close[0]!r}?" if close else f"known: {', '.join(known)}"
+    close = get_close_matches(name, names, n=1)
+    hint = f"did you mean {close[0]!r}?" if close else f"known: {', '.join(names)}"
     return refused(f"no {what} {name!r}; {hint}")
 
 

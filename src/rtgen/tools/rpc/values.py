@@ -204,8 +204,8 @@ def _object(value: Json, place: str, items: Mapping[str, Item]) -> dict[str, Jso
         raise JsonError(f"{place}: an object is needed")
     unknown = [name for name in value if name not in items]
     if unknown:
-        known = ", ".join(items) or "none"
-        raise JsonError(f"{place}: {unknown[0]!r} is unknown; known: {known}")
+        names = ", ".join(items) or "none"
+        raise JsonError(f"{place}: {unknown[0]!r} is unknown; known: {names}")
     missing = [
         name
         for name, item in items.items()

@@ -189,9 +189,9 @@ def _fill(
         span, hint = _failed_end(system, connection)
         diagnostics = _findings(CONNECTION, span, _performing(system, action))
         findings += (replace(finding, hint=hint) for finding in diagnostics)
-    known = system.instances
+    instances = system.instances
     for step in steps:
-        if isinstance(step.action, SetParameter) and step.action.instance in known:
+        if isinstance(step.action, SetParameter) and step.action.instance in instances:
             findings += _findings(PARAMETER, step.span, _checking(system, step.action))
     _raise_if_any(findings)
     before: list[str] = []
@@ -431,8 +431,8 @@ def _performing(
                 ends = (source.instance, source.port), (target.instance, target.port)
                 system.connect(*ends, properties, name)
             case Disconnect(name, others):
-                known = {each.name for each in system.connectors}
-                instances = (each for each in (name, *others) if each in known)
+                names = {each.name for each in system.connectors}
+                instances = (each for each in (name, *others) if each in names)
                 system.disconnect(next(instances, name))
             case SetParameter():
                 sets = system.component(action.instance).configuration_sets

@@ -175,9 +175,9 @@ class Curves:
             whole = selection.whole
             running.every(_PERIOD, lambda: add([*running.observable(whole)]))
         else:
-            known = [*component.out_ports, *component.in_ports, *component.observables]
-            close = get_close_matches(name, known, n=1)
-            hint = f"known: {', '.join(known) or 'none'}"
+            names = [*component.out_ports, *component.in_ports, *component.observables]
+            close = get_close_matches(name, names, n=1)
+            hint = f"known: {', '.join(names) or 'none'}"
             if close:
                 hint = f"did you mean {instance}.{close[0]}?"
             message = f"{instance} has no data port and no observable {name!r}"

@@ -226,12 +226,12 @@ def _kept(folder: str | None) -> runtime.CheckpointFolder | None:
 
 
 def _check_measures(required: Sequence[Measure], view: View) -> None:
-    known = ", ".join(view.poses) or "none"
+    names = ", ".join(view.poses) or "none"
     findings = [
         MEASURE.at(
             measure.span,
             f"{name!r} is not a pose of the system",
-            hint=f"rtgen.run.pose names: {known}",
+            hint=f"rtgen.run.pose names: {names}",
         )
         for measure in required
         for name in measure.observables
@@ -301,7 +301,7 @@ def _reached(
 
 
 def _show(running: runtime.System, view: Progress, transport: object) -> None:
-    known = {instance: running.state(instance) for instance in running.instances}
+    states = {instance: running.state(instance) for instance in running.instances}
     foreign = transport if isinstance(transport, ForeignTransport) else None
     outside: dict[str, runtime.LifeCycleState] = {}
 
@@ -315,10 +315,10 @@ def _show(running: runtime.System, view: Progress, transport: object) -> None:
             if new_state is not None and new_state is not before:
                 outside[instance] = new_state
                 view.state(now, instance, name_of(new_state))
-        for instance, before in known.items():
+        for instance, before in states.items():
             state = running.state(instance)
             if state is not before:
-                known[instance] = state
+                states[instance] = state
                 reason = running.statistics(instance).reason
                 is_error = state is runtime.ERROR_STATE and reason
                 text = f"{name_of(state)} ({reason})" if is_error else name_of(state)

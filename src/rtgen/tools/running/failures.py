@@ -129,8 +129,8 @@ class FailureReport:
     def still_blocked(self) -> dict[str, Call]:
         """Return the reported calls that have still not returned, by instance."""
         frames = [call.frame for call in calls_under_way()]
-        known = self._blocked.items()
-        return {name: call for name, call in known if call.frame in frames}
+        blocked = self._blocked.items()
+        return {name: call for name, call in blocked if call.frame in frames}
 
     def cannot_show(self, error: ObservableError) -> None:
         """Report an observable that raised."""

@@ -100,23 +100,23 @@ def steps_here(
     Raises InputError as `share` does.
     """
     service = {(c.source, c.target): c.service for c in profile.connections}
-    known = {c.name for c in profile.connections if _touches(c, here)}
-    kept = []
+    names = {c.name for c in profile.connections if _touches(c, here)}
+    result = []
     findings = []
     for step in steps:
         action = step.action
         if isinstance(action, Connect) and _touches(action, here):
-            known.add(action.name)
+            names.add(action.name)
             ends = action.source.instance in here, action.target.instance in here
             carried = data or service.get((action.source, action.target), True)
             if not all(ends) and not carried:
                 findings.append(
                     _between(action.name, action.source, action.target, step.span)
                 )
-        if _concerns(action, known, here):
-            kept.append(step)
+        if _concerns(action, names, here):
+            result.append(step)
     _raise_if_any(findings)
-    return kept
+    return result
 
 
 def measures_here(
@@ -153,12 +153,12 @@ def _touches(link: Connection | Connect, here: Collection[str]) -> bool:
     return link.source.instance in here or link.target.instance in here
 
 
-def _concerns(action: Action, known: Collection[str], here: Collection[str]) -> bool:
+def _concerns(action: Action, names: Collection[str], here: Collection[str]) -> bool:
     match action:
         case Connect(name=name):
-            return name in known
+            return name in names
         case Disconnect(name, others):
-            return not {name, *others}.isdisjoint(known)
+            return not {name, *others}.isdisjoint(names)
         case StateRequest() | SetParameter():
             return action.instance in here
 

@@ -215,25 +215,25 @@ def _steps(
     steps: Sequence[Step], profile: System, present: Collection[str]
 ) -> Sequence[Step]:
     """Return the steps of a timeline that only concern present components."""
-    known = {
+    names = {
         c.name
         for c in profile.connections
         if c.source.instance in present and c.target.instance in present
     }
-    kept = []
+    result = []
     for step in steps:
         match step.action:
             case Connect(name=name, source=source, target=target):
                 if source.instance in present and target.instance in present:
-                    known.add(name)
-                    kept.append(step)
+                    names.add(name)
+                    result.append(step)
             case Disconnect(name, others):
-                if not known.isdisjoint((name, *others)):
-                    kept.append(step)
+                if not names.isdisjoint((name, *others)):
+                    result.append(step)
             case action:
                 if action.instance in present:
-                    kept.append(step)
-    return kept
+                    result.append(step)
+    return result
 
 
 def printed(

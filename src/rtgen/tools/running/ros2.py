@@ -164,13 +164,13 @@ def _connected(running: runtime.System) -> Iterator[TopicEntry]:
 def _problems(entry: TopicEntry, running: runtime.System) -> Iterator[str]:
     """Yield why a port cannot be a topic."""
     if entry.instance not in running.instances:
-        known = ", ".join(running.instances)
-        yield f"there is no component {entry.instance!r}; known: {known}"
+        names = ", ".join(running.instances)
+        yield f"there is no component {entry.instance!r}; known: {names}"
         return
     ports = _ports(running, entry.instance)
     if entry.port not in ports:
-        known = ", ".join(ports)
-        yield f"{entry.instance} has no data port {entry.port!r}; known: {known}"
+        names = ", ".join(ports)
+        yield f"{entry.instance} has no data port {entry.port!r}; known: {names}"
         return
     if why := ros_names.violation(entry.topic):
         yield f"the topic {entry.topic!r} of {entry.instance}.{entry.port} {why}"
@@ -178,10 +178,10 @@ def _problems(entry: TopicEntry, running: runtime.System) -> Iterator[str]:
     possible = messages_for(name)
     if entry.message is not None:
         if entry.message not in possible:
-            known = ", ".join(each.replace("/msg/", "/") for each in possible) or "none"
+            names = ", ".join(each.replace("/msg/", "/") for each in possible) or "none"
             yield (
                 f"{entry.instance}.{entry.port} carries {name}, which cannot go as "
-                f"{entry.message}; known: {known}"
+                f"{entry.message}; known: {names}"
             )
     elif not is_interface(name.split("::")):
         also = " or give it a marshaling_type" if possible else ""
@@ -240,8 +240,8 @@ def _service_joints(
 def _component(instance: str, running: runtime.System) -> runtime.Component:
     """Return the component of an entry. Raises LookupError."""
     if instance not in running.instances:
-        known = ", ".join(running.instances)
-        raise LookupError(f"there is no component {instance!r}; known: {known}")
+        names = ", ".join(running.instances)
+        raise LookupError(f"there is no component {instance!r}; known: {names}")
     return running.component(instance)
 
 
@@ -253,9 +253,9 @@ def _service_port(entry: ServiceEntry, running: runtime.System) -> Any:
     both: list[Any] = [*component.providers.values(), *component.consumers.values()]
     ports = [port for port in both if port.port == entry.port]
     if not ports:
-        known = ", ".join(dict.fromkeys(port.port for port in both)) or "none"
+        names = ", ".join(dict.fromkeys(port.port for port in both)) or "none"
         raise LookupError(
-            f"{entry.instance} has no service port {entry.port!r}; known: {known}"
+            f"{entry.instance} has no service port {entry.port!r}; known: {names}"
         )
     having = (p for p in ports if entry.operation in operations_of(p.interface))
     port = next(having, ports[0])

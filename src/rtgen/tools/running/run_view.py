@@ -226,8 +226,8 @@ class View:
                 for each in reports
                 if each.there.instance == instance
             )
-            shown = "lost" if state is None else name_of(state)
-            yield Row(instance, shown, None, None, lost)
+            text = "lost" if state is None else name_of(state)
+            yield Row(instance, text, None, None, lost)
 
     def _links(self) -> list[str]:
         """Return a line for each connection to another process that has failed."""

@@ -37,22 +37,24 @@ def system_of(
     their buses alone. Raises InputError for a name that is not a
     component of the model.
     """
-    known = {d.name[-1]: d for d in model.declarations if isinstance(d, Component)}
+    components = {d.name[-1]: d for d in model.declarations if isinstance(d, Component)}
     if not names:
-        names = [n for n, c in known.items() if not (c.runtime_base or c.factory)]
+        names = [n for n, c in components.items() if not (c.runtime_base or c.factory)]
     if not names:
         hint = "rtgen new component NAME makes one"
         raise InputError([NO_COMPONENT.at(None, "there are no components", hint=hint)])
     for each in names:
-        if each not in known:
-            close = get_close_matches(each, known, n=1)
-            hint = f"did you mean {close[0]}?" if close else f"there are: {[*known]}"
+        if each not in components:
+            close = get_close_matches(each, components, n=1)
+            hint = (
+                f"did you mean {close[0]}?" if close else f"there are: {[*components]}"
+            )
             message = f"no definition has a component {each}"
             raise InputError([NO_COMPONENT.at(None, message, hint=hint)])
     numbers: Counter[str] = Counter()
     placed: list[_Placed] = []
     for each in names:
-        placed.append((f"{each}{numbers[each]}", known[each]))
+        placed.append((f"{each}{numbers[each]}", components[each]))
         numbers[each] += 1
     ambiguous: list[str] = []
     system = System(

@@ -65,16 +65,18 @@ class Profile:
         lost = []
         for name in _LISTS:
             names = _names(self._property(name))
-            kept = [each for each in names if each.partition(".")[0] != instance]
-            if kept != names:
-                self._set_property(name, ", ".join(kept))
-                lost += [] if kept else [name]
+            remaining = [each for each in names if each.partition(".")[0] != instance]
+            if remaining != names:
+                self._set_property(name, ", ".join(remaining))
+                lost += [] if remaining else [name]
         if any(name in lost for name in _JUDGED):
             self._set_property(_TOLERANCE, "")
         until = _names(self._property(_UNTIL))
-        kept = [each for each in until if each.partition("=")[0].strip() != instance]
-        if kept != until:
-            self._set_property(_UNTIL, ",".join(kept))
+        remaining = [
+            each for each in until if each.partition("=")[0].strip() != instance
+        ]
+        if remaining != until:
+            self._set_property(_UNTIL, ",".join(remaining))
 
     def move(self, instance: str, x: int, y: int) -> None:
         """Set the place of a component."""
@@ -102,8 +104,8 @@ class Profile:
     ) -> None:
         """Make a configuration set the active one; `values` are those of one that is added."""
         component = self._required(instance)
-        known = [each.get("id") for each in component.all("ConfigurationSets")]
-        if set_id not in known:
+        ids = [each.get("id") for each in component.all("ConfigurationSets")]
+        if set_id not in ids:
             for parameter, text in values:
                 self.configure(instance, set_id, parameter, text)
         component.attributes[RTS, "activeConfigurationSet"] = set_id
@@ -154,17 +156,17 @@ class Profile:
 
     def _set_property(self, name: str, value: str) -> None:
         """Set a property, or remove it if the value is empty."""
-        known = [
+        properties = [
             each
             for each in self.root.all("Properties")
             if each.get("name", RTS_EXT) == name
         ]
-        for each in known:
+        for each in properties:
             if value:
                 each.attributes[RTS_EXT, "value"] = value
             else:
                 self.root.children.remove(each)
-        if value and not known:
+        if value and not properties:
             attributes = {(RTS_EXT, "name"): name, (RTS_EXT, "value"): value}
             self.root.insert(Editable((RTS_EXT, "Properties"), attributes), position)
 
@@ -193,7 +195,7 @@ def _instances(connector: Editable) -> Collection[str]:
 
 def _without(element: Editable, instance: str) -> None:
     """Remove all references to an instance, and what means nothing without them."""
-    kept = []
+    remaining = []
     for child in element.children:
         if child.get("instanceName") == instance:
             continue
@@ -202,14 +204,14 @@ def _without(element: Editable, instance: str) -> None:
         needed = EMPTY_WITHOUT.get(child.name[1])
         lost = len(child.children) < number
         if not (lost and needed and child.first(needed) is None):
-            kept.append(child)
-    if element.name[1] == "targets" and len(kept) < len(element.children):
-        element.children = kept
+            remaining.append(child)
+    if element.name[1] == "targets" and len(remaining) < len(element.children):
+        element.children = remaining
         if element.first("TargetComponent") and not element.first("WaitTime"):
             wait = Editable((RTS, "WaitTime"), {(RTS, "waitTime"): "0"})
             element.children.insert(0, wait)
         return
-    element.children = kept
+    element.children = remaining
 
 
 def _names(text: str) -> list[str]:

@@ -58,10 +58,10 @@ def _kept(path: Path, data: bytes) -> Path:
     """Write a file of a new name beside another one."""
     names = (f"{path.name}~" if n == 1 else f"{path.name}.~{n}~" for n in count(1))
     for name in names:
-        kept = path.with_name(name)
+        backup = path.with_name(name)
         try:
-            _create(kept, data)
+            _create(backup, data)
         except FileExistsError:
             continue
-        return kept
+        return backup
     raise AssertionError  # `names` does not end.

@@ -135,9 +135,9 @@ class _Writer:
             yield _Patch(end, end, line[len("<a") : -len("/>")])
 
     def _children(self, element: Editable, place: Place) -> Iterator[_Patch]:
-        kept = {child.place for child in element.children}
+        places = {child.place for child in element.children}
         for each in place.children:
-            if each not in kept:
+            if each not in places:
                 yield self._removed(each, place)
         after: Place | None = None
         waiting: list[Editable] = []
@@ -224,12 +224,12 @@ def _lines(
     element: Editable, scope: Mapping[str, str], step: str = "", margin: str = ""
 ) -> Iterator[str]:
     """Yield the lines of a new element where prefixes are in scope."""
-    known = {uri: prefix for prefix, uri in scope.items() if prefix}
-    new = {u: p for u, p in _PREFIXES.items() if u not in known and p not in scope}
-    declared = xml_text.new_prefixes(element, {**known, **dict.fromkeys(new, "")})
-    used = xml_text.new_prefixes(element, known)
+    prefix_of = {uri: prefix for prefix, uri in scope.items() if prefix}
+    new = {u: p for u, p in _PREFIXES.items() if u not in prefix_of and p not in scope}
+    declared = xml_text.new_prefixes(element, {**prefix_of, **dict.fromkeys(new, "")})
+    used = xml_text.new_prefixes(element, prefix_of)
     declared |= {uri: prefix for uri, prefix in new.items() if uri in used}
-    prefixes = {**known, **declared}
+    prefixes = {**prefix_of, **declared}
     return xml_text.lines(
         _typed(element, prefixes.get(RTS_EXT, "")),
         prefixes,

@@ -143,10 +143,10 @@ def _pairs(
         if kind == "equal":
             yield from zip(range(first, end), range(other, other_end), strict=True)
             continue
-        known = {_identity(before[i]): i for i in range(first, end)}
+        index_of = {_identity(before[i]): i for i in range(first, end)}
         last = first - 1
         for i in range(other, other_end):
-            place = known.get(_identity(after[i]), -1)
+            place = index_of.get(_identity(after[i]), -1)
             if place > last:
                 last = place
                 yield place, i

@@ -19,8 +19,8 @@ def load_network(package: str, name: str) -> Network:
     except ModuleNotFoundError:
         names = []
     if name not in names:
-        known = f"there are {', '.join(names)}" if names else "none is generated"
-        raise UnknownNetworkError(f"there is no network {name!r}; {known}")
+        existing = f"there are {', '.join(names)}" if names else "none is generated"
+        raise UnknownNetworkError(f"there is no network {name!r}; {existing}")
     network: Network = import_module(f"{package}.{name}").NETWORK
     return network
 

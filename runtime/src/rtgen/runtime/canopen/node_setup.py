@@ -70,11 +70,11 @@ def set_up(node: NodeDescription, identified: Callable[[], None]) -> SetUp:
     for (index, subindex), write in last.items():
         if not write.verify:
             continue
-        kept = yield Transfer(index, subindex)
-        if not same(kept, write.value):
+        value_now = yield Transfer(index, subindex)
+        if not same(value_now, write.value):
             raise SetUpError(
                 f"{number_text(index, subindex)} was written as {write.value.hex(' ')}, "
-                f"but reads {kept.hex(' ')}"
+                f"but reads {value_now.hex(' ')}"
             )
 
 
@@ -83,6 +83,6 @@ def number_text(index: int, subindex: int) -> str:
     return f"{index:04X}:{subindex:X}"
 
 
-def same(kept: bytes, written: bytes) -> bool:
+def same(value_now: bytes, written: bytes) -> bool:
     """Return whether the node stored a value; trailing zeros are padding."""
-    return kept.startswith(written) and not any(kept[len(written) :])
+    return value_now.startswith(written) and not any(value_now[len(written) :])

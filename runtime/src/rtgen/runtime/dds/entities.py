@@ -188,11 +188,11 @@ class Entities:
     def _topic(self, name: str, type_: type[Any]) -> Topic[Any]:
         class_ = idl_class(type_)
         with self._lock:
-            known = self._topics.get((name, id(class_)))
-            if known is None:
-                known = Topic(self._participant, name, class_), class_
-                self._topics[name, id(class_)] = known
-            return known[0]
+            cached = self._topics.get((name, id(class_)))
+            if cached is None:
+                cached = Topic(self._participant, name, class_), class_
+                self._topics[name, id(class_)] = cached
+            return cached[0]
 
 
 def _policies(qos: Qos, late: int | None = None) -> list[Any]:
@@ -203,8 +203,8 @@ def _policies(qos: Qos, late: int | None = None) -> list[Any]:
         _history(qos.depth),
     ]
     if qos.durable:
-        kept = _history(late or qos.depth)
-        policies.append(Policy.DurabilityService(0, kept, -1, -1, -1))
+        history = _history(late or qos.depth)
+        policies.append(Policy.DurabilityService(0, history, -1, -1, -1))
     if qos.deadline is not None:
         policies.append(Policy.Deadline(round(qos.deadline * _SECOND)))
     if qos.lease is not None:
@@ -256,8 +256,8 @@ def write(
     code = _clayer.ddspy_write(writer._ref, octets)
     if code == _TIMEOUT and patience > 0:
         deadline = time.monotonic() + patience
-        while code == _TIMEOUT and (left := deadline - time.monotonic()) > 0:
-            writer._wait_for_acks(writer._ref, round(left * _SECOND))
+        while code == _TIMEOUT and (remaining := deadline - time.monotonic()) > 0:
+            writer._wait_for_acks(writer._ref, round(remaining * _SECOND))
             code = _clayer.ddspy_write(writer._ref, octets)
     if code == _TIMEOUT:
         raise PublishTimeoutError(f"no room for a sample of {writer.topic.name}")

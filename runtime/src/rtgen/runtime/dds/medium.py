@@ -103,12 +103,12 @@ class _Domains:
     def open(self, number: int, config: str) -> None:
         """Open a domain once more. Raises MediumError."""
         with self._lock:
-            known = self._open.get(number)
-            if known is None:
-                known = _created(number, config), config, 0
-            elif known[1] != config:
+            domain = self._open.get(number)
+            if domain is None:
+                domain = _created(number, config), config, 0
+            elif domain[1] != config:
                 raise MediumError(f"domain {number} is open with other options")
-            self._open[number] = *known[:2], known[2] + 1
+            self._open[number] = *domain[:2], domain[2] + 1
 
     def close(self, number: int) -> None:
         """Close it once; the last time it ends."""

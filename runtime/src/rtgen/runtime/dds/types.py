@@ -74,9 +74,9 @@ class _Maker:
 
     def named(self, descriptor: Any) -> Any:
         """Return the class of a named type, which is created once."""
-        known = _MADE.get((id(descriptor), self._ros2))
-        if known is not None:
-            return known[1]
+        cached = _MADE.get((id(descriptor), self._ros2))
+        if cached is not None:
+            return cached[1]
         if descriptor.name in self._under_way:
             raise _unsupported(descriptor, "it is part of itself")
         self._under_way.append(descriptor.name)

@@ -117,10 +117,10 @@ class Peers:
             self._changed.wait(seconds)
 
     def _on_change(self, name: str, present: bool) -> None:
-        known = names.present(name)
-        if known is None:
+        presence = names.present(name)
+        if presence is None:
             return
-        instance, process = known
+        instance, process = presence
         with self._changed:
             before = self._present.get(instance, [])
             after = [p for p in before if p != process] + [process] * present

@@ -314,8 +314,8 @@ class DistributedTransport(Closable):
         port = ports.get(there.port)
         if port is None:
             kind = "InPort" if sends else "OutPort"
-            known = ", ".join(ports) or "none"
-            raise PortTypeError(f"{there} is not an {kind}; known: {known}")
+            names = ", ".join(ports) or "none"
+            raise PortTypeError(f"{there} is not an {kind}; known: {names}")
         _check_type(here, there, port)
         return True
 

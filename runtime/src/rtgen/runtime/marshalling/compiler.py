@@ -112,8 +112,8 @@ def _compile(kind: str, descriptor: Any, format_: Format) -> None:
             calls.append((function.__globals__, name, needed, of))
             waiting.append((needed, of))
     for namespace, name, needed, of in calls:
-        known = of.codecs.get((needed, format_))
-        namespace[name] = functions[needed, id(of)][1] if known is None else known
+        codec = of.codecs.get((needed, format_))
+        namespace[name] = functions[needed, id(of)][1] if codec is None else codec
     for (kind, _), (described, function) in functions.items():
         described.codecs.setdefault((kind, format_), function)
 

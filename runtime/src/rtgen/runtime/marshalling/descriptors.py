@@ -48,8 +48,8 @@ class Description(msgspec.Struct, frozen=True):
 
     def __repr__(self) -> str:
         names: tuple[str, ...] = type(self).__match_args__
-        shown = (f"{name}={getattr(self, name)!r}" for name in names)
-        return f"{type(self).__name__}({', '.join(shown)})"
+        fields = (f"{name}={getattr(self, name)!r}" for name in names)
+        return f"{type(self).__name__}({', '.join(fields)})"
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Self:
         return self

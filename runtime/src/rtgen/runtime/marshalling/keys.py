@@ -44,10 +44,10 @@ class _TooLongError(Exception):
 def key_hash(type_: Any, value: object) -> bytes:
     """Return the hash of a value's key. Raises CdrError, also without a key."""
     descriptor = type_._descriptor_
-    kept = descriptor.codecs.get(key_hash)
-    if kept is None:
-        kept = descriptor.codecs[key_hash] = _key_codec(descriptor)
-    codec, short = kept
+    cached = descriptor.codecs.get(key_hash)
+    if cached is None:
+        cached = descriptor.codecs[key_hash] = _key_codec(descriptor)
+    codec, short = cached
     key: bytes = codec(value, False)
     return key.ljust(SIZE, b"\0") if short else md5(key).digest()
 

@@ -190,8 +190,8 @@ class SerialChannel(ConnectedChannel[_Line]):
         self._open().write(data, self.timeout)
 
     def _receive(self, missing: int) -> bytes:
-        left = self._deadline - monotonic()
-        data = self._open().read(_BLOCK, left) if left > 0 else b""
+        remaining = self._deadline - monotonic()
+        data = self._open().read(_BLOCK, remaining) if remaining > 0 else b""
         if not data:
             raise self._time_over()
         return data
@@ -236,8 +236,8 @@ class _SerialReader(MessageReader):
     def _receive(self, size: int) -> bytes:
         if self._deadline is None:
             self._deadline = monotonic() + self._server.timeout
-        left = self._deadline - monotonic()
-        data = self._line.read(_BLOCK, left) if left > 0 else b""
+        remaining = self._deadline - monotonic()
+        data = self._line.read(_BLOCK, remaining) if remaining > 0 else b""
         if not data:
             raise ChannelError(
                 E_TMOUT, f"a request took longer than {self._server.timeout} s"

@@ -200,9 +200,9 @@ def argument_error(
     function: str, failure: Exception, values: Mapping[str, object]
 ) -> ArgumentError:
     """Return the exception for values that cannot be encoded."""
-    shown = ", ".join(f"{name}={_short(value)}" for name, value in values.items())
+    arguments = ", ".join(f"{name}={_short(value)}" for name, value in values.items())
     what = f"{failure} is out of range" if isinstance(failure, KeyError) else failure
-    return ArgumentError(f"{function}({shown}): {what}")
+    return ArgumentError(f"{function}({arguments}): {what}")
 
 
 def size_error(function: str, failure: Exception) -> ProtocolError:

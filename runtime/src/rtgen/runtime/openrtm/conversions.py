@@ -93,14 +93,14 @@ class Conversions(msgspec.Struct, frozen=True):
 
 def conversions_of(descriptor: Any) -> Conversions:
     """Return the conversions of a type. Raises StubsMissingError."""
-    known: Conversions | None = descriptor.codecs.get(_KEY)
-    if known is None:
+    conversions: Conversions | None = descriptor.codecs.get(_KEY)
+    if conversions is None:
         with _LOCK:
             text = _Source()
             text.names_of(descriptor)
             text.compiled(f"<conversions of {descriptor.name}>")
-        known = descriptor.codecs[_KEY]
-    return known
+        conversions = descriptor.codecs[_KEY]
+    return conversions
 
 
 class Signature(msgspec.Struct, frozen=True):
@@ -150,10 +150,10 @@ class _Source:
     def names_of(self, descriptor: Any) -> tuple[str, ...]:
         """Return the names of the functions `to`, `of` and `fill` of a type."""
         short = descriptor.name.rpartition("::")[2]
-        known: Conversions | None = descriptor.codecs.get(_KEY)
-        if known is not None:
+        conversions: Conversions | None = descriptor.codecs.get(_KEY)
+        if conversions is not None:
             return tuple(
-                self._names.bind(f"{kind}_{short}", getattr(known, kind))
+                self._names.bind(f"{kind}_{short}", getattr(conversions, kind))
                 for kind in Conversions.__struct_fields__
             )
         if id(descriptor) not in self._begun:

@@ -148,14 +148,14 @@ def _reading(properties: Sequence[Any]) -> BufferSettings:
         return BufferSettings(length=1)
     policy = _word(properties[0], "buffer.read.empty_policy")
     timeout = _word(properties[0], "buffer.read.timeout")
-    known = {each.value: each for each in EmptyPolicy}
+    policies = {each.value: each for each in EmptyPolicy}
     try:
         seconds = float(timeout or "1.0")
     except ValueError:
         seconds = 1.0
     return BufferSettings(
         length=1,
-        empty_policy=known.get(policy, EmptyPolicy.READBACK),
+        empty_policy=policies.get(policy, EmptyPolicy.READBACK),
         read_timeout=max(seconds, 0.0),
     )
 

@@ -46,12 +46,12 @@ def main(init: Callable[[Any], None], folder: Path, category: str, name: str) ->
 
 def arguments(argv: list[str], folder: Path, category: str, name: str) -> list[str]:
     """Return the arguments for `Manager.init`, without rtgen's own: it stops at unknown ones."""
-    kept = [each for each in argv if not each.startswith(_INSTANCE)]
-    has_file = any(each.startswith("-f") for each in kept[1:])
+    remaining = [each for each in argv if not each.startswith(_INSTANCE)]
+    has_file = any(each.startswith("-f") for each in remaining[1:])
     if has_file or "RTC_MANAGER_CONFIG" in os.environ or Path("rtc.conf").is_file():
-        return kept
+        return remaining
     conf = f"{category}.{name}.config_file:{folder / name}.conf"
-    return [*kept[:1], "-f", str(folder / "rtc.conf"), "-o", conf, *kept[1:]]
+    return [*remaining[:1], "-f", str(folder / "rtc.conf"), "-o", conf, *remaining[1:]]
 
 
 def instance_arguments(argv: list[str]) -> str:

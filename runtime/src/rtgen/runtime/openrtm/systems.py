@@ -359,8 +359,8 @@ class Client:
 
     def _set(self, sets: Any, set_id: str, values: Mapping[str, str]) -> None:
         configuration_set = sets.get_configuration_set(set_id)
-        known = {item.name for item in configuration_set.configuration_data}
-        unknown = sorted(values.keys() - known)
+        names = {item.name for item in configuration_set.configuration_data}
+        unknown = sorted(values.keys() - names)
         if unknown and set_id == "default":
             raise StartError(f"it has no parameter {', '.join(unknown)}")
         any_ = import_module("omniORB.any")
@@ -431,8 +431,8 @@ class Client:
             if ".required." not in key:
                 continue
             if key not in required:
-                known = ", ".join(sorted(required)) or "none"
-                raise StartError(f"there is no consumer {key}; there are: {known}")
+                names = ", ".join(sorted(required)) or "none"
+                raise StartError(f"there is no consumer {key}; there are: {names}")
             if provider not in provided:
                 raise StartError(
                     f"a consumer finds no provider {provider}; there are: {offered}"
@@ -477,8 +477,8 @@ class Client:
     def _cut(self, connector_id: str, ports: Sequence[Any]) -> None:
         """Remove the connector with an id, such as one with a component that was restarted."""
         for port in ports:
-            known = [each.connector_id for each in port.get_connector_profiles()]
-            if connector_id in known:
+            ids = [each.connector_id for each in port.get_connector_profiles()]
+            if connector_id in ids:
                 port.disconnect(connector_id)
 
     def _joined(self, one: Any, other: Any) -> bool:

@@ -150,18 +150,18 @@ class Remote:
 
     def call(self, operation: str, arguments: tuple[object, ...]) -> object:
         """Make a call. Raises what the operation declares, CdrError and ServiceError."""
-        known = self._operations[operation]
-        if known.refused:
-            raise MarshalError(f"{operation} is not marshalled: {known.refused}")
+        entry = self._operations[operation]
+        if entry.refused:
+            raise MarshalError(f"{operation} is not marshalled: {entry.refused}")
         reference = self.reference()
         if reference is None:
             raise ObjectNotExist("no provider is connected")
         try:
-            return known.call(reference, arguments)
+            return entry.call(reference, arguments)
         except CORBA.SystemException as error:
             raise caught(operation, error) from error
         except CORBA.UserException as error:
-            convert = known.caught.get(type(error))
+            convert = entry.caught.get(type(error))
             if convert is None:
                 raise
             raise convert(error) from error

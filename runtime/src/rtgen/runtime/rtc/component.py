@@ -139,8 +139,10 @@ class Component:
         `interface` is its servant class; declared as a callable, since type checkers accept no
         abstract class for `type[S]`.
         """
-        known = self._type_name(port, instance)
-        provider = Provider(port, instance, cast("type[S]", interface), self, known)
+        name_of_type = self._type_name(port, instance)
+        provider = Provider(
+            port, instance, cast("type[S]", interface), self, name_of_type
+        )
         provider.check_values(self._check)
         return self._add(self.providers, (port, instance), provider)
 
@@ -148,9 +150,9 @@ class Component:
         self, port: str, instance: str, interface: Callable[..., S]
     ) -> Consumer[S]:
         """Add a required interface; see `add_provider`. Raises DuplicatePortError."""
-        known = self._type_name(port, instance)
+        name_of_type = self._type_name(port, instance)
         consumer = Consumer(
-            port, instance, cast("type[S]", interface), self.instance_name, known
+            port, instance, cast("type[S]", interface), self.instance_name, name_of_type
         )
         return self._add(self.consumers, (port, instance), consumer)
 
@@ -321,8 +323,8 @@ class Component:
         if not self._alive:
             return PRECONDITION_NOT_MET
         contexts = list(self._contexts.values())
-        ended = [context._expel(self) for context in contexts]
-        if not all(ended):
+        results = [context._expel(self) for context in contexts]
+        if not all(results):
             self._alive = False
             return RTC_ERROR
         return self.finalize()
@@ -344,8 +346,8 @@ class Component:
 
     def detach_context(self, handle: int) -> ReturnCode_t:
         """Unregister a context, for `remove_component`. BAD_PARAMETER if unknown."""
-        known = self._contexts.pop(handle, None) is not None
-        return RTC_OK if known else ReturnCode_t.BAD_PARAMETER
+        is_attached = self._contexts.pop(handle, None) is not None
+        return RTC_OK if is_attached else ReturnCode_t.BAD_PARAMETER
 
     def get_context(self, handle: int) -> ExecutionContextOperations | None:
         """Return the context of a handle; None if there is none."""
@@ -354,7 +356,7 @@ class Component:
     def get_context_handle(self, context: ExecutionContextOperations) -> int:
         """Return the handle of a context, -1 if the component does not participate in it."""
         handles = (
-            handle for handle, known in self._contexts.items() if known is context
+            handle for handle, attached in self._contexts.items() if attached is context
         )
         return next(handles, -1)
 

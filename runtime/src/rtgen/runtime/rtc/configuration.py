@@ -99,9 +99,9 @@ class ConfigurationSets:
     def value(self, parameter: str, text: str) -> Any:
         """Return the value of a text for a parameter. Raises as `set`."""
         if parameter not in self._converters:
-            known = ", ".join(self._converters) or "none"
+            names = ", ".join(self._converters) or "none"
             raise UnknownParameterError(
-                f"{self._owner} has no configuration parameter {parameter!r}; known: {known}"
+                f"{self._owner} has no configuration parameter {parameter!r}; known: {names}"
             )
         return self._converters[parameter](text)
 
@@ -160,8 +160,8 @@ class ConfigurationSets:
         if changed and self.on_change is not None:
             self.on_change()
 
-    def _require(self, set_id: str, known: Mapping[str, object]) -> None:
-        if set_id not in known:
+    def _require(self, set_id: str, parameters: Mapping[str, object]) -> None:
+        if set_id not in parameters:
             raise UnknownConfigurationSetError(
-                f"{self._owner} has no configuration set {set_id!r}; known: {', '.join(known)}"
+                f"{self._owner} has no configuration set {set_id!r}; known: {', '.join(parameters)}"
             )

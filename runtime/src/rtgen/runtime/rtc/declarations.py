@@ -189,8 +189,8 @@ class _Parameter(Struct, frozen=True, gc=False):
 
         Raises ConfigurationError for a default without a type of its own.
         """
-        known = self.profile
-        type_ = known.type or _TYPES.get(type(self.default))
+        profile = self.profile
+        type_ = profile.type or _TYPES.get(type(self.default))
         if type_ is None:
             raise ConfigurationError(
                 f"parameter {attribute!r} does not state the IDL type of {self.default!r},"
@@ -198,16 +198,16 @@ class _Parameter(Struct, frozen=True, gc=False):
             )
         text = default_text(self.default) if self.text is None else self.text
         return ParameterProfile(
-            known.name or attribute,
+            profile.name or attribute,
             attribute,
             type_,
             text,
-            known.minimum,
-            known.maximum,
-            known.unit,
-            known.constraint,
-            known.widget,
-            known.description,
+            profile.minimum,
+            profile.maximum,
+            profile.unit,
+            profile.constraint,
+            profile.widget,
+            profile.description,
         )
 
 

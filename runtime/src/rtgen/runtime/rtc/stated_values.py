@@ -20,9 +20,9 @@ def problem(name: str, text: str, type_: str, constraint: str) -> str:
     constraint that is empty, or not known, permits every text.
     """
     word = " ".join(type_.split())
-    known = _WIDE.get(word.removesuffix(" int")) or canonical(word)
-    if known is not None:
-        return _refusal(name, text, known, constraint)
+    type_word = _WIDE.get(word.removesuffix(" int")) or canonical(word)
+    if type_word is not None:
+        return _refusal(name, text, type_word, constraint)
     is_number = not _refusal(name, text, "double", "")
     return _refusal(name, text, "double" if is_number else STRING, constraint)
 

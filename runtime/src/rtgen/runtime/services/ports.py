@@ -133,11 +133,11 @@ class Provider(Generic[S]):
         Raises as `carry_out` does; in a call that is checked CdrError for arguments that their
         types do not allow, and MarshalError for such a result.
         """
-        left = self._unchecked.get(operation)
-        if left is None:
-            left = self._unchecked[operation] = count_of(self._check)
-        if left:
-            self._unchecked[operation] = left - 1
+        remaining = self._unchecked.get(operation)
+        if remaining is None:
+            remaining = self._unchecked[operation] = count_of(self._check)
+        if remaining:
+            self._unchecked[operation] = remaining - 1
             return self._call_checked(operation, arguments)
         return _snapshot(self.carry_out(operation, _snapshot(arguments)))
 
@@ -149,8 +149,8 @@ class Provider(Generic[S]):
     def check_next(self) -> None:
         """Check the next call of each operation, if only some are checked."""
         if self._check is CheckValues.FIRST:
-            for operation, left in self._unchecked.items():
-                self._unchecked[operation] = left or 1
+            for operation, remaining in self._unchecked.items():
+                self._unchecked[operation] = remaining or 1
 
     def _call_checked(self, operation: str, arguments: tuple[object, ...]) -> object:
         if self._checks is None:

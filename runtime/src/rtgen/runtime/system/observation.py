@@ -38,8 +38,10 @@ class Observation(msgspec.Struct, eq=False):
 
     def remove(self, listener: Listener, components: Iterable[Component]) -> None:
         """Remove a listener; an unknown one is ignored."""
-        left = tuple(known for known in self._listeners if known is not listener)
-        self._set_listeners(left, components)
+        remaining = tuple(
+            listening for listening in self._listeners if listening is not listener
+        )
+        self._set_listeners(remaining, components)
 
     def watch(self, port: OutPort[Any], action: Callable[[Any], None]) -> None:
         """Call a function with each sample that a port writes."""

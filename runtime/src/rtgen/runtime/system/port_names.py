@@ -24,9 +24,9 @@ def cannot_join(
 
 def unknown_port(component: Component, name: str) -> UnknownPortError:
     """Return the error for an unknown port of a component."""
-    known = ", ".join(port_names(component)) or "none"
+    names = ", ".join(port_names(component)) or "none"
     return UnknownPortError(
-        f"{component.instance_name} has no port {name!r}; known: {known}"
+        f"{component.instance_name} has no port {name!r}; known: {names}"
     )
 
 

@@ -112,12 +112,14 @@ class PeriodicThread:
         if threading.current_thread() is self._thread:
             return True
         while self._thread.is_alive():
-            left = self._given_up - time.monotonic()
-            if left <= 0:
+            remaining = self._given_up - time.monotonic()
+            if remaining <= 0:
                 return False
             if meanwhile is not None:
                 meanwhile()
-            self._thread.join(left if meanwhile is None else min(left, _ASKED_AGAIN))
+            self._thread.join(
+                remaining if meanwhile is None else min(remaining, _ASKED_AGAIN)
+            )
         return True
 
     @property

@@ -180,8 +180,8 @@ class System(Closable):
                 component._checkpoint.close()
             for connector in list(self._connectors.values()):
                 # A connection that a transport has made for this one ends with it.
-                known = connector.name in self._connectors
-                if known and instance in instances_of(connector):
+                is_present = connector.name in self._connectors
+                if is_present and instance in instances_of(connector):
                     self.disconnect(connector)
         if self._transport is not None:
             self._transport.withdraw(component)
@@ -229,14 +229,14 @@ class System(Closable):
         instance, _, what = name.rpartition(".")
         observables = self.component(instance).observables
         if what not in observables:
-            known = ", ".join(observables) or "none"
+            names = ", ".join(observables) or "none"
             raise UnknownObservableError(
-                f"{instance} has no observable {what!r}; known: {known}"
+                f"{instance} has no observable {what!r}; known: {names}"
             )
         try:
-            shown: Any = calling(instance, what, observables[what])
+            value: Any = calling(instance, what, observables[what])
             return tuple(
-                map(float, [shown] if isinstance(shown, int | float) else shown)
+                map(float, [value] if isinstance(value, int | float) else value)
             )
         except Exception as error:
             raise ObservableError(
@@ -296,9 +296,9 @@ class System(Closable):
     def connector(self, name: str) -> Connector:
         """Return the connection of a name. Raises UnknownConnectionError."""
         if name not in self._connectors:
-            known = ", ".join(self._connectors) or "none"
+            names = ", ".join(self._connectors) or "none"
             raise UnknownConnectionError(
-                f"there is no connection {name!r}; known: {known}"
+                f"there is no connection {name!r}; known: {names}"
             )
         return self._connectors[name]
 
@@ -479,9 +479,9 @@ class System(Closable):
 
     def _participant(self, instance: str) -> Participant:
         if instance not in self._participants:
-            known = ", ".join(self._participants) or "none"
+            names = ", ".join(self._participants) or "none"
             raise UnknownComponentError(
-                f"there is no component {instance!r}; known: {known}"
+                f"there is no component {instance!r}; known: {names}"
             )
         return self._participants[instance]
 

@@ -114,5 +114,5 @@ def _types(packages: Sequence[Part]) -> ComponentTypes:
 
 def _language(component: Component) -> str:
     """Return the language of a profile, if its name is valid."""
-    known = _LANGUAGE.fullmatch(component.language)
-    return component.language if known else "another language"
+    match = _LANGUAGE.fullmatch(component.language)
+    return component.language if match else "another language"

@@ -142,13 +142,15 @@ def _basic(component: Component) -> Iterator[Diagnostic]:
             yield finding(
                 rules.DATE, f"`{key}` is {date!r}, which is not an xsd:dateTime", hint
             )
-    for key, value, known in (
+    for key, value, choices in (
         ("activity", component.activity, _ACTIVITIES),
         ("component type", component.component_type, _COMPONENT_TYPES),
     ):
-        if value not in known:
-            near = _nearest(value, known)
-            hint = f"did you mean {near}? " * bool(near) + f"one of {', '.join(known)}"
+        if value not in choices:
+            near = _nearest(value, choices)
+            hint = (
+                f"did you mean {near}? " * bool(near) + f"one of {', '.join(choices)}"
+            )
             yield finding(rules.CHOICE, f"unknown {key} {value!r}", hint)
     usual: tuple[tuple[str, str, Sequence[str]], ...] = (
         ("kind", component.kind, _KINDS),
@@ -174,10 +176,10 @@ def _basic(component: Component) -> Iterator[Diagnostic]:
         )
 
 
-def _nearest(word: str, known: Sequence[str]) -> str | None:
+def _nearest(word: str, choices: Sequence[str]) -> str | None:
     from difflib import get_close_matches
 
-    folded = {each.lower(): each for each in known}
+    folded = {each.lower(): each for each in choices}
     close = get_close_matches(word.lower(), folded, n=1, cutoff=0.8)
     return folded[close[0]] if close else None
 

@@ -54,14 +54,14 @@ class Imports:
             if name not in self._hidden:
                 return name
             module = "builtins"
-        known = self._imported.get((module, name))
-        if known is None:
+        spelling = self._imported.get((module, name))
+        if spelling is None:
             last = module.rpartition(".")[2]
             clashes = name in self._taken
-            known = identifier(f"{last}_{name}" if clashes else name, self._taken)
-            self._taken.add(known)
-            self._imported[module, name] = known
-        return known
+            spelling = identifier(f"{last}_{name}" if clashes else name, self._taken)
+            self._taken.add(spelling)
+            self._imported[module, name] = spelling
+        return spelling
 
     @property
     def locals(self) -> frozenset[str]:

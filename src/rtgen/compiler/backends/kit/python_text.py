@@ -150,9 +150,9 @@ def fit_text(text: str) -> str:
         quotes = line.count('"""') if inside or begins else 0
         if not inside and bare in (_OFF, _ON):
             off = bare == _OFF
-        kept = len(line) <= WIDTH or inside or quotes or off
-        kept = kept or bare.startswith("#") or bare.endswith(SKIPPED)
-        if not kept and not _LONE_LITERAL.fullmatch(bare):
+        unchanged = len(line) <= WIDTH or inside or quotes or off
+        unchanged = unchanged or bare.startswith("#") or bare.endswith(SKIPPED)
+        if not unchanged and not _LONE_LITERAL.fullmatch(bare):
             lines[place] = fit(bare, len(line) - len(bare))
         inside ^= quotes == 1
     return "\n".join(lines)

@@ -48,21 +48,21 @@ class TypescriptBackend:
         representations = Representations(model, xcdr2, options.extensibility)
         types = Types(model, representations)
         diagnostics: list[Diagnostic] = []
-        kept: list[Declaration] = []
+        declarations: list[Declaration] = []
         for declaration in model.declarations:
             if isinstance(declaration, Const):
                 if _has_literal(model, declaration):
-                    kept.append(declaration)
+                    declarations.append(declaration)
             elif isinstance(declaration, _TYPES):
                 what = types.missing(declaration)
                 if what is None:
-                    kept.append(declaration)
+                    declarations.append(declaration)
                 else:
                     message = f"`{declaration.scoped}` is left out: {what} has no codec"
                     diagnostics.append(NOT_IN_TYPESCRIPT.at(declaration.span, message))
-        if not kept:
+        if not declarations:
             return Emission((), diagnostics)
-        tree = _Tree(model, types, kept, options)
+        tree = _Tree(model, types, declarations, options)
         return Emission(tuple(tree.artifacts()), diagnostics)
 
 
@@ -79,15 +79,19 @@ def _has_literal(model: Model, constant: Const) -> bool:
 
 class _Tree:
     def __init__(
-        self, model: Model, types: Types, kept: list[Declaration], options: Options
+        self,
+        model: Model,
+        types: Types,
+        declarations: list[Declaration],
+        options: Options,
     ) -> None:
         self._model = model
         self._types = types
-        self._kept = kept
+        self._kept = declarations
         self._version = options.version
         self._keys = {file.name: file.key for file in model.files}
         names = PythonNames(model, options.package)
-        self._places = {d.name: names.module(d.file) for d in kept}
+        self._places = {d.name: names.module(d.file) for d in declarations}
 
     def artifacts(self) -> Iterator[Artifact]:
         by_module: dict[str, list[Declaration]] = {}

@@ -110,13 +110,13 @@ class Box:
             idle = [tab for tab in side if not tab.connected]
             if len(idle) <= _MAX_IDLE:
                 continue
-            kept = [tab for tab in side if tab.connected]
+            tabs = [tab for tab in side if tab.connected]
             views = tuple(tab.view for tab in idle)
             view = PortView(f"{len(idle)} more ports", views[0].kind, "")
-            kept.append(Tab(view, self, 0, views=views))
-            for row, tab in enumerate(kept):
+            tabs.append(Tab(view, self, 0, views=views))
+            for row, tab in enumerate(tabs):
                 tab.row = row
-            self.tabs = [tab for tab in self.tabs if tab.is_left is not left] + kept
+            self.tabs = [tab for tab in self.tabs if tab.is_left is not left] + tabs
 
     @property
     def rows(self) -> int:

@@ -95,24 +95,24 @@ def _by_layers(diagram: Diagram) -> dict[Box, Cell]:
 
 def _order_without_cycles(count: int, edges: Sequence[tuple[int, int]]) -> list[int]:
     """Order the boxes such that few edges point backward (Eades, Lin, Smyth 1993)."""
-    left = list(range(count))
+    remaining = list(range(count))
     placed: set[int] = set()
     head: list[int] = []
     tail: list[int] = []
-    while left:
+    while remaining:
         inner = [(a, b) for a, b in edges if not {a, b} & placed]
         outgoing = Counter(a for a, _ in inner)
         incoming = Counter(b for _, b in inner)
-        sinks = [n for n in left if not outgoing[n] and incoming[n]]
-        sources = [n for n in left if not incoming[n]]
+        sinks = [n for n in remaining if not outgoing[n] and incoming[n]]
+        sources = [n for n in remaining if not incoming[n]]
         if sinks:
             chosen = sinks[-1]
             tail.insert(0, chosen)
         else:
-            inmost = sorted(left, key=lambda n: (incoming[n] - outgoing[n], n))
+            inmost = sorted(remaining, key=lambda n: (incoming[n] - outgoing[n], n))
             chosen = (sources or inmost)[0]
             head.append(chosen)
-        left.remove(chosen)
+        remaining.remove(chosen)
         placed.add(chosen)
     positions = [0] * count
     for position, node in enumerate(head + tail):

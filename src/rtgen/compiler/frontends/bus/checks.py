@@ -185,11 +185,11 @@ def _cob_ids(bus: Bus) -> Iterator[Diagnostic]:
             identifier = identifier_of(pdo, node)
             if identifier is None or pdo.direction is not PdoDirection.TPDO:
                 continue
-            other, known = sent.setdefault(identifier, (node, pdo))
-            if known is not pdo:
+            other, other_pdo = sent.setdefault(identifier, (node, pdo))
+            if other_pdo is not pdo:
                 message = (
                     f"{node.name}.tpdo{pdo.number} has the CAN identifier of "
-                    f"{other.name}.tpdo{known.number}, {identifier:X}h"
+                    f"{other.name}.tpdo{other_pdo.number}, {identifier:X}h"
                 )
                 yield rules.SAME_COB_ID.at(
                     node.span, message, related=[Related(other.span, "the other node")]
@@ -222,10 +222,10 @@ def _links(bus: Bus, sent: Mapping[int, tuple[BusNode, Pdo]]) -> Iterator[Diagno
             identifier = identifier_of(pdo, node) or 0
             if identifier not in sent or pdo.direction is not PdoDirection.RPDO:
                 continue
-            other, known = sent[identifier]
-            if ((other.name, known.number), (node.name, pdo.number)) not in linked:
+            other, tpdo = sent[identifier]
+            if ((other.name, tpdo.number), (node.name, pdo.number)) not in linked:
                 message = (
-                    f"{node.name}.rpdo{pdo.number} takes {other.name}.tpdo{known.number}, "
+                    f"{node.name}.rpdo{pdo.number} takes {other.name}.tpdo{tpdo.number}, "
                     "and there is no [[link]] for it"
                 )
                 yield rules.SAME_COB_ID.at(node.span, message)

@@ -378,7 +378,7 @@ def _wrong(
     source: tuple[str, str, int],
     target: tuple[str, str, int],
     devices: Mapping[str, Device],
-    known: list[PdoLink],
+    links: list[PdoLink],
 ) -> str | None:
     """Return the error in a link, or None."""
     if (source[1], target[1]) != ("tpdo", "rpdo"):
@@ -397,6 +397,6 @@ def _wrong(
         octets.append((pdo.bits + 7) // 8)
     if octets[0] != octets[1]:
         return f"the TPDO has {octets[0]} octets, the RPDO {octets[1]}"
-    if any(link.target == target[::2] for link in known):
+    if any(link.target == target[::2] for link in links):
         return f"{target[0]}.{target[1]}{target[2]} has a link already"
     return None

@@ -230,16 +230,16 @@ def problems(
         for number, item in enumerate(value):
             yield from problems(item, schema["items"], (*path, number))
     elif isinstance(value, dict):
-        known = schema.get("properties", {})
+        properties = schema.get("properties", {})
         patterns = schema.get("patternProperties", {})
         for key, item in value.items():
-            inner = known.get(key) or next(
+            inner = properties.get(key) or next(
                 (s for p, s in patterns.items() if re.search(p, key)), None
             )
             if inner is None:
-                names = ", ".join(known)
+                names = ", ".join(properties)
                 known_are = f"known are {names}" if names else "not of its form"
-                meant = nearest(str(key), known)
+                meant = nearest(str(key), properties)
                 guess = "" if meant is None else f"did you mean {meant!r}? "
                 yield (*path, key), f"unknown key {key!r}; {guess}{known_are}"
             else:

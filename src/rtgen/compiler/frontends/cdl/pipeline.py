@@ -170,10 +170,10 @@ class _Run:
 
     def _main(self, path: Path) -> Source | _Read | None:
         """Return a main file, or the result of an earlier run if that is still valid."""
-        known: _Read | None = None
+        cached: _Read | None = None
         if self._memo is not None:
-            known = self._memo.find((*self._key, str(path)))
-        return known or self._open(path)
+            cached = self._memo.find((*self._key, str(path)))
+        return cached or self._open(path)
 
     def _kept(self, source: Source) -> _Read:
         read = self.read(source)
@@ -194,10 +194,10 @@ class _Run:
 
     def _check_stems(self, sources: Sequence[Source]) -> None:
         """Report files of equal stem, which is the name of the folder of generated files."""
-        known: dict[str, Source] = {}
+        by_stem: dict[str, Source] = {}
         for source in sources:
             stem = re.sub(r"\W", "_", source.path.stem).lower()
-            first = known.setdefault(stem, source)
+            first = by_stem.setdefault(stem, source)
             if first is not source:
                 message = f"{first.name} has the same name but for its folder"
                 span = source.span(0, 0)
@@ -264,15 +264,15 @@ class _Run:
 
     def _note(self, unit: Unit, *, main: bool) -> None:
         source = unit.source
-        known = self._files.get(source.name)
+        file = self._files.get(source.name)
         imported = (inner.source.name for inner in unit.imports.values())
         self._files[source.name] = SourceFile(
             name=source.name,
             key=source.key,
             sha256=source.sha256,
-            main=main or (known is not None and known.main),
+            main=main or (file is not None and file.main),
             includes=tuple(
-                dict.fromkeys((*(known.includes if known else ()), *imported))
+                dict.fromkeys((*(file.includes if file else ()), *imported))
             ),
         )
 

@@ -103,10 +103,10 @@ class Reader:
                 statement.path, span, files.IMPORT_MISSING, statement.reused
             )
             return
-        known = self._read.get(absolute_path(source.path))
-        if known is not None:
-            if known.reused is not statement.reused and known.items:
-                form = f"<{statement.path}>" if known.reused else f'"{statement.path}"'
+        cached = self._read.get(absolute_path(source.path))
+        if cached is not None:
+            if cached.reused is not statement.reused and cached.items:
+                form = f"<{statement.path}>" if cached.reused else f'"{statement.path}"'
                 message = f"the file was imported by import( {form} ) before"
                 self._report(files.IMPORT_FORM.at(span, message))
             return
@@ -142,9 +142,9 @@ class Reader:
         if file is None:
             self._report_missing(name, span, header_rules.MISSING_HEADER)
             return
-        known = self._definitions.get(file.name)
-        if known is not None:
-            if known != definitions:
+        before = self._definitions.get(file.name)
+        if before is not None:
+            if before != definitions:
                 message = f"{name} was imported with other definitions before"
                 self._report(header_rules.HEADER_TWICE.at(span, message))
             return

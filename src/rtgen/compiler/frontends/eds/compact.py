@@ -106,12 +106,12 @@ def configure(
 
 
 def check_lists(
-    sections: ObjectSections, known: Mapping[int, Object], findings: Findings
+    sections: ObjectSections, objects: Mapping[int, Object], findings: Findings
 ) -> None:
     """Report lists and entries of lists without a compact sub-object."""
     for lists in (sections.names, sections.values, sections.denotations):
         for index, section in lists.items():
-            _check_list(section, known.get(index), findings)
+            _check_list(section, objects.get(index), findings)
 
 
 def _check_list(section: Section, of: Object | None, findings: Findings) -> None:

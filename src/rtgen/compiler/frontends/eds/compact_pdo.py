@@ -33,22 +33,22 @@ _EVENT_DRIVEN = 255
 _NAMES = {RPDO_COMMUNICATION: "RPDO", TPDO_COMMUNICATION: "TPDO"}
 
 
-def implied(info: DeviceInfo, known: Collection[int], span: Span) -> Iterator[Object]:
-    """Yield the objects of these PDOs at the lowest free indices; `known` are the used ones."""
+def implied(info: DeviceInfo, indices: Collection[int], span: Span) -> Iterator[Object]:
+    """Yield the objects of these PDOs at the lowest free indices; `indices` are the used ones."""
     if not info.compact_pdo:
         return
     for base, count in (
         (RPDO_COMMUNICATION, info.rpdos),
         (TPDO_COMMUNICATION, info.tpdos),
     ):
-        free = (n for n in range(PDOS) if base + n not in known)
-        described = sum(base <= index < base + PDOS for index in known)
+        free = (n for n in range(PDOS) if base + n not in indices)
+        described = sum(base <= index < base + PDOS for index in indices)
         for _ in range(max(0, (count or 0) - described)):
-            yield from _pdo(base, next(free), info.compact_pdo, known, span)
+            yield from _pdo(base, next(free), info.compact_pdo, indices, span)
 
 
 def _pdo(
-    base: int, number: int, subs: int, known: Collection[int], span: Span
+    base: int, number: int, subs: int, indices: Collection[int], span: Span
 ) -> Iterator[Object]:
     name = _NAMES[base]
     cob_id = cob_id_in_force((base + number, 1), None, None)
@@ -61,7 +61,7 @@ def _pdo(
     label = f"{name} {number + 1} communication parameter"
     yield _object(base + number, label, members, span)
     mapping = base + 0x200 + number
-    if mapping not in known:
+    if mapping not in indices:
         entries = [
             _variable(mapping, sub, f"Mapped object {sub}", _U32, span, 0)
             for sub in range(1, _ENTRIES + 1)

@@ -212,14 +212,14 @@ class _Reader(msgspec.Struct, eq=False):
         if not name:
             self._section = Section(name, span)
             return
-        known = self._document.sections.get(name.lower())
-        if known is None:
-            known = Section(name, span)
-            self._document.sections[name.lower()] = known
+        section = self._document.sections.get(name.lower())
+        if section is None:
+            section = Section(name, span)
+            self._document.sections[name.lower()] = section
         else:
-            message = f"there is a section [{known.name}] in line {known.span.line}"
+            message = f"there is a section [{section.name}] in line {section.span.line}"
             self._findings.add(lexical.SAME_SECTION, span, message)
-        self._section = known
+        self._section = section
 
     def _entry(self, number: int, match: re.Match[str]) -> None:
         entry = Entry(
@@ -238,7 +238,7 @@ class _Reader(msgspec.Struct, eq=False):
             span = self._whole(number, match.string)
             self._findings.add(lexical.STRAY_LINE, span, message)
         else:
-            known = self._section.entries.setdefault(entry.key.lower(), entry)
-            if known is not entry:
-                message = f"{known.key} is given in line {known.line} already"
+            first = self._section.entries.setdefault(entry.key.lower(), entry)
+            if first is not entry:
+                message = f"{first.key} is given in line {first.line} already"
                 self._findings.add(lexical.SAME_KEY, entry.key_span, message)

@@ -57,8 +57,8 @@ class ObjectReader:
                 )
                 self._findings.add(lexical.TOO_MANY_OBJECTS, span, message)
                 return []
-        known = {o.index: o for o in objects}
-        compact.check_lists(sections, known, self._findings)
+        by_index = {o.index: o for o in objects}
+        compact.check_lists(sections, by_index, self._findings)
         return objects
 
     @staticmethod

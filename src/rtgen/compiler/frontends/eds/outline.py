@@ -175,9 +175,9 @@ def _spelling(section: Section, standard: str, findings: Findings) -> None:
 def _keep(
     places: dict[K, Section], key: K, section: Section, findings: Findings
 ) -> None:
-    known = places.setdefault(key, section)
-    if known is not section:
-        message = f"[{known.name}] in line {known.span.line} is the same section"
+    first = places.setdefault(key, section)
+    if first is not section:
+        message = f"[{first.name}] in line {first.span.line} is the same section"
         findings.add(lexical.SAME_SECTION, section.span, message)
         for name, entry in section.entries.items():
-            known.entries.setdefault(name, entry)
+            first.entries.setdefault(name, entry)

@@ -56,10 +56,10 @@ def load(
     errors in the input are among the diagnostics, sorted; no exception is raised for them. A file
     with an error yields no device.
     """
-    shown = {absolute_path(path): path.as_posix() for path in reversed(paths)}
-    run = _Run(Library(DescriptionFile, root, (), shown), node_id, encoding)
+    names = {absolute_path(path): path.as_posix() for path in reversed(paths)}
+    run = _Run(Library(DescriptionFile, root, (), names), node_id, encoding)
     for absolute in dict.fromkeys(map(absolute_path, paths)):
-        run.read(Path(absolute), shown[absolute])
+        run.read(Path(absolute), names[absolute])
     return run.result()
 
 
@@ -89,12 +89,12 @@ class _Run(msgspec.Struct, eq=False):
             dependencies=self._library.dependencies,
         )
 
-    def read(self, path: Path, shown: str) -> None:
-        stages.file(shown)
+    def read(self, path: Path, name: str) -> None:
+        stages.file(name)
         file = open_main(
             self._library,
             path,
-            shown,
+            name,
             self._diagnostics.append,
             missing=lexical.MISSING_FILE,
             unreadable=lexical.UNREADABLE,
@@ -107,11 +107,11 @@ class _Run(msgspec.Struct, eq=False):
             device, text = None, ""
             self._diagnostics.append(ini.too_large(file.name))
         else:
-            data, known = file.data, self._encoding
+            data, encoding = file.data, self._encoding
             if isinstance(data, Encoded):
-                known = data.encoding
+                encoding = data.encoding
             device, text, diagnostics = _read(
-                data, file.name, file.key, self._node_id, known
+                data, file.name, file.key, self._node_id, encoding
             )
             self._diagnostics += diagnostics
         self._texts[file.name] = text
@@ -187,8 +187,8 @@ def _device(
     modules = ModuleReader(sections, findings, dcf)
     kinds, connected = modules.kinds(), modules.connected()
     objects = modules.apply(objects, connected)
-    known = {o.index for o in objects}
-    objects += implied(info, known, document.start)
+    indices = {o.index for o in objects}
+    objects += implied(info, indices, document.start)
     objects.sort(key=lambda o: o.index)
     dummies = about.dummies()
     cob_ids.check(objects, node_id, findings)

@@ -85,8 +85,8 @@ class _Run:
         encoding: str,
         interfaces: Interfaces | None,
     ) -> None:
-        shown = {absolute_path(path): path.as_posix() for path in reversed(paths)}
-        self._library = Library(root, include, shown, virtual, encoding, interfaces)
+        names = {absolute_path(path): path.as_posix() for path in reversed(paths)}
+        self._library = Library(root, include, names, virtual, encoding, interfaces)
         self._given = [
             name
             for name, file in virtual.items()
@@ -100,7 +100,7 @@ class _Run:
         self._key = (
             *("IDL", str(Path.cwd()), str(root), *map(str, include)),
             *(tuple(define.items()), ignore_case_clashes, encoding),
-            *(tuple(shown.items()), tuple(own)),
+            *(tuple(names.items()), tuple(own)),
         )
         self._found = Findings(syntax.TOO_MANY_FINDINGS)
         self._translator = Translator(
@@ -111,7 +111,7 @@ class _Run:
         self._defined: set[ScopedName] = set()
         self._files: dict[str, SourceFile] = {}
         self._main: set[str] = set()
-        self._shown = shown
+        self._shown = names
         self._sources: dict[str, str] = {}
         self._dependencies: dict[Path, Dependency] = {}
 
@@ -128,12 +128,14 @@ class _Run:
             macros = predefined({})
         mains = [*map(self._of_name, self._given), *map(self._of_path, self._paths)]
         # Two links to one file are one.
-        known = list({id(each): each for each in mains if each is not None}.values())
+        translations = list(
+            {id(each): each for each in mains if each is not None}.values()
+        )
         self._main = {
             (each.source if isinstance(each, Translation) else each).name
-            for each in known
+            for each in translations
         }
-        for each in known:
+        for each in translations:
             if isinstance(each, Translation):
                 self._merge(each)
             else:
@@ -201,14 +203,14 @@ class _Run:
             self._add(name, declaration)
 
     def _add(self, name: ScopedName, declaration: Declaration) -> None:
-        known = self._declarations.setdefault(name, declaration)
+        first = self._declarations.setdefault(name, declaration)
         if (
-            known == declaration
+            first == declaration
             or _is_forward(declaration)
-            or structurally_equal(known, declaration)
+            or structurally_equal(first, declaration)
         ):
             return
-        if _is_forward(known) and known.repository_id == declaration.repository_id:
+        if _is_forward(first) and first.repository_id == declaration.repository_id:
             del self._declarations[name]
             self._declarations[name] = declaration
         else:
@@ -216,7 +218,7 @@ class _Run:
                 names.TWO_DEFINITIONS.at(
                     declaration.span,
                     f"{declaration.scoped} is declared differently in another file",
-                    related=[Related(known.span, "the other declaration")],
+                    related=[Related(first.span, "the other declaration")],
                     hint="rename one, or include one file from the other",
                 )
             )
@@ -232,8 +234,8 @@ class _Run:
                 self._note(nested, (), source.name)
 
     def _note(self, source: Source, includes: Sequence[str], owner: str | None) -> None:
-        known = self._files.get(source.name)
-        names_ = tuple(dict.fromkeys((*(known.includes if known else ()), *includes)))
+        file = self._files.get(source.name)
+        names_ = tuple(dict.fromkeys((*(file.includes if file else ()), *includes)))
         self._files[source.name] = SourceFile(
             name=source.name,
             key=source.key,

@@ -76,12 +76,12 @@ class Joined:
     def with_all_lines(self) -> str:
         """Return the text with empty lines in place of those that were joined to others."""
         lines = []
-        place = known = 0
+        place = end = 0
         for line in self.text.split("\n"):
             place += len(line)
             joined = bisect_right(self.starts, place)
-            lines.append(line + "\n" * (joined - known))
-            place, known = place + 1, joined
+            lines.append(line + "\n" * (joined - end))
+            place, end = place + 1, joined
         return "\n".join(lines)
 
     def backslashes(self, start: int, end: int) -> Iterator[tuple[int, int]]:

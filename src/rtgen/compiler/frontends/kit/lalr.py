@@ -226,16 +226,16 @@ class Parser:
 
     def would_shift(self, kind: str) -> bool:
         states, actions = self.states, self._grammar.actions
-        kept = len(states)
+        depth = len(states)
         added: list[int] = []
         while True:
-            action = actions[added[-1] if added else states[kept - 1]].get(kind)
+            action = actions[added[-1] if added else states[depth - 1]].get(kind)
             if action is None or action >= 0:
                 return action is not None
             size, origin, _ = self._grammar.rules[~action]
-            kept -= max(size - len(added), 0)
+            depth -= max(size - len(added), 0)
             del added[max(len(added) - size, 0) :]
-            added.append(actions[added[-1] if added else states[kept - 1]][origin])
+            added.append(actions[added[-1] if added else states[depth - 1]][origin])
 
 
 def _rule(
@@ -243,22 +243,22 @@ def _rule(
     origin: str,
     size: int,
     name: str | None,
-    kept: list[tuple[int, bool]] | None,
+    selection: list[tuple[int, bool]] | None,
     single: bool,
 ) -> tuple[int, str, Make | None]:
     """Return a rule's length, its symbol, and the function that makes its value.
 
-    The function is None if the value is that of the rule's only part. `kept` are the parts that
+    The function is None if the value is that of the rule's only part. `selection`: the parts that
     count, each with whether it is a list to be spread; None for all. `single`: one part is the
     value.
     """
-    if single and size == 1 and kept is None:
+    if single and size == 1 and selection is None:
         return size, origin, None
     make: Make = _as_they_are if name is None else getattr(builder, name)
-    if kept is None:
+    if selection is None:
         return size, origin, make
-    indexes = [index for index, _ in kept]
-    spreads = [index for index, spread in kept if spread]
+    indexes = [index for index, _ in selection]
+    spreads = [index for index, spread in selection if spread]
     if not spreads:
         if single and len(indexes) == 1:
             return size, origin, itemgetter(*indexes)
@@ -284,7 +284,7 @@ def _rule(
 
     def select(parts: list[Any]) -> Any:
         items: list[Any] = []
-        for index, spread in kept:
+        for index, spread in selection:
             if not spread:
                 items.append(parts[index])
             elif items:

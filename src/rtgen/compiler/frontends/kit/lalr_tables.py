@@ -88,17 +88,17 @@ def _row(
 def _rule(rule: Any) -> list[Any]:
     """Return a rule in the form of `lalr`; the value of a rule `_name` is spread."""
     name = str(rule.alias or rule.origin.name)
-    kept = [
+    indices = [
         (index, not part.is_term and part.name.startswith("_"))
         for index, part in enumerate(rule.expansion)
         if not (part.is_term and part.filter_out)
     ]
-    whole = len(kept) == len(rule.expansion) and not any(s for _, s in kept)
+    whole = len(indices) == len(rule.expansion) and not any(s for _, s in indices)
     return [
         str(rule.origin.name),
         len(rule.expansion),
         None if name.startswith("_") else name,
-        None if whole else kept,
+        None if whole else indices,
         bool(rule.options.expand1 and not rule.alias),
     ]
 

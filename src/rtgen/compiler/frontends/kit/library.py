@@ -82,8 +82,8 @@ class Library(Generic[F]):
 
     def dependency(self, absolute: str) -> Dependency:
         """Return what was found at an absolute path that was searched."""
-        known = self._dependencies.get(absolute)
-        return Dependency(Path(absolute), None) if known is None else known
+        cached = self._dependencies.get(absolute)
+        return Dependency(Path(absolute), None) if cached is None else cached
 
     @property
     def found(self) -> list[F]:
@@ -127,10 +127,10 @@ class Library(Generic[F]):
         file = Path(absolute)
         is_file = files.is_file(file)
         if is_file and not apart:
-            known = self._paths.setdefault(files.real_path(absolute), absolute)
-            if known != absolute:
-                source = self.open(known, folder)
-                digest = self.dependency(known).sha256
+            first = self._paths.setdefault(files.real_path(absolute), absolute)
+            if first != absolute:
+                source = self.open(first, folder)
+                digest = self.dependency(first).sha256
         if is_file and source is None:
             data = files.read_start(file, MAX_BYTES + 1)
             digest = sha256(data).hexdigest()

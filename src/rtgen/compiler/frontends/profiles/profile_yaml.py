@@ -227,8 +227,8 @@ def _key(form: _Form, name: tuple[str, str], inside: str) -> str:
     """Return the key of a name; `inside` is the namespace of the parent element."""
     namespace, local = name
     key = local[:1].lower() + local[1:]
-    for prefix, known in form.namespaces.items():
-        if namespace == known and namespace != inside:
+    for prefix, uri in form.namespaces.items():
+        if namespace == uri and namespace != inside:
             return f"{prefix}::{key}"
     return key
 

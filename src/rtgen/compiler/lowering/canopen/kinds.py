@@ -34,8 +34,8 @@ def kinds_of(
     kinds: dict[str, DeviceKind] = {}
     findings: list[Diagnostic] = []
     of_buses = [kind for bus in buses for kind in bus.kinds]
-    known = {_file(kind.device) for kind in of_buses}
-    beside = [kind_of(d) for d in devices if _file(d) not in known]
+    files = {_file(kind.device) for kind in of_buses}
+    beside = [kind_of(d) for d in devices if _file(d) not in files]
     for kind in (*of_buses, *beside):
         taken = _taken(kind)
         if taken is not None:

@@ -116,7 +116,7 @@ class _Made:
     def whole(self) -> Model:
         """The model with everything that was added."""
         included = {file.name for file in self.model.files} & self.files.keys()
-        kept = [self._kept(d) for d in self.model.declarations]
+        declarations = [self._kept(d) for d in self.model.declarations]
         added = [d for d in self.types.values() if d.file not in included]
         return replace(
             self.model,
@@ -124,7 +124,7 @@ class _Made:
                 *(self.files.get(file.name, file) for file in self.model.files),
                 *(f for name, f in self.files.items() if name not in included),
             ),
-            declarations=(*kept, *added, *self.components),
+            declarations=(*declarations, *added, *self.components),
         )
 
     def _kept(self, declaration: Declaration) -> Declaration:

@@ -88,8 +88,8 @@ class Lowering:
         for service in profile.service_ports:
             for interface in service.interfaces:
                 ports.append(self._interface(profile, service.name, interface, taken))
-        known: set[str] = set()
-        parameters = [self._parameter(p, known) for p in profile.parameters]
+        parameter_names: set[str] = set()
+        parameters = [self._parameter(p, parameter_names) for p in profile.parameters]
         name = self._name(profile)
         other = self._by_name.get(name)
         lowered = Component(
@@ -99,7 +99,9 @@ class Lowering:
             span=profile.span,
             doc=profile.doc,
             ports=tuple(_beside(name[-1], port, taken) for port in ports),
-            configuration=tuple(_beside(name[-1], p, known) for p in parameters),
+            configuration=tuple(
+                _beside(name[-1], p, parameter_names) for p in parameters
+            ),
             kind=profile.kind,
             category=self._id_part(profile, profile.category, _BREAKS_ID),
             vendor=self._id_part(profile, profile.vendor, _BREAKS_ID),
@@ -134,12 +136,12 @@ class Lowering:
         last = profile_escapes.word(profile.name, "Component")[:_MAX_NAME_LENGTH]
         why = "is not an identifier" if len(last) < _MAX_NAME_LENGTH else "is too long"
         name = self._definitions.name(profile, last)
-        known = self._by_name.get(name)
-        if isinstance(known, Component):
-            is_given = known.file in self.given and not profile.implements
-            if is_given or known.file == profile.file:
-                message = f"there is a component {known.scoped} already"
-                related = [Related(known.span, "the other one")]
+        other = self._by_name.get(name)
+        if isinstance(other, Component):
+            is_given = other.file in self.given and not profile.implements
+            if is_given or other.file == profile.file:
+                message = f"there is a component {other.scoped} already"
+                related = [Related(other.span, "the other one")]
                 diagnostic = rules.SAME_COMPONENT.at(
                     profile.span, message, related=related
                 )

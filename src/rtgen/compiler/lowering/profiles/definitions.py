@@ -249,15 +249,15 @@ class Definitions:
             entries = profile_facts.annotations_from_json(
                 facts.get("annotations") or []
             )
-        known = [each for each in entries if isinstance(each, Annotation)]
-        gone = [
+        usable = [each for each in entries if isinstance(each, Annotation)]
+        superseded = [
             each
-            for each in known
+            for each in usable
             if each.name in (EVENT_PORT, EVENT)
             and not any(same_event(each, event) for event in events)
         ]
-        entries = [each for each in entries if each not in gone]
-        new = [each for each in events if not any(same_event(each, k) for k in known)]
+        entries = [each for each in entries if each not in superseded]
+        new = [each for each in events if not any(same_event(each, k) for k in usable)]
         return replace(item, annotations=annotations_from(item, entries) + tuple(new))
 
     @contextmanager

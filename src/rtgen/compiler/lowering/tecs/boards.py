@@ -88,8 +88,8 @@ def _layouts(
         try:
             layouts.append(layout_of(package.unit, signature))
         except TransferError:
-            kept = [f for f in signature.functions if f.span not in side.refused]
-            sound = replace(signature, functions=tuple(kept))
+            functions = [f for f in signature.functions if f.span not in side.refused]
+            sound = replace(signature, functions=tuple(functions))
             for p in problems(package.unit, sound):
                 diagnostics.append(NOT_TRANSFERRED.at(p.span, p.reason, hint=p.hint))
     return layouts, diagnostics

@@ -197,17 +197,17 @@ def _read(
     options: tuple[PluginOption, ...], values: dict[str, object]
 ) -> Iterator[Diagnostic]:
     for option in options:
-        known = _FIELDS.get(option.name)
-        if known is None:
+        field = _FIELDS.get(option.name)
+        if field is None:
             if option.name not in TECSGEN_OPTIONS:
                 yield _unknown(option)
             continue
         try:
-            values[known.name] = known.metadata["parse"](option.value)
+            values[field.name] = field.metadata["parse"](option.value)
         except _RefusalError as refusal:
             message = f"{option.name} cannot be {option.value!r}: {refusal}"
             yield BAD_OPTION.at(
-                option.value_span, message, hint=_default(known.default)
+                option.value_span, message, hint=_default(field.default)
             )
 
 

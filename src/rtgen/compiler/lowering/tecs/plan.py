@@ -158,8 +158,8 @@ class _Planner:
         names = [self._unit.file]
         for join in joins:
             names += [join.service.signature.file, join.cell.file]
-        known = {file.name: file for file in self._model.files}
-        return tuple(known[name] for name in dict.fromkeys(names) if name in known)
+        by_name = {file.name: file for file in self._model.files}
+        return tuple(by_name[name] for name in dict.fromkeys(names) if name in by_name)
 
     def _compare(self, join: RtcJoin, others: Sequence[RtcJoin]) -> None:
         """Report options that differ from those of earlier joins."""

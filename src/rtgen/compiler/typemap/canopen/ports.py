@@ -225,7 +225,7 @@ class DevicePorts:
                 yield PdoSample(pdo, tuple(fields), laid_out)
 
     def _member(
-        self, variable: Variable, known: Sequence[Quantity], struct: str
+        self, variable: Variable, quantities: Sequence[Quantity], struct: str
     ) -> Quantity:
         """Return a variable as a member of a struct.
 
@@ -236,7 +236,7 @@ class DevicePorts:
         first = quantity.name
         if first.lower() in (STAMP, struct, "rtc"):
             first = numbered(first, (variable.index, variable.subindex))
-        taken = {q.name.lower() for q in known}
+        taken = {q.name.lower() for q in quantities}
         name, place = first, 1
         while name.lower() in taken:
             place += 1

@@ -192,8 +192,8 @@ def _with_arguments(
     assert isinstance(item, Component)
     for place, annotation in enumerate(annotations):
         if annotation.name == "rtc":
-            known = dict(annotation.arguments)
-            more = [pair for pair in _different(item) if pair[0] not in known]
+            arguments = dict(annotation.arguments)
+            more = [pair for pair in _different(item) if pair[0] not in arguments]
             full = Annotation("rtc", (*annotation.arguments, *more))
             return [*annotations[:place], full, *annotations[place + 1 :]]
     return [*annotations, written]

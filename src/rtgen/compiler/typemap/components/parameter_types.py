@@ -32,9 +32,9 @@ WORDS = {
 
 def type_of(word: str) -> Type | None:
     """Return the type for a name; None for an unknown one."""
-    known = canonical(word)
-    if known is None:
+    name = canonical(word)
+    if name is None:
         return None
-    element = known.removeprefix("sequence<").removesuffix(">")
+    element = name.removeprefix("sequence<").removesuffix(">")
     type_ = StringType() if element == STRING else PrimitiveType(Primitive(element))
-    return type_ if element == known else SequenceType(type_)
+    return type_ if element == name else SequenceType(type_)

@@ -206,10 +206,10 @@ def of_component(model: Model, component: Component) -> Facts:
 
 def _further_files(model: Model, component: Component) -> list[str]:
     """Return the base names of the IDL files that declare no port's type."""
-    known = {file_of(model, port) for port in component.ports}
+    named = {file_of(model, port) for port in component.ports}
     needed = declarations_of(model, component)
     files = dict.fromkeys(PurePosixPath(each.file).name for each in needed)
-    return [file for file in files if file not in known]
+    return [file for file in files if file not in named]
 
 
 def file_of(model: Model, port: Port) -> str:

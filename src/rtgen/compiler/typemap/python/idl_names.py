@@ -489,8 +489,10 @@ def distinct(names: Iterable[str], reserved: Collection[str]) -> dict[str, str]:
     identifiers = [identifier(name, reserved) for name in preferred]
     if identifiers == preferred:
         return dict(zip(preferred, identifiers, strict=True))
-    kept = {n for n, chosen in zip(preferred, identifiers, strict=True) if n == chosen}
-    taken = kept.union(reserved)
+    unchanged = {
+        n for n, chosen in zip(preferred, identifiers, strict=True) if n == chosen
+    }
+    taken = unchanged.union(reserved)
     result: dict[str, str] = {}
     for name, chosen in zip(preferred, identifiers, strict=True):
         if chosen != name:

@@ -101,8 +101,8 @@ class Decoder:
     A boot-up message resets a node's parameters to those of its description.
     """
 
-    def __init__(self, known: NodeIndex) -> None:
-        self.known = known
+    def __init__(self, node_index: NodeIndex) -> None:
+        self.known = node_index
         self._followers: defaultdict[tuple[int, int], SdoFollower] = defaultdict(
             SdoFollower
         )
@@ -114,7 +114,7 @@ class Decoder:
         self._syncs: set[tuple[int, bool]] = set()
         self._times: set[tuple[int, bool]] = set()
         self._further_servers: dict[int, list[int]] = {}
-        for node in known.nodes.values():
+        for node in node_index.nodes.values():
             parameters = self._parameters[node.id] = node.parameters
             self._further_servers[node.id] = sorted(
                 {index for index, _ in parameters if index in SDO_SERVERS[1:]}

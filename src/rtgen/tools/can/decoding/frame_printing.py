@@ -41,8 +41,8 @@ Write: TypeAlias = Callable[[str], object]
 class MessageDecoder:
     """Decodes python-can messages, including error frames and CAN FD."""
 
-    def __init__(self, known: NodeIndex) -> None:
-        self._decoder = Decoder(known)
+    def __init__(self, node_index: NodeIndex) -> None:
+        self._decoder = Decoder(node_index)
 
     def decode(self, message: Message) -> Decoded:
         """Decode the next message."""
@@ -58,9 +58,9 @@ class Wanted:
     """A filter of frames by nodes and kinds; matches all frames by default."""
 
     def __init__(
-        self, known: NodeIndex, nodes: tuple[str, ...], kinds: tuple[str, ...]
+        self, node_index: NodeIndex, nodes: tuple[str, ...], kinds: tuple[str, ...]
     ) -> None:
-        self._nodes = frozenset(known.node(text) for text in nodes)
+        self._nodes = frozenset(node_index.node(text) for text in nodes)
         self._kinds = tuple(kind.lower() for kind in kinds)
         for kind in self._kinds:
             if not any(
@@ -98,9 +98,9 @@ class Printer:
     """
 
     def __init__(
-        self, known: NodeIndex, selection: Wanted, *, as_json: bool, write: Write
+        self, node_index: NodeIndex, selection: Wanted, *, as_json: bool, write: Write
     ) -> None:
-        self._decoder = MessageDecoder(known)
+        self._decoder = MessageDecoder(node_index)
         self._wanted = selection
         self._line = _json_line if as_json else self._text_line
         self._write = write

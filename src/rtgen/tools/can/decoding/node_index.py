@@ -76,8 +76,8 @@ class DescribedNode:
         if number is not None and number[1] == 0 and ":" not in text:
             subs = sorted(n for n in self.objects if n[0] == number[0])
             if subs:
-                known = ", ".join(written(n) for n in subs[:4])
-                raise Refusal(f"{self.name} has {known}, but no {text}")
+                numbers = ", ".join(written(n) for n in subs[:4])
+                raise Refusal(f"{self.name} has {numbers}, but no {text}")
         close = get_close_matches(text.lower(), self.by_name, n=1)
         hint = f"; did you mean {self.by_name[close[0]].name}?" if close else ""
         raise Refusal(f"{self.name} has no object {text!r}{hint}")
@@ -133,10 +133,10 @@ class NodeIndex:
         except ValueError:
             names = [node.name for node in self.nodes.values()]
             close = get_close_matches(text, names, n=1)
-            known = (
+            advice = (
                 f"known: {', '.join(names)}" if names else "give its node-id, or --bus"
             )
-            hint = f"did you mean {close[0]}?" if close else known
+            hint = f"did you mean {close[0]}?" if close else advice
             raise Refusal(f"there is no node {text!r}; {hint}") from None
         if not 1 <= node_id <= 127:
             raise Refusal(f"node-id {node_id}: it is 1 to 127")

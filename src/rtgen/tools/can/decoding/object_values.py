@@ -102,9 +102,9 @@ def sdo_value(thing: DescribedObject, octets: bytes) -> ObjectValue:
 
 def _text(kind: Kind, value: ObjectValue) -> str:
     if isinstance(value, bytes):
-        shown = value[:_SHOWN].hex(" ")
+        text = value[:_SHOWN].hex(" ")
         more = len(value) - _SHOWN
-        return f"{shown} ... ({len(value)} octets)" if more > 0 else shown or "(empty)"
+        return f"{text} ... ({len(value)} octets)" if more > 0 else text or "(empty)"
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False)
     converted = json_value(kind, value)

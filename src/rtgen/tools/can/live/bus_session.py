@@ -71,11 +71,11 @@ class BusSession(msgspec.Struct, eq=False):
         Raises ToolError if the bus is lost.
         """
         end = time.monotonic() + seconds
-        while (left := end - time.monotonic()) > 0 and not until():
-            self._once((), left)
+        while (remaining := end - time.monotonic()) > 0 and not until():
+            self._once((), remaining)
 
-    def _once(self, machines: Sequence[Machine], left: float) -> None:
-        frame = self._receive(min(max(left, 0.0), _POLL_INTERVAL))
+    def _once(self, machines: Sequence[Machine], remaining: float) -> None:
+        frame = self._receive(min(max(remaining, 0.0), _POLL_INTERVAL))
         for machine in machines:
             if frame is not None:
                 self.send(machine.receive(frame, time.monotonic_ns()))

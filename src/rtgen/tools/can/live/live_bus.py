@@ -97,11 +97,13 @@ class FrameIterator:
         return self
 
     def __next__(self) -> Message | None:
-        left = TICK if self._end is None else min(self._end - time.monotonic(), TICK)
-        if self._left == 0 or left <= 0 or self._ended.is_set():
+        remaining = (
+            TICK if self._end is None else min(self._end - time.monotonic(), TICK)
+        )
+        if self._left == 0 or remaining <= 0 or self._ended.is_set():
             raise StopIteration
         try:
-            message = self._waiting.get(timeout=left)
+            message = self._waiting.get(timeout=remaining)
         except queue.Empty:
             return None
         if isinstance(message, Exception):

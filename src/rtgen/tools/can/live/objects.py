@@ -22,28 +22,30 @@ _DEFAULT_WATCH = 0.3
 _MAX_WATCH = 2.0
 
 
-def server_cob_ids(known: NodeIndex, node_id: int, server: int) -> tuple[CobId, CobId]:
+def server_cob_ids(
+    node_index: NodeIndex, node_id: int, server: int
+) -> tuple[CobId, CobId]:
     """Return the COB-IDs of an SDO server of a node. Raises Refusal for one that is not valid."""
     if server == 1:
         return sdo_cob_ids(node_id)
-    node, index = known.nodes.get(node_id), SDO_SERVERS[server - 1]
+    node, index = node_index.nodes.get(node_id), SDO_SERVERS[server - 1]
     parameters = {} if node is None else node.parameters
     request, response = (
         CobId(parameters.get((index, sub), INVALID) & 0xFFFFFFFF) for sub in (1, 2)
     )
     if not (request.valid and response.valid):
         raise Refusal(
-            f"{known.name(node_id)} has no SDO server {server}: its description gives "
+            f"{node_index.name(node_id)} has no SDO server {server}: its description gives "
             f"{index:04X}h no two valid COB-IDs"
         )
     return request, response
 
 
 def requested_object(
-    known: NodeIndex, node_id: int, name: str, kind: Kind | None, *, raw: bool
+    node_index: NodeIndex, node_id: int, name: str, kind: Kind | None, *, raw: bool
 ) -> DescribedObject:
     """Return the object; for a node without a description, an unnamed one of the requested kind."""
-    node = known.nodes.get(node_id)
+    node = node_index.nodes.get(node_id)
     if node is not None:
         try:
             thing = node.object(name)
@@ -56,7 +58,7 @@ def requested_object(
     number = number_of(name)
     if number is None:
         raise Refusal(
-            f"{known.name(node_id)} is not described, so {name!r} is not known: give --bus or "
+            f"{node_index.name(node_id)} is not described, so {name!r} is not known: give --bus or "
             "--eds, or write the number, such as 6401:1"
         )
     return DescribedObject(number, "", kind or "octets", Access.RW)
@@ -74,14 +76,14 @@ class OtherClientWatch:
     """Detects another SDO client of the node's server; the manager is one if it `is_shared`."""
 
     def __init__(
-        self, known: NodeIndex, node_id: int, requests: CobId, *, is_shared: bool
+        self, node_index: NodeIndex, node_id: int, requests: CobId, *, is_shared: bool
     ) -> None:
-        self._manager = ERROR_CONTROL + known.manager if is_shared else None
+        self._manager = ERROR_CONTROL + node_index.manager if is_shared else None
         self._requests = requests
-        period = known.bus.heartbeat if known.bus else 0.0
+        period = node_index.bus.heartbeat if node_index.bus else 0.0
         self.seconds = min(2.5 * period, _MAX_WATCH) or _DEFAULT_WATCH
-        self._name = known.name(node_id)
-        self._by = f"the manager (node {known.manager})"
+        self._name = node_index.name(node_id)
+        self._by = f"the manager (node {node_index.manager})"
         self.found = ""
 
     def __call__(self, frame: Frame) -> None:

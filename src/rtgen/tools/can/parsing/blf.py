@@ -118,12 +118,12 @@ class WholeObjects:
         """Skip to the next object; return the number of octets, None without one."""
         skipped, window = 1, head[1:]
         while (start := window.find(_MAGIC)) < 0:
-            kept = window[-len(_MAGIC) + 1 :]
+            overlap = window[-len(_MAGIC) + 1 :]
             more = self._source.read(_PIECE)
             if not more:
                 return None
-            skipped += len(window) - len(kept)
-            window = kept + more
+            skipped += len(window) - len(overlap)
+            window = overlap + more
         self._source.seek(start - len(window), 1)
         return skipped + start
 

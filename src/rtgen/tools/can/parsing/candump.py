@@ -57,7 +57,7 @@ def _message(parts: re.Match[str], *, is_fd: bool, length: int | None) -> Messag
     remote = parts["remote"] is not None
     if length is not None and not remote and length != len(data):
         raise ValueError(f"{len(data)} octets where the line says {length}")
-    known: dict[str, Any] = {
+    fields: dict[str, Any] = {
         "timestamp": _time(parts["time"]),
         "channel": parts["channel"],
     }
@@ -66,7 +66,7 @@ def _message(parts: re.Match[str], *, is_fd: bool, length: int | None) -> Messag
             is_error_frame=True,
             arbitration_id=can_id & ~ERROR_FLAG & _MAX_EXTENDED,
             data=data[:MAX_DATA],
-            **known,
+            **fields,
         )
     if can_id > (_MAX_EXTENDED if is_extended else _MAX_STANDARD):
         raise ValueError(f"{parts['id']} is not an identifier")
@@ -81,7 +81,7 @@ def _message(parts: re.Match[str], *, is_fd: bool, length: int | None) -> Messag
         bitrate_switch=is_fd and bool(flags & _BIT_RATE_SWITCH),
         error_state_indicator=is_fd and bool(flags & _ERROR_STATE),
         check=True,
-        **known,
+        **fields,
     )
 
 

@@ -27,7 +27,7 @@ _COMMANDS = {
 }
 
 
-def frame_of_text(text: str, known: NodeIndex) -> Frame:
+def frame_of_text(text: str, node_index: NodeIndex) -> Frame:
     """Parse one frame. Raises Refusal."""
     words = text.split()
     head = words[0] if words else ""
@@ -36,9 +36,9 @@ def frame_of_text(text: str, known: NodeIndex) -> Frame:
     if head.lower() == "sync" and len(words) <= 2:
         return _sync(words[1:])
     if head.lower() == "nmt" and len(words) == 3:
-        return _command(words[1], words[2], known)
+        return _command(words[1], words[2], node_index)
     if _PDO.fullmatch(head):
-        return _pdo(head, words[1:], known)
+        return _pdo(head, words[1:], node_index)
     raise Refusal(f"{text!r} is not a frame: write {FORMS}")
 
 
@@ -69,16 +69,16 @@ def _sync(words: list[str]) -> Frame:
         raise Refusal(f"{words[0]!r} is not a counter of SYNC (0 to 255)") from error
 
 
-def _command(name: str, node: str, known: NodeIndex) -> Frame:
+def _command(name: str, node: str, node_index: NodeIndex) -> Frame:
     command = _COMMANDS.get(name.lower())
     if command is None:
         raise Refusal(f"{name!r} is not an NMT command: {', '.join(_COMMANDS)}")
-    return command_frame(command, 0 if node == "all" else known.node(node))
+    return command_frame(command, 0 if node == "all" else node_index.node(node))
 
 
-def _pdo(head: str, assignments: list[str], known: NodeIndex) -> Frame:
+def _pdo(head: str, assignments: list[str], node_index: NodeIndex) -> Frame:
     name, _, pdo = head.rpartition(".")
-    node = known.nodes.get(known.node(name))
+    node = node_index.nodes.get(node_index.node(name))
     if node is None:
         raise Refusal(f"{name} is not described: give --bus or --eds, or write ID#HEX")
     routes_by_name = {

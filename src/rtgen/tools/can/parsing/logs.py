@@ -46,8 +46,8 @@ Report: TypeAlias = Callable[[str], object]
 def check_kind(path: Path, kinds: Mapping[str, str] = WRITTEN) -> None:
     """Raise Refusal for a suffix that is not one of these log formats."""
     if path.suffix.lower() not in kinds:
-        known = ", ".join(f"{suffix} ({kind})" for suffix, kind in kinds.items())
-        raise Refusal(f"{path}: the suffix has to name a log format: {known}")
+        choices = ", ".join(f"{suffix} ({kind})" for suffix, kind in kinds.items())
+        raise Refusal(f"{path}: the suffix has to name a log format: {choices}")
 
 
 @contextmanager
@@ -177,11 +177,11 @@ class _Lines:
             yield from self._head
         while line := self._stream.readline(_MAX_LINE):
             self.number += 1
-            end, left = line, _MAX_END
+            end, remaining = line, _MAX_END
             while len(end) == _MAX_LINE:
                 end = self._stream.readline(_MAX_LINE)
-                left -= len(end)
-                if left < 0:
+                remaining -= len(end)
+                if remaining < 0:
                     raise EndlessError(f"line {self.number} has no end")
             self._damage.is_at_open_end = not (end or line).endswith(b"\n")
             yield line.decode("utf-8", "replace")
@@ -214,9 +214,9 @@ class _TraceLines(_CountedLines):
         for line in super().__iter__():
             version = _TRACE_VERSION.match(line)
             if version is not None and version[1] not in _TRACE_VERSIONS:
-                known = ", ".join(_TRACE_VERSIONS)
+                versions = ", ".join(_TRACE_VERSIONS)
                 raise Refusal(
-                    f"PEAK traces of version {version[1]} are not read, only {known}"
+                    f"PEAK traces of version {version[1]} are not read, only {versions}"
                 )
             yield line
 

@@ -26,7 +26,7 @@ class Step:
     frame: Frame
 
 
-def read_sequence(path: Path, known: NodeIndex) -> list[Step]:
+def read_sequence(path: Path, node_index: NodeIndex) -> list[Step]:
     """Read the steps of a file. Raises Refusal with the line, ToolError if it is unreadable.
 
     A line is `[TIME] FRAME`: the time in seconds since the start or, with `+`, since the line
@@ -36,13 +36,13 @@ def read_sequence(path: Path, known: NodeIndex) -> list[Step]:
         text = decode(read_file(path), standard=True).normal
     except UnreadableError as error:
         raise ToolError(f"cannot read {path}: {error}") from error
-    steps = list(_steps(path, text, known))
+    steps = list(_steps(path, text, node_index))
     if not steps:
         raise Refusal(f"{path}: there is no frame in this file")
     return steps
 
 
-def _steps(path: Path, text: str, known: NodeIndex) -> Iterator[Step]:
+def _steps(path: Path, text: str, node_index: NodeIndex) -> Iterator[Step]:
     at = 0.0
     for number, line in enumerate(text.split("\n"), 1):
         written = line.strip()
@@ -59,6 +59,6 @@ def _steps(path: Path, text: str, known: NodeIndex) -> Iterator[Step]:
                 )
             at = due
         try:
-            yield Step(at, frame_of_text(match["frame"], known))
+            yield Step(at, frame_of_text(match["frame"], node_index))
         except Refusal as error:
             raise Refusal(f"{path}:{number}: {error}") from error

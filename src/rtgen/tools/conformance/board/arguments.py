@@ -78,30 +78,32 @@ def arguments(
     function: Function, values: Values, fixed: Mapping[str, Json] | None = None
 ) -> dict[str, Json]:
     """Return the arguments of a call; `fixed` by name. Raises ArgumentError for bad sizes."""
-    known: dict[str, Json] = {}
+    values_by_name: dict[str, Json] = {}
     sized = lengths(function)
     stated = fixed or {}
     # Numbers come first, since sizes refer to them.
     listed = sorted(function.layout.arguments, key=lambda item: item.name not in sized)
     for item in listed:
         if item.name in stated:
-            known[item.name] = stated[item.name]
+            values_by_name[item.name] = stated[item.name]
         elif item.asked:
-            known[item.name] = None if values.null else {"want": True}
+            values_by_name[item.name] = None if values.null else {"want": True}
         elif item.nullable and values.null:
-            known[item.name] = None
+            values_by_name[item.name] = None
         elif item.name in sized and isinstance(item.node, Basic):
-            known[item.name] = values.length
+            values_by_name[item.name] = values.length
         else:
-            known[item.name] = _value(function, item.node, values, known)
-    return {item.name: known[item.name] for item in function.layout.arguments}
+            values_by_name[item.name] = _value(
+                function, item.node, values, values_by_name
+            )
+    return {item.name: values_by_name[item.name] for item in function.layout.arguments}
 
 
 def _value(
-    function: Function, node: Node, values: Values, known: Mapping[str, object]
+    function: Function, node: Node, values: Values, values_by_name: Mapping[str, object]
 ) -> Json:
     def of(inner: Node) -> Json:
-        return _value(function, inner, values, known)
+        return _value(function, inner, values, values_by_name)
 
     match node:
         case Basic(scalar):
@@ -111,33 +113,38 @@ def _value(
         case FixedArray(element, count):
             return [of(element) for _ in range(count)]
         case Counted(element):
-            return [of(element) for _ in range(function.evaluated(node.count, known))]
+            return [
+                of(element)
+                for _ in range(function.evaluated(node.count, values_by_name))
+            ]
         case String():
-            return "x" * (_units(function, node, known) if values.full else 0)
+            return "x" * (_units(function, node, values_by_name) if values.full else 0)
         case Record(items=items):
             return _members(function, items, values)
     return None
 
 
-def _units(function: Function, node: String, known: Mapping[str, object]) -> int:
+def _units(
+    function: Function, node: String, values_by_name: Mapping[str, object]
+) -> int:
     """Return the length of the longest text without its terminator."""
     if node.length is None:
         return _UNBOUNDED_LENGTH
-    return min(MAX_LENGTH, max(0, function.evaluated(node.length, known) - 1))
+    return min(MAX_LENGTH, max(0, function.evaluated(node.length, values_by_name) - 1))
 
 
 def _members(
     function: Function, items: Sequence[Item], values: Values
 ) -> dict[str, Json]:
     sized = {n for i in items for size in sizes_of(i.node) for n in references(size)}
-    known: dict[str, Json] = {}
+    members: dict[str, Json] = {}
     for item in sorted(items, key=lambda item: item.name not in sized):
         if item.name in sized and isinstance(item.node, Basic):
-            known[item.name] = values.length
+            members[item.name] = values.length
         else:
-            inner = _value(function, item.node, values, known)
-            known[item.name] = [inner] if item.pointer else inner
-    return {item.name: known[item.name] for item in items}
+            inner = _value(function, item.node, values, members)
+            members[item.name] = [inner] if item.pointer else inner
+    return {item.name: members[item.name] for item in items}
 
 
 def scalars(function: Function) -> Iterator[tuple[str, Scalar]]:
@@ -164,11 +171,11 @@ def longest(function: Function) -> int | None:
 
 def exceeds(function: Function, length: int) -> bool:
     """Return whether the length exceeds an array's bound, or the type of its length."""
-    known = dict.fromkeys(lengths(function), length)
+    sizes = dict.fromkeys(lengths(function), length)
     for item in function.layout.items:
         node = item.node
         if isinstance(node, Counted):
-            size = function.evaluated(node.size, known)
+            size = function.evaluated(node.size, sizes)
             if size < 0 or (node.most is not None and size > node.most):
                 return True
     return False

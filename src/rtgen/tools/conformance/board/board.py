@@ -136,10 +136,10 @@ class BoardUnderTest:
                     line.sendall(segment)
                 end = monotonic() + (self.answer if within is None else within)
                 while not count or len(octets) < count:
-                    left = end - monotonic()
+                    remaining = end - monotonic()
                     if octets and not count:
-                        left = min(left, self.quiet)
-                    line.settimeout(max(left, 0.001))
+                        remaining = min(remaining, self.quiet)
+                    line.settimeout(max(remaining, 0.001))
                     part = line.recv(_PIECE)
                     if not part:
                         return Answer(octets, closed=True)

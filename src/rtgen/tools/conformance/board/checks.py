@@ -88,9 +88,9 @@ def wrong_starts(board: BoardUnderTest) -> Problems:
 def unknown_functions(board: BoardUnderTest) -> Problems:
     """Check that a function outside of the signature is rejected."""
     codec = board.service.codec
-    known = [f.layout.function.id for f in board.service.functions.values()]
-    for number in (0, max(known, default=0) + 1, MAX_ID - 1, 0xFFFF):
-        if number in known or number == DIGEST:
+    ids = [f.layout.function.id for f in board.service.functions.values()]
+    for number in (0, max(ids, default=0) + 1, MAX_ID - 1, 0xFFFF):
+        if number in ids or number == DIGEST:
             continue
         request = codec.request_head(number) + codec.awaiting_reply
         yield _refused(board, request, f"function {number}")

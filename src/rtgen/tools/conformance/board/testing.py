@@ -44,8 +44,8 @@ def tested(
     service = service_of(unit, signature, peer.wire)
     unknown = [name for name in functions if name not in service.functions]
     if unknown:
-        known = ", ".join(service.functions)
-        raise Refusal(f"{signature} has no function {unknown[0]!r}; it has: {known}")
+        choices = ", ".join(service.functions)
+        raise Refusal(f"{signature} has no function {unknown[0]!r}; it has: {choices}")
     kind, _, rest = connect.partition(":")
     if kind not in ("tcp", "serial") or not rest:
         raise Refusal(f"{connect!r} is neither tcp:HOST:PORT nor serial:DEVICE")

@@ -138,8 +138,8 @@ def _compared(
         fits = octets in [encode(thing.kind, value) for value in expected]
     except ObjectValueError:
         return
-    shown = " or ".join(map(str, expected))
-    yield None if fits else f"{thing} is {octets.hex()}, {words} {shown}"
+    choices = " or ".join(map(str, expected))
+    yield None if fits else f"{thing} is {octets.hex()}, {words} {choices}"
 
 
 def read_only(node: NodeUnderTest) -> Problems:
@@ -159,13 +159,13 @@ def write_only(node: NodeUnderTest) -> Problems:
 
 def unknown_objects(node: NodeUnderTest) -> Problems:
     """Check that accesses to undescribed objects and sub-indices are rejected."""
-    known = {index for index, _ in node.described.objects}
+    indices = {index for index, _ in node.described.objects}
     for index in (0x0000, 0x1FFF, 0x5FFF, 0xFFFF):
-        if index not in known:
+        if index not in indices:
             yield refusal(f"{index:04X}h", node.read_code((index, 0)), sdo.NO_OBJECT)
             code = node.write_code((index, 0), bytes(1))
             yield refusal(f"{index:04X}h, written", code, sdo.NO_OBJECT)
-    for index in sorted(known):
+    for index in sorted(indices):
         subs = {sub for i, sub in node.described.objects if i == index}
         unused = next((s for s in range(max(subs) + 1, 255)), None)
         if unused is not None:

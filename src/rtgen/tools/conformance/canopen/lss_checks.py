@@ -81,8 +81,8 @@ def _selected(node: NodeUnderTest) -> Iterator[list[int]]:
 
 
 def _problem(what: str, answer: bytes, expected: bytes) -> str | None:
-    shown = answer.hex(" ") or "no answer"
-    return None if answer.startswith(expected) else f"{what}: {shown}"
+    octets = answer.hex(" ") or "no answer"
+    return None if answer.startswith(expected) else f"{what}: {octets}"
 
 
 def lss_address(node: NodeUnderTest) -> Problems:
@@ -121,9 +121,9 @@ def lss_identify(node: NodeUnderTest) -> Problems:
         for data in first:
             node.line.send(Frame(LSS_REQUEST, data))
         answer = _ask(node, last, None if expected else lss_master.TIMEOUT)
-        shown = answer.hex(" ") or "no answer"
+        octets = answer.hex(" ") or "no answer"
         fits = answer[:1] == expected
-        yield None if fits else f"serial numbers {serials[0]} to {serials[1]}: {shown}"
+        yield None if fits else f"serial numbers {serials[0]} to {serials[1]}: {octets}"
 
 
 def lss_identity(node: NodeUnderTest) -> Problems:

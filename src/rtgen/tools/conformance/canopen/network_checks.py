@@ -68,8 +68,8 @@ def _emergency(node: NodeUnderTest, within: int) -> int | None:
 
 
 def _is(code: int | None, expected: int, what: str) -> str | None:
-    shown = "none" if code is None else f"{code:04X}h"
-    problem = f"{what}: the emergency is {shown}, not {expected:04X}h"
+    text = "none" if code is None else f"{code:04X}h"
+    problem = f"{what}: the emergency is {text}, not {expected:04X}h"
     return None if code == expected else problem
 
 
@@ -166,8 +166,8 @@ def _second_entry(node: NodeUnderTest, can_id: int, short: bytes) -> str | None:
     codes = [
         int.from_bytes(node.upload((_HISTORY, sub))[:2], "little") for sub in (1, 2)
     ]
-    shown = " and ".join(f"{code:04X}h" for code in codes)
-    problem = f"1003h:1 and 2 are {shown} after {PDO_TOO_SHORT:04X}h and {code:04X}h"
+    text = " and ".join(f"{code:04X}h" for code in codes)
+    problem = f"1003h:1 and 2 are {text} after {PDO_TOO_SHORT:04X}h and {code:04X}h"
     return None if codes == [code, PDO_TOO_SHORT] else problem
 
 

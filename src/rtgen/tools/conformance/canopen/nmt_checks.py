@@ -42,9 +42,9 @@ def boot_up(node: NodeUnderTest) -> Problems:
     node.configure(HEARTBEAT, _PERIOD)
     state = node.await_state([NmtState.PRE_OPERATIONAL], 3 * _PERIOD * MILLISECOND)
     node.download(HEARTBEAT, before)
-    shown = "nothing" if state is None else f"{state:02X}h"
+    text = "nothing" if state is None else f"{state:02X}h"
     is_there = state == NmtState.PRE_OPERATIONAL
-    yield None if is_there else f"the heartbeat shows {shown} after it"
+    yield None if is_there else f"the heartbeat shows {text} after it"
 
 
 def heartbeat(node: NodeUnderTest) -> Problems:
@@ -128,9 +128,9 @@ def states(node: NodeUnderTest) -> Problems:
         ):
             node.command(command)
             state = node.await_state([expected], 10 * _PERIOD * MILLISECOND)
-            shown = "nothing" if state is None else f"{state:02X}h"
+            text = "nothing" if state is None else f"{state:02X}h"
             name = command.name.replace("_", " ")
-            yield None if state == expected else f"{name}: the heartbeat shows {shown}"
+            yield None if state == expected else f"{name}: the heartbeat shows {text}"
         for data, what in (
             (bytes((NmtCommand.STOP, _NO_NODE)), f"a command to node {_NO_NODE}"),
             (bytes((_NO_COMMAND, node.id)), f"command {_NO_COMMAND:02X}h"),

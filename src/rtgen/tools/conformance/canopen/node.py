@@ -105,8 +105,8 @@ class NodeUnderTest:
         highest = int.from_bytes(self.values.get(OVERFLOW, b""), "little")
         data = bytes((self.syncs % highest + 1,)) if highest else b""
         self.syncs += 1
-        known = cob_id if cob_id.configurable else CobId(SYNC)
-        self.line.send(known.frame(data))
+        sync = cob_id if cob_id.configurable else CobId(SYNC)
+        self.line.send(sync.frame(data))
 
     def described_values(self, number: ObjectNumber) -> list[int | float | str]:
         """Return the values that the description gives an object after a reset.
@@ -221,8 +221,8 @@ class NodeUnderTest:
     def await_state(self, expected: Iterable[NmtState], within: int) -> int | None:
         """Return the last state shown by error control, at once if it is one of `expected`."""
         end, states, last = self.line.now() + within, set(expected), None
-        while (left := end - self.line.now()) > 0:
-            frame = self.await_frame(ERROR_CONTROL + self.id, left)
+        while (remaining := end - self.line.now()) > 0:
+            frame = self.await_frame(ERROR_CONTROL + self.id, remaining)
             if frame is None:
                 break
             last = frame.data[0] & ~_TOGGLE if len(frame.data) == 1 else -1

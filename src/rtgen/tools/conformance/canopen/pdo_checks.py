@@ -31,12 +31,12 @@ def parameters(node: NodeUnderTest) -> Problems:
                 expected = [value for value in values if isinstance(value, int)]
                 if expected:
                     got = int.from_bytes(octets, "little")
-                    shown = " or ".join(f"{value:X}h" for value in expected)
+                    choices = " or ".join(f"{value:X}h" for value in expected)
                     thing = node.described.objects[number]
                     yield (
                         None
                         if got in expected
-                        else f"{thing} is {got:X}h, described is {shown}"
+                        else f"{thing} is {got:X}h, described is {choices}"
                     )
 
 
@@ -123,11 +123,11 @@ def wrong_lengths(node: NodeUnderTest) -> Problems:
             if node.emergencies is not None:
                 frame = node.await_frame(node.emergencies, node.bounds.answer)
                 code = int.from_bytes(frame.data[:2], "little") if frame else None
-                shown = "none" if code is None else f"{code:04X}h"
-                problem = f"rpdo{pdo.number}: the emergency is {shown}"
+                text = "none" if code is None else f"{code:04X}h"
+                problem = f"rpdo{pdo.number}: the emergency is {text}"
                 yield None if code == PDO_TOO_SHORT else problem
-            kept = node.values_later(mapped) == before
-            yield None if kept else f"rpdo{pdo.number}: its objects have changed"
+            unchanged = node.values_later(mapped) == before
+            yield None if unchanged else f"rpdo{pdo.number}: its objects have changed"
         for pdo, can_id, mapped in acting:
             values = [node.upload(thing.number) for thing in mapped]
             whole = b"".join(values)
@@ -164,7 +164,7 @@ def pre_operational(node: NodeUnderTest) -> Problems:
         before = [node.upload(thing.number) for thing in mapped]
         other = [bytes((value[0] ^ 1,)) + value[1:] for value in before]
         node.line.send(Frame(can_id, b"".join(other)))
-        kept = node.values_later(mapped) == before
-        yield None if kept else f"rpdo{pdo.number}: it is not ignored"
-        if not kept:
+        unchanged = node.values_later(mapped) == before
+        yield None if unchanged else f"rpdo{pdo.number}: it is not ignored"
+        if not unchanged:
             node.line.send(Frame(can_id, b"".join(before)))

@@ -166,8 +166,8 @@ def block_repeats(node: NodeUnderTest) -> Problems:
     for number, expected in ((2, 0), (1, 1)):
         answer = node.ask(bytes((sdo.LAST_IN_BLOCK | number,)) + last)
         fits = answer[:2] == bytes((sdo.BLOCK_ACKNOWLEDGED, expected))
-        shown = answer.hex(" ")
-        yield None if fits else f"the answer to segment {number} is {shown}"
+        octets = answer.hex(" ")
+        yield None if fits else f"the answer to segment {number} is {octets}"
         if not fits:
             node.abandon(HEARTBEAT)
             return

@@ -45,13 +45,13 @@ class BusLine:
     def receive(self, until: int) -> Frame | None:
         """Return the next frame, None if there is none by that time."""
         while True:
-            left = (until - self.now()) / SECOND
+            remaining = (until - self.now()) / SECOND
             try:
-                message = self._bus.receive(min(max(left, 0.0), _POLL_INTERVAL))
+                message = self._bus.receive(min(max(remaining, 0.0), _POLL_INTERVAL))
             except LinkError as error:
                 raise ToolError(f"the bus is gone: {error}") from error
             frame = None if message is None else frame_of(message)
-            if frame is not None or left <= 0:
+            if frame is not None or remaining <= 0:
                 return frame
 
 
@@ -66,10 +66,10 @@ def tested(
 ) -> Report:
     """Return the report of all checks. Raises InputError, Refusal and ToolError."""
     try:
-        known = read_node_index(None, [(node_id, file)])
+        node_index = read_node_index(None, [(node_id, file)])
     except NoNodeIdError:
         raise Refusal(f"{file} has no node-id; --node N names it") from None
-    (described,) = known.nodes.values()
+    (described,) = node_index.nodes.values()
     bounds = Bounds(round(timeout * SECOND), round(boot * SECOND))
     with opened(access) as bus:
         return checked(

@@ -37,10 +37,10 @@ def properties(rtc: RtcUnderTest) -> Problems:
     actual = texts(rtc.profile.properties)
     for name, expected in rtc.expected.properties.items():
         if name in actual:
-            known = actual[name] in expected
+            is_expected = actual[name] in expected
             hint = rtc.expected.saying(name, actual[name])
             problem = f"{name} is {actual[name]!r}, not {expected[0]!r}{hint}"
-            yield None if known else problem
+            yield None if is_expected else problem
 
 
 def identity(rtc: RtcUnderTest) -> Problems:

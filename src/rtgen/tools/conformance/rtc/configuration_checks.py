@@ -48,8 +48,8 @@ def default_values(rtc: RtcUnderTest) -> Problems:
 def active_set(rtc: RtcUnderTest) -> Problems:
     """Check that the active set is one of the sets."""
     active = rtc.active_set()
-    known = active in rtc.sets()
-    yield None if known else f"the active set {active!r} is none of the sets"
+    exists = active in rtc.sets()
+    yield None if exists else f"the active set {active!r} is none of the sets"
 
 
 def read_values(rtc: RtcUnderTest) -> Problems:
@@ -98,11 +98,11 @@ def unknown_parameters(rtc: RtcUnderTest) -> Problems:
 
 def _reads_parameters(rtc: RtcUnderTest) -> bool:
     """Return whether the component returns the values of its single parameters."""
-    known = next(iter(rtc.sets().get(rtc.active_set(), {})), None)
-    if known is None:
+    parameter = next(iter(rtc.sets().get(rtc.active_set(), {})), None)
+    if parameter is None:
         return False
     try:
-        values = rtc.configure("get_configuration_parameter_value", known)
+        values = rtc.configure("get_configuration_parameter_value", parameter)
     except (SdoError, CORBA.SystemException):
         return False
     return values.value() is not None

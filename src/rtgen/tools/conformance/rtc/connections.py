@@ -145,8 +145,8 @@ def _connected(rtc: RtcUnderTest, port: Any, partner: _Partner) -> Problems:
     shown = identity in [each.connector_id for each in own]
     yield None if shown else "its connector is not in its profile"
     profile = call("get_connector_profile", identity)
-    known = profile.connector_id == identity and profile.name == identity
-    yield None if known else "get_connector_profile returned another profile"
+    is_same = profile.connector_id == identity and profile.name == identity
+    yield None if is_same else "get_connector_profile returned another profile"
     yield _changed("get_connector_profile", asked, profile)
     code = call("disconnect", identity)
     yield None if code is RTC_OK else f"disconnect returned {code.name}"
@@ -192,8 +192,8 @@ def all_ended(rtc: RtcUnderTest) -> Problems:
                 continue  # `connections` reports it.
             code = rtc.at_port(port, "disconnect_all")
             yield None if code is RTC_OK else f"{name}: it returned {code.name}"
-            kept = _dropped(rtc, port, asked.connector_id)
-            yield f"{name}: the connector is still listed" if kept else None
+            remains = _dropped(rtc, port, asked.connector_id)
+            yield f"{name}: the connector is still listed" if remains else None
             notified = asked.connector_id in partner.ended
             yield None if notified else f"{name}: the other port was not notified"
 
@@ -209,8 +209,8 @@ def _refused(rtc: RtcUnderTest, properties: Mapping[str, str]) -> Problems:
             asked = _profile(port, partner, properties)
             code, _ = rtc.at_port(port, "connect", asked)
             yield f"{name}: it was not refused" if code is RTC_OK else None
-            kept = _dropped(rtc, port, asked.connector_id)
-            yield f"{name}: its connector is listed" if kept else None
+            remains = _dropped(rtc, port, asked.connector_id)
+            yield f"{name}: its connector is listed" if remains else None
 
 
 def _dropped(rtc: RtcUnderTest, port: Any, connector_id: str) -> bool:
@@ -243,9 +243,9 @@ def services(rtc: RtcUnderTest) -> Problems:
     for port in rtc.profile.port_profiles:
         name = known_name(port.name)
         expected = rtc.expected.ports.get(name)
-        known = {} if expected is None else expected.interfaces or {}
-        for (instance, is_provided), interface in known.items():
-            if not is_provided and (instance, True) in known:
+        interfaces = {} if expected is None else expected.interfaces or {}
+        for (instance, is_provided), interface in interfaces.items():
+            if not is_provided and (instance, True) in interfaces:
                 continue  # OpenRTM connects it with the provider of its own port.
             check = _provided if is_provided else _required
             problem = check(rtc, port, instance, interface)

@@ -51,9 +51,13 @@ def data_types(rtc: RtcUnderTest) -> Problems:
     for name, expected, port in _common(rtc):
         if expected.data_types:
             type_ = texts(port.properties).get("dataport.data_type", "")
-            known = type_ in expected.data_types
+            is_expected = type_ in expected.data_types
             data_type = expected.data_types[0]
-            yield None if known else f"{name}: its type is {type_!r}, not {data_type!r}"
+            yield (
+                None
+                if is_expected
+                else f"{name}: its type is {type_!r}, not {data_type!r}"
+            )
 
 
 def interfaces(rtc: RtcUnderTest) -> Problems:
@@ -71,9 +75,11 @@ def interfaces(rtc: RtcUnderTest) -> Problems:
             if key not in actual:
                 yield f"{what} is missing"
             else:
-                known = actual[key] in types
+                is_expected = actual[key] in types
                 yield (
-                    None if known else f"{what} has type {actual[key]}, not {types[0]}"
+                    None
+                    if is_expected
+                    else f"{what} has type {actual[key]}, not {types[0]}"
                 )
         for instance, _ in actual.keys() - expected.interfaces.keys():
             yield f"{name}: the definition has no such {instance}"

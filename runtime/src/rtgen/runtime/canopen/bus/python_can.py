@@ -59,8 +59,8 @@ class BusAddress(msgspec.Struct, frozen=True, gc=False):
         options = dict(self.options)
         unknown = next((name for name in options if name not in _HUB_OPTIONS), None)
         if unknown is not None:
-            known = ", ".join(_HUB_OPTIONS)
-            raise LinkError(f"socketcand has no option {unknown!r}; known: {known}")
+            names = ", ".join(_HUB_OPTIONS)
+            raise LinkError(f"socketcand has no option {unknown!r}; known: {names}")
         host = options.get("host", "127.0.0.1")
         port = options.get("port", SOCKETCAND_PORT)
         if not isinstance(port, int) or not 0 < port < 65536:

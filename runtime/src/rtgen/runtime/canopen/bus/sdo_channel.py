@@ -169,16 +169,16 @@ class SdoChannel:
         """Report a completed transfer, and start the next one."""
         client = self._client
         if self._current is not None and not client.busy:
-            ended, self._current = self._current, None
+            transfer_over, self._current = self._current, None
             try:
                 outcome: Outcome = client.result()
             except SdoAbort as error:
                 outcome = error
-            if _timed_out(outcome) and ended.attempts > 1:
-                again = replace(ended, attempts=ended.attempts - 1)
+            if _timed_out(outcome) and transfer_over.attempts > 1:
+                again = replace(transfer_over, attempts=transfer_over.attempts - 1)
                 self._waiting.appendleft(again)
             else:
-                ended.done(outcome)
+                transfer_over.done(outcome)
         if self._current is not None or not self._waiting or not client.ready:
             return []
         transfer = self._current = self._waiting.popleft()

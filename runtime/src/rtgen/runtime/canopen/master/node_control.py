@@ -106,10 +106,10 @@ class NodeControl:
             return 0 if self._silent else self._heartbeat_timeout
         if placed is None:
             return self._life_factor * self._period * MILLISECOND
-        known = self._supervised == node.boots or (
+        is_supervised = self._supervised == node.boots or (
             master is not None and master.readiness(node.node_id) is True
         )
-        return placed.heartbeat_timeout * MILLISECOND if known else 0
+        return placed.heartbeat_timeout * MILLISECOND if is_supervised else 0
 
     def activation(
         self, parameters: Callable[[], Mapping[ObjectNumber, ObjectValue]]
@@ -352,8 +352,8 @@ class NodeControl:
         if period or not self._configures:
             return period
         period = self._wanted_period
-        kept = yield from self._write_number(_HEARTBEAT_TIME, period, 2)
-        return period if kept else 0
+        answer = yield from self._write_number(_HEARTBEAT_TIME, period, 2)
+        return period if answer else 0
 
     def _read_guard_time(self) -> Generator[str, None, int]:
         """Return the guard time in ms, 0 if the node cannot be guarded; see `_read_period`."""
@@ -414,8 +414,8 @@ class NodeControl:
         """Command the node to a state, and wait for the heartbeat with that state."""
         link, node = self._link, self._node
         # Without heartbeat, only the boot-up message shows PRE_OPERATIONAL.
-        known = state is NmtState.OPERATIONAL or not self._silent
-        if node.state is state and known:
+        is_reported = state is NmtState.OPERATIONAL or not self._silent
+        if node.state is state and is_reported:
             self.running = state is NmtState.OPERATIONAL
             return
         self.command(command)

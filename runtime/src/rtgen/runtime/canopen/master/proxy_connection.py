@@ -54,8 +54,10 @@ class ProxyPlan(msgspec.Struct, frozen=True):
         self, senders: Mapping[int, Sender]
     ) -> tuple[tuple[int, Sender, TpdoTransmitter], ...]:
         """Return the PDOs that the proxy sends."""
-        known = self.transmitters
-        return tuple((n, s, known[n]) for n, s in senders.items() if n in known)
+        transmitters = self.transmitters
+        return tuple(
+            (n, s, transmitters[n]) for n, s in senders.items() if n in transmitters
+        )
 
     def unsent(
         self, senders: Mapping[int, Sender]

@@ -130,12 +130,12 @@ class EmergencyProducer:
         """Clear an error, or all errors of a code if no additional octets are given."""
         if not self._present:
             return
-        gone = [
+        removed = [
             key
             for key in self._present
             if key[0] == code and additional in (None, key[1])
         ]
-        for key in gone:
+        for key in removed:
             del self._present[key]
             self._update_register()
             self._queue(Emergency(0, self.register, key[1]))

@@ -112,6 +112,6 @@ class HeartbeatConsumers:
         for other in self._entries:
             if entry is None or other == number or not other[1]:
                 continue
-            known = watched(self._dictionary.number(other))
-            if known is not None and known[0] == entry[0]:
+            consumed = watched(self._dictionary.number(other))
+            if consumed is not None and consumed[0] == entry[0]:
                 raise SdoAbort(_INCOMPATIBLE)

@@ -81,8 +81,8 @@ class DeviceDictionary:
         """Return the description of an object. Raises SdoAbort if it does not exist."""
         description = self._objects.get(number)
         if description is None:
-            known = number[0] in self._indices
-            raise SdoAbort(sdo.NO_SUBINDEX if known else sdo.NO_OBJECT)
+            has_index = number[0] in self._indices
+            raise SdoAbort(sdo.NO_SUBINDEX if has_index else sdo.NO_OBJECT)
         return description
 
     def subindices(self, index: int) -> list[int]:

@@ -113,8 +113,8 @@ class ParameterFile:
                 value = values.decode(described.kind, octets)
                 values.checked(described.kind, value, described.low, described.high)
             except (TypeError, ValueError):
-                shown = str(digits)[:40]
-                raise self._error(f"{key} cannot have the octets {shown!r}") from None
+                excerpt = str(digits)[:40]
+                raise self._error(f"{key} cannot have the octets {excerpt!r}") from None
             stored[described.index, described.subindex] = octets
         return stored
 

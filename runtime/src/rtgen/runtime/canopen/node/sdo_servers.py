@@ -66,8 +66,8 @@ class SdoServers:
             if not all(cob_id.valid for cob_id in cob_ids):
                 self._further.pop(index, None)
                 continue
-            known = self._further.get(index)
-            if known is None or (known.request, known.response) != cob_ids:
+            server = self._further.get(index)
+            if server is None or (server.request, server.response) != cob_ids:
                 self._further[index] = SdoServer(
                     self._node_id, self._dictionary, cob_ids=cob_ids
                 )

@@ -80,7 +80,7 @@ def select(address: LssAddress) -> Procedure[bool]:
 
 
 def scan(
-    known: PartialAddress = (None, None, None, None),
+    partial_address: PartialAddress = (None, None, None, None),
 ) -> Procedure[LssAddress | None]:
     """Find an unconfigured slave by fastscan, leaving it in CONFIGURATION.
 
@@ -89,7 +89,7 @@ def scan(
     if not (yield _scanned(0, lss.START_OF_SCAN, 0, 0)):
         return None
     identity = []
-    for part, number in enumerate(known):
+    for part, number in enumerate(partial_address):
         if number is None:
             number = 0
             for bit in range(31, -1, -1):

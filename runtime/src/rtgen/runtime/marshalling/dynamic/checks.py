@@ -86,11 +86,11 @@ class LeastSizes:
 
     def of(self, element: Descriptor) -> int:
         """Return the minimum size of a value in octets, without padding."""
-        known = self._known.get(id(element))
-        if known is None:
+        size = self._known.get(id(element))
+        if size is None:
             self._known[id(element)] = 1
-            known = self._known[id(element)] = self._least_of(element)
-        return known
+            size = self._known[id(element)] = self._least_of(element)
+        return size
 
     def _least_of(self, element: Descriptor) -> int:
         match element:

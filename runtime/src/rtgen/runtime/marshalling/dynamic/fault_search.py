@@ -325,7 +325,7 @@ class _Search:
         self, members: _Members, names: dict[str, str], data: Octets, offset: int
     ) -> tuple[set[str], int]:
         """Return the attributes of the members in a list, and the next offset."""
-        known = {member.id: (attribute, member) for attribute, member in members}
+        by_id = {member.id: (attribute, member) for attribute, member in members}
         names_read: set[str] = set()
         while self._format.version == 1 or offset < len(data):
             if self._format.version == 1:
@@ -338,11 +338,11 @@ class _Search:
                 id_, required, start, offset = next_member(
                     data, offset, len(data), self._little
                 )
-            if id_ not in known:
+            if id_ not in by_id:
                 if required:
                     raise Fault(f"the unknown member {id_} has to be understood")
                 continue
-            attribute, member = known[id_]
+            attribute, member = by_id[id_]
             part = f".{names[attribute]}"
             if attribute in names_read:
                 raise located(Fault("the member stands twice"), part)

@@ -53,8 +53,8 @@ class OctetReader:
         start = self.offset + -self.offset % align
         end = self._chunk_end if self._level else len(self._data)
         if size > end - start:
-            left = max(end - start, 0)
-            raise Fault(f"truncated: {size} octets are needed, {left} are left")
+            remaining = max(end - start, 0)
+            raise Fault(f"truncated: {size} octets are needed, {remaining} are left")
         self.offset = start + size
         return self._data[start : self.offset]
 
@@ -83,8 +83,8 @@ class OctetReader:
         """Return a number outside of chunks."""
         start = self.offset + -self.offset % 4
         if start + 4 > len(self._data):
-            left = max(len(self._data) - self.offset, 0)
-            raise Fault(f"truncated: 4 octets are needed, {left} are left")
+            remaining = max(len(self._data) - self.offset, 0)
+            raise Fault(f"truncated: 4 octets are needed, {remaining} are left")
         self.offset = start + 4
         number = struct.unpack_from(f"{self._order}{code}", self._data, start)[0]
         return int(number)
@@ -98,9 +98,9 @@ class OctetReader:
 
     def _count(self, least: int) -> int:
         count = self._integer("I")
-        left = len(self._data) - self.offset
-        if count * least > left:
-            raise Fault(f"a length of {count}, and {left} octets are left")
+        remaining = len(self._data) - self.offset
+        if count * least > remaining:
+            raise Fault(f"a length of {count}, and {remaining} octets are left")
         return count
 
     def _skip(self, size: int) -> None:

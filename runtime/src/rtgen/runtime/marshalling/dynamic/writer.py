@@ -382,11 +382,11 @@ class Writer:
             raise Fault(f"a value is needed, not {type(value).__name__}")
         if formal is not None and not actual.is_a(formal.repository_id):
             raise Fault(f"a {formal.name} is needed, not a {actual.name}")
-        known = self._shared.values.get(id(value))
-        if known is not None:
+        position = self._shared.values.get(id(value))
+        if position is not None:
             self._number("I", INDIRECTION)
             self._put(b"", 4)
-            self._number("i", known[0] - len(self._out))
+            self._number("i", position[0] - len(self._out))
             return
         if isinstance(actual, ValueDescriptor) and actual.modifier == "custom":
             raise Fault(f"{actual.name} is custom: it has no state that is known here")

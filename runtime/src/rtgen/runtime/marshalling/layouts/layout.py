@@ -344,9 +344,13 @@ class _Arrangement:
             return
         sections = [section for section in self._sections if section.tokens]
         most = max(section.most for section in sections)
-        known = sections[0].start.modulus % most == 0
+        is_aligned = sections[0].start.modulus % most == 0
         self._steps.append(
-            Run(tuple(self._fields), tuple(s.finished(known) for s in sections), known)
+            Run(
+                tuple(self._fields),
+                tuple(s.finished(is_aligned) for s in sections),
+                is_aligned,
+            )
         )
 
     def _place(self, field: Field) -> None:
@@ -406,18 +410,24 @@ class _Section:
         return before.aligned(align).after(size)
 
     def finished(self, run_known: bool) -> Section:
-        known = self.start.modulus % self.most == 0
-        settled = run_known and known and self.counted is None
+        is_aligned = self.start.modulus % self.most == 0
+        settled = run_known and is_aligned and self.counted is None
         text = " ".join(self.tokens)
         bulk = self.counted is not None and is_bulk(self.counted.node)
         if settled:
             text = f"={self._format}"
-        elif known:
+        elif is_aligned:
             text = f"@{self.start.remainder} {text}"
         if bulk:
             text = f"!{text}"
         return Section(
-            text, tuple(self.entries), self.counted, settled, known, self._size, bulk
+            text,
+            tuple(self.entries),
+            self.counted,
+            settled,
+            is_aligned,
+            self._size,
+            bulk,
         )
 
 

@@ -63,11 +63,11 @@ class Namespace:
 
     def bind(self, name: str, value: object) -> str:
         """Bind an object; return its name, `name` if that is free."""
-        known = self._names.get(id(value))
-        if known is None:
-            known = self._names[id(value)] = self.free(name)
-            self.values[known] = value
-        return known
+        bound = self._names.get(id(value))
+        if bound is None:
+            bound = self._names[id(value)] = self.free(name)
+            self.values[bound] = value
+        return bound
 
     def free(self, text: str) -> str:
         """Return an unused identifier, similar to a name of any characters.

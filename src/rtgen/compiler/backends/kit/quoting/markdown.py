@@ -56,10 +56,10 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> Markdown:
     cells = [[text(cell) for cell in row] for row in rows]
     if not cells:
         return Markdown("")
-    kept = [i for i in range(len(head)) if any(row[i] for row in cells)]
+    columns = [i for i in range(len(head)) if any(row[i] for row in cells)]
     lines: list[list[str]] = [
-        [text(head[i]) for i in kept],
-        ["---"] * len(kept),
-        *([row[i] or " " for i in kept] for row in cells),
+        [text(head[i]) for i in columns],
+        ["---"] * len(columns),
+        *([row[i] or " " for i in columns] for row in cells),
     ]
     return Markdown("\n".join(f"| {' | '.join(line)} |" for line in lines))

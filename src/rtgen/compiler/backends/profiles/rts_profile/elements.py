@@ -49,11 +49,11 @@ def profile_element(
 ) -> ProfileElement:
     """Return the system as the root element of a profile; `ports` by instance."""
     ids = {c.instance: c.id for c in system.components}
-    known = _connected_ports(system) if ports is None else ports
+    ports_of = _connected_ports(system) if ports is None else ports
     connections = sorted(system.connections, key=lambda each: each.service)
     children = [
         *(
-            component_element(c, known[c.instance], number)
+            component_element(c, ports_of[c.instance], number)
             for number, c in enumerate(system.components)
         ),
         *(connector_element(each, ids) for each in connections),

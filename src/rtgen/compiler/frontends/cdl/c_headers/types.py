@@ -112,8 +112,10 @@ class Declarations:
         """Yield the entities of a declaration. Raises NotCError."""
         self._file, self._line, self._text = file, line, text
         used = dict.fromkeys(re.findall(r"[A-Za-z_]\w*", text))
-        known = [name for name in used if name in self._typedefs or name in _BUILT_IN]
-        prefix = "".join(f"typedef int {name};" for name in known)
+        typedefs = [
+            name for name in used if name in self._typedefs or name in _BUILT_IN
+        ]
+        prefix = "".join(f"typedef int {name};" for name in typedefs)
         try:
             tree = self._parser.parse(f"{prefix}\n{text}")
         except ParseError as error:
@@ -124,7 +126,7 @@ class Declarations:
         except (AssertionError, RecursionError) as error:
             raise NotCError("this is not understood", line) from error
         self._found = []
-        nodes = tree.ext[len(known) :]
+        nodes = tree.ext[len(typedefs) :]
         self._name_untagged(nodes)
         for node in nodes:
             self._declare(node)
@@ -285,8 +287,8 @@ class Declarations:
             if isinstance(specified, c_ast.Struct | c_ast.Enum) and not specified.name:
                 alone = isinstance(node, c_ast.Typedef) and not plain
                 title = f"{prefix}{node.name}{'_type' * alone}"
-                known = titles.setdefault(self._place(specified), (plain, title))
-                if plain and not known[0]:
+                first = titles.setdefault(self._place(specified), (plain, title))
+                if plain and not first[0]:
                     titles[self._place(specified)] = (plain, title)
         self._titles.update({place: title for place, (_, title) in titles.items()})
 

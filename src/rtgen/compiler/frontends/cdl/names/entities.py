@@ -57,10 +57,10 @@ class Place(msgspec.Struct, frozen=True):
         similar = nearest(
             name.text,
             (
-                known
+                key
                 for scope in self.scope.outwards()
                 for table in (scope.entities, scope.scopes)
-                for known, entity in table.items()
+                for key, entity in table.items()
                 if entity.kind in kinds
             ),
         )
@@ -296,7 +296,7 @@ class Composite(Celltype, eq=False):
     def close(self) -> None:
         """Summarize the inner cells once all of them are read."""
         inside = _Inside()
-        kept: dict[Port, None] = {}
+        ports: dict[Port, None] = {}
         for cell in self.inner.values():
             type_ = cell.celltype
             if type_ is None:
@@ -307,11 +307,11 @@ class Composite(Celltype, eq=False):
                 if name in cell.exported:
                     inside.fixed.append((port, cell.exported[name].name))
                 else:
-                    kept[port] = None
+                    ports[port] = None
             if isinstance(type_, Composite):
                 inside.levels = max(inside.levels, type_.levels + 1)
-                kept.update(dict.fromkeys(type_.kept()))
-        inside.kept = list(kept)
+                ports.update(dict.fromkeys(type_.kept()))
+        inside.kept = list(ports)
         self._inside = inside
 
 

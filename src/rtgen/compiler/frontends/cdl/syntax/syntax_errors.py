@@ -118,8 +118,8 @@ def explain(context: ErrorContext) -> Recovery:
         recovery = recogniser(context)
         if recovery is not None:
             return recovery
-    shown = f"'{context.text[:40]}'" if context.text else "this"
-    message = f"{shown} is not allowed here{context.expectation()}"
+    subject = f"'{context.text[:40]}'" if context.text else "this"
+    message = f"{subject} is not allowed here{context.expectation()}"
     if "through" in (*context.before, context.text, *context.after[:3]):
         return context.recovery(syntax.UNEXPECTED, message, _THROUGH)
     return context.recovery(syntax.UNEXPECTED, message)
@@ -310,9 +310,9 @@ def _unknown_type(s: ErrorContext) -> Recovery | None:
     if s.text == "union":
         return s.recovery(types.UNKNOWN_TYPE, "CDL has no unions")
     if s.lacks_types and s.text not in _FOREIGN_TYPES:
-        known = s.text in s.unit.guessed
+        is_guess = s.text in s.unit.guessed
         s.unit.guessed.add(s.text)
-        if known:
+        if is_guess:
             return Recovery(None, ("TYPE_NAME",), instead=True)
         return s.recovery(
             types.GUESSED_TYPE,
@@ -321,9 +321,9 @@ def _unknown_type(s: ErrorContext) -> Recovery | None:
             feed=("TYPE_NAME",),
             instead=True,
         )
-    known = s.text in s.unit.maybe_declared
+    is_guess = s.text in s.unit.maybe_declared
     s.unit.maybe_declared.add(s.text)
-    if known:
+    if is_guess:
         return Recovery(None, ("TYPE_NAME",), instead=True)
     if s.text in _FOREIGN_TYPES:
         hint = f"CDL calls it {_FOREIGN_TYPES[s.text]}"

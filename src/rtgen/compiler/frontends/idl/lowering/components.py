@@ -120,8 +120,8 @@ class Components(msgspec.Struct, eq=False):
         for annotation in common["annotations"]:
             if annotation.name == "rtc":
                 profile.update(annotation.arguments)
-        known = Component.__struct_fields__
-        profile = {key: value for key, value in profile.items() if key in known}
+        fields = Component.__struct_fields__
+        profile = {key: value for key, value in profile.items() if key in fields}
         for key in _DATES:
             if key in profile and not _DATE.fullmatch(profile[key]):
                 message = f'"{profile[key]}" is not a date with a time zone'

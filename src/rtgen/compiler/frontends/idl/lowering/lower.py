@@ -385,8 +385,8 @@ class Lowering:
         entity = self._tables.entities[node.name]
         returns = VOID if node.type is None else self._types.of_node(node.type, unit)
         parameters = tuple(self._parameter(p, unit) for p in node.parameters)
-        known = tuple(p for p in parameters if p is not None)
-        if returns is None or len(known) < len(parameters):
+        lowered = tuple(p for p in parameters if p is not None)
+        if returns is None or len(lowered) < len(parameters):
             return None
         return Operation(
             span=entity.span,
@@ -396,7 +396,7 @@ class Lowering:
             ),
             name=node.name.text,
             returns=returns,
-            parameters=known,
+            parameters=lowered,
             raises=self._raised(node.raises),
             oneway=node.oneway,
             context=tuple(

@@ -172,7 +172,7 @@ class Annotations:
         if definition is not None:
             if key not in definition.arguments:
                 near = nearest(key, definition.arguments)
-                known = ", ".join(definition.arguments) or "none"
+                names = ", ".join(definition.arguments) or "none"
                 self._report(
                     rules.BAD_ARGUMENT.at(
                         unit.span(value.start, value.end),
@@ -180,7 +180,7 @@ class Annotations:
                         hint=(
                             f"did you mean {near}?"
                             if near
-                            else f"its arguments: {known}"
+                            else f"its arguments: {names}"
                         ),
                     )
                 )
@@ -243,8 +243,8 @@ class Annotations:
                 self._misfit(value, unit, error)
                 return None
         if isinstance(value, tree.ScopedName) and len(value.parts) == 1:
-            known = self._types.tables.references.get(value)
-            if not (isinstance(known, Entity) and known.kind in _VALUES):
+            entity = self._types.tables.references.get(value)
+            if not (isinstance(entity, Entity) and entity.kind in _VALUES):
                 enumerator = enumerator_of(self._types, type_, value.parts[0].text)
                 if enumerator is not None:
                     return enumerator

@@ -360,10 +360,10 @@ class Naming(ABC):
     ) -> None:
         """Resolve names in arguments; words such as FINAL or `XML | XCDR2` need not be names."""
         for annotation in annotations:
-            known = DEFINITIONS.get(annotation.name)
+            definition = DEFINITIONS.get(annotation.name)
             for argument in annotation.arguments:
                 value = argument.value
-                words = known is None or WORD in known.arguments.values()
+                words = definition is None or WORD in definition.arguments.values()
                 # A flag or an enumerator in a default is known by the type.
                 words |= annotation.name == "default"
                 optional = words or isinstance(value, tree.ScopedName)

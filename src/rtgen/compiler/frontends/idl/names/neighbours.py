@@ -42,18 +42,18 @@ class Neighbours:
         if folder not in self._known:
             names: dict[str, str] = {}
             encoding = self._library.encoding
-            left = _MAX_BYTES
+            remaining = _MAX_BYTES
             for path in files.in_folder(folder, IDL_SUFFIXES)[:_MAX_FILES]:
                 try:
                     if not files.is_file(path):
                         continue
-                    data = files.read_start(path, left)
+                    data = files.read_start(path, remaining)
                 except OSError:
                     continue
-                left -= len(data)
+                remaining -= len(data)
                 for match in _DECLARED.finditer(decode(data, encoding).text):
                     names.setdefault(match[1] or match[2], path.name)
-                if left <= 0:
+                if remaining <= 0:
                     break
             self._known[folder] = names
         return self._known[folder]

@@ -233,23 +233,23 @@ class TypeNames(Naming):
     ) -> bool:
         """Return whether another file declares the same name for the same type."""
         name = declarator.name
-        known = scope.names.get(name.text.lower())
+        entity = scope.names.get(name.text.lower())
         if (
-            known is None
-            or known.kind is not Kind.TYPEDEF
-            or known.unit.source is self._unit.source
+            entity is None
+            or entity.kind is not Kind.TYPEDEF
+            or entity.unit.source is self._unit.source
             or not structurally_equal(
-                (known.declarator, known.type_node),
+                (entity.declarator, entity.type_node),
                 (declarator, type_),
             )
         ):
             return False
-        self.tables.entities[name] = known
+        self.tables.entities[name] = entity
         self._report(
             rules.DECLARED_ALIKE.at(
                 self._unit.span(name.start, name.end),
                 f"{name.text} is declared just so in another file",
-                related=[Related(known.span, "the first declaration")],
+                related=[Related(entity.span, "the first declaration")],
             )
         )
         return True

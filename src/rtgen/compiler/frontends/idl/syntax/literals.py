@@ -79,20 +79,22 @@ def number(text: str) -> int | float | Decimal:
     if text.isdigit():
         message = f"{text} begins with 0, so it is octal, but holds an 8 or a 9"
         raise LiteralError(message, f"write {text.lstrip('0') or '0'}")
-    shown = text if len(text) < 40 else text[:37] + "..."
+    excerpt = text if len(text) < 40 else text[:37] + "..."
     plain = (
         text.rstrip("fFlLuU") if text[1:2] not in ("x", "X") else text.rstrip("lLuU")
     )
     if plain != text and _PLAIN.fullmatch(plain):
         suffix = text[len(plain) :]
-        raise LiteralError(f"{shown} ends with '{suffix}'", f"write {plain}")
+        raise LiteralError(f"{excerpt} ends with '{suffix}'", f"write {plain}")
     if _BINARY.fullmatch(text) and len(text) < 70:
         value = int(text, 2)
-        raise LiteralError(f"{shown} is not a number", f"write {value} or {value:#x}")
+        raise LiteralError(f"{excerpt} is not a number", f"write {value} or {value:#x}")
     if _GROUPED.fullmatch(text):
-        raise LiteralError(f"{shown} is not a number", f"write {text.replace('_', '')}")
+        raise LiteralError(
+            f"{excerpt} is not a number", f"write {text.replace('_', '')}"
+        )
     raise LiteralError(
-        f"{shown} is not a number",
+        f"{excerpt} is not a number",
         "write 10, 0x1f, 1.5 or 1.5e-3; fixed-point ones end with d",
     )
 

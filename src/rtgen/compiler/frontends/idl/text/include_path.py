@@ -56,13 +56,13 @@ class IncludePath:
 
     def find(self, place: Place, span: Span, unit: Unit) -> Source | None:
         """Return the file at a place; None, after a diagnostic, if there is none."""
-        known = self._found.get(place)
-        if known is None:
+        cached = self._found.get(place)
+        if cached is None:
             source, searched, printed = self._search(place, span, unit)
             if source is not None:
                 self._found[place] = source, searched, printed
         else:
-            source, searched, printed = known
+            source, searched, printed = cached
         unit.searched.update(dict.fromkeys(searched))
         if printed:
             unit.printed[place[-1]] = None

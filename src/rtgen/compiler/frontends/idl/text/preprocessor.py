@@ -101,8 +101,8 @@ class Preprocessor:
         return self._prepare(source, MacroTable(macros)).unit
 
     def _prepare(self, source: Source, macros: MacroTable) -> _Prepared:
-        known = self._prepared.setdefault(source, [])
-        for prepared in known:
+        cached = self._prepared.setdefault(source, [])
+        for prepared in cached:
             if prepared.fits(macros):
                 for name, macro in prepared.changes.items():
                     macros.put(name, macro)
@@ -135,7 +135,7 @@ class Preprocessor:
             tokens=tokens - self.tokens_left,
         )
         if not self._exhausted:
-            known.append(prepared)
+            cached.append(prepared)
         return prepared
 
     def include(

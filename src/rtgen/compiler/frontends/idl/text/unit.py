@@ -88,12 +88,12 @@ class Unit(msgspec.Struct, eq=False, dict=True):
     @property
     def all_included(self) -> Iterator[Unit]:
         """The unit and the units that it includes, each once, in order of their inclusions."""
-        known: set[int] = set()
+        visited: set[int] = set()
         waiting = [self]
         while waiting:
             unit = waiting.pop()
-            if id(unit) not in known:
-                known.add(id(unit))
+            if id(unit) not in visited:
+                visited.add(id(unit))
                 yield unit
                 waiting += reversed(unit.included)
 

@@ -90,17 +90,17 @@ class Search:
     def _declaring(self, types: Sequence[str]) -> Iterator[Path]:
         """Yield the first file that declares each type; OpenRTM's are known without."""
         stock = [declared(idl_source(name)) for name in IDL_FILES]
-        left = {t for t in types if not any(each.has(t) for each in stock)}
+        remaining = {t for t in types if not any(each.has(t) for each in stock)}
         budget = _MAX_BYTES
-        for path in candidates(*self._place) if left else ():
+        for path in candidates(*self._place) if remaining else ():
             data = self._note(path)
             budget -= len(data or b"")
             here = declared(decode(data or b"").text)
-            hits = {type_ for type_ in left if here.has(type_)}
+            hits = {type_ for type_ in remaining if here.has(type_)}
             if hits:
                 yield path
-            left -= hits
-            if not left or budget <= 0:
+            remaining -= hits
+            if not remaining or budget <= 0:
                 return
 
     def _note(self, path: Path) -> bytes | None:

@@ -156,9 +156,12 @@ class Reader:
 
     def _wanted(self, element: Element, name: str, usual: str) -> str:
         """Return an attribute that the schema requires; an empty one is accepted."""
-        known = (RTC, name) in element.attributes or ("", name) in element.attributes
+        is_stated = (RTC, name) in element.attributes or (
+            "",
+            name,
+        ) in element.attributes
         value = self._get(element, name).strip()
-        if not known:
+        if not is_stated:
             taken = f"; {usual} is taken" if usual else ""
             message = f"`{element.name[1]}` has no `rtc:{name}`{taken}"
             self._findings.add(rules.LEFT_OUT, element.span, message)
@@ -247,11 +250,11 @@ class Reader:
     # Parameters and ports.
 
     def _parameters(self, root: Element) -> Iterator[ProfileParameter]:
-        known: set[str] = set()
+        names: set[str] = set()
         for group in root.all(RTC, "ConfigurationSet"):
             for element in group.all(RTC, "Configuration"):
                 name = self._required(element, "name")
-                if name is None or not self._is_new(name, known, element, "parameter"):
+                if name is None or not self._is_new(name, names, element, "parameter"):
                     continue
                 properties = dict(_properties(element))
                 yield ProfileParameter(
@@ -281,7 +284,7 @@ class Reader:
             return None
 
     def _data_ports(self, root: Element) -> Iterator[ProfileDataPort]:
-        known: dict[bool, set[str]] = {False: set(), True: set()}
+        names: dict[bool, set[str]] = {False: set(), True: set()}
         kinds = {"DataInPort": False, "DataOutPort": True, _EVENT_PORT: False}
         for element in root.all(RTC, "DataPorts"):
             name, kind = (self._required(element, n) for n in ("name", "portType"))
@@ -295,7 +298,7 @@ class Reader:
                     rules.LOST, element.place("portType"), message, hint=hint
                 )
                 continue
-            if not self._is_new(name, known[output], element, "port"):
+            if not self._is_new(name, names[output], element, "port"):
                 continue
             self._get(element, "subscriptionType", "subscriprionType")
             yield ProfileDataPort(
@@ -319,10 +322,10 @@ class Reader:
                 yield tuple((key, self._get(element, key)) for key in EVENT_ARGUMENTS)
 
     def _service_ports(self, root: Element) -> Iterator[ProfileServicePort]:
-        known: set[str] = set()
+        names: set[str] = set()
         for element in root.all(RTC, "ServicePorts"):
             name = self._required(element, "name")
-            if name is None or not self._is_new(name, known, element, "service port"):
+            if name is None or not self._is_new(name, names, element, "service port"):
                 continue
             interfaces = tuple(self._interfaces(element))
             if not interfaces:
@@ -336,7 +339,7 @@ class Reader:
             )
 
     def _interfaces(self, port: Element) -> Iterator[ProfileInterface]:
-        known: set[str] = set()
+        names: set[str] = set()
         facts, place = self._property(port)
         directions = {"provided": True, "required": False}
         for element in port.all(RTC, "ServiceInterface"):
@@ -353,7 +356,7 @@ class Reader:
                     rules.LOST, place, message, hint="Provided or Required"
                 )
                 continue
-            if not self._is_new(f"{direction} {name}", known, element, "interface"):
+            if not self._is_new(f"{direction} {name}", names, element, "interface"):
                 continue
             variable = self._variable(element)
             yield ProfileInterface(
@@ -369,9 +372,9 @@ class Reader:
                 facts=self._checked(facts.get(variable, {}), place),
             )
 
-    def _is_new(self, name: str, known: set[str], element: Element, what: str) -> bool:
-        if name not in known:
-            known.add(name)
+    def _is_new(self, name: str, names: set[str], element: Element, what: str) -> bool:
+        if name not in names:
+            names.add(name)
             return True
         message = f"there is another {what} {name!r}; this one is left out"
         self._findings.add(rules.TWICE, element.place("name"), message)

@@ -118,16 +118,16 @@ def number_type(s: ErrorContext) -> Recovery | None:
         hint = _UNSIGNED.get(
             s.text, "write unsigned short, unsigned long or unsigned long long"
         )
-        known = s.text in _UNSIGNED
-        until = s.end if known else word.end
-        text = f"unsigned {s.text}" if known else "unsigned"
+        is_unsigned = s.text in _UNSIGNED
+        until = s.end if is_unsigned else word.end
+        text = f"unsigned {s.text}" if is_unsigned else "unsigned"
         return s.recover(
             syntax.FOREIGN,
             f"'{text}' is not a type",
             hint,
             at=(word.start, until),
             feed=("LONG",),
-            resume=until if known else s.start,
+            resume=until if is_unsigned else s.start,
         )
     texts = [w.text for w in s.before]
     for run, hint in _COMBINED.items():
