@@ -75,7 +75,7 @@ def lines(d: Device) -> Iterator[str]:
             shown = "" if value is None else f" = {_shown(v, value)}"
             scale = "" if v.factor is None else f" times {v.factor!r}"
             unit = f" [{v.unit}]" if v.unit else ""
-            line = f"{_type(v)} {v.written_access} {v.name}{shown}{scale}{unit}"
+            line = f"{v.type_name} {v.written_access} {v.name}{shown}{scale}{unit}"
             yield f"    {v.subindex}: {line}"
     for p in d.pdos:
         cob_id = value_of(p.cob_id, d.node_id)
@@ -90,8 +90,3 @@ def _shown(v: Variable, value: Any) -> str:
     """Return the JSON of a value for readers: texts as literals, a formula as it is written."""
     is_text = v.data_type in (DataType.VISIBLE_STRING, DataType.UNICODE_STRING)
     return readable_string(value) if is_text and isinstance(value, str) else str(value)
-
-
-def _type(v: Variable) -> str:
-    code = v.data_type
-    return code.name if isinstance(code, DataType) else f"type {code:04X}h"

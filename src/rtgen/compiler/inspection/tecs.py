@@ -126,6 +126,12 @@ def _shown(value: bool | float | str | None) -> str:
     return f" = {value}"
 
 
+def prototype(f: TecsFunction) -> str:
+    """Return a function as in CDL."""
+    parameters = ", ".join(f"[{p.direction}] {p.type} {p.name}" for p in f.parameters)
+    return f"{f.returns} {f.name}({parameters or 'void'})"
+
+
 def lines(d: TecsDeclaration) -> Iterator[str]:
     """Yield a declaration as text: a line for it, and one for each of its parts."""
     head = f"{kind_of(d)} {d.scoped}"

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from enum import IntEnum, StrEnum
 from functools import cached_property
+from itertools import accumulate
 from typing import TypeAlias
 
 import msgspec
@@ -174,6 +175,12 @@ class Variable(msgspec.Struct, frozen=True, kw_only=True):
     download_file: str = ""
 
     @property
+    def type_name(self) -> str:
+        """The name of the data type, or its number."""
+        code = self.data_type
+        return code.name if isinstance(code, DataType) else f"type {code:04X}h"
+
+    @property
     def current(self) -> Value | None:
         """The configured value, defaulting to the default value."""
         return self.default if self.value is None else self.value
@@ -270,6 +277,12 @@ class Pdo(msgspec.Struct, frozen=True, kw_only=True):
     def mapping(self) -> int:
         """The index of its mapping parameter."""
         return self.communication + RPDO_MAPPING - RPDO_COMMUNICATION
+
+    @property
+    def places(self) -> Iterator[tuple[int, PdoEntry]]:
+        """The entries, each with its first bit."""
+        starts = accumulate((entry.bits for entry in self.entries), initial=0)
+        return zip(starts, self.entries, strict=False)
 
     @property
     def bits(self) -> int:

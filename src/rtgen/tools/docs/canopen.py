@@ -2,47 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from rtgen.compiler.backends.kit.quoting.markdown import Markdown, code, text
 from rtgen.compiler.inspection.devices import value_of
 from rtgen.compiler.layouts.can_messages import messages
 from rtgen.compiler.layouts.can_timing import load, response_times
 from rtgen.compiler.model.can_bus import Bus
-from rtgen.compiler.model.canopen import DataType, Device, Pdo, Variable
+from rtgen.compiler.model.canopen import Device, Pdo, Variable
 from rtgen.tools.docs.pages import Content, Page
 from rtgen.tools.docs.places import Kind
-
-
-def listed(content: Content) -> None:
-    """Assign pages to devices and buses."""
-    for device in content.model.devices:
-        content.places.page(Kind.DEVICE, device.name)
-    for bus in content.model.buses:
-        content.places.page(Kind.BUS, bus.name)
-
-
-def devices(content: Content) -> Iterator[tuple[str, Page]]:
-    """Yield the name and the page of each device."""
-    for device in content.model.devices:
-        page = Page(content.places.page(Kind.DEVICE, device.name), device.name)
-        _add_device(content, page, device)
-        yield device.name, page
-
-
-def buses(content: Content) -> Iterator[tuple[str, Page]]:
-    """Yield the name and the page of each bus."""
-    for bus in content.model.buses:
-        page = Page(content.places.page(Kind.BUS, bus.name), bus.name)
-        _add_bus(content, page, bus)
-        yield bus.name, page
 
 
 def _hexadecimal(number: object) -> str:
     return f"{number:X}h" if isinstance(number, int) else str(number or "")
 
 
-def _add_device(content: Content, page: Page, d: Device) -> None:
+def add_device(content: Content, page: Page, d: Device) -> None:
+    """Fill the page of a device."""
     page.description(d.file_info.description)
     info = d.info
     page.table(
@@ -69,13 +44,12 @@ def _add_device(content: Content, page: Page, d: Device) -> None:
 
 
 def _variable(d: Device, v: Variable) -> tuple[object, ...]:
-    kind = v.data_type
     limits = [value_of(x, d.node_id) for x in (v.low, v.high)]
     bounds = " to ".join("" if x is None else str(x) for x in limits)
     return (
         v.subindex,
         v.name,
-        kind.name if isinstance(kind, DataType) else f"{kind:04X}h",
+        v.type_name,
         v.written_access,
         code("" if v.current is None else str(value_of(v.current, d.node_id))),
         bounds.strip() if any(x is not None for x in limits) else "",
@@ -100,16 +74,15 @@ def _add_pdo(page: Page, d: Device, pdo: Pdo) -> None:
         if value is not None:
             facts.append(f"{name} {value}{unit}")
     page.add(", ".join(facts))
-    rows, start = [], 0
+    rows = []
     cells: list[tuple[int, int, str]] = []
-    for entry in pdo.entries:
+    for start, entry in pdo.places:
         found = None if entry.dummy else d.find(entry.index, entry.subindex)
         name = "gap" if found is None else found.name
         end = start + entry.bits
         number = f"{entry.index:04X}h:{entry.subindex:X}"
         rows.append((f"{start} to {end - 1}", code(number), name, entry.bits))
         cells.append((start, end, name))
-        start = end
     page.table(("bits", "object", "name", "width"), rows)
     page.add(_bit_map(cells))
 
@@ -149,7 +122,8 @@ def _bit_map(fields: list[tuple[int, int, str]]) -> str:
     return Markdown(f'<table class="bits">\n{body}\n</table>')
 
 
-def _add_bus(content: Content, page: Page, bus: Bus) -> None:
+def add_bus(content: Content, page: Page, bus: Bus) -> None:
+    """Fill the page of a bus."""
     sent = messages(bus)
     page.add(f"Defined in {code(bus.key)}.")
     page.table(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Mapping
 
 from rtgen.compiler.backends.kit.quoting.markdown import Markdown, code
 from rtgen.compiler.model import Component, ConfigurationParameter, Port, PortKind
@@ -18,29 +18,19 @@ _STATES = (
 )
 
 
-def listed(content: Content) -> list[Component]:
-    """Return the components, and assign pages to them."""
+def listed(content: Content) -> Mapping[str, Component]:
+    """Return the components by name, and assign pages to them."""
     models = (content.model, *(p.model for p in content.model.packages))
     found: dict[str, Component] = {}
     for model in models:
         for declaration in model.declarations:
             if isinstance(declaration, Component):
                 found.setdefault(declaration.name[-1], declaration)
-    for name in found:
-        content.places.page(Kind.COMPONENT, name)
-    return [*found.values()]
+    return content.assign(Kind.COMPONENT, found)
 
 
-def pages(content: Content, components: list[Component]) -> Iterator[tuple[str, Page]]:
-    """Yield the name and the page of each component."""
-    for component in components:
-        name = component.name[-1]
-        page = Page(content.places.page(Kind.COMPONENT, name), name)
-        _add(content, page, component)
-        yield name, page
-
-
-def _add(content: Content, page: Page, c: Component) -> None:
+def add(content: Content, page: Page, c: Component) -> None:
+    """Fill the page of a component."""
     page.description(c.doc or c.description)
     page.table(
         ("property", "value"),

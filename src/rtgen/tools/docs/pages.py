@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 from rtgen.compiler.backends.kit.quoting.markdown import (
     Markdown,
@@ -15,7 +16,9 @@ from rtgen.compiler.backends.kit.quoting.markdown import (
 from rtgen.compiler.diagnostics import Span
 from rtgen.compiler.layouts.representations import Representations
 from rtgen.compiler.model import Extensibility, Model, System
-from rtgen.tools.docs.places import Places
+from rtgen.tools.docs.places import Kind, Places
+
+Item = TypeVar("Item")
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +44,24 @@ class Content:
     def representations(self, *, xcdr2: bool) -> Representations:
         """Return the representations of types; those without annotation are CDR or XCDR2."""
         return Representations(self.model, xcdr2, self.extensibility)
+
+    def assign(self, kind: Kind, items: Mapping[str, Item]) -> Mapping[str, Item]:
+        """Assign a page to each item; return the items."""
+        for name in items:
+            self.places.page(kind, name)
+        return items
+
+    def pages(
+        self,
+        kind: Kind,
+        items: Mapping[str, Item],
+        add: Callable[[Content, Page, Item], None],
+    ) -> Iterator[tuple[str, Page]]:
+        """Yield the name and the page of each item; `add` fills it."""
+        for name, item in items.items():
+            page = Page(self.places.page(kind, name), name)
+            add(self, page, item)
+            yield name, page
 
     def source(self, file: str, span: Span) -> Markdown:
         """Return the file and line of a definition, relative to the project."""

@@ -10,7 +10,7 @@ from rtgen.compiler.backends.kit.quoting.markdown import Markdown, link
 from rtgen.compiler.model import Extensibility, Model, System
 from rtgen.tools.docs import canopen, components, systems, tecs, types
 from rtgen.tools.docs.pages import Content, File, Page
-from rtgen.tools.docs.places import Places
+from rtgen.tools.docs.places import Kind, Places
 
 SETTINGS = "mkdocs.yml"
 PAGES = "docs"
@@ -51,7 +51,8 @@ def site(
     modules = types.listed(content)
     known = components.listed(content)
     signatures = tecs.listed(content)
-    canopen.listed(content)
+    devices = content.assign(Kind.DEVICE, {d.name: d for d in model.devices})
+    buses = content.assign(Kind.BUS, {b.name: b for b in model.buses})
     systems.listed(content)
     pictures: list[File] = []
     drawn: list[_Listed] = []
@@ -60,11 +61,11 @@ def site(
         pictures.append(picture)
     chapters: dict[str, list[_Listed]] = {
         "Systems": drawn,
-        "Components": [*components.pages(content, known)],
+        "Components": [*content.pages(Kind.COMPONENT, known, components.add)],
         "Types and interfaces": [*types.pages(content, modules)],
-        "Signatures": [*tecs.pages(content, signatures)],
-        "Devices": [*canopen.devices(content)],
-        "Buses": [*canopen.buses(content)],
+        "Signatures": [*content.pages(Kind.SIGNATURE, signatures, tecs.add)],
+        "Devices": [*content.pages(Kind.DEVICE, devices, canopen.add_device)],
+        "Buses": [*content.pages(Kind.BUS, buses, canopen.add_bus)],
     }
     chapters = {
         chapter: sorted(pages, key=lambda each: (each[0].casefold(), each[1].path))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from rtgen.compiler.backends.kit.quoting.markdown import Markdown, code, text
 from rtgen.compiler.backends.wiring import render, view_of
@@ -18,7 +18,7 @@ def listed(content: Content) -> None:
 
 
 def pages(
-    content: Content, components: list[Component]
+    content: Content, components: Mapping[str, Component]
 ) -> Iterator[tuple[str, Page, File]]:
     """Yield the name, the page and the picture of each system."""
     for system in content.systems:
@@ -29,9 +29,9 @@ def pages(
 
 
 def _picture(
-    content: Content, page: Page, system: System, components: list[Component]
+    content: Content, page: Page, system: System, components: Mapping[str, Component]
 ) -> File:
-    views = {c.name[-1]: view_of(c) for c in components}
+    views = {name: view_of(c) for name, c in components.items()}
     ways = {
         each.type: url
         for each in system.components

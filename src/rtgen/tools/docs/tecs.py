@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from rtgen.compiler.backends.kit.quoting.markdown import code
+from rtgen.compiler.inspection.tecs import prototype
 from rtgen.compiler.layouts.tdr import (
     Branch,
     Counted,
@@ -26,35 +27,24 @@ from rtgen.compiler.layouts.tdr import (
     size_of,
 )
 from rtgen.compiler.layouts.tdr_messages import layout_of
-from rtgen.compiler.model.tecs import Celltype, Signature, TecsFunction, TecsUnit
+from rtgen.compiler.model.tecs import Celltype, Signature, TecsUnit
 from rtgen.tools.docs.pages import Content, Page
 from rtgen.tools.docs.places import Kind
 
 
-def listed(content: Content) -> list[tuple[TecsUnit, Signature]]:
-    """Return the signatures, and assign pages to them."""
+def listed(content: Content) -> Mapping[str, tuple[TecsUnit, Signature]]:
+    """Return the signatures by name, and assign pages to them."""
     found: dict[str, tuple[TecsUnit, Signature]] = {}
     for unit in content.model.tecs:
         for declaration in unit.declarations:
             if isinstance(declaration, Signature):
                 found.setdefault(declaration.scoped, (unit, declaration))
-    for name in found:
-        content.places.page(Kind.SIGNATURE, name)
-    return [*found.values()]
+    return content.assign(Kind.SIGNATURE, found)
 
 
-def pages(
-    content: Content, signatures: Sequence[tuple[TecsUnit, Signature]]
-) -> Iterator[tuple[str, Page]]:
-    """Yield the name and the page of each signature."""
-    for unit, signature in signatures:
-        name = signature.scoped
-        page = Page(content.places.page(Kind.SIGNATURE, name), name)
-        _add(content, page, unit, signature)
-        yield name, page
-
-
-def _add(content: Content, page: Page, unit: TecsUnit, s: Signature) -> None:
+def add(content: Content, page: Page, signature: tuple[TecsUnit, Signature]) -> None:
+    """Fill the page of a signature."""
+    unit, s = signature
     page.description(s.doc)
     page.add(f"Defined in {content.source(s.file, s.span)}.")
     for kind, verb in (("entry", "Provided by"), ("call", "Called by")):
@@ -67,9 +57,7 @@ def _add(content: Content, page: Page, unit: TecsUnit, s: Signature) -> None:
         if users:
             page.add(f"{verb} the celltypes {', '.join(map(code, users))}.")
     page.heading(2, "Functions")
-    rows = [
-        (f.id, code(_prototype(f)), "oneway" * f.oneway, f.doc) for f in s.functions
-    ]
+    rows = [(f.id, code(prototype(f)), "oneway" * f.oneway, f.doc) for f in s.functions]
     page.table(("id", "function", "", "description"), rows)
     try:
         layout = layout_of(unit, s)
@@ -83,11 +71,6 @@ def _add(content: Content, page: Page, unit: TecsUnit, s: Signature) -> None:
     )
     for function in layout.functions:
         _add_messages(page, function)
-
-
-def _prototype(f: TecsFunction) -> str:
-    parameters = ", ".join(f"[{p.direction}] {p.type} {p.name}" for p in f.parameters)
-    return f"{f.returns} {f.name}({parameters or 'void'})"
 
 
 def _add_messages(page: Page, f: FunctionLayout) -> None:

@@ -291,14 +291,9 @@ def _tecs(unit: TecsUnit, d: TecsDeclaration, way: ScopedName) -> str:
     if isinstance(d, Signature) and way:
         function = next((f for f in d.functions if f.name == way[0]), None)
         if function is not None:
-            text = f"{function.returns} {function.name}"
-            parameters = ", ".join(
-                f"[{p.direction.value}] {p.type} {p.name}" for p in function.parameters
-            )
-            note = f"function id {function.id}"
             return _joined(
-                _code("cdl", f"{text}({parameters})"),
-                note,
+                _code("cdl", tecs_text.prototype(function)),
+                f"function id {function.id}",
                 _message(unit, d, function.name),
                 function.doc,
             )
@@ -372,24 +367,18 @@ def _entry(device: Device, entry: Object, subindex: int | None) -> str:
 
 
 def _type(variable: Variable) -> str:
-    name = getattr(variable.data_type, "name", f"type {variable.data_type:04X}h")
-    bits = variable.bits
-    return f"{name}, {bits} bits" if bits is not None else str(name)
+    name, bits = variable.type_name, variable.bits
+    return name if bits is None else f"{name}, {bits} bits"
 
 
 def _mappings(device: Device, index: int, subindex: int | None) -> str:
     """Return the PDOs that map an object, with its bit offset."""
-    rows = []
-    for pdo in device.pdos:
-        offset = 0
-        for entry in pdo.entries:
-            if entry.index == index and subindex in (None, entry.subindex):
-                rows.append(
-                    f"{pdo.direction.value.upper()} {pdo.number}: bit {offset},"
-                    f" {entry.bits} bits"
-                )
-            offset += entry.bits
-    return "  \n".join(rows)
+    return "  \n".join(
+        f"{pdo.direction.value.upper()} {pdo.number}: bit {first}, {entry.bits} bits"
+        for pdo in device.pdos
+        for first, entry in pdo.places
+        if entry.index == index and subindex in (None, entry.subindex)
+    )
 
 
 def _code(language: str, *lines: str) -> str:

@@ -60,15 +60,13 @@ def _of_pdos(view: View) -> Iterator[tuple[int, str]]:
         if path_of(device.file) != view.document.path:
             continue
         for pdo in device.pdos:
-            offset = 0
-            for number, entry in enumerate(pdo.entries, 1):
+            for number, (offset, entry) in enumerate(pdo.places, 1):
                 variable = device.find(pdo.mapping, number)
                 if variable is not None and variable.value_span != variable.span:
                     place = view.file.text.offsets(variable.value_span)
                     moved = shift.forward(*place)
                     if moved is not None:
                         yield moved[1], _label(device, entry, offset)
-                offset += entry.bits
 
 
 def _label(device: Device, entry: PdoEntry, offset: int) -> str:
