@@ -19,88 +19,60 @@ from rtgen.tools.diff.member_facts import defaults
 from rtgen.tools.diff.structs import XCDR, Compared, Found
 from rtgen.tools.diff.type_expressions import ENCODINGS, NO_WIRES
 
+_ENUMERATORS = (
+    (kinds.ENUMERATOR_REMOVED, "enumerator {name} ({was}) is removed"),
+    (kinds.ENUMERATOR_RENAMED, "enumerator {name} was called {old}"),
+    (kinds.ENUMERATOR_NUMBER, "enumerator {name} is {now}, was {was}"),
+    (kinds.ENUMERATOR_ADDED, "enumerator {name} ({now}) is added"),
+)
+_FLAGS = (
+    (kinds.FLAG_REMOVED, "flag {name} is removed"),
+    (kinds.FLAG_RENAMED, "flag {name} was called {old}"),
+    (kinds.FLAG_POSITION, "flag {name} is bit {now}, was {was}"),
+    (kinds.FLAG_ADDED, "flag {name} is added at bit {now}"),
+)
+
 
 def compare_enums(old: Enum, new: Enum) -> Compared:
     """Return the changes of an enum; in classic CDR it always has 4 octets."""
-    name = new.scoped
     result = Compared()
     if old.bound != new.bound:
         wires = XCDR if _octets(old.bound) != _octets(new.bound) else NO_WIRES
         result.found.append(_bound(old, new, wires))
-    renamed = renamed_members(old, new)
-    after = {m.name: m for m in new.members}
-    before = {renamed.get(m.name, m.name): m for m in old.members}
-    for key, member in before.items():
-        subject = f"{name}.{member.name}"
-        if key not in after:
-            text = f"enumerator {subject} ({member.value}) is removed"
-            result.found.append(
-                _found(kinds.ENUMERATOR_REMOVED, subject, text, member, None, ENCODINGS)
-            )
-            continue
-        other = after[key]
-        subject = f"{name}.{other.name}"
-        if other.name != member.name:
-            text = f"enumerator {subject} was called {member.name}"
-            result.found.append(
-                _found(kinds.ENUMERATOR_RENAMED, subject, text, member, other)
-            )
-        if other.value != member.value:
-            text = f"enumerator {subject} is {other.value}, was {member.value}"
-            result.found.append(
-                _found(kinds.ENUMERATOR_NUMBER, subject, text, member, other, ENCODINGS)
-            )
-    for key, member in after.items():
-        if key not in before:
-            subject = f"{name}.{key}"
-            text = f"enumerator {subject} ({member.value}) is added"
-            result.found.append(
-                _found(kinds.ENUMERATOR_ADDED, subject, text, None, member, ENCODINGS)
-            )
+    result.found += _members(old, new)
     return result
 
 
 def compare_bitmasks(old: Bitmask, new: Bitmask) -> Compared:
     """Return the changes of a bitmask, whose readers keep unknown flags."""
-    name = new.scoped
     result = Compared()
     if old.bound != new.bound:
         result.found.append(_bound(old, new, ENCODINGS))
-    renamed = renamed_members(old, new)
-    after = {m.name: m for m in new.members}
-    before = {renamed.get(m.name, m.name): m for m in old.members}
-    taken = {m.value for m in after.values()}
-    for key, member in before.items():
-        subject = f"{name}.{member.name}"
-        if key not in after:
-            text = f"flag {subject} is removed"
-            wires = ENCODINGS if member.value in taken else NO_WIRES
-            result.found.append(
-                _found(kinds.FLAG_REMOVED, subject, text, member, None, wires)
-            )
-            continue
-        other = after[key]
-        subject = f"{name}.{other.name}"
-        if other.name != member.name:
-            text = f"flag {subject} was called {member.name}"
-            result.found.append(
-                _found(kinds.FLAG_RENAMED, subject, text, member, other)
-            )
-        if other.value != member.value:
-            text = f"flag {subject} is bit {other.value}, was {member.value}"
-            result.found.append(
-                _found(kinds.FLAG_POSITION, subject, text, member, other, ENCODINGS)
-            )
-    held = {m.value for m in old.members}
-    for key, member in after.items():
-        if key not in before:
-            subject = f"{name}.{key}"
-            text = f"flag {subject} is added at bit {member.value}"
-            wires = ENCODINGS if member.value in held else NO_WIRES
-            result.found.append(
-                _found(kinds.FLAG_ADDED, subject, text, None, member, wires)
-            )
+    result.found += _members(old, new)
     return result
+
+
+def _members(old: Enum | Bitmask, new: Enum | Bitmask) -> Iterator[Found]:
+    is_mask = isinstance(new, Bitmask)
+    removed, renamed, moved, added = _FLAGS if is_mask else _ENUMERATORS
+    names = renamed_members(old, new)
+    after = {m.name: m for m in new.members}
+    before = {names.get(m.name, m.name): m for m in old.members}
+    taken, held = ({m.value for m in each.members} for each in (new, old))
+    for key, one in before.items():
+        other = after.get(key)
+        if other is None:
+            lost = not is_mask or one.value in taken
+            yield _found(removed, new, one, None, ENCODINGS if lost else NO_WIRES)
+            continue
+        if other.name != one.name:
+            yield _found(renamed, new, one, other, NO_WIRES)
+        if other.value != one.value:
+            yield _found(moved, new, one, other, ENCODINGS)
+    for key, other in after.items():
+        if key not in before:
+            known = not is_mask or other.value in held
+            yield _found(added, new, None, other, ENCODINGS if known else NO_WIRES)
 
 
 def compare_bitsets(old: Bitset, new: Bitset, before: Model, after: Model) -> Compared:
@@ -194,17 +166,21 @@ def _bound(old: Enum | Bitmask, new: Enum | Bitmask, wires: frozenset[Wire]) -> 
 
 
 def _found(
-    kind: Kind,
-    subject: str,
-    message: str,
+    sort: tuple[Kind, str],
+    new_type: Enum | Bitmask,
     old: Enumerator | None,
     new: Enumerator | None,
-    wires: frozenset[Wire] = NO_WIRES,
+    wires: frozenset[Wire],
 ) -> Found:
+    kind, text = sort
+    member = new or old
+    assert member is not None
+    name = f"{new_type.scoped}.{member.name}"
+    was, now = (each and each.value for each in (old, new))
     return Found(
         kind=kind,
-        subject=subject,
-        message=message,
+        subject=name,
+        message=text.format(name=name, old=old and old.name, was=was, now=now),
         old=None if old is None else old.span,
         new=None if new is None else new.span,
         top=wires,

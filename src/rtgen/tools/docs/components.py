@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from rtgen.compiler.backends.kit.idl_text.literals import default_text
 from rtgen.compiler.backends.kit.quoting.markdown import Markdown, code
 from rtgen.compiler.model import Component, ConfigurationParameter, Port, PortKind
 from rtgen.compiler.typemap.components.actions import ACTIONS
@@ -104,12 +105,12 @@ def _parameter(
     content: Content, here: str, p: ConfigurationParameter
 ) -> tuple[object, ...]:
     limits = [
-        f"{sign} {value}"
+        f"{sign} {default_text(value)}"
         for sign, value in (("at least", p.minimum), ("at most", p.maximum))
         if value is not None
     ]
     bounds = ", ".join(limits) or p.constraint
-    default = "" if p.default is None else code(_shown(p.default))
+    default = "" if p.default is None else code(default_text(p.default))
     return (
         code(p.name),
         content.places.type(p.type, here),
@@ -118,11 +119,6 @@ def _parameter(
         p.unit,
         p.doc,
     )
-
-
-def _shown(value: object) -> str:
-    name = getattr(value, "name", None)
-    return "::".join(name) if isinstance(name, tuple) else str(value)
 
 
 def _add_systems(content: Content, page: Page, c: Component) -> None:

@@ -202,10 +202,10 @@ def _parameter_notes(parameter: ConfigurationParameter) -> list[str]:
         ("default", parameter.default),
         ("least", parameter.minimum),
         ("most", parameter.maximum),
-        ("unit", parameter.unit or None),
-        ("constraint", parameter.constraint or None),
     )
-    return [f"{name}: {value}" for name, value in values if value is not None]
+    notes = [f"{word}: {default_text(v)}" for word, v in values if v is not None]
+    texts = (("unit", parameter.unit), ("constraint", parameter.constraint))
+    return notes + [f"{word}: {text}" for word, text in texts if text]
 
 
 def _resolved(model: Model, type_: Type) -> str:
