@@ -69,6 +69,7 @@ READABLE = [
 ]
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("part", range(PARTS))
 def test_the_model_stays(
     part: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
