@@ -14,6 +14,8 @@ from collections.abc import Callable, Hashable
 from functools import partial
 from typing import Final
 
+import msgspec
+
 Request = Callable[[], object]
 """Is executed by the thread of the run; must not raise."""
 
@@ -29,26 +31,19 @@ _MAX_CLIENTS: Final = 256
 """Maximum number of clients that are known by their names."""
 
 
-class Client:
+class Client(msgspec.Struct, eq=False):
     """The queue of a client; `put` and `charge` may be called from any thread."""
 
-    def __init__(
-        self,
-        requests: Requests,
-        limit: int | None,
-        ready: Callable[[], bool],
-        *,
-        first: bool,
-    ) -> None:
-        self.first = first
-        self._requests = requests
-        self._limit = limit
-        self._ready = ready
-        self._waiting: deque[Request] = deque()
-        self.running = 0
-        """Number of requests that are being executed."""
-        self.spent = 0.0
-        """Time of the client's requests, by which clients are served in turn [s]."""
+    _requests: Requests
+    _limit: int | None
+    _ready: Callable[[], bool]
+    first: bool
+    _waiting: deque[Request] = msgspec.field(default_factory=deque)
+    running: int = 0
+    """Number of requests that are being executed."""
+
+    spent: float = 0.0
+    """Time of the client's requests, by which clients are served in turn [s]."""
 
     def put(self, request: Request) -> bool:
         """Add a request; return False if the queue is full, or the client has left."""
@@ -195,16 +190,14 @@ class Requests:
         return min(waiting, key=lambda c: (not c.first, c.spent), default=None)
 
 
-class Queues:
+class Queues(msgspec.Struct, eq=False):
     """The queues of clients by their names; those of clients without requests are forgotten."""
 
-    def __init__(self, requests: Requests, limit: int, busy: int) -> None:
-        """Set up with the limits of each client: waiting requests, and those being executed."""
-        self._requests = requests
-        self._limit = limit
-        self._busy = busy
-        self._clients: OrderedDict[Hashable, Client] = OrderedDict()
-        self._lock = threading.Lock()
+    _requests: Requests
+    _limit: int
+    _busy: int
+    _clients: OrderedDict[Hashable, Client] = msgspec.field(default_factory=OrderedDict)
+    _lock: threading.Lock = msgspec.field(default_factory=threading.Lock)
 
     def put(
         self, name: Hashable, request: Callable[[], object], *, first: bool = False
@@ -235,25 +228,21 @@ class Queues:
         return client[0].running < self._busy
 
 
-class Allowance:
+class Allowance(msgspec.Struct, eq=False):
     """The part of the time that clients may take whose requests cannot wait, but be refused.
 
     `share` is that of all clients, and of each one half of it. A client that has taken nothing for
     a second is not refused, whatever the others take.
     """
 
-    def __init__(
-        self,
-        share: float,
-        burst: float = BURST,
-        clock: Callable[[], float] = time.perf_counter,
-    ) -> None:
-        self._share = share
-        self._burst = burst
-        self._clock = clock
-        self._lock = threading.Lock()
-        self._credits: OrderedDict[Hashable, tuple[float, float]] = OrderedDict()
-        """Credit of each client, and of all of them (None), at a time [s]."""
+    _share: float
+    _burst: float = BURST
+    _clock: Callable[[], float] = time.perf_counter
+    _lock: threading.Lock = msgspec.field(default_factory=threading.Lock)
+    _credits: OrderedDict[Hashable, tuple[float, float]] = msgspec.field(
+        default_factory=OrderedDict
+    )
+    """Credit of each client, and of all of them (None), at a time [s]."""
 
     def allows(self, client: Hashable) -> bool:
         """Return whether a request of a client is executed now."""
@@ -367,26 +356,19 @@ def charge(begun: float | None, conversion: float = 0.0) -> None:
         calls.charge(time.thread_time() - begun + conversion)
 
 
-class Rates:
+class Rates(msgspec.Struct, eq=False):
     """The rate at which messages of clients are read that can be made to wait.
 
     Each client may send `rate` messages in a second, after a pause `burst` at once; those that have
     sent more share `total`.
     """
 
-    def __init__(
-        self,
-        rate: float,
-        total: float,
-        burst: float,
-        clock: Callable[[], float] = time.monotonic,
-    ) -> None:
-        self._rate = rate
-        self._total = total
-        self._burst = burst
-        self._clock = clock
-        self._credits: dict[Hashable, tuple[float, float]] = {}
-        """The messages that each client may send, at a time [s]."""
+    _rate: float
+    _total: float
+    _burst: float
+    _clock: Callable[[], float] = time.monotonic
+    _credits: dict[Hashable, tuple[float, float]] = {}
+    """The messages that each client may send, at a time [s]."""
 
     def delay(self, client: Hashable, messages: float) -> float:
         """Count messages of a client; return the time until the next is read [s]."""

@@ -6,6 +6,8 @@ import threading
 from collections.abc import Callable, Mapping
 from typing import Any
 
+import msgspec
+
 from rtgen.runtime.failures import described, log
 from rtgen.runtime.return_codes import (
     ACTIVE_STATE,
@@ -31,31 +33,25 @@ A behaviour in ERROR rejects activation, which leads to ERROR there as well.
 """
 
 
-class Follower:
+class Follower(msgspec.Struct, eq=False):
     """A thread that runs while there is work, started by `wake`.
 
     It executes ticks of a component that is INACTIVE in OpenRTM if something depends on them
     (requests, the end of a cycle), and requests OpenRTM to follow the behaviour's state.
     """
 
-    def __init__(
-        self,
-        behaviour: Component,
-        participants: Mapping[int, Participant],
-        context: Callable[[int], Any],
-        rtc: Any,
-    ) -> None:
-        self.states: dict[int, LifeCycleState] = {}
-        """The component's state in each context of OpenRTM."""
-        self._behaviour = behaviour
-        self._participants = participants
-        self._context = context
-        self._rtc = rtc
-        self._lock = threading.Lock()
-        self._again = False
-        self._reported = ""
-        self._ended = threading.Event()
-        self._thread: threading.Thread | None = None
+    _behaviour: Component
+    _participants: Mapping[int, Participant]
+    _context: Callable[[int], Any]
+    _rtc: Any
+    states: dict[int, LifeCycleState] = {}
+    """The component's state in each context of OpenRTM."""
+
+    _lock: threading.Lock = msgspec.field(default_factory=threading.Lock)
+    _again: bool = False
+    _reported: str = ""
+    _ended: threading.Event = msgspec.field(default_factory=threading.Event)
+    _thread: threading.Thread | None = None
 
     def look(self, ec_id: int) -> None:
         """Start working if a context needs it."""

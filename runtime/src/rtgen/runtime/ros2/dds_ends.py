@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any, Final, NamedTuple
 
+import msgspec
 from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
 
@@ -164,11 +165,17 @@ def _key(service: str, guid: bytes) -> bytes:
     return guid[:_PREFIX] + action.encode() if is_one else guid
 
 
-class Ends:
-    """The ends that a reader or writer of a service is matched with, by their handles.
+class Ends(msgspec.Struct, eq=False):
+    """The ends that a reader or writer of a service is matched with, by their handles."""
 
-    `matched` lists the handles, `endpoint` describes one.
-    """
+    _matched: Callable[[], list[int]]
+    """Lists the handles."""
+
+    _endpoint: Callable[[int], Endpoint | None]
+    """Describes one."""
+
+    _role: Role
+    _known: OrderedDict[int, End] = msgspec.field(default_factory=OrderedDict)
 
     @classmethod
     def writing_to(cls, reader: DataReader[Any], role: Role) -> Ends:
@@ -187,17 +194,6 @@ class Ends:
             partial(entities.matched_reader, writer),
             role,
         )
-
-    def __init__(
-        self,
-        matched: Callable[[], list[int]],
-        endpoint: Callable[[int], Endpoint | None],
-        role: Role,
-    ) -> None:
-        self._matched = matched
-        self._endpoint = endpoint
-        self._role = role
-        self._known: OrderedDict[int, End] = OrderedDict()
 
     def find(self, handle: int) -> End | None:
         """Return an end; None for one that is not matched, and was not seen before."""

@@ -15,6 +15,7 @@ from io import StringIO
 from pathlib import Path
 from typing import Any, Final
 
+import msgspec
 from pcpp.parser import default_lexer
 from pcpp.preprocessor import Action, OutputDirective, Preprocessor
 
@@ -128,21 +129,15 @@ class LimitError(Exception):
     """A header that exceeds a limit."""
 
 
-class Headers:
+class Headers(msgspec.Struct, eq=False):
     """Reads the C headers of a main file; the library finds their includes."""
 
-    def __init__(
-        self,
-        library: Library[HeaderFile],
-        define: Mapping[str, str],
-        report: Callable[[Diagnostic], None],
-    ) -> None:
-        self._library = library
-        self._define = define
-        self._report = report
-        self._table = Declarations()
-        self.lacking = False
-        """Whether an included file is missing."""
+    _library: Library[HeaderFile]
+    _define: Mapping[str, str]
+    _report: Callable[[Diagnostic], None]
+    _table: Declarations = msgspec.field(default_factory=Declarations)
+    lacking: bool = False
+    """Whether an included file is missing."""
 
     def read(self, file: HeaderFile, definitions: list[str], place: Span) -> Header:
         """Return the declarations of a header; `place` is that of its import, for diagnostics."""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+import msgspec
+
 from rtgen.compiler.diagnostics import Diagnostic, Related, Span
 from rtgen.compiler.frontends.cdl.names.entities import Place
 from rtgen.compiler.frontends.cdl.names.scopes import Entity, Kind, Scope
@@ -15,33 +17,26 @@ from rtgen.compiler.model.tecs import TecsDeclaration
 from rtgen.compiler.model.types import ScopedName
 
 
-class Table:
+class Table(msgspec.Struct, eq=False):
     """The declarations of a unit, by scope and in order, and its sink of diagnostics.
 
     `with_prelude`: types of tecsgen's headers are known without an import; `prelude_used` are their
     first uses. `has_plugin` returns whether the Ruby file of a plug-in is found from a unit.
     """
 
-    def __init__(
-        self,
-        report: Callable[[Diagnostic], None],
-        *,
-        with_prelude: bool = True,
-        has_plugin: Callable[[Unit, str], bool] = lambda unit, file: False,
-    ) -> None:
-        self.report = report
-        self.has_plugin = has_plugin
-        self.with_prelude = with_prelude
-        self.root = Scope((), None)
-        self.declarations: list[Entity] = []
-        self.lacking = False
-        """Whether an import is missing."""
+    report: Callable[[Diagnostic], None]
+    with_prelude: bool = True
+    has_plugin: Callable[[Unit, str], bool] = lambda unit, file: False
+    root: Scope = msgspec.field(default_factory=lambda: Scope((), None))
+    declarations: list[Entity] = []
+    lacking: bool = False
+    """Whether an import is missing."""
 
-        self.excused = False
-        """Whether an unknown name may be declared by a missing import."""
+    excused: bool = False
+    """Whether an unknown name may be declared by a missing import."""
 
-        self.prelude_used: dict[str, Span] = {}
-        self.guesses = Guesses()
+    prelude_used: dict[str, Span] = {}
+    guesses: Guesses = msgspec.field(default_factory=Guesses)
 
     @property
     def incomplete(self) -> bool:

@@ -84,15 +84,7 @@ class Identities:
 
     def set_id(self, entity: Entity, text: str, span: Span) -> None:
         """Set the repository id of an entity from a pragma or a typeid statement."""
-        if entity.kind in _WITHOUT_ID:
-            self._report(
-                rules.NO_ID.at(
-                    span,
-                    f"the {entity.kind} {entity.scoped} has no id",
-                    related=[Related(entity.span, "declared here")],
-                    hint="name the type or interface that holds it",
-                )
-            )
+        if not self._can_have_id(entity, span):
             return
         if ":" not in text or (
             text.startswith("IDL:") and not _IDL_FORM.fullmatch(text)
@@ -104,34 +96,34 @@ class Identities:
                     hint="write IDL:path/name:1.0",
                 )
             )
-        before = entity.fixed_id or entity.fixed_version
-        if before is not None and entity.repository_id != text:
-            self._conflict(entity, before, span)
-            return
-        entity.repository_id = text
-        entity.fixed_id = span
+        if self._set(entity, text, span):
+            entity.fixed_id = span
 
     def _set_version(self, entity: Entity, version: str, span: Span) -> None:
-        if entity.kind in _WITHOUT_ID:
-            self._report(
-                rules.NO_ID.at(
-                    span,
-                    f"the {entity.kind} {entity.scoped} has no id",
-                    related=[Related(entity.span, "declared here")],
-                    hint="name the type or interface that holds it",
-                )
-            )
-            return
-        start, _, _ = entity.repository_id.rpartition(":")
-        text = f"{start}:{version}"
-        before = entity.fixed_id or entity.fixed_version
-        if before is not None and entity.repository_id != text:
-            self._conflict(entity, before, span)
-            return
-        entity.repository_id = text
-        entity.fixed_version = span
+        if self._can_have_id(entity, span):
+            start, _, _ = entity.repository_id.rpartition(":")
+            if self._set(entity, f"{start}:{version}", span):
+                entity.fixed_version = span
 
-    def _conflict(self, entity: Entity, before: Span, span: Span) -> None:
+    def _can_have_id(self, entity: Entity, span: Span) -> bool:
+        if entity.kind not in _WITHOUT_ID:
+            return True
+        self._report(
+            rules.NO_ID.at(
+                span,
+                f"the {entity.kind} {entity.scoped} has no id",
+                related=[Related(entity.span, "declared here")],
+                hint="name the type or interface that holds it",
+            )
+        )
+        return False
+
+    def _set(self, entity: Entity, text: str, span: Span) -> bool:
+        """Set the id; False, after a diagnostic, if another statement sets it differently."""
+        before = entity.fixed_id or entity.fixed_version
+        if before is None or entity.repository_id == text:
+            entity.repository_id = text
+            return True
         self._report(
             rules.CONFLICT.at(
                 span,
@@ -140,3 +132,4 @@ class Identities:
                 hint="remove one of the two",
             )
         )
+        return False
