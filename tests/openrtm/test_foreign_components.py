@@ -264,7 +264,7 @@ def test_a_page_shows_and_steers_it(
     page.done("channels", [channel.id])
     watcher = page.session.watcher
     assert watcher is not None
-    found = watcher._found[name]
+    found = watcher._components[name]
     until(lambda: found.ports["positon"].connector_profiles)
     page.done("activated", [name])
     until(lambda: now().current is ui.State.STATE_ACTIVE)

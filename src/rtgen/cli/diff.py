@@ -58,7 +58,7 @@ def diff(
 
     sources = _sources(versions, against)
     chosen = settings()
-    asked = _asked(use, chosen.use)
+    asked = _selected(use, chosen.use)
     with ExitStack() as stack:
         old, new = (stack.enter_context(opened(each)) for each in sources)
         with stages.stage("compare"):
@@ -96,7 +96,7 @@ def _sources(versions: Sequence[str], against: str | None) -> list[Source]:
     return sources if len(sources) == 2 else [*sources, Source("the working tree")]
 
 
-def _asked(use: str | None, default: tuple[Break, ...]) -> tuple[Break, ...]:
+def _selected(use: str | None, default: tuple[Break, ...]) -> tuple[Break, ...]:
     """Return the selected classes."""
     if use is None:
         return default

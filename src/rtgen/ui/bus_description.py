@@ -24,28 +24,30 @@ class BusDescriber:
     def __init__(self, file: Path | None) -> None:
         """Read the file. Raises InputError."""
         empty = NodeIndex(nodes={})
-        self._known = empty if file is None else read_node_index(file, ())
-        self._decoder = Decoder(self._known)
+        self._node_index = empty if file is None else read_node_index(file, ())
+        self._decoder = Decoder(self._node_index)
 
     @property
     def network(self) -> str:
         """The name of the network; empty without a file."""
-        return "" if self._known.bus is None else self._known.bus.name
+        return "" if self._node_index.bus is None else self._node_index.bus.name
 
     def bus(self, name: str) -> ui.Bus:
         """Return the bus and its described nodes."""
-        bus = self._known.bus
+        bus = self._node_index.bus
         rate = 0 if bus is None else 1000 * bus.bit_rate
         computed = -1.0
         if bus is not None and bus.bit_rate:
             computed = load(messages(bus, None), bus.bit_rate)
         nodes = [
             ui.BusNode(node_id=n.id, name=n.name, device=n.device.name)
-            for n in sorted(self._known.nodes.values(), key=lambda n: n.id)
+            for n in sorted(self._node_index.nodes.values(), key=lambda n: n.id)
         ]
         if bus is not None:
-            manager = self._known.manager
-            nodes.append(ui.BusNode(node_id=manager, name=self._known.name(manager)))
+            manager = self._node_index.manager
+            nodes.append(
+                ui.BusNode(node_id=manager, name=self._node_index.name(manager))
+            )
         return ui.Bus(name=name, bit_rate=rate, computed_load=computed, nodes=nodes)
 
     def frame(self, frame: Frame) -> ui.Frame:
@@ -64,7 +66,7 @@ class BusDescriber:
 
     def objects(self, node_id: int) -> Sequence[ui.ObjectEntry]:
         """Return the objects of a node by number."""
-        node = self._known.nodes.get(node_id)
+        node = self._node_index.nodes.get(node_id)
         if node is None:
             return ()
         return [
@@ -81,7 +83,7 @@ class BusDescriber:
 
     def octets(self, node_id: int, number: tuple[int, int], text: str) -> bytes:
         """Return the octets of a value of an object."""
-        node = self._known.nodes.get(node_id)
+        node = self._node_index.nodes.get(node_id)
         thing = None if node is None else node.objects.get(number)
         if thing is None:
             raise CommandError(UNKNOWN, f"node {node_id} has no such object described")
@@ -93,7 +95,7 @@ class BusDescriber:
 
     def text(self, node_id: int, number: tuple[int, int], octets: bytes) -> str:
         """Return the value of an object; octets if it is not described."""
-        node = self._known.nodes.get(node_id)
+        node = self._node_index.nodes.get(node_id)
         thing = None if node is None else node.objects.get(number)
         if node is None or thing is None:
             return octets.hex(" ")

@@ -167,7 +167,7 @@ class Buses(SeenBuses):
 
     def send(self, command: ui.SendFrame) -> None:
         """Send a frame once, or from now on with a period; a period 0 ends that."""
-        bus, link = self._known(command.bus), self._link(command.bus)
+        bus, link = self._existing_bus(command.bus), self._link(command.bus)
         try:
             frame = Frame(
                 command.can_id, command.data, command.remote, command.extended
@@ -204,7 +204,7 @@ class Buses(SeenBuses):
 
     def read(self, access: ui.SdoAccess) -> str:
         """Read an object of a node; the result has its value as text."""
-        bus, number = self._known(access.bus), _number(access)
+        bus, number = self._existing_bus(access.bus), _number(access)
         channel = self._link(access.bus).sdo(_node(access.node_id))
         try:
             octets = channel.upload(*number)
@@ -214,7 +214,7 @@ class Buses(SeenBuses):
 
     def write(self, access: ui.SdoAccess) -> None:
         """Write an object of a node."""
-        bus, number = self._known(access.bus), _number(access)
+        bus, number = self._existing_bus(access.bus), _number(access)
         octets = bus.describer.octets(access.node_id, number, access.text)
         channel = self._link(access.bus).sdo(_node(access.node_id))
         try:
@@ -224,16 +224,16 @@ class Buses(SeenBuses):
 
     def objects(self, address: ui.NodeAddress) -> list[ui.ObjectEntry]:
         """Return the object dictionary of a node."""
-        return [*self._known(address.bus).describer.objects(address.node_id)]
+        return [*self._existing_bus(address.bus).describer.objects(address.node_id)]
 
-    def _known(self, name: str) -> _Bus:
+    def _existing_bus(self, name: str) -> _Bus:
         if name not in self._buses:
             names = ", ".join(self._buses) or "none"
             raise CommandError(UNKNOWN, f"there is no bus {name!r}; known: {names}")
         return self._buses[name]
 
     def _link(self, name: str) -> SimulatedCanBus:
-        self._known(name)
+        self._existing_bus(name)
         network = self._system.clock.network
         if network is None:
             raise CommandError(

@@ -206,9 +206,9 @@ class History:
                 time=clock,
             )
             happened = [event for t, event in self._changes if t <= time]
-            statistics = self._kept("statistics", time)
+            statistics = self._until("statistics", time)
             frames = self._frames(time)
-            traffic = [*self._kept("calls", time), *self._kept("loads", time)]
+            traffic = [*self._until("calls", time), *self._until("loads", time)]
             newest = dict(self._before)
             lines_before = [*self._lines_before]
         before = [*newest.values()]
@@ -257,7 +257,7 @@ class History:
         with self._lock:
             return [event for time, event in self._changes if start <= time < end]
 
-    def _kept(self, kind: str, time: float) -> list[Any]:
+    def _until(self, kind: str, time: float) -> list[Any]:
         most = _NEWEST.get(kind, 1)
         return [item for row in self._of(kind) for item in row.until(time, most)]
 

@@ -119,13 +119,13 @@ class NamingWatcher:
         self._exported = Exported(self._orb)
         self._activations = Activations(self._exported)
         self._taps = RemoteConnections(self._orb, self._exported)
-        self._wanted: Mapping[Key, Take] = {}
-        self._listened: Mapping[Key, Take] = self._wanted
+        self._takers: Mapping[Key, Take] = {}
+        self._listened: Mapping[Key, Take] = self._takers
         """The watched OutPorts at the time when connections were last made."""
         self._refused: dict[Key, Any] = {}
         """Ports that refused a connection of pages, by key."""
         self._services = [_Service(each) for each in addresses]
-        self._found: dict[str, RemoteComponent] = {}
+        self._components: dict[str, RemoteComponent] = {}
         self._aliases: dict[str, str] = {}
         """The name on the page by each name of a component, which may have several."""
         self._ids: dict[str, tuple[ui.PortAddress, ui.PortAddress, str]] = {}
@@ -173,7 +173,7 @@ class NamingWatcher:
                     break
                 if self._closing.is_set():
                     return
-                if self._wanted is not self._listened:
+                if self._takers is not self._listened:
                     self._listen()
                 self._publish_changes()
 
@@ -183,7 +183,7 @@ class NamingWatcher:
             if self._closing.is_set():
                 return
         self._update_components()
-        everybody = sorted(self._found.values(), key=lambda each: each.asked)
+        everybody = sorted(self._components.values(), key=lambda each: each.asked)
         silent = [each for each in everybody if each.component.silent]
         for each in everybody:
             if not each.component.silent:
@@ -221,19 +221,23 @@ class NamingWatcher:
                 same = by_key.setdefault(self._exported.key(reference), [])
                 other = next((each for each in same if each.is_at(reference)), None)
                 if other is None:
-                    before = self._found.get(name)
+                    before = self._components.get(name)
                     if before is None or not before.is_at(reference):
                         before = RemoteComponent(name, reference, self._exported)
                     components[name] = other = before
                     same.append(other)
                 self._aliases[name] = other.component.instance
-        self._found = components
+        self._components = components
 
     def _publish_changes(self) -> None:
         """Publish the state if it has changed."""
         now = RemoteState(
             tuple(self._service(each) for each in self._services),
-            {n: each.component for n, each in self._found.items() if each.answered},
+            {
+                n: each.component
+                for n, each in self._components.items()
+                if each.answered
+            },
             self._connections(),
         )
         if now != self._published and self._publish(now):
@@ -255,7 +259,7 @@ class NamingWatcher:
     def _component(self, name: str) -> tuple[str, BindingKind]:
         """Return the instance of a component's name, and whether it answers."""
         instance = self._aliases[name]
-        component = self._found.get(instance)
+        component = self._components.get(instance)
         if component is None:
             return instance, BindingKind.BINDING_COMPONENT
         dead = bool(component.component.silent) and component.asked > 0.0
@@ -265,7 +269,7 @@ class NamingWatcher:
     def _connections(self) -> dict[str, ui.Connection]:
         """Return the connections whose ends are both known."""
         ports: _Ports = {}
-        for instance, each in self._found.items():
+        for instance, each in self._components.items():
             for port in each.component.ports:
                 reference = each.ports[port.name].port_ref
                 address = ui.PortAddress(instance=instance, port=port.name)
@@ -274,7 +278,7 @@ class NamingWatcher:
                     same.append((reference, (_is_first(port), address)))
         connections: dict[str, ui.Connection] = {}
         self._ids = {}
-        for component in self._found.values():
+        for component in self._components.values():
             for connector in component.connectors:
                 ends = [
                     end
@@ -317,18 +321,18 @@ class NamingWatcher:
 
     def watch(self, wanted: Mapping[Key, Take]) -> None:
         """Receive the samples of only these OutPorts from now on; from any thread."""
-        self._wanted = wanted
+        self._takers = wanted
         self.submit(lambda: None)
 
     def _listen(self) -> None:
         """Make the connections that pages need, and end the unused ones."""
-        self._listened = self._wanted
-        self._taps.tidy(self._wanted, self._seen)
+        self._listened = self._takers
+        self._taps.tidy(self._takers, self._port_state)
         failed: set[str] = set()
-        for key, take in self._wanted.items():
+        for key, take in self._takers.items():
             self._carry_out_waiting()
-            port, _ = self._seen(key.instance, key.port)
-            if port is None or self._found[key.instance].component.silent:
+            port, _ = self._port_state(key.instance, key.port)
+            if port is None or self._components[key.instance].component.silent:
                 self._refused.pop(key, None)
                 continue
             refused = self._refused.get(key)
@@ -342,9 +346,9 @@ class NamingWatcher:
                 self._refused[key] = port.port_ref
                 self._report(key.instance, f"{key.port} gives no samples: {error}")
 
-    def _seen(self, instance: str, port: str) -> tuple[PortProfile | None, float]:
+    def _port_state(self, instance: str, port: str) -> tuple[PortProfile | None, float]:
         """Return the last known state of a port, and its time."""
-        component = self._found.get(instance)
+        component = self._components.get(instance)
         return (
             (None, 0.0)
             if component is None
@@ -370,13 +374,13 @@ class NamingWatcher:
                 self._query_again(value)
                 return None
             case CommandKind.COMMAND_SET:
-                return _made(self._setting(value))
+                return _redone(self._setting(value))
             case CommandKind.COMMAND_ACTIVATE_SET:
-                return _made(self._use(value))
+                return _redone(self._use(value))
             case CommandKind.COMMAND_CONNECT:
-                return _made(self._wire(value))
+                return _redone(self._wire(value))
             case CommandKind.COMMAND_CUT:
-                return _made(self._cut(value))
+                return _redone(self._cut(value))
             case CommandKind.COMMAND_INJECT:
                 raise CommandError(
                     IMPOSSIBLE,
@@ -452,7 +456,7 @@ class NamingWatcher:
 
     def _at(self, instance: str) -> RemoteComponent:
         """Return a component that answers. Raises CommandError."""
-        component = self._found.get(instance)
+        component = self._components.get(instance)
         if component is None:
             raise CommandError(
                 UNKNOWN,
@@ -466,8 +470,8 @@ class NamingWatcher:
 
     def _query_again(self, instances: Iterable[str]) -> None:
         for instance in instances:
-            if instance in self._found:
-                self._found[instance].query()
+            if instance in self._components:
+                self._components[instance].query()
         self._publish_changes()
 
     def _wire(self, wanted: ui.Connect) -> Edit:
@@ -478,7 +482,7 @@ class NamingWatcher:
     def make(self, wanted: ui.Connect) -> str:
         """Make a connection; return its id. Raises CommandError."""
         ends = wanted.source, wanted.target
-        far = ends[0] if ends[0].instance in self._found else ends[1]
+        far = ends[0] if ends[0].instance in self._components else ends[1]
         reached = self._at(far.instance)
         profiles = [
             self._own_profile(end, self._profile(far)) or self._profile(end)
@@ -510,7 +514,7 @@ class NamingWatcher:
         self, address: ui.PortAddress, other: PortProfile
     ) -> PortProfile | None:
         """Return the profile of a port of this process; of two with the name, the one that fits."""
-        if self._own is None or address.instance in self._found:
+        if self._own is None or address.instance in self._components:
             return None
         profiles = [
             port.get_port_profile()
@@ -537,13 +541,15 @@ class NamingWatcher:
         source, target = wanted.source, wanted.target
         if not self._end_here(wanted, connector_id):
             # At a component of rtgen, which makes a connection again that the other end ends.
-            components = [self._found.get(each.instance) for each in (source, target)]
+            components = [
+                self._components.get(each.instance) for each in (source, target)
+            ]
             ends = [
                 end
                 for end, binding in zip((source, target), components, strict=True)
                 if binding is not None and not binding.component.silent
             ]
-            ends.sort(key=lambda end: not self._found[end.instance].is_of_rtgen)
+            ends.sort(key=lambda end: not self._components[end.instance].is_of_rtgen)
             end = ends[0] if ends else source
             self._at(end.instance).disconnect(end.port, connector_id)
         self._query_again([source.instance, target.instance])
@@ -551,7 +557,7 @@ class NamingWatcher:
     def _end_here(self, wanted: ui.Connect, connector_id: str) -> bool:
         """End a connection at a port of this process; return whether it is connected there."""
         for end in (wanted.source, wanted.target):
-            if self._own is not None and end.instance not in self._found:
+            if self._own is not None and end.instance not in self._components:
                 for port in self._own.ports_at(end.instance, end.port):
                     if port.is_linked(connector_id):
                         return port.disconnect(connector_id) is RTC_OK
@@ -562,17 +568,17 @@ class _Wire(msgspec.Struct, eq=False):
     """A connection that can be made and cut repeatedly, with a new id each time."""
 
     _neighbours: NamingWatcher
-    _wanted: ui.Connect
+    _takers: ui.Connect
     _id: str = ""
 
     def make(self) -> None:
-        self._id = self._neighbours.make(self._wanted)
+        self._id = self._neighbours.make(self._takers)
 
     def cut(self) -> None:
-        self._neighbours.end(self._wanted, self._id)
+        self._neighbours.end(self._takers, self._id)
 
 
-def _made(edit: Edit) -> Edit:
+def _redone(edit: Edit) -> Edit:
     edit.redo()
     return edit
 

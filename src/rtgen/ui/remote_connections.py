@@ -1,6 +1,6 @@
 """Connections of pages to ports of other processes: samples received and sent, services called.
 
-These ports belong to no component and are not in a naming service. A connection is made when a
+These ports belong to no component and are not in a naming service. A connection is make_ends when a
 page needs it, and ends after some seconds without use.
 """
 
@@ -128,7 +128,7 @@ class _Connection:
     there: Any
     connector: str
     tool: Any
-    made: float = field(default_factory=time.monotonic)
+    make_ends: float = field(default_factory=time.monotonic)
     used: float = field(default_factory=time.monotonic)
 
 
@@ -183,7 +183,7 @@ class RemoteConnections:
                 not is_needed
                 or port is None
                 or not port.port_ref._is_equivalent(line.there)
-                or (when > line.made and not _has(port, line.connector))
+                or (when > line.make_ends and not _has(port, line.connector))
             ):
                 self.end(key)
 
@@ -192,27 +192,27 @@ class RemoteConnections:
         type_ = _type_of(port)
         properties = _NEWEST | {"dataport.data_type": type_}
 
-        def made() -> tuple[End, Any]:
+        def make_ends() -> tuple[End, Any]:
             return _InEnd(key.port, type_, self.exported, take), None
 
-        self._line(key, port, made, properties, first=False)
+        self._line(key, port, make_ends, properties, first=False)
 
     def give(self, key: Key, port: PortProfile, value: DataType) -> None:
         """Send a sample to an InPort."""
         properties = _AT_ONCE | {"dataport.data_type": _type_of(port)}
 
-        def made() -> tuple[End, Any]:
+        def make_ends() -> tuple[End, Any]:
             outlet: OutPort[Any] = OutPort(key.port, type(value), PAGE)
             return DataEnd(outlet, self.exported, self._guard), outlet
 
-        self._line(key, port, made, properties, first=True).tool.write(value)
+        self._line(key, port, make_ends, properties, first=True).tool.write(value)
 
     def caller(
         self, key: Key, port: PortProfile, interface: type[Servant], type_name: str
     ) -> Invoker:
         """Return an invoker of an interface that a port provides under the name of a type."""
 
-        def made() -> tuple[End, Any]:
+        def make_ends() -> tuple[End, Any]:
             owner = _Owner(PAGE)
             consumer = Consumer(
                 key.port, key.interface, interface, PAGE, type_name=type_name
@@ -222,7 +222,7 @@ class RemoteConnections:
             end = ServiceEnd(service, key.port, self._objects, self.exported, {})
             return end, consumer
 
-        consumer: Consumer[Any] = self._line(key, port, made, {}, first=True).tool
+        consumer: Consumer[Any] = self._line(key, port, make_ends, {}, first=True).tool
         if not consumer.connected:
             self.end(key)
             raise CommandError(CALL_FAILED, f"{port.name} offers no {type_name}")
@@ -236,15 +236,15 @@ class RemoteConnections:
         self,
         key: Key,
         port: PortProfile,
-        ends_made: Callable[[], tuple[End, Any]],
+        make_ends: Callable[[], tuple[End, Any]],
         properties: Mapping[str, str],
         *,
         first: bool,
     ) -> _Connection:
-        """Return the connection to a port, made if missing. `first`: it begins at this end."""
+        """Return the connection to a port, created if missing. `first`: it begins at this end."""
         line = self._lines.get(key)
         if line is None:
-            end, tool = ends_made()
+            end, tool = make_ends()
             here = PortService(self, PAGE, end.port, end)
             ends = [here.reference, port.port_ref]
             asked = ConnectorProfile(

@@ -384,7 +384,7 @@ class Session:
         """Publish the changes in other processes; from any thread."""
 
         def update() -> None:
-            before, self.remote = self.remote, state.known(self._known)
+            before, self.remote = self.remote, state.known(self._completed)
             for instance in before.components.keys() - self.remote.components.keys():
                 self.forget(instance)
             for instance in self.remote.components.keys() - before.components.keys():
@@ -402,7 +402,7 @@ class Session:
     def _report_remote(self, instance: str, text: str) -> None:
         self.runner.submit(lambda: self.notice("error", instance, text))
 
-    def _known(self, port: ui.Port) -> ui.Port:
+    def _completed(self, port: ui.Port) -> ui.Port:
         """Return a port of another process, completed with the project's types."""
         number = NO_TYPE
         if port.type and (type_ := self.project.data_type(port.type)) is not None:

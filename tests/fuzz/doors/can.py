@@ -263,7 +263,7 @@ def _lss_master(_folder: Path) -> Door:
             answer = message
             if head & 4:
                 # The answer of the slave with this address.
-                answer = bytes((master._asked.answer or 0,)) + message[1:]
+                answer = bytes((master._request.answer or 0,)) + message[1:]
             size = 8 if head < 0x80 else head % 8
             master.receive(Frame(LSS_RESPONSE, answer[:size]), now)
             if head & 1 and master.deadline is not None:

@@ -260,7 +260,7 @@ def connectors(page: Watcher, name: str, port: str) -> int:
     """Return the number of connections that a port reports, including those of pages."""
     watcher = page.session.watcher
     assert watcher is not None
-    return len(watcher._found[name].ports[port].connector_profiles)
+    return len(watcher._components[name].ports[port].connector_profiles)
 
 
 def test_samples_of_their_ports_come(page: Watcher, names: str) -> None:

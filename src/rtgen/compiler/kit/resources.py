@@ -56,19 +56,19 @@ def rh3_source(name: str) -> str:
     """Return the text of one of RH3_FILES. Raises FileNotFoundError."""
     packed = _PACKAGE / RH3_FOLDER / name
     source = packed if packed.is_file() else _PACKAGE.parents[1] / RH3_FILES[name]
-    return _found(source.name, (source.parent,)).read_text("utf-8")
+    return _path(source.name, (source.parent,)).read_text("utf-8")
 
 
 def grammar_file(name: str) -> Path:
     """Return the path of a grammar (`idl.lark`). Raises FileNotFoundError."""
-    return _found(name, _FOLDERS)
+    return _path(name, _FOLDERS)
 
 
 def idl_file(name: str) -> Path:
     """Return the path of an IDL file that ships with rtgen (`Canopen.idl`). Raises
     FileNotFoundError.
     """
-    return _found(name, _IDL)
+    return _path(name, _IDL)
 
 
 def idl_source(name: str) -> str:
@@ -99,7 +99,7 @@ def ros_interfaces() -> tuple[str, ...]:
 
 def ros_file(name: str) -> Path:
     """Return the path of one of `ros_interfaces`. Raises FileNotFoundError."""
-    return _found(name, (_ROS,))
+    return _path(name, (_ROS,))
 
 
 def ros_source(name: str) -> str:
@@ -107,7 +107,7 @@ def ros_source(name: str) -> str:
     return ros_file(name).read_text("utf-8")
 
 
-def _found(name: str, folders: tuple[Path, ...]) -> Path:
+def _path(name: str, folders: tuple[Path, ...]) -> Path:
     for folder in folders:
         path = folder / name
         if path.is_file():

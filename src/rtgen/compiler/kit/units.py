@@ -256,12 +256,12 @@ def _symbol(symbol: str) -> Unit:
     if name == symbol and not _registry().parse_unit_name(name):
         raise UnknownSymbolError(symbol)
     try:
-        return _known(name)
+        return _unit_of(name)
     except PintError:  # for example, pint has no mdB
         raise UnitError(f"the unit `{symbol}` takes no prefix") from None
 
 
-def _known(name: str) -> Unit:
+def _unit_of(name: str) -> Unit:
     registry = _registry()
     offset, one, two = (_in_root_units(value, name) for value in (0.0, 1.0, 2.0))
     if abs(two - 2 * one + offset) > _TOLERANCE * abs(two):

@@ -344,7 +344,7 @@ class _Reader:
     def _actions(self, kind: str, value: Any, span: Span) -> Iterator[Action]:
         match kind, value:
             case "connect", dict():
-                yield self._made(value, span)
+                yield self._new_connection(value, span)
             case "disconnect", dict():
                 yield self._between(value, span)
             case "set", dict():
@@ -407,7 +407,7 @@ class _Reader:
             raise InputError([TIMELINE.at(span, message, hint=hint)])
         return Disconnect(names[0], tuple(names[1:]))
 
-    def _made(self, value: dict[str, Any], span: Span) -> Connect:
+    def _new_connection(self, value: dict[str, Any], span: Span) -> Connect:
         texts = {k: v for k, v in value.items() if k != "properties"}
         properties = value.get("properties", {})
         fine = isinstance(properties, dict) and _ENDS <= set(value) <= _LINK_KEYS

@@ -61,7 +61,7 @@ class _ComponentModule:
         self._ours = PythonNames(plan.unit.model, plan.unit.options.package)
         self._parameters = Parameters(plan.unit.model)
         self._class = identifier(plan.name, _RESERVED)
-        self._taken = {*_RESERVED, self._class}
+        self._names = {*_RESERVED, self._class}
         self._specification = self._own(f"{plan.name.lower()}_spec")
         self._own(f"{plan.name}Init")
         self._attributes: dict[tuple[str, str], str] = {}
@@ -71,8 +71,8 @@ class _ComponentModule:
 
     def _own(self, name: str) -> str:
         """Return a unique name for use in the module."""
-        name = identifier(name, self._taken)
-        self._taken.add(name)
+        name = identifier(name, self._names)
+        self._names.add(name)
         return name
 
     def text(self) -> str:
@@ -258,9 +258,9 @@ class _ComponentModule:
         """Return a class of stubs, with the import of its package."""
         package, dot, rest = path.partition(".")
         if package not in self._stubs:
-            fine = package == "RTC" or package not in self._taken
+            fine = package == "RTC" or package not in self._names
             self._stubs[package] = package if fine else self._own(package)
-            self._taken.add(package)
+            self._names.add(package)
         return self._stubs[package] + dot + rest
 
     def _initial(self, planned: PlannedParameter) -> str:

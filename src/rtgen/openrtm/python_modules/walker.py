@@ -77,7 +77,7 @@ class Walker:
 
     def __post_init__(self) -> None:
         self.expressions = Expressions(self)
-        self._known: set[Module] = set()
+        self._executed: set[Module] = set()
 
     def step(self) -> None:
         """Count a step. Raises TooMuchError."""
@@ -87,8 +87,8 @@ class Walker:
 
     def module(self, module: Module) -> None:
         """Run a module, once."""
-        if module not in self._known:
-            self._known.add(module)
+        if module not in self._executed:
+            self._executed.add(module)
             module.names["__name__"] = "module"
             certain, self._certain = self._certain, True
             self._block(module.tree.body, Frame(module))

@@ -57,7 +57,7 @@ class _Writer:
         self._model = model
         self._keys = {file.name: file.key for file in model.files}
         self._main = {file.name for file in model.files if file.main}
-        self._found: list[Diagnostic] = []
+        self._findings: list[Diagnostic] = []
         self._artifacts: dict[str, Artifact] = {}
         self._written: dict[ScopedName, bool] = {}
         """Structs by name: whether they have a message, False until that is known."""
@@ -73,7 +73,7 @@ class _Writer:
             ):
                 for operation in declaration.operations:
                     self._service(declaration, operation)
-        return Emission(tuple(self._artifacts.values()), tuple(self._found))
+        return Emission(tuple(self._artifacts.values()), tuple(self._findings))
 
     def _has_message(self, name: ScopedName) -> bool:
         """Return whether a struct has a message, which is written first if necessary."""
@@ -165,7 +165,7 @@ class _Writer:
 
     def _report(self, error: _At, what: str, form: str) -> None:
         message = f"{what} has no {form} of ROS 2, which does not have {error}"
-        self._found.append(NOT_IN_ROS.at(error.span, message))
+        self._findings.append(NOT_IN_ROS.at(error.span, message))
 
 
 class _At(Exception):  # noqa: N818 - a place, not only an error

@@ -74,7 +74,7 @@ class _Run:
         self._files: list[SourceFile] = []
         self._declarations: list[Declaration] = []
         self._texts: dict[str, str] = {}
-        self._known: dict[ScopedName, bool] = {}
+        self._validity: dict[ScopedName, bool] = {}
         """Messages by name: True if complete, False while they are read."""
         self._names: dict[ScopedName, str] = {}
         """The files of messages, by displayed name."""
@@ -135,13 +135,13 @@ class _Run:
             return
         messages = list(messages_of(package, kind, stem, parts, start))
         for message in messages:
-            self._known[message.name] = False
+            self._validity[message.name] = False
             self._names[message.name] = file.name
         included = self._referenced(messages, file)
         if kind == "action":
             included |= self._carried(file, start)
         for message in messages:
-            self._known[message.name] = True
+            self._validity[message.name] = True
         assert file.data is not None
         self._files.append(
             SourceFile(
@@ -230,16 +230,16 @@ class _Run:
         self, name: ScopedName, type_: FieldType, file: InterfaceFile
     ) -> str | None:
         """Read the file of a message once; return its displayed name, None if missing."""
-        if name not in self._known:
+        if name not in self._validity:
             self._find(name, file)
-        if name not in self._known:
+        if name not in self._validity:
             if name not in self._places:
                 where = file_of(name)
                 message = f"{'/'.join(name)} is not found"
                 hint = f"{where} is searched for beside the package and in [sources] include"
                 self._findings.add(rules.UNKNOWN_TYPE, type_.span, message, hint=hint)
             return None
-        if not self._known[name]:
+        if not self._validity[name]:
             message = f"{'/'.join(name)} contains itself"
             self._findings.add(rules.RECURSIVE, type_.span, message)
         return self._names.get(name)

@@ -32,22 +32,22 @@ class KnownTypes:
     def __init__(self, project: Project) -> None:
         self._package = project.output / project.options.folder
         self._root = project.output
-        self._made: dict[str, type[DataType] | None] = {}
+        self._data_types: dict[str, type[DataType] | None] = {}
 
     def data_type(self, name: str) -> type[DataType] | None:
         """Return a type by name; None if neither the project nor OpenRTM's IDL declares it."""
-        class_: type[DataType] | None = self._found(name)
+        class_: type[DataType] | None = self._class(name)
         if class_ is None or issubclass(class_, Servant):
             return self._shipped(name)
         return class_
 
     def interface(self, name: str) -> type[Servant] | None:
         """Return an interface by name; None if the project does not declare it."""
-        class_ = self._found(name)
+        class_ = self._class(name)
         is_interface = class_ is not None and issubclass(class_, Servant)
         return class_ if is_interface else None
 
-    def _found(self, name: str) -> type[Any] | None:
+    def _class(self, name: str) -> type[Any] | None:
         return self._classes.get(name, self._classes.get(_last(name)))
 
     @cached_property
@@ -72,9 +72,9 @@ class KnownTypes:
                     yield value
 
     def _shipped(self, name: str) -> type[DataType] | None:
-        if name not in self._made:
-            self._made[name] = self._make(name)
-        return self._made[name]
+        if name not in self._data_types:
+            self._data_types[name] = self._make(name)
+        return self._data_types[name]
 
     def _make(self, name: str) -> type[DataType] | None:
         names = {"::".join(each.name): each.name for each in self._openrtm.declarations}

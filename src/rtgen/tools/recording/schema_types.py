@@ -141,23 +141,23 @@ class Types:
     def __init__(self, model: Model, *, own_names: bool = False) -> None:
         self._model = model
         self._own_names = own_names
-        self._made: dict[ScopedName, Descriptor] = {}
+        self._descriptors: dict[ScopedName, Descriptor] = {}
         self._under_way: set[ScopedName] = set()
 
     def named(self, name: ScopedName, title: str = "") -> Descriptor:
         """Return the descriptor of a declaration. Raises SchemaError."""
-        descriptor = self._made.get(name)
+        descriptor = self._descriptors.get(name)
         if descriptor is not None:
             return descriptor
         scoped = "::".join(name)
         if name in self._under_way:
-            return LinkDescriptor("", scoped, target=lambda: self._made[name])
+            return LinkDescriptor("", scoped, target=lambda: self._descriptors[name])
         try:
             declaration = self._model.find(name)
         except KeyError:
             raise SchemaError(f"the schema declares no {title or scoped}") from None
         self._under_way.add(name)
-        descriptor = self._made[name] = self._described(declaration, scoped)
+        descriptor = self._descriptors[name] = self._described(declaration, scoped)
         return descriptor
 
     def _type(self, type_: Type) -> Descriptor:

@@ -164,7 +164,7 @@ def arguments_from_json(
     values = _object(value, "arguments", {item.name: item for item in items})
     return tuple(
         (
-            _wanted(values[item.name], item.name)
+            _is_requested(values[item.name], item.name)
             if item.asked
             else item_from_json(item, values[item.name], types)
         )
@@ -190,7 +190,7 @@ def outs_from_json(
     )
 
 
-def _wanted(value: Json, place: str) -> bool:
+def _is_requested(value: Json, place: str) -> bool:
     if value is None:
         return False
     if isinstance(value, Mapping) and value.get("want") is True:

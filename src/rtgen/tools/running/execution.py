@@ -67,7 +67,7 @@ def executed(plan: Plan, console: Console) -> int:
             transport,
             options.carrying.patience,
             report,
-            checkpoints=_kept(options.checkpoints),
+            checkpoints=_checkpoint_folder(options.checkpoints),
             check_values=options.check_values,
         ) as running,
     ):
@@ -217,7 +217,7 @@ class _Run:
             self._console.say(outputs.text)
 
 
-def _kept(folder: str | None) -> runtime.CheckpointFolder | None:
+def _checkpoint_folder(folder: str | None) -> runtime.CheckpointFolder | None:
     """Return the folder of checkpoints. Raises ToolError."""
     try:
         return None if folder is None else runtime.CheckpointFolder(Path(folder))

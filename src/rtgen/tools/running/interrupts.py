@@ -34,12 +34,12 @@ class Ending:
         self._end_run: Callable[[BaseException], None] | None = None
         self._before_exit: Callable[[], None] | None = None
         self._over = threading.Event()
-        self._asked = False
+        self._is_ending = False
 
     @property
     def interrupted(self) -> bool:
         """Whether a signal has ended the run."""
-        return self._asked
+        return self._is_ending
 
     def on_signal(
         self,
@@ -56,12 +56,12 @@ class Ending:
 
     def signalled(self, number: int, frame: FrameType | None) -> None:
         """Handle a signal, in the main thread."""
-        if self._end_run is None or self._asked:
+        if self._end_run is None or self._is_ending:
             for call in calls_under_way():
                 if call.thread == threading.main_thread().ident:
                     self._say(call, "is interrupted")
             raise KeyboardInterrupt
-        self._asked = True
+        self._is_ending = True
         self._end_run(KeyboardInterrupt())
         threading.Thread(
             target=self._enforce_end, name="rtgen ending", daemon=True

@@ -31,7 +31,7 @@ def store(
             raise OtherContentError(
                 "it exists already" if known is None else "it has changed on the disk"
             )
-        backup = _kept(path, content)
+        backup = _write_backup(path, content)
     files.replace_file(path, data, content)
     return backup
 
@@ -54,7 +54,7 @@ def _create(path: Path, data: bytes) -> None:
             raise
 
 
-def _kept(path: Path, data: bytes) -> Path:
+def _write_backup(path: Path, data: bytes) -> Path:
     """Write a file of a new name beside another one."""
     names = (f"{path.name}~" if n == 1 else f"{path.name}.~{n}~" for n in count(1))
     for name in names:

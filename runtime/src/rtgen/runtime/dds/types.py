@@ -80,12 +80,12 @@ class _Maker:
         if descriptor.name in self._under_way:
             raise _unsupported(descriptor, "it is part of itself")
         self._under_way.append(descriptor.name)
-        class_ = self._made(descriptor)
+        class_ = self._make_class(descriptor)
         self._under_way.pop()
         _MADE[id(descriptor), self._ros2] = descriptor, class_
         return class_
 
-    def _made(self, descriptor: Any) -> Any:
+    def _make_class(self, descriptor: Any) -> Any:
         name = str(descriptor.name)
         python_name = name.replace("::", "_")
         class_: Any

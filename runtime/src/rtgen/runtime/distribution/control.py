@@ -176,38 +176,38 @@ class Asker:
 
     def describe(self) -> Description:
         """Return the ports, types and interfaces of the instance."""
-        return self._asked("describe", Description)
+        return self._request("describe", Description)
 
     def state(self) -> State:
         """Return the state of the instance in its own context."""
-        return self._asked("state", State)
+        return self._request("state", State)
 
     def parameters(self) -> Parameters:
         """Return the configuration sets of the instance."""
-        return self._asked("parameters", Parameters)
+        return self._request("parameters", Parameters)
 
     def activate(self) -> str:
         """Request ACTIVE; return the name of the return code (`System.activate`)."""
-        return self._asked("activate", str)
+        return self._request("activate", str)
 
     def deactivate(self) -> str:
         """Request INACTIVE; return the name of the return code."""
-        return self._asked("deactivate", str)
+        return self._request("deactivate", str)
 
     def reset(self) -> str:
         """Request INACTIVE after an ERROR; return the name of the return code."""
-        return self._asked("reset", str)
+        return self._request("reset", str)
 
     def set(self, parameter: str, value: str, set_id: str | None = None) -> None:
         """Set a parameter, by default in the active configuration set."""
         chosen = {} if set_id is None else {"set": set_id}
-        self._asked("set", None, parameter=parameter, value=value, **chosen)
+        self._request("set", None, parameter=parameter, value=value, **chosen)
 
     def activate_set(self, set_id: str) -> None:
         """Activate a configuration set."""
-        self._asked("activate_set", None, set=set_id)
+        self._request("activate_set", None, set=set_id)
 
-    def _asked(self, do: str, type_: type[_T] | None, **arguments: str) -> _T:
+    def _request(self, do: str, type_: type[_T] | None, **arguments: str) -> _T:
         request = msgspec.json.encode(_Request(do, arguments))
         try:
             octets = self._client.call(request, self._timeout)

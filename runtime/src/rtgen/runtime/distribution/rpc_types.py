@@ -173,7 +173,7 @@ def _struct(name: str, members: dict[str, Any]) -> Any:
         (key, Any, 0 if key == _UNUSED else None)  # values always have arguments
         for key in members
     ]
-    return _made(name, fields, Aggregated, idl.struct(name, **members))
+    return _make_struct(name, fields, Aggregated, idl.struct(name, **members))
 
 
 def _union(name: str, cases: dict[str, tuple[Any, int]], unknown: str) -> Any:
@@ -181,10 +181,10 @@ def _union(name: str, cases: dict[str, tuple[Any, int]], unknown: str) -> Any:
     branches[unknown] = idl.case(idl.OCTET, default=True)
     descriptor = idl.union(name, idl.LONG, **branches)
     fields = [("discriminator", int, 0), ("value", Any, None)]
-    return _made(name, fields, Union, descriptor)
+    return _make_struct(name, fields, Union, descriptor)
 
 
-def _made(name: str, fields: Any, base: Any, descriptor: Any) -> Any:
+def _make_struct(name: str, fields: Any, base: Any, descriptor: Any) -> Any:
     return msgspec.defstruct(
         name.replace("::", "_"),
         fields,

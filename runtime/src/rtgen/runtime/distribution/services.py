@@ -207,7 +207,7 @@ class RemoteProvider(msgspec.Struct, eq=False):
         }
         if not providers:
             return None
-        interface = self._wanted
+        interface = self._interface_type
         chosen = self._fitting(providers, interface.repository_id)
         if chosen is None:
             raise PortTypeError(
@@ -237,6 +237,6 @@ class RemoteProvider(msgspec.Struct, eq=False):
         return fitting[0] if self.alone and len(fitting) == 1 else None
 
     @property
-    def _wanted(self) -> InterfaceDescriptor:
+    def _interface_type(self) -> InterfaceDescriptor:
         descriptor: InterfaceDescriptor = self.consumer.interface._descriptor_
         return descriptor

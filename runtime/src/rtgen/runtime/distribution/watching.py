@@ -22,8 +22,8 @@ class Watch:
 
     def __init__(self, peers: Peers, instances: Collection[str] = ()) -> None:
         self._peers = peers
-        self._wanted = frozenset(instances)
-        self._known: dict[str, tuple[str, str]] = {}
+        self._instances = frozenset(instances)
+        self._descriptions: dict[str, tuple[str, str]] = {}
 
     def look(self) -> Iterator[Change]:
         """Yield the changes of state since the last call; the first call yields all states.
@@ -33,16 +33,16 @@ class Watch:
         present = [
             name
             for name in self._peers.instances
-            if not self._wanted or name in self._wanted
+            if not self._instances or name in self._instances
         ]
-        for name in [name for name in self._known if name not in present]:
-            del self._known[name]
+        for name in [name for name in self._descriptions if name not in present]:
+            del self._descriptions[name]
             yield Change(name, None)
         for name in present:
             try:
                 state = self._peers.asker(name).state()
             except ControlError:
                 continue
-            if self._known.get(name) != (state.state, state.reason):
-                self._known[name] = state.state, state.reason
+            if self._descriptions.get(name) != (state.state, state.reason):
+                self._descriptions[name] = state.state, state.reason
                 yield Change(name, state)

@@ -101,7 +101,7 @@ class Link:
         self._lock = threading.Lock()
         self._settings: LinkSettings | None = None
         self._change = threading.Lock()
-        self._wanted: ClosableChannel | None = None
+        self._next_channel: ClosableChannel | None = None
         self._channel: ClosableChannel | None = None
 
     def use(
@@ -112,7 +112,7 @@ class Link:
             return
         channel = settings.open(network)
         with self._change:
-            self._wanted = channel
+            self._next_channel = channel
         self._settings = settings
         if self._lock.acquire(blocking=False):
             self._release()
@@ -161,7 +161,7 @@ class Link:
     def _chosen(self) -> ClosableChannel:
         """Return the channel for the latest settings; the lock must be held."""
         with self._change:
-            channel, self._wanted = self._wanted, None
+            channel, self._next_channel = self._next_channel, None
         if channel is not None:
             old, self._channel = self._channel, channel
             if old is not None:
@@ -174,7 +174,7 @@ class Link:
     def _release(self) -> None:
         """Free the channel, and apply the latest settings."""
         try:
-            if self._wanted is not None:
+            if self._next_channel is not None:
                 self._chosen()
         finally:
             self._lock.release()

@@ -244,7 +244,7 @@ class _Source:
             return
         fields = self._fill_struct(descriptor, "wire", "value", True)
         self._function(to, "value", [new, *fields, "return wire"])
-        lines, made = self._made(descriptor, "wire")
+        lines, made = self._constructed(descriptor, "wire")
         self._function(of, "wire", [*lines, f"return {made}"])
         fields = self._fill_struct(descriptor, "wire", "value", False)
         self._function(fill, "wire, value", [*fields] or ["pass"])
@@ -298,7 +298,9 @@ class _Source:
         else:
             yield f"{there} = {self._converted(True, type_, here)}"
 
-    def _made(self, struct: StructDescriptor, wire: str) -> tuple[list[str], str]:
+    def _constructed(
+        self, struct: StructDescriptor, wire: str
+    ) -> tuple[list[str], str]:
         """Return the statements that a value needs, and the expression that makes it."""
         lines: list[str] = []
         arguments: list[str] = []
@@ -309,7 +311,7 @@ class _Source:
                 arguments.append(self._converted(False, member.type, there))
                 continue
             variable = self._local(f"wire_{member.name}")
-            more, made = self._made(inner, variable)
+            more, made = self._constructed(inner, variable)
             lines += [f"{variable} = {there}", *more]
             arguments.append(made)
         return lines, f"{self._bound(struct.class_)}({', '.join(arguments)})"

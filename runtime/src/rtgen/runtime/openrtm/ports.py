@@ -43,7 +43,7 @@ class Inflow:
         self._port = port
         self._datum = datum
         self._convert = conversions.of
-        self._known: list[Any] = []
+        self._connectors: list[Any] = []
         self._pulled: dict[int, Any] = {}
         self._pulling: tuple[bool, ...] = ()
         self._handed_over = False
@@ -60,7 +60,7 @@ class Inflow:
             if self.buffer.samples:
                 return
             connectors = self._port.connectors()
-            if connectors != self._known:
+            if connectors != self._connectors:
                 self._look_at(list(connectors))
             wire = self._pushed()
             sample = self._pull() if wire is None else self._converted(wire)
@@ -69,7 +69,7 @@ class Inflow:
 
     def _look_at(self, connectors: list[Any]) -> None:
         """Cache the settings of the connections, which never change."""
-        self._known = connectors
+        self._connectors = connectors
         self._next = 0
         self._pulled = {}
         properties = [connector.profile().properties for connector in connectors]
@@ -81,13 +81,13 @@ class Inflow:
 
     def _pushed(self) -> Any:
         """Return the next value that was pushed, or passed within the process; None without one."""
-        count = len(self._known)
+        count = len(self._connectors)
         for turn in range(count):
             # Round robin, for fairness between buffers.
             place = (self._next + turn) % count
             if self._pulling[place]:
                 continue
-            connector = self._known[place]
+            connector = self._connectors[place]
             buffer = connector.getBuffer()
             if buffer is not None and buffer.readable() > 0:
                 status, wire = self._read(connector)
@@ -103,7 +103,7 @@ class Inflow:
 
         OpenRTM's OutPort returns its last value repeatedly, without an indication.
         """
-        for place, connector in enumerate(self._known):
+        for place, connector in enumerate(self._connectors):
             if not self._pulling[place]:
                 continue
             status, wire = self._read(connector)
@@ -182,7 +182,7 @@ class Outflow:
         self._kept = kept
         self._fill = conversions.fill
         self._make = conversions.to
-        self._known: list[Any] = []
+        self._connectors: list[Any] = []
         self._shares = False
         self._lock = threading.RLock()
         source._attach(self)  # type: ignore[arg-type]  # as much of a connector as it needs
@@ -197,9 +197,9 @@ class Outflow:
         port = self._port
         with self._lock:
             connectors = port.connectors()
-            if connectors != self._known:
+            if connectors != self._connectors:
                 self._look_at(list(connectors))
-            before = self._known
+            before = self._connectors
             if not before:
                 return self._to_nobody()
             if self._shares:
@@ -218,7 +218,7 @@ class Outflow:
             return self._refusal
 
     def _look_at(self, connectors: list[Any]) -> None:
-        self._known = connectors
+        self._connectors = connectors
         properties = [connector.profile().properties for connector in connectors]
         self._shares = any(map(_is_direct, properties))
         waits = any(_word(e, "buffer.write.full_policy") == "block" for e in properties)

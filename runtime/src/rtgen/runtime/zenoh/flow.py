@@ -132,7 +132,7 @@ class Window:
     def wait(self, name: str) -> None:
         """Wait for room for a sample, which is sent next. Raises PublishTimeoutError."""
         deadline = time.monotonic() + self._patience
-        while not self._taken(deadline - time.monotonic()):
+        while not self._take_place(deadline - time.monotonic()):
             now = time.monotonic()
             if now >= self._reported + _REPORTS:
                 self._reported = now
@@ -143,7 +143,7 @@ class Window:
                     f"{self._patience} s"
                 )
 
-    def _taken(self, seconds: float) -> bool:
+    def _take_place(self, seconds: float) -> bool:
         """Return whether there is room for a sample in time, at most until the next report."""
         with self._changed:
             if not self._changed.wait_for(self._has_room, min(seconds, _REPORTS)):

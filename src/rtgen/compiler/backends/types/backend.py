@@ -130,7 +130,9 @@ class _Writer:
         folder = f"{self._options.folder}/_idl"
         if any(path.startswith(f"{folder}/") for path in modules):
             title = "One module for each IDL file."
-            yield self._made(f"{folder}/__init__.py", everything, title, plain=True)
+            yield self._python_module(
+                f"{folder}/__init__.py", everything, title, plain=True
+            )
         # The marker of the project's package applies to those inside (PEP 561).
         if self._part.origin is None:
             keys = tuple(dict.fromkeys(file.key for file in everything))
@@ -149,7 +151,7 @@ class _Writer:
                 if isinstance(d, Typedef) and builder.has_codec(d)
             }
         body = builder.body()
-        python_module = self._made(
+        python_module = self._python_module(
             self._path(self._names.home(module)),
             files,
             f"Types of `{_keys(files)}`.",
@@ -167,7 +169,7 @@ class _Writer:
         module = self._names.module(file)
         builder = self._builder(module)
         body = builder.body(self._calls.interfaces(file))
-        return self._made(
+        return self._python_module(
             self._path(self._names.home(module)),
             files,
             f"Calls of the interfaces of `{_keys(files)}`, marshalled.",
@@ -185,7 +187,7 @@ class _Writer:
         files = self._sources(package.files) or everything
         path = f"{package.name.replace('.', '/')}/__init__.py"
         imports, body = package_body(package, self._options, path)
-        return self._made(
+        return self._python_module(
             path, files, package.title, imports=imports, body=body, plain=True
         )
 
@@ -203,7 +205,7 @@ class _Writer:
             if file.name in selected or file.belongs_to in selected
         ]
 
-    def _made(
+    def _python_module(
         self,
         path: str,
         files: list[SourceFile],

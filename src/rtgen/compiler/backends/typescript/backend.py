@@ -87,7 +87,7 @@ class _Tree:
     ) -> None:
         self._model = model
         self._types = types
-        self._kept = declarations
+        self._declarations = declarations
         self._version = options.version
         self._keys = {file.name: file.key for file in model.files}
         names = PythonNames(model, options.package)
@@ -96,12 +96,15 @@ class _Tree:
     def artifacts(self) -> Iterator[Artifact]:
         by_module: dict[str, list[Declaration]] = {}
         by_scope: dict[ScopedName, list[Declaration]] = {}
-        for each in self._kept:
+        for each in self._declarations:
             by_module.setdefault(self._places[each.name], []).append(each)
             by_scope.setdefault(each.name[:-1], []).append(each)
         runtime = files("rtgen") / "templates" / ROOT / _RUNTIME
         yield self._artifact(
-            _RUNTIME, runtime.read_text(encoding="utf-8"), self._kept, headed=False
+            _RUNTIME,
+            runtime.read_text(encoding="utf-8"),
+            self._declarations,
+            headed=False,
         )
         for scope, declarations in sorted(by_scope.items()):
             yield self._artifact(

@@ -140,8 +140,8 @@ class _Run:
                 tuple(self._shown.items()),
             ),
         )
-        self._found = Findings(files.TOO_MANY)
-        self._report = self._found.report
+        self._findings = Findings(files.TOO_MANY)
+        self._report = self._findings.report
         self._files: dict[str, SourceFile] = {}
         self._sources: dict[str, str] = {}
         self._dependencies: dict[Path, Dependency] = {}
@@ -149,7 +149,7 @@ class _Run:
     def result(self) -> FrontendResult:
         mains = [each for each in map(self._main, self._paths) if each is not None]
         self._check_stems([e.source if isinstance(e, _Read) else e for e in mains])
-        read = [e if isinstance(e, _Read) else self._kept(e) for e in mains]
+        read = [e if isinstance(e, _Read) else self._read_and_cache(e) for e in mains]
         for each in read:
             self._merge(each)
         for header in dict.fromkeys(h for each in read for h in each.headers):
@@ -163,7 +163,7 @@ class _Run:
             model=Model(
                 tuple(self._files.values()), (), (), tuple(e.model for e in read)
             ),
-            diagnostics=tuple(in_order(self._found.diagnostics)),
+            diagnostics=tuple(in_order(self._findings.diagnostics)),
             sources=self._sources,
             dependencies=tuple(self._dependencies.values()),
         )
@@ -175,7 +175,7 @@ class _Run:
             cached = self._memo.find((*self._key, str(path)))
         return cached or self._open(path)
 
-    def _kept(self, source: Source) -> _Read:
+    def _read_and_cache(self, source: Source) -> _Read:
         read = self.read(source)
         if self._memo is not None:
             self._memo.keep((*self._key, absolute_path(source.path)), read)

@@ -92,7 +92,7 @@ class Reader:
     def import_file(self, statement: statements.Import, unit: Unit) -> None:
         span = unit.span(statement.start, statement.end)
         try:
-            source = self._found(statement.path, unit)
+            source = self._import_source(statement.path, unit)
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or error
             message = f"{statement.path} cannot be read: {reason}"
@@ -163,7 +163,7 @@ class Reader:
 
         return Headers(self._header_files, self._define, self._report)
 
-    def _found(self, name: str, unit: Unit) -> Source | None:
+    def _import_source(self, name: str, unit: Unit) -> Source | None:
         for path, folder in self._candidates(name, unit):
             source = self._library.open(path, folder)
             if source is not None:

@@ -56,7 +56,7 @@ def check_one(
     if not isinstance(stated, int | NodeRelative):
         if service.base is not None or is_pdo:
             missing = f"{service.name} has no COB-ID"
-            findings.add(rule, span, f"{missing}; {_taken(number, stated, node_id)}")
+            findings.add(rule, span, f"{missing}; {_in_force(number, stated, node_id)}")
         return
     probe = resolved(stated, node_id or 1)
     assert isinstance(probe, int)
@@ -64,7 +64,7 @@ def check_one(
     rule, message = _problem(rule, service, stated, cob_id, chosen, node_id)
     if message:
         if standing(service, cob_id, chosen=chosen) is not Standing.STATED:
-            message += f"; {_taken(number, stated, node_id, chosen=chosen)}"
+            message += f"; {_in_force(number, stated, node_id, chosen=chosen)}"
         findings.add(rule, span, message)
 
 
@@ -97,7 +97,7 @@ def _problem(
     return rule, ""
 
 
-def _taken(
+def _in_force(
     number: tuple[int, int],
     stated: Value | None,
     node_id: int | None,

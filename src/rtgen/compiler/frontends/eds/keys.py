@@ -76,7 +76,7 @@ class _Checker:
         for key, entry in section.entries.items():
             if key in keys.names or keys.pattern.fullmatch(key):
                 continue
-            meant = self._meant(key, keys, section)
+            meant = self._similar(key, keys, section)
             if meant is None:
                 message = f"{entry.key} is not a key of [{section.name}]"
                 self._findings.add(lexical.UNKNOWN_KEY, entry.key_span, message)
@@ -89,7 +89,7 @@ class _Checker:
                     hint=f"did you mean {meant}?",
                 )
 
-    def _meant(self, key: str, keys: _Keys, section: Section) -> str | None:
+    def _similar(self, key: str, keys: _Keys, section: Section) -> str | None:
         if self._suggestions >= _MAX_SUGGESTIONS or len(key) > 40:
             return None
         self._suggestions += 1

@@ -102,7 +102,7 @@ class _Run:
             *(tuple(define.items()), ignore_case_clashes, encoding),
             *(tuple(names.items()), tuple(own)),
         )
-        self._found = Findings(syntax.TOO_MANY_FINDINGS)
+        self._findings = Findings(syntax.TOO_MANY_FINDINGS)
         self._translator = Translator(
             self._library, ignore_case_clashes=ignore_case_clashes
         )
@@ -117,8 +117,8 @@ class _Run:
 
     def _report(self, diagnostic: Diagnostic) -> None:
         if diagnostic.code == syntax.OTHER_LANGUAGE.code:
-            self._found.forget(diagnostic.span.file if diagnostic.span else None)
-        self._found.report(diagnostic)
+            self._findings.forget(diagnostic.span.file if diagnostic.span else None)
+        self._findings.report(diagnostic)
 
     def result(self) -> FrontendResult:
         try:
@@ -151,17 +151,17 @@ class _Run:
             model=Model(
                 tuple(self._files.values()), tuple(self._declarations.values())
             ),
-            diagnostics=tuple(in_order(self._found.diagnostics)),
+            diagnostics=tuple(in_order(self._findings.diagnostics)),
             sources=self._sources,
             dependencies=tuple(self._dependencies.values()),
         )
 
     def _of_name(self, name: str) -> Source | Translation | None:
         """Return a main file that is on no disk, or its unit if that is known."""
-        return self._known(name) or self._library.virtual(name)
+        return self._cached(name) or self._library.virtual(name)
 
     def _of_path(self, path: Path) -> Source | Translation | None:
-        return self._known(str(path)) or open_main(
+        return self._cached(str(path)) or open_main(
             self._library,
             path,
             self._shown[str(path)],
@@ -171,7 +171,7 @@ class _Run:
             beside="*.idl",
         )
 
-    def _known(self, name: str) -> Translation | None:
+    def _cached(self, name: str) -> Translation | None:
         """Return the unit of a main file from an earlier run, if it is still valid."""
         if self._memo is None:
             return None

@@ -43,7 +43,7 @@ class Docs:
         self._text = text
         self._comments = comments
         self._starts = [comment.start for comment in comments]
-        self._known: dict[tuple[int, int], str] = {}
+        self._cache: dict[tuple[int, int], str] = {}
 
     def of(self, start: int, end: int, *inner: int) -> str:
         """Return the doc comment of the declaration at [start, end), with or without `;`.
@@ -52,10 +52,10 @@ class Docs:
         """
         if not self._comments:
             return ""
-        text = self._known.get((start, end))
+        text = self._cache.get((start, end))
         if text is None:
             parts = (*map(self._above, (start, *inner)), self._after(end))
-            text = self._known[start, end] = "\n\n".join(filter(None, parts))
+            text = self._cache[start, end] = "\n\n".join(filter(None, parts))
         return text
 
     def say_key(self, end: int) -> bool:

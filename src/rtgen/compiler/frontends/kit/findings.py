@@ -25,13 +25,13 @@ class Findings(msgspec.Struct, eq=False):
 
     _overflow: Rule | None = None
     _most: int = MAX_PER_SEVERITY
-    _found: dict[Diagnostic, None] = {}
+    _diagnostics: dict[Diagnostic, None] = {}
     _counts: Counter[Severity] = msgspec.field(default_factory=Counter)
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:
         """The kept diagnostics."""
-        return tuple(self._found)
+        return tuple(self._diagnostics)
 
     @property
     def errors(self) -> int:
@@ -40,22 +40,22 @@ class Findings(msgspec.Struct, eq=False):
 
     def report(self, diagnostic: Diagnostic) -> None:
         """Keep a diagnostic, unless it is a duplicate or exceeds the maximum."""
-        if diagnostic in self._found:
+        if diagnostic in self._diagnostics:
             return
         severity = diagnostic.severity
         self._counts[severity] += 1
         if self._counts[severity] <= self._most:
-            self._found[diagnostic] = None
+            self._diagnostics[diagnostic] = None
         elif self._counts[severity] > self._most + 1:
             return
         elif self._overflow is None:
-            self._found[diagnostic] = None
+            self._diagnostics[diagnostic] = None
         else:
             message = f"more than {self._most} {severity}s: the rest is not shown"
             overflow = self._overflow.at(diagnostic.span, message)
             if severity is not Severity.ERROR:
                 overflow = replace(overflow, severity=Severity.NOTE)
-            self._found[overflow] = None
+            self._diagnostics[overflow] = None
 
     def add(
         self, rule: Rule, span: Span, message: str, *, hint: str | None = None
@@ -65,10 +65,12 @@ class Findings(msgspec.Struct, eq=False):
 
     def rewrite(self, change: Callable[[Diagnostic], Diagnostic]) -> None:
         """Replace each diagnostic by the result of `change`."""
-        self._found = dict.fromkeys(map(change, self._found))
+        self._diagnostics = dict.fromkeys(map(change, self._diagnostics))
 
     def forget(self, file: str | None) -> None:
         """Drop the diagnostics in a file."""
-        self._found = {
-            d: None for d in self._found if (d.span.file if d.span else None) != file
+        self._diagnostics = {
+            d: None
+            for d in self._diagnostics
+            if (d.span.file if d.span else None) != file
         }

@@ -68,7 +68,7 @@ class Library(Generic[F]):
         self._read: dict[str, F | None] = {}
         self._dependencies: dict[str, Dependency] = {}
         self._virtual = dict(virtual or {})
-        self._made: dict[str, F] = {}
+        self._files: dict[str, F] = {}
         # One path of each file, by the path without links: for those given, the first of `main`,
         # which is in reverse order.
         self._paths = {files.real_path(each): each for each in self._main}
@@ -95,20 +95,20 @@ class Library(Generic[F]):
     def sources(self) -> list[F]:
         """All files read, in order."""
         read = [source for source in self._read.values() if source is not None]
-        return [*read, *self._made.values()]
+        return [*read, *self._files.values()]
 
     def virtual(self, name: str) -> F | None:
         """Return the virtual file of that name."""
         file = self._virtual.get(name)
         if file is None or isinstance(file, Path):
             return None if file is None else self.open(file)
-        if name not in self._made:
+        if name not in self._files:
             text = file.text if isinstance(file.text, str) else file.text()
             source = self._make(
                 name, file.key, self._root / name, Encoded(text.encode())
             )
-            self._made[name] = source
-        return self._made[name]
+            self._files[name] = source
+        return self._files[name]
 
     def open(
         self, path: Path | str, folder: Path | None = None, *, apart: bool = False

@@ -33,7 +33,7 @@ class Memo:
     """
 
     def __init__(self) -> None:
-        self._kept: dict[Hashable, tuple[int, Any]] = {}
+        self._entries: dict[Hashable, tuple[int, Any]] = {}
         self._hashes: dict[Path, str | None] = {}
         self._run = 0
 
@@ -42,21 +42,23 @@ class Memo:
         self._run += 1
         self._hashes.clear()
         last = self._run - _RUNS
-        self._kept = {k: each for k, each in self._kept.items() if each[0] >= last}
+        self._entries = {
+            k: each for k, each in self._entries.items() if each[0] >= last
+        }
 
     def find(self, key: Hashable) -> Any:
         """Return the valid result of a key; None without one."""
-        if key not in self._kept:
+        if key not in self._entries:
             return None
-        _, result = self._kept[key]
+        _, result = self._entries[key]
         if not self._is_valid(result.dependencies):
             return None
-        self._kept[key] = self._run, result
+        self._entries[key] = self._run, result
         return result
 
     def keep(self, key: Hashable, result: Reading) -> None:
         """Store a result of this run."""
-        self._kept[key] = self._run, result
+        self._entries[key] = self._run, result
 
     def read(
         self, key: Hashable, make: Callable[[], R], fits: Callable[[R], bool]

@@ -15,13 +15,13 @@ class Guesses:
     """Suggestions for the first errors of one kind; each word is searched once."""
 
     def __init__(self) -> None:
-        self._known: dict[str, str | None] = {}
+        self._cache: dict[str, str | None] = {}
 
     def nearest(self, word: str, candidates: Iterable[str]) -> str | None:
         """Return the result of the function `nearest`; None after too many errors."""
-        if word not in self._known and len(self._known) < _MAX_GUESSES:
-            self._known[word] = nearest(word, candidates)
-        return self._known.get(word)
+        if word not in self._cache and len(self._cache) < _MAX_GUESSES:
+            self._cache[word] = nearest(word, candidates)
+        return self._cache.get(word)
 
 
 def nearest(word: str, candidates: Iterable[str]) -> str | None:

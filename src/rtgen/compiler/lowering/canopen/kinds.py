@@ -37,7 +37,7 @@ def kinds_of(
     files = {_file(kind.device) for kind in of_buses}
     beside = [kind_of(d) for d in devices if _file(d) not in files]
     for kind in (*of_buses, *beside):
-        taken = _taken(kind)
+        taken = _name_conflict(kind)
         if taken is not None:
             findings.append(taken)
             continue
@@ -122,7 +122,7 @@ def _settings(kind: DeviceKind) -> tuple[object, ...]:
     )
 
 
-def _taken(kind: DeviceKind) -> Diagnostic | None:
+def _name_conflict(kind: DeviceKind) -> Diagnostic | None:
     if _TAKEN.isdisjoint((kind.module.lower(), module_name(kind.module))):
         return None
     return TAKEN_MODULE.at(

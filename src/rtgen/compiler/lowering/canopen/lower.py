@@ -63,7 +63,7 @@ class _Made:
     components: list[Component] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self._known = {d.name: d for d in self.model.declarations}
+        self._by_name = {d.name: d for d in self.model.declarations}
 
     def add(self, ports: DevicePorts) -> None:
         """Add the declarations of a device."""
@@ -72,7 +72,7 @@ class _Made:
         types = {each.name: each for each in declarations(ports)}
         components = [*device_components(ports, networks)]
         for each in (*types.values(), *components):
-            other = self._known.get(each.name)
+            other = self._by_name.get(each.name)
             if other is None or other.file == file:
                 continue
             if not _same(each, other):
@@ -116,7 +116,7 @@ class _Made:
     def whole(self) -> Model:
         """The model with everything that was added."""
         included = {file.name for file in self.model.files} & self.files.keys()
-        declarations = [self._kept(d) for d in self.model.declarations]
+        declarations = [self._replaced(d) for d in self.model.declarations]
         added = [d for d in self.types.values() if d.file not in included]
         return replace(
             self.model,
@@ -127,7 +127,7 @@ class _Made:
             declarations=(*declarations, *added, *self.components),
         )
 
-    def _kept(self, declaration: Declaration) -> Declaration:
+    def _replaced(self, declaration: Declaration) -> Declaration:
         if declaration.name == (MANAGER,) and isinstance(declaration, Component):
             return manager(declaration, self.model.buses)
         if declaration.file in self.files:
@@ -137,8 +137,8 @@ class _Made:
     def _included(self) -> Iterator[str]:
         """The displayed paths of the files that the IDL of a device includes."""
         for name in (TIME.name, OBJECT_DICTIONARY):
-            if name in self._known:
-                yield self._known[name].file
+            if name in self._by_name:
+                yield self._by_name[name].file
 
     def _missing(
         self, ports: DevicePorts, declarations: Sequence[Declaration]
@@ -147,7 +147,7 @@ class _Made:
         own = {declaration.name for declaration in declarations}
         for declaration in declarations:
             for name in dict.fromkeys(_referred(declaration)):
-                if name not in self._known and name not in own:
+                if name not in self._by_name and name not in own:
                     text = "::".join(name)
                     message = f"{declaration.scoped} needs the type {text}"
                     hint = f"declare it in the {name[0]} module of your own IDL file"

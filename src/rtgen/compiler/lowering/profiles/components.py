@@ -241,7 +241,7 @@ class Lowering:
             if not port.data_type:
                 return self._stand_in(profile, port, ("Any",), service)
             written = _scoped(port.data_type)
-        name = self._found(written, service)
+        name = self._declared_name(written, service)
         if name is None:
             return self._placeholder(profile, port, written, service)
         type_ = NamedType(name)
@@ -256,7 +256,7 @@ class Lowering:
         self._report_at(rules.WRONG_TYPE, port.type_span, message)
         return self._stand_in(profile, port, written, service)
 
-    def _found(self, written: ScopedName, service: bool) -> ScopedName | None:
+    def _declared_name(self, written: ScopedName, service: bool) -> ScopedName | None:
         """Return the declared name; without a scope, it is searched for in all modules."""
         if written in self._by_name:
             return written

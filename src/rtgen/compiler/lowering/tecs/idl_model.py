@@ -185,7 +185,7 @@ class _Builder:
         for service in self._package.services:
             anonymous, interface = self._interface(service)
             inner = anonymous.typedefs
-            needed = _needed([*inner, interface], declared)
+            needed = _reachable([*inner, interface], declared)
             constants = self._constants_beside(service, declared)
             own = [d for d in declared.values() if d.name in needed | constants]
             counts.update(declaration.name for declaration in own)
@@ -412,7 +412,7 @@ def _is_sized(parameter: TecsParameter) -> bool:
     return sizes.size_is is not None or sizes.count_is is not None
 
 
-def _needed(
+def _reachable(
     roots: Sequence[Declaration], declared: dict[ScopedName, Declaration]
 ) -> set[ScopedName]:
     names: set[ScopedName] = set()

@@ -72,7 +72,7 @@ def _unit(device: Device, order: int) -> Unit:
         stated = device.find(*_ACCELERATION) is not None and order == 2
         number = _ACCELERATION if stated else _VELOCITY
         prefix, what, per = _parts(_number(device, number))
-        prefix /= _known(_TIMES, per)
+        prefix /= _factor_of(_TIMES, per)
     if what == _METRE:
         return _measured(_LENGTH, order, prefix)
     if what == _INCREMENT:
@@ -82,7 +82,7 @@ def _unit(device: Device, order: int) -> Unit:
         increments, turns = _ratio(device, encoder)
         angle = prefix * tau * turns / increments
     else:
-        angle = prefix * _known(_ANGLES, what)
+        angle = prefix * _factor_of(_ANGLES, what)
     if _INCREMENT in (what, position[1]):
         motor, shaft = _ratio(device, _GEAR)
         angle *= shaft / motor
@@ -127,7 +127,7 @@ def _number(device: Device, number: tuple[int, int]) -> int:
     return value
 
 
-def _known(units: dict[int, float], code: int) -> float:
+def _factor_of(units: dict[int, float], code: int) -> float:
     if code not in units:
         raise NoFactorError(f"the unit {code:02X}h is not known")
     return units[code]

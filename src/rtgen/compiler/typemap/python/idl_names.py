@@ -305,30 +305,30 @@ class PythonNames:
             return {}
         by_name: dict[str, Declaration] = {}
         contested: dict[str, Declaration] = {}
-        held = self._held(declaration.name)
+        held = self._members_in(declaration.name)
         for base in self.bases(declaration):
-            for attribute, inner in self._held(base).items():
+            for attribute, inner in self._members_in(base).items():
                 if by_name.setdefault(attribute, inner) is not inner:
                     contested[attribute] = held[attribute]
         return contested
 
     def hides(self, declaration: Interface) -> bool:
         """Return whether an attribute of the declaration differs from a base's."""
-        held = self._held(declaration.name)
+        held = self._members_in(declaration.name)
         return any(
             held[attribute] is not inner
             for base in declaration.bases
-            for attribute, inner in self._held(base).items()
+            for attribute, inner in self._members_in(base).items()
         )
 
-    def _held(self, name: ScopedName) -> dict[str, Declaration]:
+    def _members_in(self, name: ScopedName) -> dict[str, Declaration]:
         """Return the declarations in an interface and its bases, by attribute."""
         if name not in self._holdings:
             declaration = self._model.find(name)
             assert isinstance(declaration, Interface)
             held: dict[str, Declaration] = {}
             for base in reversed(self.bases(declaration)):
-                held |= self._held(base)
+                held |= self._members_in(base)
             for inner in self.inside(name):
                 held[self._attribute(inner.name)] = inner
                 if isinstance(inner, Enum):

@@ -213,7 +213,7 @@ class IdlTypes:
             raise NotInIdlError(f"{shown} holds itself, without end")
         if tag not in self._sound:
             for member in self._declared[tag].members:
-                held = _held(member.type)
+                held = _inner_struct(member.type)
                 if held is not None:
                     self._struct(held, (*inside, tag))
                 try:
@@ -259,7 +259,7 @@ def _innermost(type_: CType) -> CType:
     return type_
 
 
-def _held(type_: CType) -> ScopedName | None:
+def _inner_struct(type_: CType) -> ScopedName | None:
     """Return the struct that a member contains or points to."""
     plain = resolve(type_)
     while isinstance(plain, CPointerType | CArrayType):

@@ -101,7 +101,7 @@ class Printer:
         self, node_index: NodeIndex, selection: Wanted, *, as_json: bool, write: Write
     ) -> None:
         self._decoder = MessageDecoder(node_index)
-        self._wanted = selection
+        self._selection = selection
         self._line = _json_line if as_json else self._text_line
         self._write = write
         self._start: float | None = None
@@ -111,7 +111,7 @@ class Printer:
         if self._start is None:
             self._start = message.timestamp
         decoded = self._decoder.decode(message)
-        if self._wanted(decoded):
+        if self._selection(decoded):
             self._write(f"{self._line(message, decoded)}\n")
 
     def _text_line(self, message: Message, decoded: Decoded) -> str:

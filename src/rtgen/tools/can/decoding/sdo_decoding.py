@@ -189,12 +189,14 @@ class SdoFollower:
             return None
         self._octets.add(_segment(data))
         last = bool(data[0] & sdo.LAST)
-        self._expect(self._segment_written, lambda data: self._taken(data, last))
+        self._expect(
+            self._segment_written, lambda data: self._segment_response(data, last)
+        )
         if not last:
             return self._step("write segment", self._octets.progress())
         return self._complete("last write segment")
 
-    def _taken(self, data: bytes, last: bool) -> SdoStep | None:
+    def _segment_response(self, data: bytes, last: bool) -> SdoStep | None:
         if data[0] & sdo.CODE != sdo.DOWNLOAD_SEGMENT_DONE:
             return None
         if not last:

@@ -96,7 +96,7 @@ def scanned(bus: OpenBus, seconds: float) -> dict[int, Found]:
     timeout = max(round(seconds * SECOND / rounds / 2), 1_000_000)
     ids = list(range(1, MAX_NODE_ID + 1))
     for first in range(0, len(ids), _AT_ONCE):
-        _asked(session, ids[first : first + _AT_ONCE], _DEVICE_TYPE, timeout)
+        _upload(session, ids[first : first + _AT_ONCE], _DEVICE_TYPE, timeout)
     for node_id, node in list(nodes.found.items()):
         octets = _one(session, node_id, _DEVICE_TYPE, seconds)
         if octets is None:
@@ -108,7 +108,7 @@ def scanned(bus: OpenBus, seconds: float) -> dict[int, Found]:
     return dict(sorted(nodes.found.items()))
 
 
-def _asked(
+def _upload(
     session: BusSession, ids: list[int], number: tuple[int, int], timeout: int
 ) -> dict[int, bytes | None]:
     """Read an object of several nodes: None for a node that is silent, empty if it aborts."""
@@ -130,7 +130,7 @@ def _one(
     session: BusSession, node_id: int, number: tuple[int, int], seconds: float
 ) -> bytes | None:
     timeout = round(min(seconds, 0.5) * SECOND)
-    return _asked(session, [node_id], number, timeout)[node_id]
+    return _upload(session, [node_id], number, timeout)[node_id]
 
 
 def _number(octets: bytes | None) -> int | None:

@@ -267,10 +267,12 @@ def range_of_writes(node: NodeUnderTest) -> Problems:
                 continue
             code = node.write_code(thing.number, octets)
             yield refusal(f"{thing} set to {limit + step}", code, *codes)
-            yield _kept(node, thing, before)
+            yield _unchanged(node, thing, before)
 
 
-def _kept(node: NodeUnderTest, thing: DescribedObject, before: bytes) -> str | None:
+def _unchanged(
+    node: NodeUnderTest, thing: DescribedObject, before: bytes
+) -> str | None:
     """Return a problem unless an object has its value from before; it is restored."""
     if node.upload(thing.number) == before:
         return None
@@ -290,7 +292,7 @@ def wrong_lengths_of_writes(node: NodeUnderTest) -> Problems:
             if octets:
                 code = node.write_code(thing.number, octets)
                 yield refusal(f"{thing} with {len(octets)} octets", code, *_LENGTH)
-        yield _kept(node, thing, before)
+        yield _unchanged(node, thing, before)
 
 
 def same_value(node: NodeUnderTest) -> Problems:

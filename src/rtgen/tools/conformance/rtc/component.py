@@ -198,12 +198,12 @@ class RtcUnderTest(RemoteRtc):
         """End the remaining connections that checks have made."""
         stands = []
         for port in self.profile.port_profiles:
-            for name in self._made(port):
+            for name in self._own_connectors(port):
                 self.at_port(port, "disconnect", name)
-            stands += self._made(port)
+            stands += self._own_connectors(port)
         return f"connectors remain: {', '.join(stands)}" if stands else None
 
-    def _made(self, port: Any) -> list[str]:
+    def _own_connectors(self, port: Any) -> list[str]:
         """Return the ids of a port's connectors that checks have made."""
         profiles = self.at_port(port, "get_connector_profiles")
         names = [each.connector_id for each in profiles]

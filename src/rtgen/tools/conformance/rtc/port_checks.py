@@ -13,14 +13,14 @@ from rtgen.tools.conformance.rtc.component import UNKNOWN, RtcUnderTest
 from rtgen.tools.conformance.rtc.expected import ExpectedPort
 
 
-def _found(rtc: RtcUnderTest) -> dict[str, Any]:
+def _profiles(rtc: RtcUnderTest) -> dict[str, Any]:
     """Return the profiles of ports by name."""
     return {known_name(port.name): port for port in rtc.profile.port_profiles}
 
 
 def _common(rtc: RtcUnderTest) -> Iterator[tuple[str, ExpectedPort, Any]]:
     """Yield the ports both defined and present; `ports.names` reports others."""
-    ports = _found(rtc)
+    ports = _profiles(rtc)
     for name, expected in rtc.expected.ports.items():
         if name in ports:
             yield name, expected, ports[name]
@@ -28,7 +28,7 @@ def _common(rtc: RtcUnderTest) -> Iterator[tuple[str, ExpectedPort, Any]]:
 
 def port_names(rtc: RtcUnderTest) -> Problems:
     """Check that the ports are those of the definition."""
-    ports, expected_ports = _found(rtc), rtc.expected.ports
+    ports, expected_ports = _profiles(rtc), rtc.expected.ports
     for name in expected_ports:
         yield None if name in ports else f"there is no port {name}"
     for name in ports:
@@ -90,8 +90,8 @@ def interfaces(rtc: RtcUnderTest) -> Problems:
 def port_references(rtc: RtcUnderTest) -> Problems:
     """Check that `get_ports` returns the ports of the profile, with equal profiles."""
     references = rtc.call("get_ports")
-    yield unequal("the number of ports", len(references), len(_found(rtc)))
-    for name, port in _found(rtc).items():
+    yield unequal("the number of ports", len(references), len(_profiles(rtc)))
+    for name, port in _profiles(rtc).items():
         own = rtc.at_port(port, "get_port_profile")
         listed = any(port.port_ref._is_equivalent(each) for each in references)
         yield None if listed else f"{name} is not among get_ports"
@@ -102,7 +102,7 @@ def port_references(rtc: RtcUnderTest) -> Problems:
 
 def unknown_connectors(rtc: RtcUnderTest) -> Problems:
     """Check that ports refuse to end an unknown connection."""
-    for name, port in _found(rtc).items():
+    for name, port in _profiles(rtc).items():
         code = rtc.at_port(port, "disconnect", UNKNOWN)
         problem = f"{name}: disconnect of an unknown id returned {code.name}"
         yield None if code is BAD_PARAMETER else f"{problem}, not BAD_PARAMETER"

@@ -38,13 +38,13 @@ class CdlNames:
 
     def __init__(self, collector: Collector) -> None:
         self._collector = collector
-        self._known: set[str] = set()
+        self._indexed: set[str] = set()
 
     def add(self, table: Table, units: Sequence[Unit]) -> None:
         """Add the names of a main file and its imports."""
         for unit in units:
-            if unit.source.name not in self._known:
-                self._known.add(unit.source.name)
+            if unit.source.name not in self._indexed:
+                self._indexed.add(unit.source.name)
                 _Walk(self._collector, table, unit).run()
             for header in unit.headers.values():
                 for declaration in header.declarations:

@@ -43,7 +43,7 @@ def add_device(collector: Collector, device: Device) -> None:
     for variable in device.variables:
         mapped = _mapped(variable)
         if mapped is not None and variable.value_span != variable.span:
-            target = _known(device, *mapped)
+            target = _key(device, *mapped)
             if target is not None:
                 collector.refer(target, variable.value_span)
 
@@ -60,7 +60,7 @@ def _mapped(variable: Variable) -> tuple[int, int] | None:
     return value >> 16, value >> 8 & 0xFF
 
 
-def _known(device: Device, index: int, subindex: int | None) -> str | None:
+def _key(device: Device, index: int, subindex: int | None) -> str | None:
     """Return the key of the device's object; for a plain variable, without sub-index."""
     for entry in device.objects:
         if entry.index == index:
@@ -153,7 +153,7 @@ class BusNames:
         if match is None or span is None:
             return
         subindex = None if match[2] is None else int(match[2], 16)
-        key = _known(device, int(match[1], 16), subindex)
+        key = _key(device, int(match[1], 16), subindex)
         if key is not None:
             self._collector.refer(key, span)
 
@@ -173,7 +173,7 @@ class BusNames:
         self._collector.refer(f"bus {self._file}#node {match[1]}", node)
         device = nodes.get(match[1])
         index = _FIRST_OF_PDOS[match[2]] + int(match[3]) - 1
-        key = None if device is None else _known(device, index, None)
+        key = None if device is None else _key(device, index, None)
         if key is not None:
             pdo = self._text.span(span.file, middle + 1, start + len(text))
             self._collector.refer(key, pdo)

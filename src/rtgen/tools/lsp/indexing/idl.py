@@ -51,7 +51,7 @@ class IdlNames:
 
     def __init__(self, collector: Collector) -> None:
         self._collector = collector
-        self._known: set[tuple[str, str]] = set()
+        self._indexed: set[tuple[str, str]] = set()
 
     def add(self, tables: Tables) -> None:
         """Add the names of a translation unit."""
@@ -62,7 +62,7 @@ class IdlNames:
         for (unit, first, begin), (_, last, end) in pairwise(marks):
             assert unit is not None
             identity = unit.source.name, unit.text
-            if identity in self._known:
+            if identity in self._indexed:
                 continue
             if identity not in here:
                 self._includes(unit)
@@ -72,7 +72,7 @@ class IdlNames:
             for reference, target in references[begin:end]:
                 if isinstance(target, Entity):
                     self._reference(reference, target, unit)
-        self._known |= here
+        self._indexed |= here
 
     def _includes(self, unit: Unit) -> None:
         for event in unit.events:

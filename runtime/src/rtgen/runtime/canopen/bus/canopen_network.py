@@ -105,7 +105,7 @@ class NetworkBus(can.BusABC):
         self._network = network
         self._notifier = notifier
         self._received: SimpleQueue[can.Message] = SimpleQueue()
-        self._asked: set[int] = set()
+        self._requested: set[int] = set()
         """Nodes whose last SDO request came from the network."""
         self._own_send: Any = vars(bus).get("send")
         self._send = bus.send
@@ -119,7 +119,7 @@ class NetworkBus(can.BusABC):
         self._check()
         with self._network.send_lock:
             self._send(msg, timeout)
-        self._asked.discard(msg.arbitration_id - SDO_REQUEST)
+        self._requested.discard(msg.arbitration_id - SDO_REQUEST)
         if not (msg.is_remote_frame or msg.arbitration_id in _SDO_ANSWERS):
             self._notify(msg.arbitration_id, msg.data)
 
@@ -141,13 +141,13 @@ class NetworkBus(can.BusABC):
     def _sent_by_network(self, msg: can.Message, timeout: float | None = None) -> None:
         node = msg.arbitration_id - SDO_REQUEST
         if node in _NODES and not msg.is_extended_id:
-            self._asked.add(node)
+            self._requested.add(node)
         self._send(msg, timeout)
         self._received.put(copy.deepcopy(msg))
 
     def take(self, message: can.Message) -> None:
         """Process a message received by the network's notifier."""
-        if message.arbitration_id - SDO_RESPONSE not in self._asked:
+        if message.arbitration_id - SDO_RESPONSE not in self._requested:
             self._received.put(message)
 
     def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:

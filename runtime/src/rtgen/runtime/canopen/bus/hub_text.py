@@ -46,17 +46,17 @@ class Elements:
 
     def __init__(self) -> None:
         self._text = b""
-        self._taken = 0
+        self._position = 0
 
     @property
     def waiting(self) -> int:
         """Number of octets fed but not taken."""
-        return len(self._text) - self._taken
+        return len(self._text) - self._position
 
     def feed(self, data: bytes) -> None:
         """Append received octets."""
-        self._text = self._text[self._taken :] + data if self.waiting else data
-        self._taken = 0
+        self._text = self._text[self._position :] + data if self.waiting else data
+        self._position = 0
 
     def take(self) -> str | None:
         """Return the content of the next element, None if it is incomplete.
@@ -64,12 +64,12 @@ class Elements:
         Raises Malformed for text outside of elements, and for elements that are too long or not
         ASCII; the offending text is dropped.
         """
-        match = _ELEMENT.match(self._text, self._taken)
+        match = _ELEMENT.match(self._text, self._position)
         if match is None:
             if self.waiting:
                 self._drop_malformed()
             return None
-        self._taken = match.end()
+        self._position = match.end()
         return " ".join(match[1].decode("ascii").split())
 
     def take_sent(self) -> Frame | None:
@@ -77,7 +77,7 @@ class Elements:
 
         In that case use `take` and `sent_frame`.
         """
-        match = _SENT.match(self._text, self._taken)
+        match = _SENT.match(self._text, self._position)
         if match is None:
             return None
         identifier, length, octets = match.groups()
@@ -87,7 +87,7 @@ class Elements:
             return None
         if len(data) != int(length):
             return None
-        self._taken = match.end()
+        self._position = match.end()
         return Frame(
             int(identifier, 16), data, False, len(identifier) == _LONG_IDENTIFIER
         )
@@ -97,11 +97,11 @@ class Elements:
 
         In that case use `take` and `received_frame`.
         """
-        match = _RECEIVED.match(self._text, self._taken)
+        match = _RECEIVED.match(self._text, self._position)
         if match is None:
             return None
         identifier, seconds, data = match.groups()
-        self._taken = match.end()
+        self._position = match.end()
         frame = Frame(
             int(identifier, 16),
             bytes.fromhex(data.decode()),
@@ -113,9 +113,9 @@ class Elements:
     def _drop_malformed(self) -> None:
         """Raise Malformed unless the text is the start of an element."""
         text = self._text
-        start = text.find(b"<", self._taken)
-        outside = text[self._taken : len(text) if start < 0 else start]
-        self._taken += len(outside)
+        start = text.find(b"<", self._position)
+        outside = text[self._position : len(text) if start < 0 else start]
+        self._position += len(outside)
         if outside.strip():
             raise Malformed(_shown(outside))
         if start < 0:
@@ -126,8 +126,8 @@ class Elements:
         end = text.find(b">", start, limit) + 1
         if not end and len(text) < limit:
             return
-        self._taken = min(part for part in (inner, end or limit) if part > 0)
-        raise Malformed(_shown(text[start : self._taken]))
+        self._position = min(part for part in (inner, end or limit) if part > 0)
+        raise Malformed(_shown(text[start : self._position]))
 
 
 def is_channel(name: str) -> bool:

@@ -82,7 +82,7 @@ class _Registry:
         address = bus_address(interface, channel, bitrate, options)
         key = address.key
         with self._opening:
-            link = self._known(key, bitrate)
+            link = self._open_link(key, bitrate)
             if link is None:
                 link = RealLink(
                     address, lambda: self._attached(key), lambda: self._may_close(key)
@@ -91,7 +91,7 @@ class _Registry:
                     self._links[key], self._kept[key] = link, 1
         return link
 
-    def _known(self, key: object, bitrate: int) -> RealLink | None:
+    def _open_link(self, key: object, bitrate: int) -> RealLink | None:
         with self._lock:
             link = self._links.get(key)
             if link is None or link.closed:

@@ -40,7 +40,7 @@ class ParameterWriter:
             (pdo.mapping_index, 0): len(pdo.mapping) for pdo in description.pdos
         }
         self._written = written
-        self._wanted = values
+        self._values = values
 
     def writes(self) -> Iterator[tuple[ObjectNumber, bytes]]:
         """Yield the writes of the wanted values.
@@ -48,7 +48,7 @@ class ParameterWriter:
         Raises ObjectValueError for a value that its object cannot have.
         """
         objects = self._description.by_number
-        for step in write_order.steps(self._wanted.keys(), self):
+        for step in write_order.steps(self._values.keys(), self):
             number = step.number
             yield number, values.encode(objects[number].kind, self._value(step))
 
@@ -81,7 +81,7 @@ class ParameterWriter:
         """See `Target`."""
         described = self._description.by_number.get(number)
         is_writable = described is not None and described.writable
-        return is_writable and (self._is_known or number in self._wanted)
+        return is_writable and (self._is_known or number in self._values)
 
     def _value(self, step: Step) -> ObjectValue:
         if step.how is How.ZERO:
@@ -103,7 +103,7 @@ class ParameterWriter:
 
     def _final(self, number: ObjectNumber) -> ObjectValue | None:
         """Return the value afterwards; a COB-ID of 0 stands for the predefined one."""
-        value = self._wanted.get(number)
+        value = self._values.get(number)
         if value is None:
             return self._present(number)
         if service_of(number) is not None and isinstance(value, int):

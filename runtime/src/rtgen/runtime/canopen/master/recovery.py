@@ -20,7 +20,7 @@ class Recovery:
 
     def __init__(self, attempts: int) -> None:
         self._attempts = attempts
-        self._made = 0
+        self._count = 0
         self._failed_at: int | None = None
         self._active_since: int | None = None
         self._was_active = False
@@ -35,13 +35,13 @@ class Recovery:
         """Record that the component has entered ERROR, or that its reset has failed."""
         since, self._active_since = self._active_since, None
         if since is not None and now - since >= SOUND:
-            self._made = 0
+            self._count = 0
         self._failed_at = now
         self._resumes = False
 
     def due(self, now: int, *, up: bool) -> bool:
         """Return whether to reset now; `up`: the bus is available. Counts the attempt."""
-        if self._made >= self._attempts or self._failed_at is None:
+        if self._count >= self._attempts or self._failed_at is None:
             return False
         if not up:
             # The delay starts when the bus is available again.
@@ -49,7 +49,7 @@ class Recovery:
             return False
         if now - self._failed_at < PAUSE:
             return False
-        self._made += 1
+        self._count += 1
         self._failed_at = None
         self._resumes = True
         return True

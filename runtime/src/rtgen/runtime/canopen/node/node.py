@@ -69,20 +69,20 @@ class DeviceNode(DeviceStation):
     def flush(self, now: int) -> list[Frame]:
         """Return the frames to send after changes."""
         self._now = now
-        return self._taken()
+        return self._take_frames()
 
     def boot(self, now: int) -> list[Frame]:
         """Leave INITIALISING: boot-up, then PRE_OPERATIONAL. No effect without a node-id."""
         self._now = now
         self._boot()
-        return self._taken()
+        return self._take_frames()
 
     def go(self, state: NmtState, now: int) -> list[Frame]:
         """Change the state on behalf of the application."""
         self._now = now
         if self._nmt is not None and self.state is not NmtState.INITIALISING:
             self._on_transition(self._nmt.go(state))
-        return self._taken()
+        return self._take_frames()
 
     def reset(
         self, now: int, command: NmtCommand = NmtCommand.RESET_NODE
@@ -106,4 +106,4 @@ class DeviceNode(DeviceStation):
         self._on_transition(self._nmt.fail())
         if initialising:
             self._error_control.restart_heartbeat(now)
-        return self._taken()
+        return self._take_frames()

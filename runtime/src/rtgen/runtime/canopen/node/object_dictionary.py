@@ -95,13 +95,13 @@ class DeviceDictionary:
 
     def on_write(self, number: ObjectNumber, hook: WriteHook) -> None:
         """Set the hook for values received by SDO or PDO. Raises KeyError for an unknown object."""
-        self._known(number)
+        self._description_of(number)
         self._write_hooks[number] = hook
         self._plain.pop(number, None)
 
     def on_read(self, number: ObjectNumber, hook: ReadHook) -> None:
         """Set a source for an object's value, called on each access. Raises KeyError, as above."""
-        self._known(number)
+        self._description_of(number)
         self._read_hooks[number] = hook
 
     def guard(self, indices: Iterable[int], guard: Guard) -> None:
@@ -206,7 +206,7 @@ class DeviceDictionary:
 
     def get(self, number: ObjectNumber) -> ObjectValue:
         """Return a value. Raises KeyError for an unknown object, SdoAbort from its read hook."""
-        return values.decode(self._known(number).kind, self.octets(number))
+        return values.decode(self._description_of(number).kind, self.octets(number))
 
     def number(self, number: ObjectNumber, absent: int = 0) -> int:
         """Return an integer object's last stored value; `absent` if the object does not exist."""
@@ -219,7 +219,7 @@ class DeviceDictionary:
 
         Raises KeyError for an unknown object, ObjectValueError for an invalid value.
         """
-        described = self._known(number)
+        described = self._description_of(number)
         if described.limited:
             values.checked(described.kind, value, described.low, described.high)
         self.put(number, values.encode(described.kind, value))
@@ -264,7 +264,7 @@ class DeviceDictionary:
             and self._octets[number] != self._initial[number]
         }
 
-    def _known(self, number: ObjectNumber) -> ObjectDescription:
+    def _description_of(self, number: ObjectNumber) -> ObjectDescription:
         description = self._objects.get(number)
         if description is None:
             name = self.description.name

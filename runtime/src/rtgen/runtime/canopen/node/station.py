@@ -130,7 +130,7 @@ class DeviceStation:
         self._now = now
         if frame.can_id == NMT:
             self._obey(frame)
-            return self._taken()
+            return self._take_frames()
         if self._identifiers is None:
             self._identifiers = self.identifiers
         handlers = self._handlers.get(frame.can_id, ())
@@ -139,7 +139,7 @@ class DeviceStation:
         ):
             for handler in handlers:
                 handler(frame)
-        return self._taken()
+        return self._take_frames()
 
     def poll(self, now: int) -> Iterable[Frame]:
         """See `Station`."""
@@ -158,7 +158,7 @@ class DeviceStation:
             beat = self._error_control.beat(now, self.state)
             if beat is not None:
                 self._out.append(beat)
-        return self._taken()
+        return self._take_frames()
 
     def link_changed(self, up: bool, now: int) -> Iterable[Frame]:
         """See `Station`: the loss of the bus is a communication error (1029h)."""
@@ -170,7 +170,7 @@ class DeviceStation:
         else:
             self._servers.reset()
             self._communication_error()
-        return self._taken()
+        return self._take_frames()
 
     # State
 
@@ -424,7 +424,7 @@ class DeviceStation:
             self._consumers.configure()
         self._error_control.configure(indices, self._now)
 
-    def _taken(self) -> list[Frame]:
+    def _take_frames(self) -> list[Frame]:
         if self._effects:
             self._settle()
         self._out += self.pdos.flush(self._now)

@@ -79,7 +79,7 @@ class HeartbeatConsumer:
         self.deadline: int | None = None
         self.state: NmtState | None = None
         """The last received state; None before the first, and after LOST."""
-        self._asked: NmtState | None = None
+        self._requested: NmtState | None = None
         self._beating = False
 
     @property
@@ -99,7 +99,7 @@ class HeartbeatConsumer:
 
     def ask(self, state: NmtState) -> None:
         """Record that the node was commanded to a state; INITIALISING stands for a reset."""
-        self._asked = state
+        self._requested = state
 
     def receive(self, frame: Frame, now: int) -> HeartbeatEvent | None:
         """Return the event in a frame; None for other frames and for unchanged states."""
@@ -143,7 +143,7 @@ class HeartbeatConsumer:
 
     def _take_request(self, state: NmtState) -> bool:
         """Return whether the state was requested; clears the request."""
-        if self._asked is not state:
+        if self._requested is not state:
             return False
-        self._asked = None
+        self._requested = None
         return True

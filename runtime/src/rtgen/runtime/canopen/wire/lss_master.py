@@ -216,7 +216,7 @@ class LssMaster:
         self._waiting: deque[tuple[Procedure[Any], Callable[[Any], None]]] = deque()
         self._procedure: Procedure[Any] | None = None
         self._done: Callable[[Any], None] = _ignore
-        self._asked = Request(b"")
+        self._request = Request(b"")
         self._answer: bytes | None = None
         self.deadline: int | None = None
 
@@ -239,9 +239,9 @@ class LssMaster:
         data = frame.data
         if self._procedure is None or len(data) != lss.MESSAGE:
             return []
-        if data[0] != self._asked.answer or self._answer is not None:
+        if data[0] != self._request.answer or self._answer is not None:
             return []
-        if not self._asked.many:
+        if not self._request.many:
             return self._advance(data, now)
         self._answer, self.deadline = data, now + self._settle
         return []
@@ -275,7 +275,7 @@ class LssMaster:
                 answer = None
                 frames.append(Frame(LSS_REQUEST, asked.message))
                 if asked.answer is not None:
-                    self._asked, self.deadline = asked, now + self._timeout
+                    self._request, self.deadline = asked, now + self._timeout
                     return frames
         except StopIteration as end:
             outcome = end.value

@@ -82,14 +82,14 @@ class LeastSizes:
     """The minimum sizes of types, against which counts are checked."""
 
     def __init__(self) -> None:
-        self._known: dict[int, int] = {}
+        self._sizes: dict[int, int] = {}
 
     def of(self, element: Descriptor) -> int:
         """Return the minimum size of a value in octets, without padding."""
-        size = self._known.get(id(element))
+        size = self._sizes.get(id(element))
         if size is None:
-            self._known[id(element)] = 1
-            size = self._known[id(element)] = self._least_of(element)
+            self._sizes[id(element)] = 1
+            size = self._sizes[id(element)] = self._least_of(element)
         return size
 
     def _least_of(self, element: Descriptor) -> int:

@@ -169,11 +169,11 @@ class _Table(dict[Any, _V], ABC):
     def __missing__(self, key: Any) -> _V:
         if len(self) >= SHAPES_KEPT:
             self.clear()
-        value = self[key] = self._made(key)
+        value = self[key] = self._new(key)
         return value
 
     @abstractmethod
-    def _made(self, key: Any) -> _V:
+    def _new(self, key: Any) -> _V:
         """Compute the value of a key."""
 
     def shape(self, counts: Iterable[int]) -> Struct:
@@ -190,7 +190,7 @@ class _Table(dict[Any, _V], ABC):
 
 
 class _Shapes(_Table[Callable[..., bytes]]):
-    def _made(self, key: Any) -> Callable[..., bytes]:
+    def _new(self, key: Any) -> Callable[..., bytes]:
         return self._packing(0, key if isinstance(key, tuple) else (key,))
 
 
@@ -201,26 +201,26 @@ class _FramedShapes(_Table[Callable[..., bytes]]):
         super().__init__(order, *sections)
         self._headers = number, delimited
 
-    def _made(self, key: Any) -> Callable[..., bytes]:
+    def _new(self, key: Any) -> Callable[..., bytes]:
         counts = iter(key if isinstance(key, tuple) else (key,))
         arranged = _arranged(self._sections, 0, counts, False)
         return framing(self._order, arranged, *self._headers)
 
 
 class _PhasedShapes(_Table[Callable[..., bytes]]):
-    def _made(self, key: Any) -> Callable[..., bytes]:
+    def _new(self, key: Any) -> Callable[..., bytes]:
         phase, *counts = key if isinstance(key, tuple) else (key,)
         return self._packing(phase, counts)
 
 
 class _Readers(_Table[_Reader]):
-    def _made(self, key: int) -> _Reader:
+    def _new(self, key: int) -> _Reader:
         reader = self._reading(int(self._sections[0][1]), (key,))
         return reader.unpack_from, reader.size
 
 
 class _PhasedReaders(_Table[_Reader]):
-    def _made(self, key: int) -> _Reader:
+    def _new(self, key: int) -> _Reader:
         reader = self._reading(key & 7, (key >> 3,))
         return reader.unpack_from, reader.size
 
@@ -258,11 +258,11 @@ class Layouts:
 
     def __init__(self) -> None:
         self._numbers: dict[int, int] = {}
-        self._kept: list[tuple[Run | Records, Any]] = []
+        self._shapes: list[tuple[Run | Records, Any]] = []
 
     def of(self, part: Run | Records, whole: bool = False) -> Any:
         """Return the table of a run (`whole`: of a whole value), or of a record's element."""
-        return self._kept[self._number(part, whole) - 1][1]
+        return self._shapes[self._number(part, whole) - 1][1]
 
     def variable(self, kind: str, part: Run | Records) -> str:
         """Return the variable for an attribute of a table."""
@@ -270,8 +270,8 @@ class Layouts:
 
     def _number(self, part: Run | Records, whole: bool = False) -> int:
         if id(part) not in self._numbers:
-            self._kept.append((part, _table(part, whole)))
-            self._numbers[id(part)] = len(self._kept)
+            self._shapes.append((part, _table(part, whole)))
+            self._numbers[id(part)] = len(self._shapes)
         return self._numbers[id(part)]
 
 

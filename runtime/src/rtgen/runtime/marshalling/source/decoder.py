@@ -321,7 +321,7 @@ class Decoder(Position):
             case Atom():
                 return convert.unpacked(node, raw)
             case AtomArray() if node.form != "list":
-                return f"{self._made(node, path)}({raw})"
+                return f"{self._array_maker(node, path)}({raw})"
             case AtomArray(atom=atom, dimensions=dimensions):
                 items = each(convert.unpacked, atom, raw) or raw
                 if len(dimensions) == 1:
@@ -339,7 +339,7 @@ class Decoder(Position):
                 return convert.unpacked_text(text, raw, bound)
         return raw
 
-    def _made(self, node: AtomArray, path: Path) -> str:
+    def _array_maker(self, node: AtomArray, path: Path) -> str:
         """Return the function that makes an array from octets."""
         name = self._locals.name(path, "made_")
         self.body.choose(name, name, Arrays(node), "made")

@@ -101,7 +101,7 @@ class Declarations:
         self._file = ""
         self._line = 1
         self._text = ""
-        self._found: list[TecsDeclaration] = []
+        self._declarations: list[TecsDeclaration] = []
 
     def enter(self, names: Mapping[str, str]) -> None:
         """Start a header; `names` maps the paths of its files to displayed names."""
@@ -125,12 +125,12 @@ class Declarations:
             raise NotCError(what or "this is not C", line + max(where, 0)) from None
         except (AssertionError, RecursionError) as error:
             raise NotCError("this is not understood", line) from error
-        self._found = []
+        self._declarations = []
         nodes = tree.ext[len(typedefs) :]
         self._name_untagged(nodes)
         for node in nodes:
             self._declare(node)
-        yield from self._found
+        yield from self._declarations
 
     def _declare(self, node: Any) -> None:
         if isinstance(node, c_ast.Typedef):
@@ -146,7 +146,7 @@ class Declarations:
             self._typedefs.setdefault(name, type_)
             if name not in self._declared and name not in RESERVED:
                 self._declared.add(name)
-                self._found.append(
+                self._declarations.append(
                     TecsTypedef(
                         name=(name,),
                         file=self._names.get(self._file, self._file),
@@ -236,7 +236,7 @@ class Declarations:
             members.append(
                 TecsMember(name=member.name, type=type_, span=self._span(member.coord))
             )
-        self._found.append(
+        self._declarations.append(
             TecsStruct(
                 name=(tag,),
                 file=self._names.get(self._file, self._file),
@@ -259,7 +259,7 @@ class Declarations:
             )
             self._values[enumerator.name] = value
             members.append((enumerator.name, value))
-        self._found.append(
+        self._declarations.append(
             TecsEnum(
                 name=(tag,),
                 file=self._names.get(self._file, self._file),

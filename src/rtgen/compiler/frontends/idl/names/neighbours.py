@@ -27,7 +27,7 @@ class Neighbours:
 
     def __init__(self, library: Library) -> None:
         self._library = library
-        self._known: dict[Path, dict[str, str]] = {}
+        self._names_of: dict[Path, dict[str, str]] = {}
 
     def declares(self, name: str, unit: Unit) -> str | None:
         """Return how to include the file that declares a name; None if there is none."""
@@ -39,7 +39,7 @@ class Neighbours:
         return None
 
     def _names(self, folder: Path) -> dict[str, str]:
-        if folder not in self._known:
+        if folder not in self._names_of:
             names: dict[str, str] = {}
             encoding = self._library.encoding
             remaining = _MAX_BYTES
@@ -55,5 +55,5 @@ class Neighbours:
                     names.setdefault(match[1] or match[2], path.name)
                 if remaining <= 0:
                     break
-            self._known[folder] = names
-        return self._known[folder]
+            self._names_of[folder] = names
+        return self._names_of[folder]

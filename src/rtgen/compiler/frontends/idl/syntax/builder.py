@@ -30,7 +30,7 @@ def _take(children: Children, *kinds: str) -> Token | None:
     return None
 
 
-def _taken(children: Children, kind: type) -> Any:
+def _pop(children: Children, kind: type) -> Any:
     """Remove and return the first child of this type, if there is one."""
     for index, child in enumerate(children):
         if type(child) is kind:
@@ -273,7 +273,7 @@ class Builder(ExpressionBuilder):
     def interface_dcl(self, children: Children) -> tree.Interface:
         start = start_of(children[0])
         modifier = _take(children, "ABSTRACT", "LOCAL")
-        bases = _taken(children, _Bases) or _taken(children, _Truncatable) or ()
+        bases = _pop(children, _Bases) or _pop(children, _Truncatable) or ()
         _, name, body = children
         return tree.Interface(
             name_of(name), tuple(bases), body, str(modifier or ""), start
@@ -290,7 +290,7 @@ class Builder(ExpressionBuilder):
         start = start_of(children[0])
         oneway = _take(children, "ONEWAY")
         type_, name, (parameters, end), *rest = children
-        raises = _taken(rest, tree.Names)
+        raises = _pop(rest, tree.Names)
         context = rest[0] if rest else ()
         end = context[-1].end + 1 if context else raises.end if raises else end
         return tree.Operation(
@@ -338,7 +338,7 @@ class Builder(ExpressionBuilder):
     def accessors(
         self, children: Children
     ) -> tuple[tree.Names | None, tree.Names | None]:
-        setter = _taken(children, tuple)
+        setter = _pop(children, tuple)
         return children[0] if children else None, setter[0] if setter else None
 
     # Valuetypes
@@ -346,9 +346,9 @@ class Builder(ExpressionBuilder):
     def value_dcl(self, children: Children) -> tree.Valuetype:
         start = start_of(children[0])
         modifier = _take(children, "ABSTRACT", "CUSTOM")
-        supports = _taken(children, _Supports) or ()
-        truncatable = _taken(children, _Truncatable)
-        bases = truncatable or _taken(children, _Bases) or ()
+        supports = _pop(children, _Supports) or ()
+        truncatable = _pop(children, _Truncatable)
+        bases = truncatable or _pop(children, _Bases) or ()
         keyword, name, body = children
         return tree.Valuetype(
             str(keyword),
@@ -395,8 +395,8 @@ class Builder(ExpressionBuilder):
     # Components
 
     def component_dcl(self, children: Children) -> tree.Component:
-        supports = _taken(children, _Supports) or ()
-        bases = _taken(children, _Bases) or _taken(children, _Truncatable) or (None,)
+        supports = _pop(children, _Supports) or ()
+        bases = _pop(children, _Bases) or _pop(children, _Truncatable) or (None,)
         keyword, name, body = children
         return tree.Component(
             name_of(name), bases[0], tuple(supports), body, start_of(keyword)
@@ -418,9 +418,9 @@ class Builder(ExpressionBuilder):
         return (children[0],)
 
     def home_dcl(self, children: Children) -> tree.Home:
-        supports = _taken(children, _Supports) or ()
-        bases = _taken(children, _Bases) or _taken(children, _Truncatable) or (None,)
-        key = _taken(children, tuple)
+        supports = _pop(children, _Supports) or ()
+        bases = _pop(children, _Bases) or _pop(children, _Truncatable) or (None,)
+        key = _pop(children, tuple)
         keyword, name, manages, body = children
         return tree.Home(
             name_of(name),

@@ -62,7 +62,7 @@ class Reader:
             self._findings.add(rules.NOT_A_PROFILE, root.span, message)
             return None
         version = self._word(root, "version", VERSIONS, "0.3")
-        self._wanted(root, "id", "")
+        self._required_attribute(root, "id", "")
         info = root.first(RTC, "BasicInfo")
         if info is None:
             self._findings.add(rules.MISSING, root.span, "there is no `rtc:BasicInfo`")
@@ -76,15 +76,17 @@ class Reader:
             span=info.place("name"),
             format_version=version,
             name=name,
-            vendor=self._wanted(info, "vendor", ""),
-            category=self._wanted(info, "category", ""),
-            version=self._wanted(info, "version", "1.0.0"),
+            vendor=self._required_attribute(info, "vendor", ""),
+            category=self._required_attribute(info, "category", ""),
+            version=self._required_attribute(info, "version", "1.0.0"),
             description=one_line(description),
             doc=lines(self._get(info, "abstract") or _doc(info) or description),
             component_type=self._word(info, "componentType", COMPONENT_TYPES, "STATIC"),
             activity=self._activity(info),
-            kind=self._wanted(info, "componentKind", "DataFlowComponent"),
-            execution=self._wanted(info, "executionType", "PeriodicExecutionContext"),
+            kind=self._required_attribute(info, "componentKind", "DataFlowComponent"),
+            execution=self._required_attribute(
+                info, "executionType", "PeriodicExecutionContext"
+            ),
             rate=self._rate(info),
             max_instances=self._max_instances(info),
             language=self._language(root),
@@ -154,7 +156,7 @@ class Reader:
         self._findings.add(rules.LOST, element.place(name), message)
         return None
 
-    def _wanted(self, element: Element, name: str, usual: str) -> str:
+    def _required_attribute(self, element: Element, name: str, usual: str) -> str:
         """Return an attribute that the schema requires; an empty one is accepted."""
         is_stated = (RTC, name) in element.attributes or (
             "",
@@ -170,7 +172,7 @@ class Reader:
     def _word(
         self, element: Element, name: str, words: Sequence[str], usual: str
     ) -> str:
-        value = self._wanted(element, name, usual)
+        value = self._required_attribute(element, name, usual)
         if value in words:
             return value
         message = f"`rtc:{name}` is {value!r}; {usual} is taken"
@@ -215,7 +217,7 @@ class Reader:
         return 1
 
     def _date(self, info: Element, name: str) -> str:
-        text = self._wanted(info, name, _DEFAULT_DATE)
+        text = self._required_attribute(info, name, _DEFAULT_DATE)
         if is_date(text):
             return text if has_zone(text) else f"{text}+00:00"
         message = f"`rtc:{name}` is {text[:40]!r}; {_DEFAULT_DATE} is taken"
@@ -259,8 +261,8 @@ class Reader:
                 properties = dict(_properties(element))
                 yield ProfileParameter(
                     name=name,
-                    type=self._wanted(element, "type", "string"),
-                    default=self._wanted(element, "defaultValue", ""),
+                    type=self._required_attribute(element, "type", "string"),
+                    default=self._required_attribute(element, "defaultValue", ""),
                     span=element.place("name"),
                     type_span=element.place("type"),
                     default_span=element.place("defaultValue"),
@@ -304,7 +306,7 @@ class Reader:
             yield ProfileDataPort(
                 name=name,
                 output=output,
-                type=self._wanted(element, "type", ""),
+                type=self._required_attribute(element, "type", ""),
                 span=element.place("name"),
                 type_span=element.place("type"),
                 idl_file=_base_name(self._get(element, "idlFile")),
@@ -362,7 +364,7 @@ class Reader:
             yield ProfileInterface(
                 name=name,
                 provided=provided,
-                type=self._wanted(element, "type", ""),
+                type=self._required_attribute(element, "type", ""),
                 span=element.place("name"),
                 type_span=element.place("type"),
                 idl_file=_base_name(self._get(element, "idlFile")),
