@@ -14,7 +14,14 @@ from rtgen.compiler.model import (
     ScopedName,
 )
 from rtgen.tools.diff.changes import Change, Wire, change
-from rtgen.tools.diff.items import Fact, Group, by_name, fact_changes, item_changes
+from rtgen.tools.diff.items import (
+    Fact,
+    Group,
+    by_name,
+    fact_changes,
+    is_reordered,
+    item_changes,
+)
 from rtgen.tools.diff.kinds import components as kinds
 from rtgen.tools.diff.kinds import types as type_kinds
 from rtgen.tools.diff.matching import Matching, matching
@@ -141,8 +148,7 @@ class _Components:
         yield from self._items(_PORTS, found)
         for one, other in (*found.pairs, *found.renamed):
             yield from self._port(one, other)
-        common = [p.name for p in self._old.ports if p.name in new]
-        if common != [p.name for p in self._new.ports if p.name in old]:
+        if is_reordered([*old], [*new]):
             text = f"the ports of {self._new.scoped} are in another order"
             spans = (self._old.span, self._new.span)
             yield change(kinds.PORTS_REORDERED, self._new.scoped, text, *spans)

@@ -18,7 +18,15 @@ from rtgen.compiler.model import (
 )
 from rtgen.tools.diff.changes import Change, Kind, change
 from rtgen.tools.diff.declarations import TypeChanges
-from rtgen.tools.diff.items import Fact, Group, by_name, fact_changes, item_changes
+from rtgen.tools.diff.items import (
+    Fact,
+    Group,
+    by_name,
+    fact_changes,
+    is_reordered,
+    item_changes,
+    part_changes,
+)
 from rtgen.tools.diff.kinds import interfaces as kinds
 from rtgen.tools.diff.kinds import types as type_kinds
 from rtgen.tools.diff.matching import Matching, matching
@@ -41,19 +49,7 @@ _FACTS = (
     Fact(kinds.INTERFACE_LOCAL, "{name} is {no}local", lambda i: i.local),
     Fact(kinds.INTERFACE_ABSTRACT, "{name} is {no}abstract", lambda i: i.abstract),
 )
-_ATTRIBUTE_FACTS = (
-    Fact(
-        lambda _, now: kinds.ATTRIBUTE_READONLY if now else kinds.ATTRIBUTE_WRITABLE,
-        "{name} is {now} now",
-        lambda a: a.readonly,
-        lambda readonly: "readonly" if readonly else "writable",
-    ),
-    Fact(
-        kinds.ATTRIBUTE_RAISES,
-        "{name} raises other exceptions",
-        lambda a: (a.get_raises, a.set_raises),
-    ),
-)
+_PARAMETERS = Group("parameter", kinds.PARAMETER_ADDED, kinds.PARAMETER_REMOVED)
 _ATTRIBUTES = Group("attribute", kinds.ATTRIBUTE_ADDED, kinds.ATTRIBUTE_REMOVED)
 
 
@@ -130,10 +126,8 @@ class _Interfaces:
         yield from self._items(_OPERATIONS, found)
         for one, other in (*found.pairs, *found.renamed):
             yield from self._operation(one, other)
-        if _reordered(
-            [o.name for o in self._old.operations],
-            [o.name for o in self._new.operations],
-        ):
+        both = (self._old.operations, self._new.operations)
+        if is_reordered(*([o.name for o in each] for each in both)):
             text = f"the operations of {self._new.scoped} are in another order"
             spans = (self._old.span, self._new.span)
             yield change(kinds.OPERATIONS_REORDERED, self._new.scoped, text, *spans)
@@ -172,23 +166,11 @@ class _Interfaces:
         before = {renamed.get(p.name, p.name): p for p in old.parameters}
         after = {p.name: p for p in new.parameters}
         name = self._sub(new)
-        for key, parameter in before.items():
-            if key not in after:
-                text = f"parameter {parameter.name} of {name} is removed"
-                yield change(
-                    kinds.PARAMETER_REMOVED, name, text, parameter.span, new.span
-                )
+        kind, spans = kinds.PARAMETERS_REORDERED, (old.span, new.span)
+        yield from part_changes(_PARAMETERS, kind, before, after, name, spans)
         for key, parameter in after.items():
-            if key not in before:
-                text = f"parameter {key} of {name} is added"
-                yield change(
-                    kinds.PARAMETER_ADDED, name, text, old.span, parameter.span
-                )
-                continue
-            yield from self._parameter(before[key], parameter, f"{name}({key})")
-        if _reordered(list(before), list(after)):
-            text = f"the parameters of {name} are in another order"
-            yield change(kinds.PARAMETERS_REORDERED, name, text, old.span, new.span)
+            if key in before:
+                yield from self._parameter(before[key], parameter, f"{name}({key})")
 
     def _parameter(self, old: Parameter, new: Parameter, name: str) -> Iterator[Change]:
         spans = (old.span, new.span)
@@ -224,9 +206,15 @@ class _Interfaces:
                 name,
                 spans,
             )
-            yield from fact_changes(
-                _ATTRIBUTE_FACTS, old, new, name, spans, "attribute"
-            )
+            if old.readonly != new.readonly:
+                word = "readonly" if new.readonly else "writable"
+                text = f"attribute {name} is {word} now"
+                readonly, writable = kinds.ATTRIBUTE_READONLY, kinds.ATTRIBUTE_WRITABLE
+                kind = readonly if new.readonly else writable
+                yield change(kind, name, text, *spans)
+            if (old.get_raises, old.set_raises) != (new.get_raises, new.set_raises):
+                text = f"attribute {name} raises other exceptions"
+                yield change(kinds.ATTRIBUTE_RAISES, name, text, *spans)
             for kind, text in member_facts(old, new, f"attribute {name}"):
                 yield change(kind, name, text, *spans)
 
@@ -262,11 +250,6 @@ class _Interfaces:
 
     def _sub(self, item: Operation | Attribute | Parameter) -> str:
         return f"{self._new.scoped}.{item.name}"
-
-
-def _reordered(old: Sequence[str], new: Sequence[str]) -> bool:
-    """Return whether the common items are in another order."""
-    return [n for n in old if n in new] != [n for n in new if n in old]
 
 
 def _list(names: Sequence[ScopedName]) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any, Protocol, TypeVar
@@ -109,6 +109,36 @@ def fact_changes(
             )
             text = text.format(name=name, now=now, was=was, no=no)
             yield change(_chosen(fact.kind, before, after), subject, text, *spans)
+
+
+def part_changes(
+    group: Group,
+    reordered: Kind,
+    old: Mapping[str, Any],
+    new: Mapping[str, Any],
+    owner: str,
+    owners: tuple[Span, Span],
+) -> Iterator[Change]:
+    """Yield a change of `owner` for each parameter that it lost or got, and for their order.
+
+    The keys are the new names, if only a name is another one.
+    """
+    for key, part in old.items():
+        if key not in new:
+            text = f"{group.word} {part.name} of {owner} is removed"
+            yield change(group.removed, owner, text, part.span, owners[1])
+    for key, part in new.items():
+        if key not in old:
+            text = f"{group.word} {key} of {owner} is added"
+            yield change(_chosen(group.added, part), owner, text, owners[0], part.span)
+    if is_reordered([*old], [*new]):
+        text = f"the {group.word}s of {owner} are in another order"
+        yield change(reordered, owner, text, *owners)
+
+
+def is_reordered(old: Sequence[str], new: Sequence[str]) -> bool:
+    """Return whether the common items are in another order."""
+    return [n for n in old if n in new] != [n for n in new if n in old]
 
 
 def by_name(items: Iterable[Any]) -> dict[str, Any]:

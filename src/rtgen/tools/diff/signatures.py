@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from operator import attrgetter
+from typing import Any, TypeVar
 
 from rtgen.compiler.diagnostics import Span
 from rtgen.compiler.layouts.signature_digest import signature_text
@@ -25,9 +26,19 @@ from rtgen.compiler.model.tecs import (
 )
 from rtgen.compiler.model.types import ScopedName
 from rtgen.tools.diff.c_types import Octets, c_text, length_text, named, structs_in
-from rtgen.tools.diff.changes import Change, Kind, change
+from rtgen.tools.diff.changes import Change, change
+from rtgen.tools.diff.items import (
+    Fact,
+    Group,
+    by_name,
+    differing,
+    fact_changes,
+    is_reordered,
+    item_changes,
+    part_changes,
+)
 from rtgen.tools.diff.kinds import signatures as kinds
-from rtgen.tools.diff.matching import matching
+from rtgen.tools.diff.matching import Matching, matching
 from rtgen.tools.diff.versions import Version
 
 Declared = TypeVar("Declared", bound=TecsDeclaration)
@@ -42,6 +53,25 @@ def declared(version: Version, kind: type[Declared]) -> dict[ScopedName, Declare
         for d in unit.declarations
         if isinstance(d, kind) and not getattr(d, "from_c", False)
     }
+
+
+_STRUCTS = Group(
+    "struct", kinds.STRUCT_ADDED, kinds.STRUCT_REMOVED, kinds.STRUCT_RENAMED
+)
+_OTHERS = Group("", kinds.STRUCT_ADDED, kinds.STRUCT_REMOVED)
+_PARAMETERS = Group("parameter", kinds.PARAMETER_ADDED, kinds.PARAMETER_REMOVED)
+_PARAMETER_FACTS = (
+    Fact(
+        kinds.PARAMETER_DIRECTION, "{name} is {now}, was {was}", lambda p: p.direction
+    ),
+    Fact(kinds.ALLOCATOR, "{name} has another allocator", lambda p: p.allocator),
+    Fact(kinds.NULLABLE, "{name} is {no}nullable", lambda p: p.sizes.nullable),
+)
+_LENGTHS = {
+    "size_is": kinds.SIZE_IS,
+    "count_is": kinds.COUNT_IS,
+    "string": kinds.STRING,
+}
 
 
 class TecsSide:
@@ -150,15 +180,7 @@ def compare_signatures(
     structs = matching(before.structs, after.structs, before.members, after.members)
     names = {a.name: b.name for a, b in (*structs.pairs, *structs.renamed)}
     types = _Types(before.everywhere, after.everywhere, names)
-    for struct in structs.removed:
-        text = f"struct {struct.scoped} is removed"
-        yield change(kinds.STRUCT_REMOVED, struct.scoped, text, struct.span, None)
-    for struct in structs.added:
-        text = f"struct {struct.scoped} is added"
-        yield change(kinds.STRUCT_ADDED, struct.scoped, text, None, struct.span)
-    for one, other in structs.renamed:
-        text = f"struct {other.scoped} was called {one.scoped}"
-        yield change(kinds.STRUCT_RENAMED, other.scoped, text, one.span, other.span)
+    yield from item_changes(_STRUCTS, structs, attrgetter("scoped"))
     reported: set[ScopedName] = set()
     for one, other in (*structs.pairs, *structs.renamed):
         for each in _struct(one, other, types):
@@ -190,31 +212,24 @@ def compare_signatures(
 
 def _types(old: Version, new: Version, types: _Types) -> Iterator[Change]:
     """Yield the changes of typedefs, enums and constants."""
-    typedefs = matching(
-        declared(old, TecsTypedef), declared(new, TecsTypedef), lambda _: None
-    )
+    typedefs = matching(declared(old, TecsTypedef), declared(new, TecsTypedef))
     for one, other in typedefs.pairs:
         if not types.alike(one.type, other.type):
             text = f"typedef {other.scoped} is {c_text(other.type)}, was {c_text(one.type)}"
             yield change(kinds.TYPEDEF, other.scoped, text, one.span, other.span)
-    enums = matching(declared(old, TecsEnum), declared(new, TecsEnum), lambda _: None)
+    enums = matching(declared(old, TecsEnum), declared(new, TecsEnum))
     for before, after in enums.pairs:
         if (before.members, before.bits) != (after.members, after.bits):
             text = f"enum {after.scoped} has other names, numbers or bits"
             yield change(kinds.ENUM, after.scoped, text, before.span, after.span)
-    constants = matching(
-        declared(old, TecsConst), declared(new, TecsConst), lambda _: None
-    )
+    constants = matching(declared(old, TecsConst), declared(new, TecsConst))
     for first, second in constants.pairs:
         if first.value != second.value or not types.alike(first.type, second.type):
             text = f"constant {second.scoped} is {second.value}, was {first.value}"
             yield change(kinds.CONST, second.scoped, text, first.span, second.span)
-    for gone in (*typedefs.removed, *enums.removed, *constants.removed):
-        text = f"{gone.scoped} is removed"
-        yield change(kinds.STRUCT_REMOVED, gone.scoped, text, gone.span, None)
-    for come in (*typedefs.added, *enums.added, *constants.added):
-        text = f"{come.scoped} is added"
-        yield change(kinds.STRUCT_ADDED, come.scoped, text, None, come.span)
+    others: tuple[Matching[ScopedName, Any], ...] = (typedefs, enums, constants)
+    for found in others:
+        yield from item_changes(_OTHERS, found, attrgetter("scoped"))
 
 
 _Part = TypeVar("_Part", TecsMember, TecsParameter)
@@ -230,10 +245,6 @@ def _renamed(
         for a, b in zip(old, new, strict=False)
         if a.name not in after and b.name not in before and types.alike(a.type, b.type)
     }
-
-
-def _reordered(old: Sequence[str], new: Sequence[str]) -> bool:
-    return [n for n in old if n in new] != [n for n in new if n in old]
 
 
 def _struct(old: TecsStruct, new: TecsStruct, types: _Types) -> Iterator[Change]:
@@ -262,7 +273,7 @@ def _struct(old: TecsStruct, new: TecsStruct, types: _Types) -> Iterator[Change]
         if _sizes_text(one.sizes, renamed) != _sizes_text(member.sizes, {}):
             text = f"member {name} has other size specifiers"
             yield change(kinds.STRUCT_MEMBER_SIZES, name, text, *spans)
-    if _reordered([*before], [*after]):
+    if is_reordered([*before], [*after]):
         text = f"the members of struct {new.scoped} are in another order"
         yield change(
             kinds.STRUCT_MEMBERS_REORDERED, new.scoped, text, old.span, new.span
@@ -282,15 +293,16 @@ class _Signatures:
 
     def compare(self) -> Iterator[Change]:
         old, new = self._old, self._new
+        spans = (old.span, new.span)
         if (old.context, old.callback) != (new.context, new.callback):
             text = f"signature {new.scoped} has another context or callback"
-            yield change(kinds.SIGNATURE_CONTEXT, new.scoped, text, old.span, new.span)
+            yield change(kinds.SIGNATURE_CONTEXT, new.scoped, text, *spans)
         if old.deviate != new.deviate:
             text = f"signature {new.scoped} is {'' if new.deviate else 'no longer '}deviate"
-            yield change(kinds.SIGNATURE_DEVIATE, new.scoped, text, old.span, new.span)
+            yield change(kinds.SIGNATURE_DEVIATE, new.scoped, text, *spans)
         found = matching(
-            {f.name: f for f in old.functions},
-            {f.name: f for f in new.functions},
+            by_name(old.functions),
+            by_name(new.functions),
             self._types.old.function,
             self._types.new.function,
         )
@@ -323,34 +335,22 @@ class _Signatures:
             yield change(kinds.FUNCTION_ONEWAY, name, text, *spans)
         # An error code as result omits the outs.
         errors = is_error_code(old.returns), is_error_code(new.returns)
-        if errors[0] != errors[1] or not self._types.alike(old.returns, new.returns):
+        alike = errors[0] == errors[1] and self._types.alike(old.returns, new.returns)
+        if not alike or str(old.returns) != str(new.returns):
             text = f"function {name} returns {c_text(new.returns)}, did {c_text(old.returns)}"
-            yield change(kinds.FUNCTION_RESULT, name, text, *spans)
-        elif str(old.returns) != str(new.returns):
-            text = f"function {name} returns {c_text(new.returns)}, did {c_text(old.returns)}"
-            yield change(kinds.PARAMETER_ALIAS, name, text, *spans)
+            kind = kinds.PARAMETER_ALIAS if alike else kinds.FUNCTION_RESULT
+            yield change(kind, name, text, *spans)
         renamed = _renamed(old.parameters, new.parameters, self._types)
         before = {renamed.get(p.name, p.name): p for p in old.parameters}
         after = {p.name: p for p in new.parameters}
-        for key, parameter in before.items():
-            if key not in after:
-                text = f"parameter {parameter.name} of {name} is removed"
-                yield change(
-                    kinds.PARAMETER_REMOVED, name, text, parameter.span, new.span
-                )
+        yield from part_changes(
+            _PARAMETERS, kinds.PARAMETERS_REORDERED, before, after, name, spans
+        )
         for key, parameter in after.items():
-            if key not in before:
-                text = f"parameter {key} of {name} is added"
-                yield change(
-                    kinds.PARAMETER_ADDED, name, text, old.span, parameter.span
-                )
-            else:
+            if key in before:
                 yield from self._parameter(
                     before[key], parameter, f"{name}({key})", renamed
                 )
-        if _reordered([*before], [*after]):
-            text = f"the parameters of {name} are in another order"
-            yield change(kinds.PARAMETERS_REORDERED, name, text, *spans)
 
     def _parameter(
         self,
@@ -363,20 +363,13 @@ class _Signatures:
         if old.name != new.name:
             text = f"parameter {name} was called {old.name}"
             yield change(kinds.PARAMETER_RENAMED, name, text, *spans)
-        if old.direction is not new.direction:
-            text = f"parameter {name} is {new.direction}, was {old.direction}"
-            yield change(kinds.PARAMETER_DIRECTION, name, text, *spans)
-        types = f"{c_text(new.type)}, had {c_text(old.type)}"
-        if not self._types.alike(old.type, new.type):
-            text = f"parameter {name} has the type {types}"
-            yield change(kinds.PARAMETER_TYPE, name, text, *spans)
-        elif str(old.type) != str(new.type):
-            text = f"parameter {name} has the type {types}"
-            yield change(kinds.PARAMETER_ALIAS, name, text, *spans)
+        alike = self._types.alike(old.type, new.type)
+        if not alike or str(old.type) != str(new.type):
+            text = f"parameter {name} has the type {c_text(new.type)}, had {c_text(old.type)}"
+            kind = kinds.PARAMETER_ALIAS if alike else kinds.PARAMETER_TYPE
+            yield change(kind, name, text, *spans)
+        yield from fact_changes(_PARAMETER_FACTS, old, new, name, spans, "parameter")
         yield from _sizes(old.sizes, new.sizes, name, spans, renamed)
-        if old.allocator != new.allocator:
-            text = f"parameter {name} has another allocator"
-            yield change(kinds.ALLOCATOR, name, text, *spans)
 
     def _sub(self, function: TecsFunction) -> str:
         return f"{self._new.scoped}.{function.name}"
@@ -389,24 +382,10 @@ def _sizes(
     spans: tuple[Span, Span],
     renamed: Mapping[str, str],
 ) -> Iterator[Change]:
-    rows: tuple[tuple[Kind, str, str, str], ...] = (
-        (
-            *(kinds.SIZE_IS, "size_is"),
-            *(length_text(old.size_is, renamed), length_text(new.size_is, {})),
-        ),
-        (
-            *(kinds.COUNT_IS, "count_is"),
-            *(length_text(old.count_is, renamed), length_text(new.count_is, {})),
-        ),
-        (
-            *(kinds.STRING, "string"),
-            *(_string(old, renamed), _string(new, {})),
-        ),
-    )
-    for kind, word, before, after in rows:
-        if before != after:
-            text = f"parameter {name} has {word} {after}, had {before}"
-            yield change(kind, name, text, *spans)
+    before, after = _lengths(old, renamed), _lengths(new, {})
+    for key, was, now in differing(before, after):
+        text = f"parameter {name} has {key} {now}, had {was}"
+        yield change(_LENGTHS[key], name, text, *spans)
     if old.max_size != new.max_size:
         lowered = new.max_size is not None and (
             old.max_size is None or new.max_size < old.max_size
@@ -414,10 +393,8 @@ def _sizes(
         kind = kinds.MAX_SIZE_LOWERED if lowered else kinds.MAX_SIZE_RAISED
         text = f"parameter {name} holds at most {new.max_size}, did {old.max_size}"
         yield change(kind, name, text, *spans)
-    if old.nullable != new.nullable:
-        text = f"parameter {name} is {'' if new.nullable else 'no longer '}nullable"
-        yield change(kinds.NULLABLE, name, text, *spans)
 
 
-def _string(sizes: Sizes, renamed: Mapping[str, str]) -> str:
-    return "unsized" if sizes.unsized_string else length_text(sizes.string, renamed)
+def _lengths(sizes: Sizes, renamed: Mapping[str, str]) -> dict[str, str]:
+    lengths = {key: length_text(getattr(sizes, key), renamed) for key in _LENGTHS}
+    return lengths | {"string": "unsized"} if sizes.unsized_string else lengths
