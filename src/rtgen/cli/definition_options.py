@@ -86,12 +86,10 @@ def _without_garbage_collection(function: Callable[P, int]) -> Callable[P, int]:
     return wrapped
 
 
-def with_output(
-    verb: str,
-) -> Callable[[Callable[P, int]], Callable[P, int]]:
+def with_output(verb: str) -> Callable[[Callable[P, int]], Callable[P, int]]:
     """Add -o and --no-cache; the function gets `output` and `no_cache`."""
 
-    def added(function: Callable[P, int]) -> Callable[P, int]:
+    def decorate(function: Callable[P, int]) -> Callable[P, int]:
         return click.option(
             "-o",
             "output",
@@ -99,7 +97,7 @@ def with_output(
             help=f"{verb} DIR/generated and DIR/src instead.",
         )(with_cache(function))
 
-    return added
+    return decorate
 
 
 def with_cache(function: Callable[P, int]) -> Callable[P, int]:

@@ -8,7 +8,7 @@ import click
 
 from rtgen.cli.can.options import with_bus, with_nodes, with_span
 from rtgen.cli.options import with_console
-from rtgen.tools.can.access import BusAccess, Described
+from rtgen.tools.can.access import BusAccess, NodeFiles
 from rtgen.tools.can.decoding.frame_printing import MessageDecoder, Printer, Wanted
 from rtgen.tools.can.live.live_bus import frames, opened
 from rtgen.tools.kit.console import Console, write_out
@@ -37,7 +37,7 @@ from rtgen.tools.kit.exits import OK
 def monitor_(
     console: Console,
     access: BusAccess,
-    described: Described,
+    node_files: NodeFiles,
     seconds: float | None,
     count: int | None,
     plain: bool,
@@ -50,7 +50,7 @@ def monitor_(
     On a terminal, the output is a table with a row per identifier; elsewhere, or with --plain, a
     line per frame. The command stops at Ctrl-C, or according to --for and --count.
     """
-    node_index = described.known()
+    node_index = node_files.read()
     selection = Wanted(node_index, nodes, kinds)
     with opened(access.on(node_index)) as bus, frames(bus, seconds, count) as received:
         if as_json or plain or not sys.stdout.isatty():

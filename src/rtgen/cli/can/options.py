@@ -11,7 +11,7 @@ import click
 
 from rtgen.cli.parameter_types import FiniteRange, WholeRange
 from rtgen.runtime.canopen.bus.python_can import Option, option
-from rtgen.tools.can.access import CHANNEL, BusAccess, Described
+from rtgen.tools.can.access import CHANNEL, BusAccess, NodeFiles
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -56,7 +56,7 @@ def with_bus(function: Callable[P, R]) -> Callable[..., R]:
 
 
 def with_nodes(function: Callable[P, R]) -> Callable[..., R]:
-    """Add --bus and --eds; the function gets `described`."""
+    """Add --bus and --eds; the function gets `node_files`."""
 
     @click.option(
         "--bus",
@@ -80,8 +80,8 @@ def with_nodes(function: Callable[P, R]) -> Callable[..., R]:
         *args: P.args,
         **kwargs: P.kwargs,
     ) -> R:
-        described = Described(bus_file, tuple(descriptions))
-        return function(*args, described=described, **kwargs)  # type: ignore[arg-type]
+        node_files = NodeFiles(bus_file, tuple(descriptions))
+        return function(*args, node_files=node_files, **kwargs)  # type: ignore[arg-type]
 
     return wrapped
 

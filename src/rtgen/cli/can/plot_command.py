@@ -10,7 +10,7 @@ import click
 
 from rtgen.cli.can.options import with_bus, with_nodes, with_span
 from rtgen.cli.options import with_console
-from rtgen.tools.can.access import BusAccess, Described
+from rtgen.tools.can.access import BusAccess, NodeFiles
 from rtgen.tools.can.decoding.frame_printing import MessageDecoder
 from rtgen.tools.can.decoding.node_index import NodeIndex
 from rtgen.tools.can.decoding.time_series import Series, check_output, draw, write_csv
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 def plot_(
     console: Console,
     access: BusAccess,
-    described: Described,
+    node_files: NodeFiles,
     objects: tuple[str, ...],
     record: Path | None,
     outputs: tuple[Path, ...],
@@ -61,7 +61,7 @@ def plot_(
     it. Values come from PDOs and SDO, and are physical if the object has a factor. On a bus, the
     command stops at Ctrl-C, or according to --for and --count. Exit code 1: there was no value.
     """
-    node_index = described.known()
+    node_index = node_files.read()
     for path in outputs:
         check_output(path)
     curves = _series(node_index, objects)

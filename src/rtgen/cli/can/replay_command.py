@@ -13,7 +13,7 @@ from rtgen.cli.can.options import with_bus, with_nodes
 from rtgen.cli.options import with_console
 from rtgen.cli.parameter_types import FiniteRange
 from rtgen.runtime.canopen.bus.messages import frame_of
-from rtgen.tools.can.access import BusAccess, Described
+from rtgen.tools.can.access import BusAccess, NodeFiles
 from rtgen.tools.can.common import counted
 from rtgen.tools.can.decoding.frame_printing import Printer, Wanted
 from rtgen.tools.can.live.live_bus import (
@@ -66,7 +66,7 @@ if TYPE_CHECKING:
 def replay_(
     console: Console,
     access: BusAccess,
-    described: Described,
+    node_files: NodeFiles,
     file: Path,
     speed: float,
     at_once: bool,
@@ -81,7 +81,7 @@ def replay_(
     --decode prints frames as `monitor` does. Error frames and frames of CAN FD are not sent, nor
     are remote frames over socketcand. What is damaged in FILE is reported, and the rest is read.
     """
-    node_index = described.known()
+    node_index = node_files.read()
     if decode:
         selection = Wanted(node_index, nodes, kinds)
         printer = Printer(node_index, selection, as_json=as_json, write=write_out)

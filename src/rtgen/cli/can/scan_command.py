@@ -11,7 +11,7 @@ from rtgen.cli.can.options import with_bus, with_nodes
 from rtgen.cli.options import with_console
 from rtgen.cli.parameter_types import FiniteRange
 from rtgen.runtime.canopen.wire.lss import LssAddress
-from rtgen.tools.can.access import BusAccess, Described
+from rtgen.tools.can.access import BusAccess, NodeFiles
 from rtgen.tools.can.decoding.node_index import NodeIndex
 from rtgen.tools.can.live.bus_session import BusSession
 from rtgen.tools.can.live.live_bus import opened
@@ -53,7 +53,7 @@ class _Row:
 def scan_(
     console: Console,
     access: BusAccess,
-    described: Described,
+    node_files: NodeFiles,
     seconds: float,
     no_lss: bool,
     as_json: bool,
@@ -64,7 +64,7 @@ def scan_(
     heartbeats reveal nodes that do not serve SDO now. LSS fastscan finds nodes without a node-id,
     and does not change them. Exit code 1: with --bus or --eds, a node is missing or different.
     """
-    node_index = described.known()
+    node_index = node_files.read()
     with opened(access.on(node_index)) as bus:
         nodes, strangers = scanned(bus, seconds), list[LssAddress]()
         if not no_lss:

@@ -21,7 +21,7 @@ from rtgen.runtime.canopen.wire.frames import (
     SECOND,
 )
 from rtgen.runtime.canopen.wire.sdo import SdoAbort
-from rtgen.tools.can.access import BusAccess, Described
+from rtgen.tools.can.access import BusAccess, NodeFiles
 from rtgen.tools.can.decoding.node_index import DescribedObject
 from rtgen.tools.can.decoding.object_values import Field, decoded
 from rtgen.tools.can.live.bus_session import BusSession, SilentError
@@ -108,7 +108,7 @@ def _unmarked(
 def sdo_(
     console: Console,
     access: BusAccess,
-    described: Described,
+    node_files: NodeFiles,
     action: str,
     node: str,
     name: str,
@@ -127,7 +127,7 @@ def sdo_(
     as 6040 or 6401:1. Long values use block transfer if the node supports it. Exit code 1: the node
     refuses, or an answer is missing or not valid: what has happened to which message is printed.
     """
-    node_index = described.known()
+    node_index = node_files.read()
     node_id = node_index.node(node)
     thing = requested_object(node_index, node_id, name, kind, raw=raw)
     if action == "read" and value is not None:

@@ -13,7 +13,7 @@ from rtgen.cli.can.options import with_bus, with_nodes
 from rtgen.cli.options import with_console
 from rtgen.cli.parameter_types import FiniteRange, WholeRange
 from rtgen.runtime.canopen.bus.python_can import OpenBus
-from rtgen.tools.can.access import BusAccess, Described
+from rtgen.tools.can.access import BusAccess, NodeFiles
 from rtgen.tools.can.common import counted
 from rtgen.tools.can.live.live_bus import drained, opened, send, until_interrupted
 from rtgen.tools.can.parsing.frames import FORMS, frame_of_text
@@ -48,7 +48,7 @@ from rtgen.tools.kit.exits import OK
 def send_(
     console: Console,
     access: BusAccess,
-    described: Described,
+    node_files: NodeFiles,
     texts: tuple[str, ...],
     file: Path | None,
     every: float | None,
@@ -65,7 +65,7 @@ def send_(
     """
     if bool(texts) == (file is not None):
         raise click.UsageError(f"give frames, or --file; a frame is {FORMS}")
-    node_index = described.known()
+    node_index = node_files.read()
     if file is not None:
         steps = read_sequence(file, node_index)
     else:

@@ -80,12 +80,12 @@ def _misconfigured(reason: object) -> ToolError:
 
 
 @dataclass(frozen=True, slots=True)
-class Described:
-    """The files with descriptions of nodes; `known` reads them."""
+class NodeFiles:
+    """The files with descriptions of nodes: a bus file, and files with node-ids."""
 
     bus_file: Path | None = None
     descriptions: tuple[tuple[int | None, Path], ...] = ()
 
-    def known(self) -> NodeIndex:
-        """Read the files. Raises InputError."""
+    def read(self) -> NodeIndex:
+        """Return the nodes of the files by id and name. Raises InputError."""
         return read_node_index(self.bus_file, self.descriptions)

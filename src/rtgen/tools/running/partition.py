@@ -59,9 +59,9 @@ def share(profile: System, here: Collection[str], *, data: bool = False) -> Syst
         components=tuple(c for c in profile.components if c.instance in here),
         connections=tuple(connections),
         properties=tuple(
-            (name, kept)
+            (name, text)
             for name, value in profile.properties
-            if (kept := _without(others, value) if name in _OBSERVABLES else value)
+            if (text := _without(others, value) if name in _OBSERVABLES else value)
             # Only the process with pose and goal can evaluate the end.
             and not (elsewhere and name == "rtgen.run.tolerance")
         ),

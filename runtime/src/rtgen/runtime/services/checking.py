@@ -10,7 +10,7 @@ from rtgen.runtime.services.calls import as_tuple, calls_of, encoded, references
 from rtgen.runtime.services.servants import MarshalError, Servant, ServiceError
 
 
-class _Passed:
+class _UnresolvedObjects:
     """References to objects, of which only the interface is checked."""
 
     def reference(self, interface: type[Any], servant: Any) -> ObjectReference:
@@ -20,7 +20,7 @@ class _Passed:
         raise NotImplementedError
 
 
-_PASSED = _Passed()
+_OBJECTS = _UnresolvedObjects()
 
 
 class CallChecks:
@@ -68,7 +68,7 @@ class CallChecks:
         interfaces: Any,
     ) -> None:
         try:
-            passed = references(values, interfaces, _PASSED)
+            passed = references(values, interfaces, _OBJECTS)
             encoded(operation, type_, passed, True)
         except CdrError as error:
             raise CdrError(f"{self._place}: {error.path}", error.message) from None
