@@ -282,9 +282,12 @@ class NamingWatcher:
             for connector in component.connectors:
                 ends = [
                     end
-                    for wanted in connector.ports
-                    if wanted is not None
-                    for end in (*self._end_of(ports, wanted), *self._own_end(wanted))
+                    for port_ref in connector.ports
+                    if port_ref is not None
+                    for end in (
+                        *self._end_of(ports, port_ref),
+                        *self._own_end(port_ref),
+                    )
                 ]
                 ends.sort(key=lambda end: not end[0])
                 for _, target in ends[1:]:
@@ -303,10 +306,10 @@ class NamingWatcher:
                     )
         return connections
 
-    def _end_of(self, ports: _Ports, wanted: Any) -> Iterator[_End]:
+    def _end_of(self, ports: _Ports, port: Any) -> Iterator[_End]:
         """Return the port that a reference denotes."""
-        for reference, end in ports.get(self._exported.key(wanted), ()):
-            if reference._is_equivalent(wanted):
+        for reference, end in ports.get(self._exported.key(port), ()):
+            if reference._is_equivalent(port):
                 yield end
 
     def _own_end(self, reference: Any) -> Iterator[_End]:
@@ -319,9 +322,9 @@ class NamingWatcher:
 
     # Samples.
 
-    def watch(self, wanted: Mapping[Key, Take]) -> None:
+    def watch(self, takers: Mapping[Key, Take]) -> None:
         """Receive the samples of only these OutPorts from now on; from any thread."""
-        self._takers = wanted
+        self._takers = takers
         self.submit(lambda: None)
 
     def _listen(self) -> None:
@@ -412,46 +415,46 @@ class NamingWatcher:
         except (*FAULTS, CdrError) as error:
             raise CommandError(CALL_FAILED, str(error)) from error
 
-    def call(self, wanted: ui.Call, interface: type[Servant], type_name: str) -> bytes:
+    def call(self, command: ui.Call, interface: type[Servant], type_name: str) -> bytes:
         """Call an operation of a service; by `submit` only. Raises CommandError."""
-        address = wanted.port
+        address = command.port
         port = self._profile(address)
-        key = Key(Use.CALL, address.instance, address.port, wanted.interface_name)
+        key = Key(Use.CALL, address.instance, address.port, command.interface_name)
         try:
             invoke = self._taps.caller(key, port, interface, type_name)
         except FAULTS as error:
             raise CommandError(CALL_FAILED, explained(error)) from error
-        return carried_out(interface, invoke, wanted)
+        return carried_out(interface, invoke, command)
 
-    def _setting(self, wanted: ui.SetParameter) -> Edit:
-        component = self._at(wanted.instance).component
-        set_id = wanted.set or component.active_set
+    def _setting(self, command: ui.SetParameter) -> Edit:
+        component = self._at(command.instance).component
+        set_id = command.set or component.active_set
         sets = {each.name: each.values for each in component.configuration_sets}
         texts = {each.name: each.text for each in sets.get(set_id, ())}
 
         def put(text: str) -> None:
-            self._at(wanted.instance).set(set_id, wanted.parameter, text)
-            self._query_again([wanted.instance])
+            self._at(command.instance).set(set_id, command.parameter, text)
+            self._query_again([command.instance])
 
         def undo() -> None:
             if set_id not in sets:
-                self._at(wanted.instance).remove_set(set_id)
-                self._query_again([wanted.instance])
+                self._at(command.instance).remove_set(set_id)
+                self._query_again([command.instance])
             else:
-                put(texts.get(wanted.parameter, ""))
+                put(texts.get(command.parameter, ""))
 
-        label = f"{wanted.instance}.{wanted.parameter} = {wanted.text}"[:200]
-        return Edit(label, partial(put, wanted.text), undo, remote=True)
+        label = f"{command.instance}.{command.parameter} = {command.text}"[:200]
+        return Edit(label, partial(put, command.text), undo, remote=True)
 
-    def _use(self, wanted: ui.ActiveSet) -> Edit:
-        before = self._at(wanted.instance).component.active_set
+    def _use(self, command: ui.ActiveSet) -> Edit:
+        before = self._at(command.instance).component.active_set
 
         def put(set_id: str) -> None:
-            self._at(wanted.instance).use(set_id)
-            self._query_again([wanted.instance])
+            self._at(command.instance).use(set_id)
+            self._query_again([command.instance])
 
-        label = f"{wanted.instance}: set {wanted.set}"[:200]
-        redo, undo = partial(put, wanted.set), partial(put, before)
+        label = f"{command.instance}: set {command.set}"[:200]
+        redo, undo = partial(put, command.set), partial(put, before)
         return Edit(label, redo, undo, remote=True)
 
     def _at(self, instance: str) -> RemoteComponent:
@@ -474,14 +477,14 @@ class NamingWatcher:
                 self._components[instance].query()
         self._publish_changes()
 
-    def _wire(self, wanted: ui.Connect) -> Edit:
-        wire = _Wire(self, wanted)
-        label = f"connect {wanted.source.port} with {wanted.target.port}"
+    def _wire(self, command: ui.Connect) -> Edit:
+        wire = _Wire(self, command)
+        label = f"connect {command.source.port} with {command.target.port}"
         return Edit(label, wire.make, wire.cut, remote=True)
 
-    def make(self, wanted: ui.Connect) -> str:
+    def make(self, command: ui.Connect) -> str:
         """Make a connection; return its id. Raises CommandError."""
-        ends = wanted.source, wanted.target
+        ends = command.source, command.target
         far = ends[0] if ends[0].instance in self._components else ends[1]
         reached = self._at(far.instance)
         profiles = [
@@ -491,11 +494,11 @@ class NamingWatcher:
         why = obstacle(*(described("", each) for each in profiles))
         if why:
             raise CommandError(NO_FIT, why)
-        stated = {each.name: each.text for each in wanted.properties}
+        stated = {each.name: each.text for each in command.properties}
         type_ = texts(profiles[0].properties).get(DATA_TYPE)
         if type_ is not None:
             stated = DATA_DEFAULTS | {DATA_TYPE: type_} | stated
-        name = wanted.name or "_".join(each.name for each in profiles)
+        name = command.name or "_".join(each.name for each in profiles)
         ports = [each.port_ref for each in profiles]
         profile = ConnectorProfile(name, str(uuid4()), ports, values(stated))
         reached.connect(far.port, profile)
@@ -531,15 +534,15 @@ class NamingWatcher:
             raise CommandError(UNKNOWN, f"there is no connection {name}")
         source, target, connector_id = self._ids[name]
         properties = self._published.connections[name].properties
-        wanted = ui.Connect(source, target, "", restored(properties))
-        wire = _Wire(self, wanted, connector_id)
+        command = ui.Connect(source, target, "", restored(properties))
+        wire = _Wire(self, command, connector_id)
         label = f"cut {source.port} from {target.port}"
         return Edit(label, wire.cut, wire.make, remote=True)
 
-    def end(self, wanted: ui.Connect, connector_id: str) -> None:
+    def end(self, command: ui.Connect, connector_id: str) -> None:
         """End a connection. Raises CommandError."""
-        source, target = wanted.source, wanted.target
-        if not self._end_here(wanted, connector_id):
+        source, target = command.source, command.target
+        if not self._end_here(command, connector_id):
             # At a component of rtgen, which makes a connection again that the other end ends.
             components = [
                 self._components.get(each.instance) for each in (source, target)
@@ -554,9 +557,9 @@ class NamingWatcher:
             self._at(end.instance).disconnect(end.port, connector_id)
         self._query_again([source.instance, target.instance])
 
-    def _end_here(self, wanted: ui.Connect, connector_id: str) -> bool:
+    def _end_here(self, command: ui.Connect, connector_id: str) -> bool:
         """End a connection at a port of this process; return whether it is connected there."""
-        for end in (wanted.source, wanted.target):
+        for end in (command.source, command.target):
             if self._own is not None and end.instance not in self._components:
                 for port in self._own.ports_at(end.instance, end.port):
                     if port.is_linked(connector_id):

@@ -129,10 +129,10 @@ class _Copies:
             *_, (_, own) = _members(self.model, adapter.target, to)
             types = self.model.unalias(theirs.type), self.model.unalias(own.type)
             path = string_literal(".".join((adapter.target[-1], *to)))
-            made = self._converted(value, *types, path, scales.get(to))
-            if own.optional and made != value:
-                made = f"None if {value} is None else {made}"
-            yield _path(self.model, self.names, adapter.target, to), made
+            text = self._converted(value, *types, path, scales.get(to))
+            if own.optional and text != value:
+                text = f"None if {value} is None else {text}"
+            yield _path(self.model, self.names, adapter.target, to), text
 
     def _converted(
         self, value: str, from_: Type, to: Type, path: str, scale: _Scale | None
@@ -168,8 +168,8 @@ class _Copies:
         if isinstance(type_, ArrayType) and len(type_.dimensions) > 1:
             element = replace(type_, dimensions=type_.dimensions[1:])
         each = f"each{depth or ''}"
-        made = self._numbers(each, element, path, scale, depth + 1)
-        return f"[{made} for {each} in {value}]"
+        text = self._numbers(each, element, path, scale, depth + 1)
+        return f"[{text} for {each} in {value}]"
 
     def _function(self, name: str) -> str:
         return self.types.spell("rtgen.runtime.forms", name)
@@ -180,10 +180,10 @@ def _form(type_: Type) -> Numeric:
 
 
 def _scaled_number(value: str, factor: float, offset: float) -> str:
-    made = value if factor == 1 else f"{number_literal(factor)} * {value}"
+    text = value if factor == 1 else f"{number_literal(factor)} * {value}"
     if offset:
-        made += f" {'-' if offset < 0 else '+'} {number_literal(abs(offset))}"
-    return made
+        text += f" {'-' if offset < 0 else '+'} {number_literal(abs(offset))}"
+    return text
 
 
 def _literal(value: AdapterConstant) -> str:

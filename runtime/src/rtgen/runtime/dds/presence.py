@@ -39,15 +39,15 @@ class Presence(Aggregated):
 class Presences:
     """Announcements of this process, and presences of all processes."""
 
-    def __init__(self, entities_made: Entities, dispatcher: Dispatcher) -> None:
+    def __init__(self, factory: Entities, dispatcher: Dispatcher) -> None:
         self._holder = os.urandom(16)
         self._lock = threading.RLock()
         self._announced: Counter[str] = Counter()
         self._names: dict[int, str] = {}
         self._present: Counter[str] = Counter()
         self._watches: list[tuple[str, OnChange]] = []
-        self._writer = entities_made.writer(_TOPIC, Presence, _QOS)
-        self._reader = entities_made.reader(_TOPIC, Presence, _QOS)
+        self._writer = factory.writer(_TOPIC, Presence, _QOS)
+        self._reader = factory.reader(_TOPIC, Presence, _QOS)
         self._condition = entities.condition(self._reader)
         self._entry = dispatcher.add(self._condition, self._take)
 

@@ -61,7 +61,7 @@ class DdsService:
 
     def __init__(
         self,
-        made: Entities,
+        factory: Entities,
         dispatcher: Dispatcher,
         service: str,
         types: Sequence[ServiceTypes],
@@ -71,7 +71,7 @@ class DdsService:
         try:
             for each in types:
                 self._endpoints.append(
-                    _Endpoint(made, dispatcher, service, each, on_request)
+                    _Endpoint(factory, dispatcher, service, each, on_request)
                 )
         except MediumError:
             self.close()
@@ -133,14 +133,14 @@ class DdsServer(ABC):
 class _Endpoint(DdsServer):
     def __init__(
         self,
-        made: Entities,
+        factory: Entities,
         dispatcher: Dispatcher,
         service: str,
         types: ServiceTypes,
         on_request: OnRequest,
     ) -> None:
-        writer = made.writer(f"{service}Reply", types.reply, _REPLIES, _LATE)
-        reader = made.reader(f"{service}Request", types.request, _QOS, _OURS)
+        writer = factory.writer(f"{service}Reply", types.reply, _REPLIES, _LATE)
+        reader = factory.reader(f"{service}Request", types.request, _QOS, _OURS)
         super().__init__(service, writer, reader)
         self._on_request = on_request
         self._name = reader.guid.hex
@@ -304,13 +304,13 @@ class DdsRpcClient(DdsClient):
 
     def __init__(
         self,
-        made: Entities,
+        factory: Entities,
         dispatcher: Dispatcher,
         service: str,
         types: ServiceTypes,
     ) -> None:
-        writer = made.writer(f"{service}Request", types.request, _QOS)
-        reader = made.reader(f"{service}Reply", types.reply, _REPLIES)
+        writer = factory.writer(f"{service}Request", types.request, _QOS)
+        reader = factory.reader(f"{service}Reply", types.reply, _REPLIES)
         super().__init__(service, writer, reader)
         self._names: dict[int, str] = {}
         """The names of servers, by the handles of their readers."""
@@ -324,11 +324,11 @@ class DdsRpcClient(DdsClient):
         """
         identity = identity_of(octets)
         deadline = min(deadline, time.monotonic() + _DISCOVERY)
-        while (found := self._server()) is None:
+        while (connected := self._server()) is None:
             if time.monotonic() > deadline:
                 raise NotServedError(f"nobody serves {self._service}")
             time.sleep(0.002)
-        server, name = found
+        server, name = connected
         return Request(identity, server, directed(octets, name) if name else octets)
 
     def _server(self) -> tuple[int, str] | None:
@@ -350,10 +350,10 @@ class DdsRpcClient(DdsClient):
 
     def _name(self, server: int) -> str | None:
         """Return the name of a server; None if it is lost."""
-        found = entities.matched_reader(self._writer, server)
-        if found is None:
+        reader = entities.matched_reader(self._writer, server)
+        if reader is None:
             return None
-        return found.guid.hex() if found.user_data == _OURS else ""
+        return reader.guid.hex() if reader.user_data == _OURS else ""
 
     def _servers(self) -> Collection[int]:
         servers = set(entities.matched_readers(self._writer))

@@ -169,29 +169,29 @@ class _Source:
         while self._waiting:
             self._declared(self._waiting.pop())
         text = "".join(f"{line}\n" for line in self._lines)
-        made = self._names.values
-        made["__name__"] = __name__
-        exec(compile(text, entered(text, file), "exec"), made)
+        namespace = self._names.values
+        namespace["__name__"] = __name__
+        exec(compile(text, entered(text, file), "exec"), namespace)
         for descriptor, names in self._begun.values():
-            functions: Any = (made.get(name) for name in names)
+            functions: Any = (namespace.get(name) for name in names)
             descriptor.codecs.setdefault(_KEY, Conversions(*functions))
-        return made
+        return namespace
 
     def operation(self, signature: Signature, calls: bool) -> Callable[..., Any]:
         """Return the compiled function that calls omniORB's object, or rtgen's invoker."""
         name = self._names.free(signature.name)
-        given = [self._local("value") for _ in signature.arguments]
+        locals_ = [self._local("value") for _ in signature.arguments]
         passed = [
             self._converted(calls, type_, value)
-            for type_, value in zip(signature.arguments, given, strict=True)
+            for type_, value in zip(signature.arguments, locals_, strict=True)
         ]
         extra = [self._shared("extra", each) for each in signature.extra]
         if calls:
             parameters = "wire, values"
-            lines = [f"({_tuple(given)}) = values"]
+            lines = [f"({_tuple(locals_)}) = values"]
             call = f"wire.{signature.method}({', '.join((*passed, *extra))})"
         else:
-            parameters = ", ".join(("made", *given, *extra))
+            parameters = ", ".join(("made", *locals_, *extra))
             lines = []
             call = f"made({signature.name!r}, ({_tuple(passed)}))"
         results = [self._local("value") for _ in signature.results]
@@ -206,8 +206,8 @@ class _Source:
         else:
             lines.append(call)
         self._function(name, parameters, lines)
-        made = self.compiled(f"<call of {signature.name}>")
-        function: Callable[..., Any] = made[name]
+        functions = self.compiled(f"<call of {signature.name}>")
+        function: Callable[..., Any] = functions[name]
         return function
 
     def _function(self, name: str, parameters: str, lines: Iterable[str]) -> None:
@@ -232,9 +232,12 @@ class _Source:
             return
         theirs = self._bound(class_of(identity))
         if is_raised:
-            for name, parameter, made in ((to, "value", theirs), (of, "wire", ours)):
+            for name, parameter, expression in (
+                (to, "value", theirs),
+                (of, "wire", ours),
+            ):
                 arguments = self._members(descriptor, parameter, name == to)
-                self._function(name, parameter, [f"return {made}({arguments})"])
+                self._function(name, parameter, [f"return {expression}({arguments})"])
             return
         new = f"wire = {self._bound(_NEW)}({theirs})"
         if isinstance(descriptor, UnionDescriptor):
@@ -244,8 +247,8 @@ class _Source:
             return
         fields = self._fill_struct(descriptor, "wire", "value", True)
         self._function(to, "value", [new, *fields, "return wire"])
-        lines, made = self._constructed(descriptor, "wire")
-        self._function(of, "wire", [*lines, f"return {made}"])
+        lines, expression = self._constructed(descriptor, "wire")
+        self._function(of, "wire", [*lines, f"return {expression}"])
         fields = self._fill_struct(descriptor, "wire", "value", False)
         self._function(fill, "wire, value", [*fields] or ["pass"])
 
@@ -277,8 +280,8 @@ class _Source:
             inner_wire = self._local(f"wire_{member.name}")
             inner_value = self._local(f"value_{member.name}")
             class_ = self._bound(class_of(identity_of(inner)))
-            made = f"{there} = {self._bound(_NEW)}({class_})" if fresh else there
-            yield f"{inner_wire} = {made}"
+            target = f"{there} = {self._bound(_NEW)}({class_})" if fresh else there
+            yield f"{inner_wire} = {target}"
             yield f"{inner_value} = {here}"
             yield from self._fill_struct(inner, inner_wire, inner_value, fresh)
 
@@ -311,9 +314,9 @@ class _Source:
                 arguments.append(self._converted(False, member.type, there))
                 continue
             variable = self._local(f"wire_{member.name}")
-            more, made = self._constructed(inner, variable)
+            more, expression = self._constructed(inner, variable)
             lines += [f"{variable} = {there}", *more]
-            arguments.append(made)
+            arguments.append(expression)
         return lines, f"{self._bound(struct.class_)}({', '.join(arguments)})"
 
     def _inner(self, type_: Descriptor) -> StructDescriptor | None:
@@ -356,10 +359,10 @@ class _Source:
             (head, self._converted(outgoing, branch.type, "part"))
             for head, branch in choices(union, "selected")
         ]
-        if any(made != "part" for _, made in arms):
-            for head, made in arms:
+        if any(expression != "part" for _, expression in arms):
+            for head, expression in arms:
                 yield head
-                yield f"    part = {made}"
+                yield f"    part = {expression}"
 
     # Expressions.
 
@@ -411,8 +414,12 @@ class _Source:
 
     def _list(self, outgoing: bool, type_: Items, value: str) -> str:
         item = self._local("item")
-        made = self._converted(outgoing, element_of(type_), item)
-        return f"list({value})" if made == item else f"[{made} for {item} in {value}]"
+        converted = self._converted(outgoing, element_of(type_), item)
+        return (
+            f"list({value})"
+            if converted == item
+            else f"[{converted} for {item} in {value}]"
+        )
 
     def _numbers(
         self, helper: Callable[..., Any], type_: Descriptor, value: str
@@ -445,14 +452,14 @@ class _Source:
         many = f"{self._bound(NumericArray)}({code!r}, {value})"
         return f"{many} if len({value}) > {MAX_LIST_LENGTH} else [*{value}]"
 
-    def _local(self, wanted: str) -> str:
+    def _local(self, name: str) -> str:
         """Return the name of a new variable; numbers keep names of many short."""
         self._count += 1
-        return self._names.free(f"{wanted}_{self._count}")
+        return self._names.free(f"{name}_{self._count}")
 
-    def _shared(self, wanted: str, value: Any) -> str:
+    def _shared(self, name: str, value: Any) -> str:
         """Return the name of an object in the namespace."""
-        return self._names.bind(f"{wanted}_{len(self._names.values)}", value)
+        return self._names.bind(f"{name}_{len(self._names.values)}", value)
 
     def _bound(self, value: Any) -> str:
         return self._names.bind(value.__name__, value)

@@ -56,9 +56,9 @@ class Table(msgspec.Struct, eq=False):
         place: Place,
     ) -> Entity | None:
         """Declare an entity; None, after a diagnostic, if the name is taken."""
-        known = place.scope.own(name.text)
-        if known is not None:
-            self._report_taken(name, place, known)
+        existing = place.scope.own(name.text)
+        if existing is not None:
+            self._report_taken(name, place, existing)
             return None
         entity = Entity(
             kind, (*place.scope.name, name.text), place.unit, node, place.span(name)
@@ -67,27 +67,29 @@ class Table(msgspec.Struct, eq=False):
         return entity
 
     def _report_taken(
-        self, name: tree.Name, place: Place, known: Entity | Scope
+        self, name: tree.Name, place: Place, existing: Entity | Scope
     ) -> None:
-        if known.kind is Kind.TYPEDEF and name.text in place.unit.maybe_declared:
+        if existing.kind is Kind.TYPEDEF and name.text in place.unit.maybe_declared:
             return  # reported by the parser
-        related = [Related(known.place, "first declared here")] if known.place else []
-        message = f"'{name.text}' is a {known.kind} already"
+        related = (
+            [Related(existing.place, "first declared here")] if existing.place else []
+        )
+        message = f"'{name.text}' is a {existing.kind} already"
         self.report(rules.DECLARED_TWICE.at(place.span(name), message, related=related))
 
     def open_scope(self, name: tree.Name, place: Place, kind: Kind) -> Scope | None:
         """Open or reopen a name space or region; None if the name is taken."""
-        known = place.scope.own(name.text)
-        if isinstance(known, Scope) and known.kind is kind:
-            return known
-        if known is not None:
-            self._report_taken(name, place, known)
+        existing = place.scope.own(name.text)
+        if isinstance(existing, Scope) and existing.kind is kind:
+            return existing
+        if existing is not None:
+            self._report_taken(name, place, existing)
             return None
-        made = Scope(
+        opened = Scope(
             (*place.scope.name, name.text), place.scope, kind, place.span(name)
         )
-        place.scope.scopes[name.text] = made
-        return made
+        place.scope.scopes[name.text] = opened
+        return opened
 
     def declared(self, entity: Entity) -> None:
         """Record an entity whose model is complete."""
@@ -106,18 +108,18 @@ class Table(msgspec.Struct, eq=False):
         """Look up an entity of one of the kinds; None, after a diagnostic, if there is none."""
         entity = place.scope.find(name)
         span = place.span(name)
-        wanted = " or ".join(kinds)
+        expectation = " or ".join(kinds)
         if entity is None:
             if name.parts[-1].text not in place.unit.maybe_declared:
                 near = self.guesses.nearest(str(name), place.scope.visible())
                 hint = f"did you mean '{near}'?" if near else None
-                message = f"the {wanted} '{name}' is unknown"
+                message = f"the {expectation} '{name}' is unknown"
                 self.report(rules.UNKNOWN_NAME.at(span, message, hint=hint))
             return None
         if isinstance(entity, Entity) and entity.kind in kinds:
             return entity
         related = [Related(entity.place, "declared here")] if entity.place else []
-        message = f"'{name}' is a {entity.kind}, but {wanted_by} wants a {wanted}"
+        message = f"'{name}' is a {entity.kind}, but {wanted_by} wants a {expectation}"
         self.report(rules.WRONG_KIND.at(span, message, related=related))
         return None
 

@@ -279,9 +279,9 @@ class Builder(ExpressionBuilder):
 
     def specifiers(self, children: Children) -> tree.Specifiers:
         opening, *items, closing = children
-        known = tuple(item for item in items if item.word in TERMINALS)
-        broken = len(known) < len(items)
-        return tree.Specifiers(opening.start_pos, closing.end_pos, known, broken)
+        terminals = tuple(item for item in items if item.word in TERMINALS)
+        broken = len(terminals) < len(items)
+        return tree.Specifiers(opening.start_pos, closing.end_pos, terminals, broken)
 
     def specifier(self, children: Children) -> tree.Specifier:
         word, *rest = children
