@@ -19,6 +19,7 @@ Json: TypeAlias = dict[str, Any]
 FIELDS: dict[type, str] = {}
 """The keys of a class: `key` or `key=attribute`; `::` follows a scoped name, `::*` several."""
 
+_PLAIN = frozenset((bool, int, str))
 _Field: TypeAlias = tuple[str, Callable[[Any], Any], Callable[[Any], Any]]
 
 
@@ -60,11 +61,11 @@ def plain(value: Any) -> Any:
 
     Octets are hexadecimal digits; NaN, infinities, types and expressions are texts.
     """
+    if value is None or type(value) in _PLAIN:
+        return value
     match value:
         case Enum():
             return value.value
-        case None | bool() | int() | str():
-            return value
         case float():
             return value if math.isfinite(value) else str(value)
         case bytes():
