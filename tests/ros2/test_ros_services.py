@@ -522,10 +522,19 @@ def test_each_call_that_the_run_ends_says_so(
     stack.callback(queryable.undeclare)
     call = network.client(service(lamp))
     pool = stack.enter_context(ThreadPoolExecutor(1))
+
+    def waiting() -> tuple[Any, Any]:
+        """Return a call and its query, as soon as the client knows of the queryable."""
+        while True:
+            waits = pool.submit(call, b"", PATIENCE)
+            until(lambda waits=waits: not asked.empty() or waits.done())
+            if not asked.empty():
+                return waits, asked.get()
+            assert isinstance(waits.exception(), ObjectNotExist)
+
     for _ in range(200):
-        waits = pool.submit(call, b"", PATIENCE)
         # A query that nobody refers to has no reply, which ends the call.
-        query = asked.get(timeout=PATIENCE)
+        waits, query = waiting()
         network.end_calls()
         with pytest.raises(CallEnded):
             waits.result(PATIENCE)

@@ -69,21 +69,18 @@ class Endpoint(NamedTuple):
     user_data: bytes
 
 
-def matched_readers(writer: Any) -> list[int]:
-    """Return the handles of the readers matched with a writer. Raises DDSException."""
-    return _handles(writer, writer._get_matched_subscriptions)
-
-
-def matched_writers(reader: Any) -> list[int]:
-    """Return the handles of the writers matched with a reader. Raises DDSException."""
-    return _handles(reader, reader._get_matched_publications)
-
-
-def _handles(entity: Any, get: Callable[..., int]) -> list[int]:
-    """Return the handles that a C function writes into an array.
+def matched(end: DataWriter[Any] | DataReader[Any]) -> list[int]:
+    """Return the handles of the readers or writers that an end is matched with.
 
     cyclonedds's own wrappers request the number first, and fail if it grows before the second call.
+    Raises DDSException.
     """
+    entity: Any = end
+    get: Callable[..., int] = (
+        entity._get_matched_subscriptions
+        if isinstance(end, DataWriter)
+        else entity._get_matched_publications
+    )
     room = _AT_ONCE
     while True:
         handles = (dds_c_t.instance_handle * room)()
@@ -96,19 +93,14 @@ def _handles(entity: Any, get: Callable[..., int]) -> list[int]:
         room = count
 
 
-def matched_reader(writer: DataWriter[Any], handle: int) -> Endpoint | None:
-    """Return the reader with this handle; None if it is no longer matched with the writer."""
-    endpoint: Endpoint | None = _clayer.ddspy_get_matched_subscription_data(
-        writer._ref, handle, _endpoint, _user_data
+def counterpart(end: DataWriter[Any] | DataReader[Any], handle: int) -> Endpoint | None:
+    """Return the reader or writer with this handle; None if it is no longer matched."""
+    look = (
+        _clayer.ddspy_get_matched_subscription_data
+        if isinstance(end, DataWriter)
+        else _clayer.ddspy_get_matched_publication_data
     )
-    return endpoint
-
-
-def matched_writer(reader: DataReader[Any], handle: int) -> Endpoint | None:
-    """Return the writer with this handle; None if it is no longer matched with the reader."""
-    endpoint: Endpoint | None = _clayer.ddspy_get_matched_publication_data(
-        reader._ref, handle, _endpoint, _user_data
-    )
+    endpoint: Endpoint | None = look(end._ref, handle, _endpoint, _user_data)
     return endpoint
 
 

@@ -307,7 +307,7 @@ class DdsPublisher:
         if self._closed:
             return False
         with entities.reported(self._writer.topic.name):
-            return bool(entities.matched_readers(self._writer))
+            return bool(entities.matched(self._writer))
 
     def close(self) -> None:
         """See `medium.Publisher`."""
@@ -393,7 +393,7 @@ class DdsSubscription:
 
     def _writer(self, handle: int) -> Hashable:
         """The identity of a writer, which gets a new handle when it is found again."""
-        endpoint = entities.matched_writer(self._reader, handle)
+        endpoint = entities.counterpart(self._reader, handle)
         writer: Hashable = handle if endpoint is None else endpoint.guid
         self._writers[handle] = writer
         if len(self._writers) > WRITERS:

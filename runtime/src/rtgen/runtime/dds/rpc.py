@@ -338,9 +338,9 @@ class DdsRpcClient(DdsClient):
         """
         with self._lock:
             self._check(self._times_cancelled)
-            if not entities.matched_writers(self._reader):
+            if not entities.matched(self._reader):
                 return None
-            for server in sorted(entities.matched_readers(self._writer)):
+            for server in sorted(entities.matched(self._writer)):
                 name = self._names.get(server)
                 if name is None and (name := self._name(server)) is not None:
                     self._names[server] = name
@@ -350,13 +350,13 @@ class DdsRpcClient(DdsClient):
 
     def _name(self, server: int) -> str | None:
         """Return the name of a server; None if it is lost."""
-        reader = entities.matched_reader(self._writer, server)
+        reader = entities.counterpart(self._writer, server)
         if reader is None:
             return None
         return reader.guid.hex() if reader.user_data == _OURS else ""
 
     def _servers(self) -> Collection[int]:
-        servers = set(entities.matched_readers(self._writer))
+        servers = set(entities.matched(self._writer))
         self._names = {h: self._names[h] for h in self._names.keys() & servers}
         return servers
 

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Iterable
-from functools import partial
+from collections.abc import Iterable
 from typing import Any, Final, NamedTuple
 
 import msgspec
@@ -19,7 +18,6 @@ from cyclonedds.sub import DataReader
 from rtgen.facts import ros_names
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.dds import entities
-from rtgen.runtime.dds.entities import Endpoint
 from rtgen.runtime.failures import log
 from rtgen.runtime.ros2.graph import ParticipantEntitiesInfo
 from rtgen.runtime.ros2.types import decoded
@@ -168,38 +166,15 @@ def _key(service: str, guid: bytes) -> bytes:
 class Ends(msgspec.Struct, eq=False):
     """The ends that a reader or writer of a service is matched with, by their handles."""
 
-    _matched: Callable[[], list[int]]
-    """Lists the handles."""
-
-    _endpoint: Callable[[int], Endpoint | None]
-    """Describes one."""
-
+    _own: DataReader[Any] | DataWriter[Any]
     _role: Role
     _known: OrderedDict[int, End] = msgspec.field(default_factory=OrderedDict)
-
-    @classmethod
-    def writing_to(cls, reader: DataReader[Any], role: Role) -> Ends:
-        """Return the ends that write to a reader."""
-        return cls(
-            partial(entities.matched_writers, reader),
-            partial(entities.matched_writer, reader),
-            role,
-        )
-
-    @classmethod
-    def reading_from(cls, writer: DataWriter[Any], role: Role) -> Ends:
-        """Return the ends that read from a writer."""
-        return cls(
-            partial(entities.matched_readers, writer),
-            partial(entities.matched_reader, writer),
-            role,
-        )
 
     def find(self, handle: int) -> End | None:
         """Return an end; None for one that is not matched, and was not seen before."""
         known = self._known.get(handle)
         if known is None:
-            endpoint = self._endpoint(handle)
+            endpoint = entities.counterpart(self._own, handle)
             if endpoint is None:
                 return None
             said = ros_names.parse_user_data(endpoint.user_data)
@@ -212,7 +187,7 @@ class Ends(msgspec.Struct, eq=False):
     def all(self) -> list[End]:
         """Return the ends that are matched. Raises MediumError."""
         with entities.reported(f"each {self._role.name}"):
-            found = map(self.find, self._matched())
+            found = map(self.find, entities.matched(self._own))
             return [end for end in found if end is not None]
 
     def have(self, id_: str) -> bool:

@@ -64,8 +64,8 @@ class Server(DdsServer):
         super().__init__(service, writer, reader)
         self._strangers = strangers
         self._on_request = on_request
-        self._clients = Ends.writing_to(reader, CLIENT)
-        self._readers = Ends.reading_from(writer, CLIENT)
+        self._clients = Ends(reader, CLIENT)
+        self._readers = Ends(writer, CLIENT)
         self._start(dispatcher)
         with entities.reported(service):
             reader.set_status_mask(DDSStatus.SubscriptionMatched)
@@ -106,8 +106,8 @@ class Client(DdsClient):
     ) -> None:
         super().__init__(service, writer, reader)
         self._strangers = strangers
-        self._readers = Ends.reading_from(writer, SERVER)
-        self._writers = Ends.writing_to(reader, SERVER)
+        self._readers = Ends(writer, SERVER)
+        self._writers = Ends(reader, SERVER)
         self._own = int.from_bytes(os.urandom(8), "little")
         self._numbers = count(1)
         self._start(dispatcher)
