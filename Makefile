@@ -145,7 +145,7 @@ wheels: $(VENV)/release.stamp ui
 	rm -rf dist build/bare
 	$(BIN)/python -m pip wheel $(filter-out --no-compile,$(PIP)) --no-deps --wheel-dir dist . ./runtime
 	$(PYTHON) -m venv build/bare
-	$(BIN)/python -m pip --python build/bare/bin/python install $(PIP) dist/rtgen-*.whl
+	$(BIN)/python -m pip --python build/bare/bin/python install $(PIP) dist/*.whl
 	$(BIN)/python -m pip --python build/bare/bin/python uninstall --quiet --yes setuptools pip
 	$(BIN)/cyclonedx-py environment --output-reproducible --pyproject pyproject.toml \
 	    --output-file dist/rtgen.cdx.json build/bare/bin/python
