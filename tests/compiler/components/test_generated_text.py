@@ -311,15 +311,17 @@ def test_black_finds_nothing_to_do(found: Model) -> None:
             assert black.format_str(artifact.text, mode=mode) == artifact.text
 
 
-def test_a_module_called_self_does_not_hide_the_component() -> None:
+@pytest.mark.parametrize("module", ["self", "config", "configuration"])
+def test_no_name_of_the_classes_hides_a_module(module: str) -> None:
     data = Struct(
         span=SPAN,
-        name=("self", "T"),
-        repository_id="IDL:self/T:1.0",
+        name=(module, "T"),
+        repository_id=f"IDL:{module}/T:1.0",
         file="inc/Types.idl",
         members=(),
     )
-    found = artifacts(model(component(port("inport", "a", "self::T")), more=(data,)))
+    ports = port("inport", "a", f"{module}::T")
+    found = artifacts(model(component(ports), more=(data,)))
     text = found["robots/components/limiter/__init__.py"].text
-    assert "from ... import self as robots_self\n" in text
-    assert "    a = inport(robots_self.T)\n" in text
+    assert f"from ... import {module} as robots_{module}\n" in text
+    assert f"    a = inport(robots_{module}.T)\n" in text

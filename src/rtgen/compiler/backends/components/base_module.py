@@ -50,7 +50,7 @@ from rtgen.facts.canopen_parameters import SHARED
 from rtgen.facts.constraints import parse, text_of
 from rtgen.facts.parameter_texts import default_text
 
-_TAKEN = CONFIGURATION_NAMES | BASE_NAMES | {"super", "self", "instance_name"}
+_TAKEN = CONFIGURATION_NAMES | BASE_NAMES | {"super", "self", "instance_name", "config"}
 _FLOATING = (PrimitiveType(Primitive.FLOAT), PrimitiveType(Primitive.DOUBLE))
 _DECLARATIONS = {
     PortKind.INPORT: "inport",
