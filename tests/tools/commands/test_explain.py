@@ -83,3 +83,9 @@ def test_an_unknown_code(capfd: pytest.CaptureFixture[str]) -> None:
     assert out == ""
     assert "did you mean" in err
     assert "PRJ0101" in err
+
+
+def test_the_page_of_lint_has_each_of_its_rules() -> None:
+    page = (Path(__file__).parents[3] / "docs" / "lint.md").read_text("utf-8")
+    codes = {code for code in rules() if code.startswith("LINT")}
+    assert {code for code in codes if f"| `{code}` |" not in page} == set()

@@ -47,7 +47,9 @@ def system_of(
         if each not in components:
             close = get_close_matches(each, components, n=1)
             hint = (
-                f"did you mean {close[0]}?" if close else f"there are: {[*components]}"
+                f"did you mean {close[0]}?"
+                if close
+                else f"there are: {', '.join(components)}"
             )
             message = f"no definition has a component {each}"
             raise InputError([NO_COMPONENT.at(None, message, hint=hint)])
