@@ -80,7 +80,7 @@ class IdlTarget:
         """Read the input, check all results, and return labels."""
         result = self._read(data)
         # In UTF-16, ASCII has an octet 0 beside each character.
-        moved = _MARKER.search(data.replace(b"\0", b"")) is not None
+        moved = has_marker(data)
         findings(result.diagnostics, result.sources, moved=moved)
         model, diagnostics = result.model, result.diagnostics
         text = json.dumps(inspect(model, diagnostics), allow_nan=False)
@@ -117,6 +117,11 @@ class IdlTarget:
             include=[self._folder],
             ignore_case_clashes=ignore_case_clashes,
         )
+
+
+def has_marker(data: bytes) -> bool:
+    """Return whether a text has a line marker, which changes the positions of findings."""
+    return _MARKER.search(data.replace(b"\0", b"")) is not None
 
 
 def findings(

@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from idl_grammar import is_valid, program
 from idl_mutations import mutant
-from idl_target import IdlTarget, findings
+from idl_target import IdlTarget, findings, has_marker
 from idl_words import (
     ANNOTATIONS,
     CONTEXTUAL,
@@ -112,8 +112,7 @@ def read(folder: Path, data: bytes) -> FrontendResult:
     path = folder / "input.idl"
     path.write_bytes(data)
     result = load([path], root=folder)
-    moved = b"line" in data or b"# 12" in data
-    findings(result.diagnostics, result.sources, moved=moved)
+    findings(result.diagnostics, result.sources, moved=has_marker(data))
     return result
 
 
