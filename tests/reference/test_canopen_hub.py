@@ -139,6 +139,7 @@ def test_drives_in_another_process_one_falls_silent_and_the_run_goes_on(
         started("run", DRIVES, "--clock", "real", *drives) as process,
         base(port) as system,
     ):
+        bring_back(system, "LeftWheel0", "RightWheel0")
         until(system, lambda s: where(s).x > 0.1)
         system.configure("LeftWheel0", "Producer_heartbeat_time", "0")
         until(system, lambda s: s.state("LeftWheel0") is ERROR_STATE)
@@ -156,6 +157,7 @@ def test_drives_that_are_switched_off_and_on_count_anew(port: int) -> None:
     wheels = "LeftWheel0", "RightWheel0"
     with base(port) as system:
         with started("run", DRIVES, "--clock", "real", *drives) as process:
+            bring_back(system, *wheels)
             until(system, lambda s: where(s).x > 0.1)
             process.kill()
             for wheel in wheels:

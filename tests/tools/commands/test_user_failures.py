@@ -37,9 +37,14 @@ def project(
     monkeypatch.chdir(folder)
     monkeypatch.setattr(sys, "path", list(sys.path))
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
-    before = set(sys.modules)
+    forget_modules()
     yield folder
-    for name in set(sys.modules) - before:
+    forget_modules()
+
+
+def forget_modules() -> None:
+    """Forget the project's modules, which other tests import from other folders."""
+    for name in list(sys.modules):
         if name.partition(".")[0] in ("heating", "warmth"):
             del sys.modules[name]
 
