@@ -161,7 +161,9 @@ def test_one_character_anywhere_in_the_tree_is_drift(
     made = folder / "generated"
     manifest = made / ".rtgen.json"
     owned = {*(made / f for f in json.loads(manifest.read_text())["files"])}
-    skeletons = sorted({*(folder / "src").rglob("*.py"), *made.rglob("*Client.py")})
+    skeletons = sorted(
+        {*(folder / "reference").rglob("*.py"), *made.rglob("*Client.py")}
+    )
     assert owned.isdisjoint(skeletons)
     assert manifest not in owned
     for file in skeletons:
