@@ -87,7 +87,7 @@ pytest: $(VENV)/test.stamp page peers
 
 # Tests that wait for clocks and processes most of their time, and need no processor meanwhile.
 waits: $(VENV)/test.stamp page peers
-	$(if $(WAITING),$(call PYTEST,build/pytest-waits,-m "waits and not nightly" $(WAITING),3))
+	$(if $(WAITING),$(call PYTEST,build/pytest-waits,-m "waits and not nightly" $(WAITING)))
 
 dear: $(VENV)/test.stamp page peers
 	$(call PYTEST,build/pytest-nightly,-m "nightly or random" $(FOLDER))
@@ -96,7 +96,7 @@ FOLDER = tests$(if $(WING),/$(WING))
 WAITING = $(shell grep -rl --include='*.py' mark.waits $(FOLDER))
 
 define PYTEST
-$(BIN)/pytest -n $(or $(3),2) --dist worksteal --assert=plain -o cache_dir=$(1) $(2) || \
+$(BIN)/pytest -n 2 --dist worksteal --assert=plain -o cache_dir=$(1) $(2) || \
     { $(BIN)/pytest -q -o cache_dir=$(1) --last-failed --last-failed-no-failures none; exit 1; }
 endef
 

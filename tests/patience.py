@@ -8,7 +8,7 @@ from typing import Any
 
 PATIENCE = 120.0
 """In seconds; long, since a loaded machine is slow."""
-_PERIOD = 0.002
+_PERIOD = 0.01
 """Between two looks [s]."""
 
 

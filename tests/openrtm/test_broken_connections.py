@@ -167,8 +167,10 @@ def test_a_connection_that_a_user_cuts_stays_cut(
     [port] = [each for each in arm.ports() if each.name == "Arm0.command"]
     [connector] = port.connector_profiles
     arm.at_port(port, "disconnect", connector.connector_id)
-    run.says("to_arm (Pilot0.arm to Arm0.command) was ended by Arm0; it is made again")
     run.says("to_arm (Pilot0.arm to Arm0.command) is connected again")
+    # A sample may find the port's object gone before the message of its end comes.
+    [ended] = [line for line in run.text.splitlines() if "it is made again" in line]
+    assert "was ended by Arm0" in ended or "(OBJECT_NOT_EXIST)" in ended
     assert connected(base) == ["to_base"]
     assert run.end() == 0, run.text
     assert "from_base" not in run.text

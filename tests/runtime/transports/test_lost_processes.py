@@ -96,13 +96,13 @@ class Mortal:
         """Wait until calls and samples pass in both directions again; none arrives twice."""
         until(self.pair.answers)
         self._take()
-        until(self._reaches)
-        until(self._is_reached)
+        written, asked = self._written, self._asked
+        until(lambda: self._reaches(written))
+        until(lambda: self._is_reached(asked))
         for numbers in (*self._taken.values(), *self._came.values()):
             assert numbers == sorted(set(numbers))
 
-    def _reaches(self) -> bool:
-        before = self._written
+    def _reaches(self, before: int) -> bool:
         self.write()
         self._take()
         return all(max(each, default=0) > before for each in self._taken.values())
@@ -111,18 +111,17 @@ class Mortal:
         for port, numbers in self._taken.items():
             numbers += [number for number, _ in self.pair.taken(port)]
 
-    def _is_reached(self) -> bool:
+    def _is_reached(self, before: int) -> bool:
         self._asked += 1
         for port in self._came:
             self.pair.ask(f"write {port}", self._asked)
-        return self._read()
+        self._read()
+        return all(max(each, default=0) > before for each in self._came.values())
 
-    def _read(self) -> bool:
-        """Take received samples; return whether each connection had some."""
-        new = {p: [s.tm.sec for s in self.pair.end.take(p)] for p in self._came}
-        for port, numbers in new.items():
-            self._came[port] += numbers
-        return all(new.values())
+    def _read(self) -> None:
+        """Take received samples."""
+        for port, numbers in self._came.items():
+            numbers += [sample.tm.sec for sample in self.pair.end.take(port)]
 
 
 @pytest.fixture(params=["dds", "zenoh", "corba"])
