@@ -54,7 +54,9 @@ def test_modules_of_requirements_are_known(distribution: str) -> None:
 
 def test_modules_that_rtgen_imports_are_known() -> None:
     imported: set[str] = set()
-    for file in sources().values():
+    for path, file in sources().items():
+        if path.startswith("examples/"):  # applications, in the wheel alone
+            continue
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Import):
                 imported |= {alias.name.partition(".")[0] for alias in node.names}
