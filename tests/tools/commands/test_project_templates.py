@@ -226,3 +226,51 @@ def test_every_template_has_a_line_of_description(
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines] == list(rendering.template_names())
     assert all(len(line.split()) > 2 for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "message", "hint"),
+    [
+        (
+            f'{{% extends "rtgen/{BASE}" %}}\n{{% block metods %}}{{% endblock %}}\n',
+            2,
+            "the original has no block 'metods'",
+            "did you mean methods?",
+        ),
+        (
+            f'{{% extends "rtgen/{BASE}" %}}\n{{% block xyz %}}{{% endblock %}}\n',
+            2,
+            "the original has no block 'xyz'",
+            "there are: methods",
+        ),
+        (
+            f'{{% extends "{BASE}" %}}\n',
+            1,
+            "this is the template itself",
+            f"the original is rtgen/{BASE}",
+        ),
+        (
+            f'#\n{{% include "{BASE}" %}}\n',
+            2,
+            "this is the template itself",
+            f"the original is rtgen/{BASE}",
+        ),
+    ],
+)
+def test_what_jinja_would_pass_over_or_follow_without_end(
+    text: str, line: int, message: str, hint: str
+) -> None:
+    path = lay(BASE, text)
+    [finding] = compiled().diagnostics
+    assert finding.span is not None
+    assert (finding.span.file, finding.span.line) == (path.as_posix(), line)
+    assert (finding.message, finding.hint) == (message, hint)
+
+
+def test_a_block_of_ones_own_within_one_of_the_original() -> None:
+    inner = "{% block inner %}{% endblock %}"
+    lay(
+        BASE,
+        f'{{% extends "rtgen/{BASE}" %}}{{% block methods %}}{inner}{{% endblock %}}',
+    )
+    assert not compiled().diagnostics

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,7 @@ from jinja2 import (
     Template,
     TemplateNotFound,
     TemplateSyntaxError,
+    nodes,
 )
 from jinja2.exceptions import SecurityError
 from jinja2.runtime import LoopContext, Macro
@@ -42,6 +44,7 @@ _MAX_REPEATED = 100_000
 """Maximum number of items that `*` makes in a template."""
 
 _REFERENCE = re.compile(r"""{%-?\s*(?:extends|include|import|from)\s+["']([^"']+)""")
+_BLOCK = re.compile(r"{%-?\s*block\s+(\w+)")
 _METHODS_OF = (str, dict, list, tuple, LoopContext)
 
 
@@ -81,13 +84,14 @@ class ProjectTemplates(msgspec.Struct, frozen=True):
 def read(paths: Mapping[str, Path]) -> ProjectTemplates:
     """Return the templates at the paths by name; those with faults are reported."""
     files: dict[str, TemplateFile] = {}
-    findings = []
+    findings: list[Diagnostic] = []
     for name, path in paths.items():
         file = TemplateFile(path.as_posix(), "")
         try:
             text = read_file(path, _MAX_BYTES).decode("utf-8-sig")
             file = msgspec.structs.replace(file, text=text)
-            _Renderer({name: file}).environment(name).parse(text)
+            tree = _Renderer({name: file}).environment(name).parse(text)
+            findings += _faults_of_extension(name, file, tree)
         except (OSError, UnreadableError) as error:
             findings.append(file.fault(1, f"cannot be read: {error.strerror or error}"))
         except UnicodeDecodeError:
@@ -96,6 +100,38 @@ def read(paths: Mapping[str, Path]) -> ProjectTemplates:
             findings.append(file.fault(error.lineno, str(error.message)))
         files[name] = file
     return ProjectTemplates(files, tuple(findings))
+
+
+def _faults_of_extension(
+    name: str, file: TemplateFile, tree: nodes.Template
+) -> Iterator[Diagnostic]:
+    """Yield what Jinja accepts in a template that extends another, and what has no effect."""
+    references: list[nodes.Extends | nodes.Include] = [
+        *tree.find_all(nodes.Extends),
+        *tree.find_all(nodes.Include),
+    ]
+    for reference in references:
+        target = reference.template
+        if isinstance(target, nodes.Const) and target.value == name:
+            hint = f"the original is {ORIGINALS}/{name}"
+            yield file.fault(reference.lineno, "this is the template itself", hint)
+    base = tree.find(nodes.Extends)
+    if base is None or not isinstance(base.template, nodes.Const):
+        return
+    prefix, _, original = str(base.template.value).partition("/")
+    if prefix != ORIGINALS or original not in rendering.template_names():
+        return
+    blocks = _BLOCK.findall(rendering.template_source(original))
+    for each in tree.body:
+        if isinstance(each, nodes.Block) and each.name not in blocks:
+            close = get_close_matches(each.name, blocks, n=1)
+            hint = f"did you mean {close[0]}?" if close else _listed(blocks)
+            message = f"the original has no block {each.name!r}"
+            yield file.fault(each.lineno, message, hint)
+
+
+def _listed(blocks: Sequence[str]) -> str:
+    return f"there are: {', '.join(blocks)}" if blocks else "it has no blocks"
 
 
 @contextmanager
