@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Final
 
 from rtgen.compiler.project.cache import user_folder
+from rtgen.facts.files import write_atomically
 from rtgen.ui.server import Tokens
 
 MAX_AGE: Final = 24 * 3600.0
@@ -57,12 +58,6 @@ def _is_private(status: os.stat_result) -> bool:
 
 def _write(file: Path, tokens: Tokens) -> None:
     file.parent.mkdir(parents=True, exist_ok=True)
-    part = file.with_name(f".{file.name}.{os.getpid()}")
-    number = os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
-    try:
-        with os.fdopen(number, "w", encoding="ascii") as stream:
-            stream.write(f"{tokens.full} {tokens.read_only}")
-        part.replace(file)
-    except BaseException:
-        part.unlink(missing_ok=True)
-        raise
+    write_atomically(
+        file, f"{tokens.full} {tokens.read_only}".encode("ascii"), mode=0o600
+    )

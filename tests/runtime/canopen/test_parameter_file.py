@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -139,7 +140,7 @@ def test_parameters_of_another_revision_are_foreign() -> None:
 def test_a_failure_refuses_the_command_and_keeps_what_was_stored() -> None:
     saved()
     bench = powered()
-    Path(f".{NAME}.new").mkdir()
+    Path(f".{NAME}.{os.getpid()}").mkdir()
     bench.write(0x2103, 0, 60)
     assert bench.refusal(0x1010, 1, SAVE) == 0x06060000
     assert bench.refusal(0x1011, 1, LOAD) == 0x06060000

@@ -46,21 +46,17 @@ OWN_FILES = {
 """Readers of files that are installed with rtgen."""
 
 WRITERS = {
-    "compiler/backends/kit/compiled_templates.py CompiledTemplates.dump_bytecode",
     "cli/__init__.py _unwritable",
     "cli/adopt.py adopt",
     "tools/kit/console.py discard_unread",
     "cli/lsp.py lsp",
     "tools/running/trajectory.py check_picture",
     "ui/stored_tokens.py _read",
-    "ui/stored_tokens.py _write",
     "tools/diff/revisions.py _create",
     "tools/fmt/toml.py _formatted",
-    "compiler/project/cache.py Cache.store",
     "compiler/project/output.py _lock",
     "compiler/project/output.py _sync_folder",
     "compiler/project/output.py _write_whole",
-    "runtime/canopen/node/parameter_file.py ParameterFile.write",
     "runtime/rtc/checkpoints.py CheckpointFile.__init__",
     "tools/scaffold/writing.py added",
     "ui/documents/storing.py _create",

@@ -167,6 +167,29 @@ def create_file(path: Path) -> BinaryIO:
     return os.fdopen(number, "wb")
 
 
+def write_atomically(
+    path: Path, data: bytes, *, mode: int = 0o666, durable: bool = False
+) -> None:
+    """Create or replace a file at once: who reads it gets all of the old or of the new content.
+
+    That holds when the process is killed too, and with `durable` after a loss of power. Raises
+    OSError; the file is then as before. `replace_file` is for files of users.
+    """
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    temporary.unlink(missing_ok=True)
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
+    try:
+        with os.fdopen(os.open(temporary, flags, mode), "wb") as stream:
+            stream.write(data)
+            if durable:
+                stream.flush()
+                os.fsync(stream.fileno())
+        temporary.replace(path)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+
+
 def check_output(path: Path, *, pipes: bool = True) -> None:
     """Check a file that is to be written, by something else if `pipes` is false. Raises OSError."""
     if "\0" in str(path):

@@ -28,7 +28,13 @@ from rtgen.compiler.project.compilation import Compilation
 from rtgen.compiler.project.kinds import is_component_profile
 from rtgen.compiler.project.loading import Project
 from rtgen.facts import version
-from rtgen.facts.files import MAX_BYTES, is_file, open_file, read_start
+from rtgen.facts.files import (
+    MAX_BYTES,
+    is_file,
+    open_file,
+    read_start,
+    write_atomically,
+)
 
 if TYPE_CHECKING:
     from importlib import metadata
@@ -39,7 +45,7 @@ _LIBRARIES = {"artifacts": ("jinja2", "lark")}
 
 _MAX_ENTRIES = 128
 _MAX_BYTES = 64 * 1024 * 1024
-_ENTRY = re.compile(r"[0-9a-f]{64}\.(json|\d+\.tmp)")
+_ENTRY = re.compile(r"[0-9a-f]{64}\.json|\.[0-9a-f]{64}\.json\.\d+")
 _PACKAGE = Path(__file__).parents[2]
 _RUNTIME = Path(version.__file__).parents[1]
 _COMPILER = (
@@ -197,18 +203,13 @@ class Cache:
             ],
         }
         payload = json.dumps(entry).encode()
-        file = self._file(key)
-        temporary = file.with_name(f"{key}.{os.getpid()}.tmp")
         with contextlib.suppress(OSError):
             self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
             if not _is_own(self._folder, sole_writer=False):
                 return
             self._folder.chmod(0o700)
-            temporary.touch(mode=0o600)
-            temporary.write_bytes(
-                sha256(payload).hexdigest().encode() + b"\n" + payload
-            )
-            temporary.replace(file)
+            data = sha256(payload).hexdigest().encode() + b"\n" + payload
+            write_atomically(self._file(key), data, mode=0o600)
             self._trim()
 
     def _file(self, key: str) -> Path:

@@ -7,7 +7,6 @@ bytecode; a read-only folder is ignored.
 from __future__ import annotations
 
 import contextlib
-import os
 import sys
 from collections.abc import Iterator
 from hashlib import sha256
@@ -16,7 +15,7 @@ from pathlib import Path
 import jinja2.compiler
 from jinja2.bccache import Bucket, BytecodeCache
 
-from rtgen.facts.files import open_file
+from rtgen.facts.files import open_file, write_atomically
 
 _QUOTING = Path(__file__).parent / "quoting"
 
@@ -43,12 +42,9 @@ class CompiledTemplates(BytecodeCache):
         if sys.dont_write_bytecode:
             return
         file = self._file(bucket)
-        temporary = file.with_name(f"{file.name}.{os.getpid()}")
         with contextlib.suppress(OSError):
             self._folder.mkdir(exist_ok=True)
-            with temporary.open("wb") as stream:
-                bucket.write_bytecode(stream)
-            temporary.replace(file)
+            write_atomically(file, bucket.bytecode_to_string())
 
     def _file(self, bucket: Bucket) -> Path:
         return self._folder / f"{bucket.key}.{self._key}"

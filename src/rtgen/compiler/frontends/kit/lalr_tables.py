@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 from pathlib import Path
 from typing import Any
 
 from rtgen.compiler.frontends.kit.lalr import END, WORD, key
+from rtgen.facts.files import write_atomically
 
 _GUARDED = re.compile(r"(\w+)(\(\?=.*\))", re.DOTALL)
 
@@ -107,6 +107,4 @@ def write(grammar: Path) -> None:
     """Write the tables of a grammar beside it, atomically: other processes may read them."""
     tables = make(grammar.read_text(encoding="utf-8"))
     text = json.dumps(tables, separators=(",", ":"))
-    written = grammar.with_suffix(f".{os.getpid()}")
-    written.write_text(text, encoding="utf-8")
-    written.replace(grammar.with_suffix(".json"))
+    write_atomically(grammar.with_suffix(".json"), text.encode())

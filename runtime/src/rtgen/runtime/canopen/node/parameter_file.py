@@ -8,12 +8,11 @@ device, or a damaged one, is rejected and never overwritten.
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from rtgen.facts.files import read_start
+from rtgen.facts.files import read_start, write_atomically
 from rtgen.runtime.canopen import values
 from rtgen.runtime.canopen.description import DeviceDescription, ObjectNumber
 
@@ -80,12 +79,7 @@ class ParameterFile:
             }
         }
         text = json.dumps(content, indent=1) + "\n"
-        fresh = self._path.with_name(f".{self._path.name}.new")
-        with fresh.open("w", encoding="ascii", newline="\n") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        fresh.replace(self._path)
+        write_atomically(self._path, text.encode("ascii"), durable=True)
 
     def _head(self) -> dict[str, Any]:
         device = self._description

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from omniORB import CORBA
 
-from rtgen.facts.files import create_file, read_file
+from rtgen.facts.files import read_file, write_atomically
 from rtgen.runtime.corba.faults import is_silent, is_timeout
 from rtgen.runtime.corba.rt_objects.objects import Exported
 from rtgen.runtime.corba.rt_objects.remote import FAULTS, RemoteRtc
@@ -33,7 +33,8 @@ class _Activated:
 class Activations:
     """The components that a process has activated, in order; usable from any thread.
 
-    `file` lists their references, one per line, for the supervisor of the process.
+    `file` lists their references, one per line, for the supervisor of the process,
+    which may have been killed at any moment.
     """
 
     def __init__(self, exported: Exported, file: Path | None = None) -> None:
@@ -124,8 +125,7 @@ class Activations:
                 for name, each in self._activated.items()
             ]
             try:
-                with create_file(self._file) as stream:
-                    stream.write("".join(lines).encode())
+                write_atomically(self._file, "".join(lines).encode())
             except OSError as error:
                 log.warning("cannot write %s: %s", self._file, error.strerror)
 
