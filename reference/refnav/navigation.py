@@ -8,7 +8,7 @@ from refnav.geometry import Pose, wrap
 from refnav.messages import pose_of
 from refnav.newest import Newest, complaints
 from refnav.pose_history import jumped
-from refrobots import iis
+from refrobots import iis, rtc
 from refrobots.components.navigation import NavigationBase
 from rtgen.runtime import RTC_ERROR, RTC_OK, SECOND, ReturnCode_t
 
@@ -30,7 +30,7 @@ PROGRESS = 0.05
 """Smallest change of the distance from a waypoint that counts as progress [m, rad]."""
 MAX_APPROACHES = 10
 """Maximum number of further approaches to a missed goal."""
-STOP = iis.Path(type=iis.TravelMode.RUN_STOP)
+STOP = rtc.Path(type=iis.TravelMode.RUN_STOP)
 
 
 class Navigation(NavigationBase):
@@ -81,7 +81,7 @@ class Navigation(NavigationBase):
                 # Without a position the arrival at the waypoint would go unnoticed.
                 self._write(STOP if late else self._waypoint)
         if self._path:
-            status = iis.TimedState(data=self._state)
+            status = rtc.TimedState(data=self._state)
             self.stamp(status)
             self.status.write(status)
         return RTC_OK
@@ -95,7 +95,7 @@ class Navigation(NavigationBase):
         self._stage: tuple[iis.State, int] | None = None
         self._least = 0.0
         self._nearer = 0
-        self._waypoint: iis.Path | None = None
+        self._waypoint: rtc.Path | None = None
         self._state = iis.State.FINISH
 
     def _start(self, path: list[Pose]) -> None:
@@ -234,12 +234,12 @@ class Navigation(NavigationBase):
     def _send(
         self, mode: iis.TravelMode, target: Pose, *, v: float = 0.0, w: float = 0.0
     ) -> None:
-        self._waypoint = iis.Path(
+        self._waypoint = rtc.Path(
             type=mode, x=target.x, y=target.y, theta=target.theta, v=v, w=w
         )
         self._write(self._waypoint)
 
-    def _write(self, path: iis.Path) -> None:
+    def _write(self, path: rtc.Path) -> None:
         self._sent = self.now()
         self.stamp(path)
         self.path.write(path)

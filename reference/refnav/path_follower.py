@@ -14,14 +14,14 @@ from refnav.line_following import (
 )
 from refnav.messages import pose_of
 from refnav.newest import Newest, all_in_time
-from refrobots import iis
+from refrobots import iis, rtc
 from refrobots.components.path_follower import PathFollowerBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
 
 STOP = Constant(0.0, 0.0)
 
 
-def motion(path: iis.Path) -> Motion:
+def motion(path: rtc.Path) -> Motion:
     """Return the controller for a waypoint's mode of travel.
 
     RUN_FREE and RUN_WHEEL_VEL cannot be expressed by a velocity of the base, which stops, as in
@@ -63,7 +63,7 @@ class PathFollower(PathFollowerBase):
         self._position = Newest[iis.TimedPose2D](
             self.position, lambda: config.PositionTimeout
         )
-        self._waypoint = Newest[iis.Path](
+        self._waypoint = Newest[rtc.Path](
             self.target_path, lambda: config.TargetTimeout
         )
         self._rest()

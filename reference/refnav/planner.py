@@ -42,9 +42,9 @@ class Planner(Component, Generic[P]):
     config: P
     current_position: InPort[iis.TimedPose2D]
     goal: InPort[iis.TimedPose2D]
-    status_in: InPort[iis.TimedState]
+    status_in: InPort[rtc.TimedState]
     min_path: OutPort[iis.TimedPath2DSeq]
-    status_out: OutPort[iis.TimedState]
+    status_out: OutPort[rtc.TimedState]
 
     @abstractmethod
     def _plan(self, start: Pose, waypoints: Sequence[Pose]) -> iis.TimedPath2DSeq:
@@ -59,7 +59,7 @@ class Planner(Component, Generic[P]):
         self._position = Newest[iis.TimedPose2D](
             self.current_position, lambda: config.PositionTimeout
         )
-        self._status = Newest[iis.TimedState](
+        self._status = Newest[rtc.TimedState](
             self.status_in, lambda: config.StatusTimeout
         )
         self._wanted: list[Pose] = []
@@ -134,7 +134,7 @@ class Planner(Component, Generic[P]):
         self._under_way = False
         return RTC_OK
 
-    def _follow_state(self, now: int) -> iis.TimedState | None:
+    def _follow_state(self, now: int) -> rtc.TimedState | None:
         """Return the FINISH of the sent path, if it has arrived."""
         finish = None
         while (state := self._status.read(now)) is not None:

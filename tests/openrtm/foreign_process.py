@@ -43,7 +43,7 @@ class PositionInput(OpenRTM_aist.DataFlowComponentBase):  # type: ignore[misc, n
         now = RTC.Time(0, 0)
         data = RTC.Pose2D(RTC.Point2D(0.0, 0.0), 0.0)
         self.goal = IIS.TimedPose2D(now, [], data, [])
-        self.state = IIS.TimedState(now, 0)
+        self.state = RTC.TimedState(now, 0)
         self.out = OpenRTM_aist.OutPort("positon", self.goal)
         self.inp = OpenRTM_aist.InPort("status", self.state)
         self.addOutPort("positon", self.out)

@@ -16,7 +16,8 @@ from logged_process import LoggedProcess
 from patience import until
 from watching_page import Page
 
-from refrobots.iis import TimedPose2D, TimedState
+from refrobots.iis import TimedPose2D
+from refrobots.rtc import TimedState
 from rtgen.cli import run as rtgen
 from rtgen.runtime import xcdr
 from rtgen.ui.protocol import ui

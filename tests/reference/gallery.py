@@ -97,9 +97,8 @@ class Entry:
     """A system: its file or folder, its description, and the options of the run for its picture.
 
     `{}` in the options stands for the picture that a component draws. Without options the picture
-    has the trajectories, if anything drives, and `panels` over time. Robots in `without` are parked
-    outside and not drawn. Systems that run in real time together with another process (`alone`
-    false) have no picture of a run.
+    has the trajectories, if anything drives, and `panels` over time. Systems that run in real time
+    together with another process (`alone` false) have no picture of a run.
     """
 
     system: str
@@ -107,7 +106,6 @@ class Entry:
     options: tuple[str, ...] = ()
     panels: tuple[Panel, ...] = ()
     drives: bool = True
-    without: tuple[str, ...] = ()
     alone: bool = True
 
     @property
@@ -282,13 +280,24 @@ ENTRIES = (
         "specs/experiments/leader_exchange",
         "Experiment B1: two followers exchange their leaders, twice.",
         panels=FOLLOWERS,
-        without=("TravelControl0",),
     ),
     Entry(
         "specs/experiments/one_to_four",
         "Experiment B2: after B1 one joystick drives all four robots.",
         panels=FOLLOWERS,
-        without=("TravelControl0",),
+    ),
+    Entry(
+        "specs/experiments/phases",
+        "A joystick of phase 1 drives a robot of phase 3, by an adapter.",
+        panels=(
+            Panel(
+                "command [m/s], [rad/s]",
+                (
+                    Signal("v [m/s]", "VelocityAdapter0", "output", "data.vx"),
+                    Signal("w [rad/s]", "VelocityAdapter0", "output", "data.va"),
+                ),
+            ),
+        ),
     ),
     Entry(
         "specs/embedded/environment.xml",
@@ -353,7 +362,7 @@ def draw_result(
     """Draw the picture of a run, from its log and its table of poses."""
     from matplotlib.figure import Figure
 
-    robots, samples = trajectories(entry, rows)
+    robots, samples = trajectories(rows)
     count = len(entry.panels)
     with reproducible():
         if entry.drives:
@@ -389,15 +398,12 @@ def draw_result(
         figure.savefig(entry.result, metadata={"Description": entry.description})
 
 
-def trajectories(
-    entry: Entry, rows: list[dict[str, str]]
-) -> tuple[list[str], list[Sample]]:
+def trajectories(rows: list[dict[str, str]]) -> tuple[list[str], list[Sample]]:
     """Return the robots of a table of poses, and their positions."""
     robots = list(dict.fromkeys(row.get("robot", "robot") for row in rows))
     by_time: dict[str, list[dict[str, str]]] = defaultdict(list)
     for row in rows:
-        if row.get("robot") not in entry.without:
-            by_time[row["t"]].append(row)
+        by_time[row["t"]].append(row)
     samples = []
     for time, each in by_time.items():
         poses = tuple((float(r["x"]), float(r["y"]), float(r["theta"])) for r in each)
@@ -410,7 +416,7 @@ def trajectories(
                 tuple(map(float, filter(None, goal))) if known else None,
             )
         )
-    return [robot for robot in robots if robot not in entry.without], samples
+    return robots, samples
 
 
 def series(

@@ -23,7 +23,7 @@ from pipeline import GOAL, NAVIGATION, at_end, build, placed, profile
 from refnav.geometry import Pose
 from refnav.position_input import ALL_DONE
 from refnav.room import Room, parse
-from refrobots import iis
+from refrobots import iis, rtc
 from rtgen.compiler import model
 from rtgen.runtime import (
     ACTIVE_STATE,
@@ -177,7 +177,7 @@ class _Watch:
         def note(value: Any) -> None:
             self._written[source] = elapsed()
 
-        def note_waypoint(value: iis.Path) -> None:
+        def note_waypoint(value: rtc.Path) -> None:
             self._written[source] = elapsed()
             self._told_to_stop = value.type == iis.TravelMode.RUN_STOP
 

@@ -18,7 +18,7 @@ from rtgen.runtime import ACTIVE_STATE, INACTIVE_STATE
 
 JOYSTICKS = ("JoystickA0", "JoystickB0", "SegwayJoystick0", "AistJoystick0")
 ROBOTS = ("RefHard0", "OmniWheel0", "SegwayRmp0", "BlackShip0")
-SHORT = ("interchange", "two_robots", "chain")
+SHORT = ("interchange", "two_robots", "chain", "phases")
 
 
 @cache
@@ -203,19 +203,19 @@ def test_an_experiment_repeats_bit_for_bit(name: str) -> None:
 
 def test_a_joystick_of_phase_1_does_not_fit_a_robot_of_phase_3() -> None:
     with pytest.raises(InputError) as refused:
-        perform(EXPERIMENTS / "leader_exchange", "refused.toml", 190.0)
+        perform(EXPERIMENTS / "phases", "refused.toml")
     [finding] = refused.value.diagnostics
     assert "RTC::TimedVelocity  IDL:RTC/TimedVelocity:1.0" in finding.message
     assert "IIS::TimedVelocity2D  IDL:IIS/TimedVelocity2D:1.0" in finding.message
     assert "double va" in finding.message
     assert finding.span is not None
-    assert finding.span.line == 6
+    assert finding.span.line == 5
 
 
 def test_an_adapter_joins_them() -> None:
-    run = perform(EXPERIMENTS / "leader_exchange", "adapter.toml", 190.0)
+    run = first_run("phases")
     assert [name for name, fine in kept(run).items() if not fine] == []
-    before, *_, after = run.poses("TravelControl0", 175.0, 190.0)
+    before, *_, after = run.poses("TravelControl0", 0.0, 10.0)
     assert dist(before[:2], after[:2]) == pytest.approx(0.8, abs=0.05)
     assert type(run.components["VelocityAdapter0"]).__module__ == (
         "refrobots.adapters.velocity_adapter"

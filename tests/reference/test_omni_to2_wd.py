@@ -14,8 +14,8 @@ def pose(x: float, y: float, theta: float, *place: int) -> iis.TimedPose2D:
     return iis.TimedPose2D(id=list(place), data=rtc.Pose2D(rtc.Point2D(x, y), theta))
 
 
-def state(value: int) -> iis.TimedState:
-    return iis.TimedState(data=value)
+def state(value: int) -> rtc.TimedState:
+    return rtc.TimedState(data=value)
 
 
 @pytest.fixture

@@ -43,7 +43,7 @@ def test_a_velocity_goes_out_at_every_execution_with_its_time(bench: Bench) -> N
 
 
 def test_a_waypoint_waits_for_the_first_pose(bench: Bench) -> None:
-    bench.send("target_path", iis.Path(type=Mode.RUN_LINEFOLLOW, v=0.3))
+    bench.send("target_path", rtc.Path(type=Mode.RUN_LINEFOLLOW, v=0.3))
     bench.run(0.1)
     assert set(velocities(bench)) == {(0.0, 0.0)}
     bench.send("position", at(0.0, 0.0, 0.0))
@@ -53,10 +53,10 @@ def test_a_waypoint_waits_for_the_first_pose(bench: Bench) -> None:
 
 def test_stop_brakes_within_the_limits(bench: Bench) -> None:
     bench.send("position", at(0.0, 0.0, 0.0))
-    bench.send("target_path", iis.Path(type=Mode.RUN_VEL, v=0.3, w=0.2))
+    bench.send("target_path", rtc.Path(type=Mode.RUN_VEL, v=0.3, w=0.2))
     bench.run(1.5)
     assert velocities(bench)[-1] == (0.3, 0.2)
-    bench.send("target_path", iis.Path(type=Mode.RUN_STOP))
+    bench.send("target_path", rtc.Path(type=Mode.RUN_STOP))
     bench.run(1.5)
     braking = velocities(bench)
     assert braking[-1] == (0.0, 0.0)
@@ -66,7 +66,7 @@ def test_stop_brakes_within_the_limits(bench: Bench) -> None:
 
 def test_limits_can_be_changed_while_active(bench: Bench) -> None:
     bench.send("position", at(0.0, 0.0, 0.0))
-    bench.send("target_path", iis.Path(type=Mode.RUN_VEL, v=5.0, w=5.0))
+    bench.send("target_path", rtc.Path(type=Mode.RUN_VEL, v=5.0, w=5.0))
     bench.run(5.0)
     assert velocities(bench)[-1] == (1.0, 0.3)
     bench.set(max_v="0.5", max_w="0.1", max_acc_v="0.01")
@@ -78,9 +78,9 @@ def test_waypoints_are_read_one_by_one(bench: Bench) -> None:
     bench.send("position", at(0.0, 0.0, 0.0))
     bench.send(
         "target_path",
-        iis.Path(type=Mode.RUN_VEL, w=0.1),
-        iis.Path(type=Mode.RUN_VEL, w=-0.1),
-        iis.Path(type=Mode.RUN_STOP),
+        rtc.Path(type=Mode.RUN_VEL, w=0.1),
+        rtc.Path(type=Mode.RUN_VEL, w=-0.1),
+        rtc.Path(type=Mode.RUN_STOP),
     )
     bench.run(0.004)
     assert [w for _, w in velocities(bench)] == [
@@ -96,9 +96,9 @@ def test_what_a_velocity_cannot_tell_brings_the_base_to_rest(
     bench: Bench, mode: Mode
 ) -> None:
     bench.send("position", at(0.0, 0.0, 0.0))
-    bench.send("target_path", iis.Path(type=Mode.RUN_VEL, v=0.03))
+    bench.send("target_path", rtc.Path(type=Mode.RUN_VEL, v=0.03))
     bench.run(0.2)
-    bench.send("target_path", iis.Path(type=mode, v=1.0, w=1.0))
+    bench.send("target_path", rtc.Path(type=mode, v=1.0, w=1.0))
     bench.run(0.2)
     assert velocities(bench)[-1] == (0.0, 0.0)
 
@@ -106,18 +106,18 @@ def test_what_a_velocity_cannot_tell_brings_the_base_to_rest(
 @pytest.mark.parametrize(
     ("path", "reason"),
     [
-        (iis.Path(type=8), "target_path: 8 is not a valid TravelMode"),
+        (rtc.Path(type=8), "target_path: 8 is not a valid TravelMode"),
         (
-            iis.Path(type=Mode.RUN_CIRCLEFOLLOW, v=0.1),
+            rtc.Path(type=Mode.RUN_CIRCLEFOLLOW, v=0.1),
             "target_path: a circle of radius 0",
         ),
     ],
 )
 def test_an_impossible_waypoint_is_an_error_and_halts_the_base(
-    bench: Bench, path: iis.Path, reason: str
+    bench: Bench, path: rtc.Path, reason: str
 ) -> None:
     bench.send("position", at(0.0, 0.0, 0.0))
-    bench.send("target_path", iis.Path(type=Mode.RUN_VEL, v=0.03))
+    bench.send("target_path", rtc.Path(type=Mode.RUN_VEL, v=0.03))
     bench.run(0.2)
     bench.send("target_path", path)
     bench.run(0.01)
@@ -128,7 +128,7 @@ def test_an_impossible_waypoint_is_an_error_and_halts_the_base(
 
 def test_deactivation_halts_the_base_and_forgets_the_waypoint(bench: Bench) -> None:
     bench.send("position", at(0.0, 0.0, 0.0))
-    bench.send("target_path", iis.Path(type=Mode.RUN_VEL, v=0.03))
+    bench.send("target_path", rtc.Path(type=Mode.RUN_VEL, v=0.03))
     bench.run(0.2)
     bench.deactivate()
     assert velocities(bench)[-1] == (0.0, 0.0)
@@ -141,12 +141,12 @@ def test_deactivation_halts_the_base_and_forgets_the_waypoint(bench: Bench) -> N
 @pytest.mark.parametrize(
     "path",
     [
-        iis.Path(type=Mode.RUN_LINEFOLLOW, v=0.3),
-        iis.Path(type=Mode.RUN_TO_POINT, x=5.0, v=0.3),
-        iis.Path(type=Mode.RUN_CIRCLEFOLLOW, y=2.0, r=2.0, v=0.3),
+        rtc.Path(type=Mode.RUN_LINEFOLLOW, v=0.3),
+        rtc.Path(type=Mode.RUN_TO_POINT, x=5.0, v=0.3),
+        rtc.Path(type=Mode.RUN_CIRCLEFOLLOW, y=2.0, r=2.0, v=0.3),
     ],
 )
-def test_moving_modes_drive_forward(bench: Bench, path: iis.Path) -> None:
+def test_moving_modes_drive_forward(bench: Bench, path: rtc.Path) -> None:
     bench.send("position", at(0.0, 0.0, 0.0))
     bench.send("target_path", path)
     bench.run(0.1)
@@ -161,7 +161,7 @@ def test_it_stops_when_an_input_is_too_old_and_goes_on_with_a_new_one(
     age = {"position": 0.5, "target_path": 0.3}[dead]
     newest = {
         "position": at(0.0, 0.0, 0.0),
-        "target_path": iis.Path(type=Mode.RUN_VEL, v=0.1),
+        "target_path": rtc.Path(type=Mode.RUN_VEL, v=0.1),
     }
     for port in newest:
         bench.send(port, newest[port])
@@ -186,7 +186,7 @@ def test_a_sample_that_waited_too_long_counts_as_none(bench: Bench) -> None:
     bench.run(2.0)
     old = at(0.0, 0.0, 0.0)
     old.tm.sec = 1
-    bench.send("target_path", iis.Path(type=Mode.RUN_VEL, v=0.1))
+    bench.send("target_path", rtc.Path(type=Mode.RUN_VEL, v=0.1))
     bench.send("position", old)
     bench.run(0.2)
     assert set(velocities(bench)) == {(0.0, 0.0)}

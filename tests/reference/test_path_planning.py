@@ -78,11 +78,11 @@ def test_no_way_leads_to_error(bench: Bench) -> None:
 
 def test_finish_is_passed_on_once_for_each_path(bench: Bench) -> None:
     bench.send("current_position", pose(0.0, 0.0, 0.0))
-    bench.send("status", *[iis.TimedState(data=0)] * 3)
+    bench.send("status", *[rtc.TimedState(data=0)] * 3)
     bench.send("goal", pose(2.0, 0.0, 0.0))
     bench.run(0.02)
     bench.send("current_position", pose(2.0, 0.0, 0.0))
-    bench.send("status", *[iis.TimedState(data=value) for value in (0, 1, 5, 0, 0)])
+    bench.send("status", *[rtc.TimedState(data=value) for value in (0, 1, 5, 0, 0)])
     bench.run(0.04)
     assert [state.data for state in bench.sent("status")] == [iis.State.FINISH]
 

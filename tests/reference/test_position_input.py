@@ -10,10 +10,10 @@ import pytest
 from bench import Bench
 
 from refnav.position_input import PositionInput
-from refrobots import iis
+from refrobots import iis, rtc
 from rtgen.runtime import Component, LifeCycleState, SimulatedClock, System
 
-FINISH = iis.TimedState(data=iis.State.FINISH)
+FINISH = rtc.TimedState(data=iis.State.FINISH)
 
 
 def bench(**parameters: str) -> Bench:
@@ -73,7 +73,7 @@ def test_commands_go_out_one_after_the_other(tmp_path: Path) -> None:
     b.activate()
     b.run(5.0)
     assert [p[1] for p in goals(b)] == [1]
-    b.send("status", iis.TimedState(data=iis.State.TURNING))
+    b.send("status", rtc.TimedState(data=iis.State.TURNING))
     b.run(0.1)
     assert goals(b) == []
     b.send("status", FINISH)

@@ -34,7 +34,7 @@ TYPE_FILES = sorted((SPECS / "idl").glob("*.idl"))
 
 POSE = "IIS::TimedPose2D"
 VELOCITY = "IIS::TimedVelocity2D"
-STATE = "IIS::TimedState"
+STATE = "RTC::TimedState"
 AXES = ("LX", "LY", "RX", "RY")
 
 # Specification of the RH3 navigation modules 1.10: port tables 3-2 to 3-24.
@@ -50,12 +50,12 @@ PORTS = {
     NavigationBase: {
         ("inport", "position", POSE),
         ("inport", "min_path", "IIS::TimedPath2DSeq"),
-        ("outport", "path", "IIS::Path"),
+        ("outport", "path", "RTC::Path"),
         ("outport", "status", STATE),
     },
     PathFollowerBase: {
         ("inport", "position", POSE),
-        ("inport", "target_path", "IIS::Path"),
+        ("inport", "target_path", "RTC::Path"),
         ("outport", "velocity", VELOCITY),
     },
     RefHardRh3Base: {

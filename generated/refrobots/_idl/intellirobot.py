@@ -14,6 +14,42 @@ from .basic_data_type import Time
 from .extended_data_types import Pose2D, Velocity2D
 
 
+class Path(Aggregated):
+    """One waypoint, and how to travel to it."""
+
+    _descriptor_: ClassVar = idl.struct(
+        "RTC::Path",
+        type=idl.SHORT,
+        coordinate=idl.SHORT,
+        x=idl.DOUBLE,
+        y=idl.DOUBLE,
+        theta=idl.DOUBLE,
+        v=idl.DOUBLE,
+        w=idl.DOUBLE,
+        r=idl.DOUBLE,
+        tm=Time,
+    )
+
+    type: int = 0
+    """A value of `IIS::TravelMode`."""
+    coordinate: int = 0
+    """Not used."""
+    x: float = 0.0
+    """Along x [m]."""
+    y: float = 0.0
+    """Along y [m]."""
+    theta: float = 0.0
+    """Heading [rad]."""
+    v: float = 0.0
+    """Travel speed [m/s]."""
+    w: float = 0.0
+    """Turning speed [rad/s]."""
+    r: float = 0.0
+    """Radius of a circle, positive for counter-clockwise travel [m]."""
+    tm: Time = field(default_factory=Time)
+    """Time of the command."""
+
+
 class TimedVelocity(Aggregated):
     """Travel command of the second phase."""
 
@@ -158,7 +194,7 @@ class TimedPose2DSeq(Aggregated):
 
 
 class State(Enumeration):
-    """State of the navigation; the values of `TimedState.data`."""
+    """State of the navigation; the values of `RTC::TimedState.data`."""
 
     FINISH = 0
     """The final goal is reached (not given at waypoints)."""
@@ -179,19 +215,8 @@ class State(Enumeration):
 idl.enum(State, "IIS::State")
 
 
-class TimedState(Aggregated):
-    """The state of the navigation. OpenRTM's `RTC::TimedState` holds a short instead."""
-
-    _descriptor_: ClassVar = idl.struct("IIS::TimedState", tm=Time, data=idl.LONG)
-
-    tm: Time = field(default_factory=Time)
-    """Time of the state."""
-    data: int = 0
-    """A value of `State`."""
-
-
 class TravelMode(Enumeration):
-    """How to travel to a waypoint; the values of `Path.type`."""
+    """How to travel to a waypoint; the values of `RTC::Path.type`."""
 
     RUN_FREE = 0
     """No control."""
@@ -212,42 +237,6 @@ class TravelMode(Enumeration):
 
 
 idl.enum(TravelMode, "IIS::TravelMode")
-
-
-class Path(Aggregated):
-    """One waypoint, and how to travel to it."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "IIS::Path",
-        type=idl.SHORT,
-        coordinate=idl.SHORT,
-        x=idl.DOUBLE,
-        y=idl.DOUBLE,
-        theta=idl.DOUBLE,
-        v=idl.DOUBLE,
-        w=idl.DOUBLE,
-        r=idl.DOUBLE,
-        tm=Time,
-    )
-
-    type: int = 0
-    """A value of `TravelMode`."""
-    coordinate: int = 0
-    """Not used."""
-    x: float = 0.0
-    """Along x [m]."""
-    y: float = 0.0
-    """Along y [m]."""
-    theta: float = 0.0
-    """Heading [rad]."""
-    v: float = 0.0
-    """Travel speed [m/s]."""
-    w: float = 0.0
-    """Turning speed [rad/s]."""
-    r: float = 0.0
-    """Radius of a circle, positive for counter-clockwise travel [m]."""
-    tm: Time = field(default_factory=Time)
-    """Time of the command."""
 
 
 PATH_FIRST: Final = 100

@@ -3,6 +3,7 @@
 #   specs/idl/ExtendedDataTypes.idl
 #   specs/idl/InterfaceDataTypes.idl
 #   specs/idl/TimedVelocity.idl
+#   specs/idl/intellirobot.idl
 # Owned by rtgen: edits are overwritten by the next run.
 """The IDL module `RTC`."""
 
@@ -94,6 +95,7 @@ from .._idl.extended_data_types import (
     Velocity2D as Velocity2D,
     Velocity3D as Velocity3D,
 )
+from .._idl.intellirobot import Path as Path
 from .._idl.interface_data_types import (
     ActArrayActuatorCurrent as ActArrayActuatorCurrent,
     ActArrayActuatorGeometry as ActArrayActuatorGeometry,
@@ -300,6 +302,7 @@ __all__ = [
     "Orientation3D",
     "PanTiltAngles",
     "PanTiltState",
+    "Path",
     "Path2D",
     "Path3D",
     "Point2D",

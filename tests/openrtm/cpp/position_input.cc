@@ -20,7 +20,7 @@ class PositionInput : public Component {
       : Component(orb, INSTANCE, "PositionInput",
                   {{"01_x", "0"}, {"01_y", "0"}, {"01_th", "0"}, {"input", "none"}}, 50.0),
         out_(orb, std::string(INSTANCE) + ".positon", "DataOutPort", type),
-        in_(orb, std::string(INSTANCE) + ".status", "DataInPort", "IDL:IIS/TimedState:1.0") {
+        in_(orb, std::string(INSTANCE) + ".status", "DataInPort", "IDL:RTC/TimedState:1.0") {
     add(out_);
     add(in_);
     context.activated = [this] {
@@ -45,7 +45,7 @@ class PositionInput : public Component {
       going_ = true;
       std::cout << "going" << std::endl;
     }
-    IIS::TimedState state;
+    RTC::TimedState state;
     while (in_.read(state))
       if (sent_ && state.data == IIS::FINISH) std::cout << "FINISH" << std::endl;
     return RTC::RTC_OK;

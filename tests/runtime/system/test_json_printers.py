@@ -47,7 +47,7 @@ def test_a_value_is_printed_as_its_plain_form(sample: Any) -> None:
     ("sample", "printed"),
     [
         # Values that no definition allows, but a behaviour may write.
-        (iis.TimedState(data=iis.State.TURNING), '"data": "TURNING"'),
+        (rtc.TimedState(data=iis.State.TURNING), '"data": "TURNING"'),
         (rtc.TimedDouble(data=3), '"data": 3'),
         (rtc.TimedDouble(data=True), '"data": true'),
         (rtc.TimedDouble(data=nan), '"data": "nan"'),

@@ -89,7 +89,7 @@ def test_inspect_of_a_system(capfd: pytest.CaptureFixture[str]) -> None:
     [
         ("PathFollower0.velocity", "PathFollower0.velocty", "no port 'velocty'"),
         ("Odometry0.CurrentWheelAngle", "Odometry0.OdometryPosition", "Odometry0"),
-        ("Navigation0.path", "Navigation0.status", "IIS::TimedState"),
+        ("Navigation0.path", "Navigation0.status", "RTC::TimedState"),
     ],
 )
 def test_connections_that_do_not_fit(

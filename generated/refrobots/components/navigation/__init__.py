@@ -13,7 +13,7 @@ from rtgen.runtime import (
     parameter,
 )
 
-from ... import iis
+from ... import iis, rtc
 
 
 class NavigationConfiguration(Configuration):
@@ -94,5 +94,5 @@ class NavigationBase(
         """,
         unit="m, rad",
     )
-    path = outport(iis.Path, "The waypoint to travel to, and how.", unit="m, rad")
-    status = outport(iis.TimedState, "State of the travel, at every execution.")
+    path = outport(rtc.Path, "The waypoint to travel to, and how.", unit="m, rad")
+    status = outport(rtc.TimedState, "State of the travel, at every execution.")

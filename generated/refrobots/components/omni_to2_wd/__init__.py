@@ -13,7 +13,7 @@ from rtgen.runtime import (
     parameter,
 )
 
-from ... import iis
+from ... import iis, rtc
 
 
 class OmniTo2WDConfiguration(Configuration):
@@ -68,7 +68,7 @@ class OmniTo2WDBase(
         unit="m, rad",
     )
     status_in = inport(
-        iis.TimedState,
+        rtc.TimedState,
         "State of the travel, from the navigation.",
         name="status",
     )
@@ -78,7 +78,7 @@ class OmniTo2WDBase(
         unit="m, rad",
     )
     status_out = outport(
-        iis.TimedState,
+        rtc.TimedState,
         "FINISH, once for each path that was run to its end.",
         name="status",
     )

@@ -13,7 +13,7 @@ from rtgen.runtime import (
     parameter,
 )
 
-from ... import iis
+from ... import iis, rtc
 
 
 class PathFollowerConfiguration(Configuration):
@@ -92,5 +92,5 @@ class PathFollowerBase(
 
     config = configuration(PathFollowerConfiguration)
     position = inport(iis.TimedPose2D, "Pose of the base.", unit="m, rad")
-    target_path = inport(iis.Path, "The waypoint to travel to, and how.", unit="m, rad")
+    target_path = inport(rtc.Path, "The waypoint to travel to, and how.", unit="m, rad")
     velocity = outport(iis.TimedVelocity2D, "Velocity for the base.", unit="m/s, rad/s")

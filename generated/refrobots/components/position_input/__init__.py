@@ -13,7 +13,7 @@ from rtgen.runtime import (
     parameter,
 )
 
-from ... import iis
+from ... import iis, rtc
 
 
 class PositionInputConfiguration(Configuration):
@@ -70,7 +70,7 @@ class PositionInputBase(
     """
 
     config = configuration(PositionInputConfiguration)
-    status = inport(iis.TimedState, "State of the travel, from the planner.")
+    status = inport(rtc.TimedState, "State of the travel, from the planner.")
     positon = outport(
         iis.TimedPose2D,
         "The goal, or one waypoint of a path. The name is spelled as in the source.",
