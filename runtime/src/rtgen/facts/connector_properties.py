@@ -75,6 +75,11 @@ OWN_PORT: Final = "rtgen.own_port"
 OVERRIDE: Final = "rtgen.openrtm."
 """Prefix of properties that apply to the target openrtm only."""
 
+ALLOW: Final = "rtgen.allow."
+"""Prefix of properties that allow a finding about their connector, by its code; the value is the
+reason.
+"""
+
 STRICTNESS: Final = "port.connection.strictness"
 MARSHALING: Final = "dataport.marshaling_type"
 ROS_TOPIC: Final = "dataport.ros2.topic"

@@ -16,7 +16,8 @@ from rtgen.compiler.frontends.profiles import profile_tree, rts_profile
 from rtgen.compiler.kit import stages
 from rtgen.compiler.model import Model, System, SystemComponent
 from rtgen.compiler.model.system_links import known_components
-from rtgen.compiler.systems.checks import check, check_properties
+from rtgen.compiler.systems import connections
+from rtgen.compiler.systems.checks import check
 from rtgen.compiler.typemap.openrtm_ports import ports_of, with_definition_names
 from rtgen.facts.encodings import decode, digest
 from rtgen.facts.files import read_start
@@ -112,7 +113,7 @@ def against(
 ) -> tuple[Sequence[System], list[Diagnostic]]:
     """Return the systems with the definitions' port names, and their diagnostics."""
     if has_errors(definitions.diagnostics):
-        diagnostics = [d for each in systems for d in check_properties(each)]
+        diagnostics = [d for each in systems for d in connections.findings(each)]
         return systems, diagnostics
     model = definitions.model
     models = [model, *(package.model for package in model.packages)]

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from rtgen.compiler.diagnostics import Diagnostic, Related, Rule, Severity, rules_of
 from rtgen.compiler.model import Connection, Model, NamedType, Port, Struct
 from rtgen.compiler.typemap.member_units import Leaf, is_real, leaves
+from rtgen.facts.connector_properties import ALLOW
 
 DIMENSIONS_DIFFER = Rule("RTC0593", "ports of different dimensions", Severity.ERROR)
 UNIT_MISSING = Rule("RTC0594", "unit at one end of a connector only", Severity.NOTE)
@@ -15,18 +16,31 @@ MAY_DIFFER = Rule("RTC0596", "units that may not fit", Severity.WARNING)
 
 RULES = rules_of(globals())
 
+_OTHERWISE = (
+    "connect another port, correct @unit, or allow it by a reason in the property"
+    f" {ALLOW}{DIMENSIONS_DIFFER.code} of the connector"
+)
+
 
 def check(
-    connection: Connection, source: Port, target: Port, model: Model
+    connection: Connection,
+    source: Port,
+    target: Port,
+    model: Model,
+    target_model: Model,
 ) -> Iterator[Diagnostic]:
-    """Yield diagnostics about the units of two ports of one type; `model` has that type."""
+    """Yield diagnostics about the units of two ports of one type, each with its model.
+
+    The members of the type may have other units in another model.
+    """
     sent, received = (" ".join(port.unit.split()) for port in (source, target))
-    if sent == received:
+    if sent == received and (sent or model is target_model):
         return
     silent = (not sent, not received)
-    sent, received = sent or _defined(source, model), received or _defined(
-        target, model
-    )
+    sent = sent or _defined(source, model)
+    received = received or _defined(target, target_model)
+    if sent == received:
+        return
     related = [
         Related(port.span, f"{end}: {_shown(text, is_silent)}")
         for end, port, text, is_silent in (
@@ -57,8 +71,12 @@ def _shown(unit: str, is_silent: bool) -> str:
 
 
 def _defined(port: Port, model: Model) -> str:
-    """Return the units of a port without one: those of its type, if each real number has one."""
-    units = [leaf.unit for leaf in _reals(port, model)]
+    """Return the units of a port without one: those of its type, if each number has one.
+
+    Integers count only in a type without real numbers, since many are no quantities.
+    """
+    members = _reals(port, model) or _integers(port, model)
+    units = [leaf.unit for leaf in members]
     valid = [unit for unit in units if unit and _is_unit(unit)]
     return ", ".join(dict.fromkeys(valid)) if len(valid) == len(units) else ""
 
@@ -88,7 +106,7 @@ def _compared(
         return MAY_DIFFER, "name one unit for each member at both ports"
     related = [relation(*pair) for pair in zip(*units, strict=True)]
     if Relation.DIFFERENT in related:
-        return DIMENSIONS_DIFFER, "connect another port, or correct @unit"
+        return DIMENSIONS_DIFFER, _OTHERWISE
     if Relation.ANGLE in related:
         return MAY_DIFFER, "say at both ports whether it is an angle: rad/s, or Hz"
     scaled = [
@@ -119,10 +137,18 @@ def _adapter(source: Port, model: Model, scaled: list[tuple[str, str]]) -> str:
 
 def _reals(port: Port, model: Model) -> list[Leaf]:
     """Return the real numbers of a port's type."""
+    return [leaf for leaf in _members(port, model) if is_real(model, leaf.type)]
+
+
+def _integers(port: Port, model: Model) -> list[Leaf]:
+    """Return the other members of a port's type that have a unit."""
+    return [leaf for leaf in _members(port, model) if leaf.unit]
+
+
+def _members(port: Port, model: Model) -> Iterator[Leaf]:
     type_ = model.unalias(port.type)
     struct = model.find(type_.name) if isinstance(type_, NamedType) else None
-    members = leaves(model, struct) if isinstance(struct, Struct) else ()
-    return [leaf for leaf in members if is_real(model, leaf.type)]
+    return leaves(model, struct) if isinstance(struct, Struct) else iter(())
 
 
 def _paths(reals: list[Leaf], unit: str) -> list[str]:

@@ -119,9 +119,9 @@ def _checked(
 ) -> tuple[Sequence[System], Sequence[Diagnostic]]:
     """Return the system with the definitions' port names; without a project, unchanged."""
     from rtgen.compiler import compilation
-    from rtgen.compiler.systems import checks, reading
+    from rtgen.compiler.systems import checks, connections, reading
 
     if project is None:
-        diagnostics = checks.check_properties(system)
+        diagnostics = connections.findings(system)
         return [system], checks.as_warnings(diagnostics)
     return reading.against([system], compilation.read(project, lowered=True))

@@ -10,8 +10,7 @@ from pathlib import Path
 from rtgen.compiler.diagnostics import InputError, ToolError, has_errors, in_order
 from rtgen.compiler.model import System
 from rtgen.compiler.project import Project, load_around
-from rtgen.compiler.systems import timeline
-from rtgen.compiler.systems.checks import check_properties
+from rtgen.compiler.systems import connections, timeline
 from rtgen.compiler.systems.measures import Measure
 from rtgen.compiler.systems.reading import read_file
 from rtgen.compiler.systems.rules import CONDITION
@@ -127,7 +126,7 @@ def read_system(path: str | Path, console: Console) -> System:
     file = Path(path)
     file = file / "system.xml" if file.is_dir() else file
     profile, diagnostics, sources = read_file(file)
-    more = () if profile is None else check_properties(profile)
+    more = () if profile is None else connections.findings(profile)
     findings = [*diagnostics, *more]
     console.findings(in_order(findings), sources)
     if profile is None or has_errors(findings):

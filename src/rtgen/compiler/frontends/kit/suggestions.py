@@ -47,3 +47,9 @@ def nearest(word: str, candidates: Iterable[str]) -> str | None:
 
     matches = get_close_matches(word, choices, n=1, cutoff=0.7)
     return matches[0] if matches else None
+
+
+def guess(word: str, candidates: Iterable[str]) -> str | None:
+    """Return a hint with the candidate most similar to `word`, if there is one."""
+    near = nearest(word, candidates)
+    return f"did you mean {near}?" if near else None

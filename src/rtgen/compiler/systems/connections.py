@@ -1,0 +1,267 @@
+"""Judges the connections of systems: kinds, types, interfaces, units and policies of both ends.
+
+Every command that reads, makes or shows a connection asks here. A finding that the connection
+allows, by the property `rtgen.allow.CODE` with a reason, becomes a note.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from msgspec.structs import replace
+
+from rtgen.compiler.diagnostics import Diagnostic, Rule, Severity, Span
+from rtgen.compiler.frontends.kit.suggestions import guess
+from rtgen.compiler.model import (
+    Connection,
+    Model,
+    NamedType,
+    Port,
+    PortKind,
+    PortReference,
+    System,
+)
+from rtgen.compiler.model.declarations import OPAQUE
+from rtgen.compiler.model.system_links import (
+    DATA_KINDS,
+    Known,
+    interfaces,
+    service_pairs,
+)
+from rtgen.compiler.systems import units
+from rtgen.facts import connector_properties
+from rtgen.facts.connector_properties import ALLOW, OVERRIDE, OWN_PORT
+
+UNKNOWN_PORT = Rule(
+    "RTC0581", "connector with a port that is not there", Severity.ERROR
+)
+PORTS_DIFFER = Rule("RTC0582", "ports that cannot be joined", Severity.ERROR)
+UNKNOWN_PROPERTY = Rule("RTC0583", "unknown connector property", Severity.ERROR)
+PROPERTY_VALUE = Rule(
+    "RTC0584", "connector property with a value that it does not take", Severity.ERROR
+)
+DATA_TYPE = Rule(
+    "RTC0585", "connector declares another type than its ports", Severity.WARNING
+)
+ALLOWED_IN_VAIN = Rule(
+    "RTC0597", "connector that allows what it does not have", Severity.WARNING
+)
+
+RULES = (
+    UNKNOWN_PORT,
+    PORTS_DIFFER,
+    UNKNOWN_PROPERTY,
+    PROPERTY_VALUE,
+    DATA_TYPE,
+    ALLOWED_IN_VAIN,
+    *units.RULES,
+)
+
+ALLOWABLE = {rule.code: rule for rule in (PORTS_DIFFER, DATA_TYPE, *units.RULES)}
+"""The rules that a connection can allow, by code."""
+
+_TYPE_KEY = "dataport.data_type"
+
+
+def findings(
+    system: System, components: Mapping[str, Known] | None = None
+) -> Iterator[Diagnostic]:
+    """Yield the diagnostics about the connections of a system.
+
+    `components` maps type names to definitions; a connection with an end whose type it lacks is
+    judged by its properties alone.
+    """
+    known = components or {}
+    ends = {c.instance: known[c.type] for c in system.components if c.type in known}
+    for connection in system.connections:
+        yield from judged(connection, ends)
+
+
+def judged(connection: Connection, ends: Mapping[str, Known]) -> Iterator[Diagnostic]:
+    """Yield the diagnostics about a connection; `ends` maps instances to their definitions."""
+    yield from _properties(connection)
+    properties = dict(connection.properties)
+    joined = {connection.source.instance, connection.target.instance}
+    if OWN_PORT in properties or not joined <= ends.keys():
+        return
+    reasons = {
+        key.removeprefix(ALLOW): text.strip()
+        for key, text in connection.properties
+        if key.startswith(ALLOW)
+    }
+    codes = set()
+    judge = _service if connection.service else _data
+    for finding in judge(connection, ends):
+        codes.add(finding.code)
+        if reason := finding.code in ALLOWABLE and reasons.get(finding.code):
+            message = f"{finding.message}; the system allows it: {reason}"
+            finding = replace(
+                finding, severity=Severity.NOTE, message=message, hint=None
+            )
+        yield finding
+    for code in reasons.keys() & ALLOWABLE.keys() - codes:
+        span = connection.places.get(f"{ALLOW}{code}", connection.span)
+        message = f"{connection.source} and {connection.target} have no {code}"
+        yield ALLOWED_IN_VAIN.at(span, message, hint="remove the property")
+
+
+def _properties(connection: Connection) -> Iterator[Diagnostic]:
+    """Yield the diagnostics that require no definitions."""
+    table = (
+        connector_properties.SERVICE
+        if connection.service
+        else connector_properties.STATED_DATA
+    )
+    for written, text in connection.properties:
+        key = written.removeprefix(OVERRIDE)
+        is_pair = connection.service and connector_properties.is_pair(key)
+        if is_pair or key == OWN_PORT:
+            continue
+        span = connection.places.get(written, connection.span)
+        if key.startswith(ALLOW):
+            yield from _allowance(key, text, span)
+            continue
+        if key not in table:
+            yield from _unknown_property(key, table, span)
+            continue
+        why = connector_properties.violation(table, key, text)
+        if why is not None:
+            message = f"`{key}` is {text[:80]!r}; it must be {why}"
+            yield PROPERTY_VALUE.at(span, message)
+    yield from _subscription(connection)
+
+
+def _allowance(key: str, text: str, span: Span) -> Iterator[Diagnostic]:
+    code = key.removeprefix(ALLOW)
+    if code not in ALLOWABLE:
+        message = f"`{key[:80]}`: a connector cannot allow that"
+        hint = guess(code, ALLOWABLE) or f"it can allow {', '.join(sorted(ALLOWABLE))}"
+        yield UNKNOWN_PROPERTY.at(span, message, hint=hint)
+    elif not text.strip():
+        message = f"`{key}` is empty; it must be the reason"
+        yield PROPERTY_VALUE.at(span, message, hint="say why it is right here")
+
+
+def _subscription(connection: Connection) -> Iterator[Diagnostic]:
+    properties = dict(connection.properties)
+    meant = connector_properties.subscriptions(properties)
+    if connector_properties.lacks_push_rate(properties):
+        key = next(k for k in reversed(meant) if meant[k] == "periodic")
+        span = connection.places.get(key, connection.span)
+        rate = connector_properties.PUSH_RATE
+        message = f"`{key}` is 'periodic', but there is no `{rate}`"
+        yield PROPERTY_VALUE.at(span, message, hint="say how often, in Hz")
+    if connector_properties.is_contradictory(properties):
+        first, second = meant
+        span = connection.places.get(first, connection.span)
+        message = (
+            f"`{first}` is {properties[first].strip()!r}, "
+            f"but `{second}` is {properties[second].strip()!r}"
+        )
+        yield PROPERTY_VALUE.at(span, message, hint="state one of them")
+
+
+def _unknown_property(
+    key: str, table: Mapping[str, object], span: Span
+) -> Iterator[Diagnostic]:
+    own = [OWN_PORT, *(f"{ALLOW}{code}" for code in ALLOWABLE)]
+    is_own = key.startswith("rtgen.")
+    hint = guess(key, own if is_own else table)
+    if hint is None and not is_own and connector_properties.is_foreign(key):
+        return
+    of = "rtgen" if is_own else "OpenRTM"
+    message = f"`{key[:80]}` is not a connector property of {of}"
+    yield UNKNOWN_PROPERTY.at(span, message, hint=hint)
+
+
+def _data(connection: Connection, ends: Mapping[str, Known]) -> Iterator[Diagnostic]:
+    source = _data_port(connection.source, ends, PortKind.OUTPORT)
+    target = _data_port(connection.target, ends, PortKind.INPORT)
+    for port in (source, target):
+        if isinstance(port, Diagnostic):
+            yield port
+    if isinstance(source, Diagnostic) or isinstance(target, Diagnostic):
+        return
+    types = [
+        _repository_id(ends[end.instance].model, port)
+        for end, port in ((connection.source, source), (connection.target, target))
+    ]
+    for end, port in ((connection.source, source), (connection.target, target)):
+        if _is_opaque(ends[end.instance].model, port):
+            message = f"the type {port.type} of {end} was not found, so it stays opaque"
+            yield PORTS_DIFFER.at(end.span or connection.span, message)
+            return
+    if types[0] != types[1]:
+        message = (
+            f"{connection.source} has the type {source.type}, "
+            f"{connection.target} has {target.type}"
+        )
+        yield PORTS_DIFFER.at(connection.span, message)
+        return
+    declared = dict(connection.properties).get(_TYPE_KEY, types[0])
+    if declared not in (types[0], str(source.type)):
+        span = connection.places.get(_TYPE_KEY, connection.span)
+        message = f"the connector declares {declared!r}, its ports have {types[0]!r}"
+        yield DATA_TYPE.at(span, message)
+    models = (
+        ends[end.instance].model for end in (connection.source, connection.target)
+    )
+    yield from units.check(connection, source, target, *models)
+
+
+def _data_port(
+    end: PortReference, ends: Mapping[str, Known], kind: PortKind
+) -> Port | Diagnostic:
+    component = ends[end.instance].component
+    ports = [p for p in component.ports if p.kind in DATA_KINDS]
+    named = [p for p in ports if p.name == end.port]
+    for port in named:
+        if port.kind is kind:
+            return port
+    if named:
+        message = (
+            f"{end} is not an {kind.value}; data goes from an OutPort to an InPort"
+        )
+        return PORTS_DIFFER.at(end.span, message)
+    return _unknown_port(end, [p.name for p in ports if p.kind is kind], "data port")
+
+
+def _unknown_port(end: PortReference, names: Sequence[str], what: str) -> Diagnostic:
+    all_of_them = f"it has {', '.join(dict.fromkeys(names)) or 'none'}"
+    hint = guess(end.port, names) or all_of_them
+    message = f"{end.instance} has no {what} {end.port!r} for this end"
+    return UNKNOWN_PORT.at(end.span, message, hint=hint)
+
+
+def _repository_id(model: Model, port: Port) -> str:
+    type_ = model.unalias(port.type)
+    if isinstance(type_, NamedType):
+        return model.find(type_.name).repository_id
+    return str(type_)
+
+
+def _is_opaque(model: Model, port: Port) -> bool:
+    type_ = model.unalias(port.type)
+    return isinstance(type_, NamedType) and any(
+        annotation.name == OPAQUE for annotation in model.find(type_.name).annotations
+    )
+
+
+def _service(connection: Connection, ends: Mapping[str, Known]) -> Iterator[Diagnostic]:
+    missing = False
+    for end in (connection.source, connection.target):
+        ports = interfaces(end, ends)
+        if not ports:
+            names = [p.port for p in ends[end.instance].component.ports if p.port]
+            yield _unknown_port(end, names, "service port")
+            missing = True
+    if missing:
+        return
+    pairs, lonely = service_pairs(connection, ends)
+    if not pairs:
+        for end, consumer in lonely:
+            message = f"{end}: there is no provider of {consumer.type}"
+            yield PORTS_DIFFER.at(end.span or connection.span, message)
+        if not lonely:
+            message = f"{connection.source} and {connection.target} have no consumer"
+            yield PORTS_DIFFER.at(connection.span, message)
