@@ -6,12 +6,16 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 from typing import Any
 
 import OpenRTM_aist
 import RTC
+
+# Behind OpenRTM's modules: the own types have a module RTC, too, and add to the imported one.
+sys.path.append(os.environ["TYPES"])
 
 
 def profile(name: str) -> Any:

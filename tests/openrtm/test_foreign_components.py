@@ -45,7 +45,7 @@ def stubs(
     types = middleware.DATA_TYPES
     files = [types / "intellirobot.idl", CALC / "calc.idl"]
     middleware.compile_idl(folder, files, [types])
-    return middleware.environment([folder, *rtm_folders])
+    return {**middleware.environment(rtm_folders), "TYPES": str(folder)}
 
 
 @pytest.fixture
