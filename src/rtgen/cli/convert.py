@@ -94,14 +94,13 @@ def _system(console: Console, path: Path, form: str) -> int:
         profile_yaml,
         rts_profile,
     )
-    from rtgen.compiler.systems import connections
-    from rtgen.compiler.systems.checks import as_warnings
+    from rtgen.compiler.systems.checks import as_warnings, check_properties
 
     name = path.as_posix()
     read = rts_profile.load(path)
     diagnostics = [*read.diagnostics]
     if read.system is not None:
-        diagnostics += as_warnings(connections.findings(read.system))
+        diagnostics += as_warnings(check_properties(read.system))
     console.findings(diagnostics, read.sources)
     if has_errors(diagnostics):
         return BAD_INPUT

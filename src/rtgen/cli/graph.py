@@ -10,6 +10,7 @@ import click
 from rtgen.cli.options import with_console
 from rtgen.compiler import compilation
 from rtgen.compiler.diagnostics import Diagnostic, has_errors, in_order
+from rtgen.compiler.judging import Judge
 from rtgen.compiler.model import Component
 from rtgen.compiler.model.can_bus import Bus
 from rtgen.compiler.project import load
@@ -17,6 +18,7 @@ from rtgen.compiler.systems import timeline
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import BAD_INPUT, OK, Refusal
 from rtgen.tools.kit.files import save
+from rtgen.tools.running.plan import is_fitting
 
 
 @click.command()
@@ -38,7 +40,7 @@ def graph(
 
     SYSTEM is an RtsProfile or a folder with system.xml and optionally timeline.toml. The
     definitions of the project, if any, add unconnected ports, the types of all ports, and the buses
-    and serial lines of components.
+    and serial lines of components; a system with connections that do not fit is not drawn.
     """
     from rtgen.compiler.backends.wiring import (
         ComponentView,
@@ -57,7 +59,7 @@ def graph(
     diagnostics: list[Diagnostic] = list(findings)
     profiles: dict[str, ComponentView] = {}
     buses: Sequence[Bus] = ()
-    project = load()
+    project, result = load(), None
     if project.sources and not has_errors(diagnostics):
         result = compilation.read(project, lowered=True)
         diagnostics += result.diagnostics
@@ -74,6 +76,9 @@ def graph(
         return BAD_INPUT
     plan = timeline.of_system(path, timeline_file, profile)
     console.findings(plan.skipped)
+    judge = Judge(project, definitions=result)
+    if not is_fitting(judge, profile, plan.steps, console):
+        return BAD_INPUT
     timed = [
         TimedConnection(action.source, action.target, step.time / timeline.SECOND)
         for step in plan.steps

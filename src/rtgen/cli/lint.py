@@ -107,7 +107,9 @@ def _findings(
         )
         of_systems = [
             *added.diagnostics[len(definitions.diagnostics) :],
-            *timeline_checks.findings(project.systems, project.encoding),
+            *timeline_checks.findings(
+                project.systems, project.encoding, reading.models_of(definitions)
+            ),
         ]
         result = replace(result, sources=added.sources)
     reported = {*result.diagnostics, *of_systems}

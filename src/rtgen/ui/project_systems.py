@@ -22,7 +22,8 @@ from rtgen.compiler.diagnostics import (
 from rtgen.compiler.frontends.profiles import profile_tree, rts_profile
 from rtgen.compiler.model import System, SystemComponent
 from rtgen.compiler.project import is_bus_file, is_system, load_around, shown
-from rtgen.compiler.systems import connections, timeline
+from rtgen.compiler.systems import timeline
+from rtgen.compiler.systems.checks import check_properties
 from rtgen.compiler.systems.rules import MEASURE, NOTICE
 from rtgen.compiler.systems.timeline import Timeline
 from rtgen.runtime.failures import Failure, log
@@ -96,7 +97,7 @@ class CommandProject:
         profile, diagnostics, sources = result
         diagnostics = (
             *diagnostics,
-            *(connections.findings(profile) if profile is not None else ()),
+            *(check_properties(profile) if profile is not None else ()),
         )
         if profile is None or data is None or has_errors(diagnostics):
             raise InputError(in_order(diagnostics))
@@ -139,7 +140,7 @@ class CommandProject:
         from rtgen.ui.texts import placed
 
         problems = [
-            d for d in connections.findings(profile) if d.severity is Severity.ERROR
+            d for d in check_properties(profile) if d.severity is Severity.ERROR
         ]
         try:
             poses = _listed(profile, "rtgen.run.pose")

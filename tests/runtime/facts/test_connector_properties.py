@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from rtgen.compiler.diagnostics import Span
 from rtgen.compiler.model import Connection, PortReference, System
-from rtgen.compiler.systems import connections
+from rtgen.compiler.systems.checks import check_properties
 from rtgen.facts.connector_properties import DATA, SERVICE, is_foreign
 from rtgen.runtime.errors import ConnectorPropertyError
 from rtgen.runtime.ports import connector_properties as runtime
@@ -40,7 +40,7 @@ def checked(properties: Mapping[str, str], *, service: bool) -> bool:
         components=(),
         connections=(connection,),
     )
-    return not [*connections.findings(system)]
+    return not [*check_properties(system)]
 
 
 def connected(properties: Mapping[str, str], *, service: bool) -> bool:

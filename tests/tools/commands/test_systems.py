@@ -85,21 +85,31 @@ def test_inspect_of_a_system(capfd: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "message"),
+    ("old", "new", "code", "message"),
     [
-        ("PathFollower0.velocity", "PathFollower0.velocty", "no port 'velocty'"),
-        ("Odometry0.CurrentWheelAngle", "Odometry0.OdometryPosition", "Odometry0"),
-        ("Navigation0.path", "Navigation0.status", "RTC::TimedState"),
+        ("PathFollower0.velocity", "PathFollower0.velocty", "SYS0003", "'velocty'"),
+        (
+            "Odometry0.CurrentWheelAngle",
+            "Odometry0.OdometryPosition",
+            "RTC0582",
+            "Odometry0",
+        ),
+        ("Navigation0.path", "Navigation0.status", "RTC0582", "RTC::TimedState"),
     ],
 )
 def test_connections_that_do_not_fit(
-    old: str, new: str, message: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+    old: str,
+    new: str,
+    code: str,
+    message: str,
+    tmp_path: Path,
+    capfd: pytest.CaptureFixture[str],
 ) -> None:
     system = changed(tmp_path, f'rts:portName="{old}"', f'rts:portName="{new}"')
     assert run(["run", system]) == 2
     out, err = capfd.readouterr()
     assert out == ""
-    assert "error[SYS0003]" in err
+    assert f"error[{code}]" in err
     assert message in err
 
 

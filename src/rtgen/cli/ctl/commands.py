@@ -14,8 +14,8 @@ from rtgen.cli.ctl.common import (
     Refused,
     asker,
     joined,
+    judged_profile_of,
     print_json,
-    profile_of,
     settled,
     with_json,
     with_system,
@@ -49,9 +49,9 @@ _instances = click.argument("instances", nargs=-1, required=True, metavar="INSTA
 def list_(console: Console, options: CtlOptions, as_json: bool) -> int:
     """List the components of all processes with their states.
 
-    With --system, also report components that no process has, and components in ERROR.
+    With --system, also report components that no process has, those in ERROR, and misfit ports.
     """
-    profile = profile_of(console, options)
+    profile = judged_profile_of(console, options)
     with joined(console, options, profile) as peers:
         states = [(name, peers.asker(name).state()) for name in settled(peers, options)]
     if as_json:

@@ -137,6 +137,19 @@ def profile_of(console: Console, options: CtlOptions) -> System | None:
     return profile
 
 
+def judged_profile_of(console: Console, options: CtlOptions) -> System | None:
+    """Return `profile_of`, and report connections whose ends do not fit; it may run even so."""
+    profile = profile_of(console, options)
+    if profile is not None:
+        from rtgen.compiler.judging import Judge
+        from rtgen.compiler.project import cache, load_around
+        from rtgen.tools.running.plan import is_fitting
+
+        judge = Judge(load_around(Path(profile.file)), cache.default())
+        is_fitting(judge, profile, (), console)
+    return profile
+
+
 def asker(peers: Peers, instance: str, options: CtlOptions) -> Asker:
     """Return the component of that name. Raises ToolError if no process has it."""
     deadline = time.monotonic() + options.wait

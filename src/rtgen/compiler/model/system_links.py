@@ -13,6 +13,7 @@ from rtgen.compiler.model.components import (
     Port,
     PortKind,
     PortReference,
+    System,
 )
 from rtgen.compiler.model.declarations import Interface
 from rtgen.compiler.model.types import NamedType
@@ -38,6 +39,15 @@ def known_components(models: Iterable[Model]) -> dict[str, Known]:
             if isinstance(declaration, Component):
                 components.setdefault(declaration.name[-1], Known(declaration, model))
     return components
+
+
+def definitions_of(system: System, components: Mapping[str, Known]) -> dict[str, Known]:
+    """Return the definitions of instances; one without is left out."""
+    return {
+        c.instance: components[c.type]
+        for c in system.components
+        if c.type in components
+    }
 
 
 class Pair(msgspec.Struct, frozen=True):

@@ -45,6 +45,11 @@ def as_warnings(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
     ]
 
 
+def check_properties(system: System) -> Iterator[Diagnostic]:
+    """Yield diagnostics about connectors that require no definitions."""
+    return connections.findings(system, {})
+
+
 def _component(
     c: SystemComponent, components: Mapping[str, Known]
 ) -> Iterator[Diagnostic]:

@@ -25,6 +25,7 @@ from rtgen.compiler.model.declarations import OPAQUE
 from rtgen.compiler.model.system_links import (
     DATA_KINDS,
     Known,
+    definitions_of,
     interfaces,
     service_pairs,
 )
@@ -63,16 +64,13 @@ ALLOWABLE = {rule.code: rule for rule in (PORTS_DIFFER, DATA_TYPE, *units.RULES)
 _TYPE_KEY = "dataport.data_type"
 
 
-def findings(
-    system: System, components: Mapping[str, Known] | None = None
-) -> Iterator[Diagnostic]:
+def findings(system: System, components: Mapping[str, Known]) -> Iterator[Diagnostic]:
     """Yield the diagnostics about the connections of a system.
 
     `components` maps type names to definitions; a connection with an end whose type it lacks is
     judged by its properties alone.
     """
-    known = components or {}
-    ends = {c.instance: known[c.type] for c in system.components if c.type in known}
+    ends = definitions_of(system, components)
     for connection in system.connections:
         yield from judged(connection, ends)
 
@@ -80,6 +78,11 @@ def findings(
 def judged(connection: Connection, ends: Mapping[str, Known]) -> Iterator[Diagnostic]:
     """Yield the diagnostics about a connection; `ends` maps instances to their definitions."""
     yield from _properties(connection)
+    yield from compared(connection, ends)
+
+
+def compared(connection: Connection, ends: Mapping[str, Known]) -> Iterator[Diagnostic]:
+    """Yield the diagnostics about the two ends; none if the definition of one is not known."""
     properties = dict(connection.properties)
     joined = {connection.source.instance, connection.target.instance}
     if OWN_PORT in properties or not joined <= ends.keys():
@@ -103,6 +106,36 @@ def judged(connection: Connection, ends: Mapping[str, Known]) -> Iterator[Diagno
         span = connection.places.get(f"{ALLOW}{code}", connection.span)
         message = f"{connection.source} and {connection.target} have no {code}"
         yield ALLOWED_IN_VAIN.at(span, message, hint="remove the property")
+
+
+def link(
+    source: PortReference,
+    target: PortReference,
+    properties: Mapping[str, str],
+    ends: Mapping[str, Known],
+    span: Span,
+) -> Connection:
+    """Return the connection of two ports, given in either order, as the runtime would make it."""
+    kinds = [
+        {
+            p.kind if p.kind in DATA_KINDS else None
+            for p in (
+                ends[end.instance].component.ports if end.instance in ends else ()
+            )
+            if end.port in (p.name if p.kind in DATA_KINDS else p.port,)
+        }
+        for end in (source, target)
+    ]
+    if kinds[0] == {PortKind.INPORT} and PortKind.OUTPORT in kinds[1]:
+        source, target = target, source
+    return Connection(
+        name=f"{source}-{target}",
+        source=source,
+        target=target,
+        service=kinds == [{None}, {None}],
+        properties=tuple(properties.items()),
+        span=span,
+    )
 
 
 def _properties(connection: Connection) -> Iterator[Diagnostic]:

@@ -16,8 +16,7 @@ from rtgen.compiler.frontends.profiles import profile_tree, rts_profile
 from rtgen.compiler.kit import stages
 from rtgen.compiler.model import Model, System, SystemComponent
 from rtgen.compiler.model.system_links import known_components
-from rtgen.compiler.systems import connections
-from rtgen.compiler.systems.checks import check
+from rtgen.compiler.systems.checks import check, check_properties
 from rtgen.compiler.typemap.openrtm_ports import ports_of, with_definition_names
 from rtgen.facts.encodings import decode, digest
 from rtgen.facts.files import read_start
@@ -113,12 +112,19 @@ def against(
 ) -> tuple[Sequence[System], list[Diagnostic]]:
     """Return the systems with the definitions' port names, and their diagnostics."""
     if has_errors(definitions.diagnostics):
-        diagnostics = [d for each in systems for d in connections.findings(each)]
+        diagnostics = [d for each in systems for d in check_properties(each)]
         return systems, diagnostics
-    model = definitions.model
-    models = [model, *(package.model for package in model.packages)]
+    models = models_of(definitions)
     named = as_defined(systems, models)
     return named, list(checked(named, models))
+
+
+def models_of(definitions: FrontendResult) -> Sequence[Model]:
+    """Return the models in definitions that have components; none if there are errors."""
+    if has_errors(definitions.diagnostics):
+        return ()
+    model = definitions.model
+    return [model, *(package.model for package in model.packages)]
 
 
 def as_defined(systems: Iterable[System], models: Iterable[Model]) -> list[System]:

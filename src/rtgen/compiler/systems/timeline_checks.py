@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
+from msgspec.structs import replace
+
 from rtgen.compiler.diagnostics import Diagnostic, InputError
-from rtgen.compiler.model import System
-from rtgen.compiler.systems.reading import read_file
+from rtgen.compiler.model import Connection, Model, System
+from rtgen.compiler.model.system_links import Known, definitions_of, known_components
+from rtgen.compiler.systems import connections
+from rtgen.compiler.systems.reading import as_defined, read_file
 from rtgen.compiler.systems.rules import SKIPPED
 from rtgen.compiler.systems.timeline import Connect, Disconnect, Step, load
 
@@ -15,11 +19,15 @@ _SYSTEM = "system.xml"
 _TIMELINE = "timeline.toml"
 
 
-def findings(systems: Iterable[Path], encoding: str = "auto") -> Iterator[Diagnostic]:
+def findings(
+    systems: Iterable[Path], encoding: str = "auto", models: Sequence[Model] = ()
+) -> Iterator[Diagnostic]:
     """Yield the diagnostics of the timelines that runs of systems carry out by default.
 
     That is the `timeline.toml` in the folder of a `system.xml`. A system with errors is left out.
+    The ends of new connections are compared if `models` define their components.
     """
+    components = known_components(models)
     for path in systems:
         file = path.parent / _TIMELINE
         if path.name != _SYSTEM or not file.is_file():
@@ -34,6 +42,25 @@ def findings(systems: Iterable[Path], encoding: str = "auto") -> Iterator[Diagno
         else:
             yield from plan.skipped
             yield from _in_vain(plan.steps, system)
+            links = new_connections(plan.steps, system, components)
+            [named] = as_defined([replace(system, connections=tuple(links))], models)
+            yield from connections.findings(named, components)
+
+
+def new_connections(
+    steps: Iterable[Step], system: System, components: Mapping[str, Known]
+) -> Iterator[Connection]:
+    """Yield the connections of a timeline that are not its system's, as the runtime makes them."""
+    own = {(c.name, str(c.source), str(c.target)) for c in system.connections}
+    ends = definitions_of(system, components)
+    for step in steps:
+        match step.action:
+            case Connect(name, source, target, properties) if (
+                name,
+                str(source),
+                str(target),
+            ) not in own:
+                yield connections.link(source, target, properties, ends, step.span)
 
 
 def _in_vain(steps: Iterable[Step], system: System) -> Iterator[Diagnostic]:

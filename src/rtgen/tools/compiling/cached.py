@@ -119,9 +119,9 @@ def _checked(
 ) -> tuple[Sequence[System], Sequence[Diagnostic]]:
     """Return the system with the definitions' port names; without a project, unchanged."""
     from rtgen.compiler import compilation
-    from rtgen.compiler.systems import checks, connections, reading
+    from rtgen.compiler.systems import checks, reading
 
     if project is None:
-        diagnostics = connections.findings(system)
+        diagnostics = checks.check_properties(system)
         return [system], checks.as_warnings(diagnostics)
     return reading.against([system], compilation.read(project, lowered=True))

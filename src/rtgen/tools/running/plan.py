@@ -6,11 +6,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from rtgen.compiler.diagnostics import InputError, ToolError, has_errors, in_order
+from rtgen.compiler.diagnostics import (
+    InputError,
+    Severity,
+    ToolError,
+    has_errors,
+    in_order,
+)
 from rtgen.compiler.model import System
-from rtgen.compiler.project import Project, load_around
-from rtgen.compiler.systems import connections, timeline
+from rtgen.compiler.project import Project, cache, load_around
+from rtgen.compiler.systems import timeline
+from rtgen.compiler.systems.checks import check_properties
 from rtgen.compiler.systems.measures import Measure
 from rtgen.compiler.systems.reading import read_file
 from rtgen.compiler.systems.rules import CONDITION
@@ -26,6 +34,9 @@ from rtgen.tools.running.live_options import LiveOptions
 from rtgen.tools.running.recording_options import RecordingOptions
 from rtgen.tools.running.trajectory import check_picture
 from rtgen.tools.running.transports import TransportOptions
+
+if TYPE_CHECKING:
+    from rtgen.compiler.judging import Judge
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,6 +112,7 @@ def planned(options: RunOptions, console: Console) -> Plan:
     course = timeline.of_system(Path(options.system), options.timeline_file, profile)
     console.findings(course.skipped)
     project = load_around(Path(options.system))
+    require_fitting(project, profile, course.steps, console)
     factories = Factories(project)
     languages = factories.foreign
     plan = Plan(
@@ -126,12 +138,34 @@ def read_system(path: str | Path, console: Console) -> System:
     file = Path(path)
     file = file / "system.xml" if file.is_dir() else file
     profile, diagnostics, sources = read_file(file)
-    more = () if profile is None else connections.findings(profile)
+    more = () if profile is None else check_properties(profile)
     findings = [*diagnostics, *more]
     console.findings(in_order(findings), sources)
     if profile is None or has_errors(findings):
         raise ReportedError(BAD_INPUT)
     return profile
+
+
+def require_fitting(
+    project: Project, profile: System, steps: Sequence[Step], console: Console
+) -> None:
+    """Report what the judge says of a system's connections. Raises ReportedError for errors."""
+    from rtgen.compiler.judging import Judge
+
+    judge = Judge(project, cache.default())
+    if not is_fitting(judge, profile, steps, console):
+        raise ReportedError(BAD_INPUT)
+
+
+def is_fitting(
+    judge: Judge, profile: System, steps: Sequence[Step], console: Console
+) -> bool:
+    """Report warnings and errors about a system's connections; return whether none is an error."""
+    judgement = judge.of_system(profile, steps)
+    findings = [d for d in judgement.diagnostics if d.severity is not Severity.NOTE]
+    if findings:
+        console.findings(in_order(findings), judgement.sources)
+    return not judgement.failed
 
 
 def _condition(until: str | None, profile: System) -> Condition:

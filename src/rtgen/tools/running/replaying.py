@@ -32,7 +32,7 @@ from rtgen.tools.running.factories import Factories, Factory
 from rtgen.tools.running.failures import FailureOptions, FailureReport, logged
 from rtgen.tools.running.interrupts import Ending, ending
 from rtgen.tools.running.pace import Pace, pace
-from rtgen.tools.running.plan import read_system
+from rtgen.tools.running.plan import read_system, require_fitting
 from rtgen.tools.running.recording_options import RecordingOptions, tell_missing
 from rtgen.tools.running.run_view import View
 from rtgen.tools.running.summary import summary
@@ -62,6 +62,8 @@ def replayed(file: Path, options: ReplayOptions, console: Console) -> int:
     profile = read_system(options.system, console)
     plan = timeline.of_system(Path(options.system), None, profile)
     console.findings(plan.skipped)
+    project = load_around(Path(options.system))
+    require_fitting(project, profile, plan.steps, console)
     values = [timeline.assignment(text, profile) for text in options.settings]
     present = frozenset(c.instance for c in profile.components)
     if options.only is not None:
@@ -83,7 +85,7 @@ def replayed(file: Path, options: ReplayOptions, console: Console) -> int:
         ending(report.waiting) as end,
         assemble(
             profile,
-            _Factories(load_around(Path(options.system))),
+            _Factories(project),
             runtime.SimulatedClock(),
             values,
             steps,
