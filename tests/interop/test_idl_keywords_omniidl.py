@@ -52,6 +52,7 @@ def importable(folder: Path, modules: Iterable[str]) -> set[str]:
     return set(done.stdout.decode().split())
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("position", POSITIONS)
 def test_keywords(position: str, tmp_path: Path) -> None:
     pytest.importorskip("omniORB", reason="omniORBpy is not installed")

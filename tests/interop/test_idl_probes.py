@@ -95,6 +95,7 @@ def unequal(result: FrontendResult, theirs: list[dict[str, Any]]) -> list[str]:
     ]
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("section", SECTIONS)
 def test_probes(section: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     probes = SECTIONS[section]

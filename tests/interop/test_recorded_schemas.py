@@ -18,7 +18,7 @@ from rtgen.compiler.inspection.models import defined
 from rtgen.runtime.marshalling.descriptors import StructDescriptor, UnionDescriptor
 from rtgen.tools.recording.schemas import schema_of
 
-pytestmark = needs_omniidl
+pytestmark = [needs_omniidl, pytest.mark.nightly]
 
 ANNOTATION = re.compile(r"@\w+(\([^)]*\))? *")
 """omniidl has no annotations."""

@@ -20,6 +20,7 @@ def types(orb: Any, tmp_path_factory: pytest.TempPathFactory) -> Wires:
     return wired(tmp_path_factory.mktemp("reference"), files)
 
 
+@pytest.mark.nightly
 def test_every_reference_type(types: Wires) -> None:
     assert len(types.kinds) > 120
     for kind in types.kinds:

@@ -94,6 +94,7 @@ def compare(ros2: Installation, model: Any, folder: Path) -> tuple[set[str], set
     return both, peers.keys() - structs
 
 
+@pytest.mark.nightly
 def test_installed_messages(ros2: Installation, tmp_path: Path) -> None:
     result = load(interface_files(ros2.share), root=ros2.share)
     found, others = compare(ros2, result.model, tmp_path)

@@ -21,7 +21,7 @@ from rtgen.compiler.layouts.ros_types import type_hash
 from rtgen.compiler.model import Const, Model, Struct
 from rtgen.facts.ros import INTERFACE_KINDS
 
-pytestmark = pytest.mark.peer
+pytestmark = [pytest.mark.peer, pytest.mark.nightly]
 
 BY_HAND = ("KeyedLong", "KeyedString", "NonKeyedWithNestedKey", "ComplexNestedKey")
 """Messages of Kilted that are IDL written by hand: as sources, they are no interface files."""

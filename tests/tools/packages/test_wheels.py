@@ -84,7 +84,7 @@ except ModuleNotFoundError:
     print("runs without a compiler")
 """
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.nightly]
 
 
 @pytest.fixture(scope="module")
@@ -110,7 +110,6 @@ def runtime(source: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return build_wheel(source / "runtime", tmp_path_factory.mktemp("runtime"))
 
 
-@pytest.mark.nightly
 def test_a_second_build_gives_the_same_octets(
     source: Path, whole: Path, runtime: Path, tmp_path: Path
 ) -> None:

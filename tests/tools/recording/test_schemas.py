@@ -87,6 +87,7 @@ def lacks(part: Descriptor) -> bool:
     return isinstance(part, EnumDescriptor) or part in wide
 
 
+@pytest.mark.nightly
 def test_rosbags_reads_every_schema_and_decodes_the_same_octets() -> None:
     decoded = 0
     for type_ in port_types():

@@ -13,7 +13,7 @@ from ui_bench import ROOT, WIDE, anew, by_keyboard, choose, pick, reach, until
 
 from rtgen.ui.session import Session
 
-pytestmark = [pytest.mark.slow, pytest.mark.peer]
+pytestmark = [pytest.mark.slow, pytest.mark.peer, pytest.mark.nightly]
 ROBOTS = ("OmniWheel0", "SegwayRmp0", "RefHard0", "BlackShip0")
 wide_only = pytest.mark.parametrize("look", [WIDE], indirect=True)
 

@@ -22,7 +22,7 @@ from rtgen.runtime import SimulatedClock
 from rtgen.ui.project_systems import CommandProject
 from rtgen.ui.session import Session
 
-pytestmark = [pytest.mark.slow, pytest.mark.peer]
+pytestmark = [pytest.mark.slow, pytest.mark.peer, pytest.mark.nightly]
 PICTURES = ROOT / "docs" / "images" / "ui"
 WIRINGS = ROOT / "docs" / "images" / "gallery"
 MOST_COLOURS = Image.Quantize.MAXCOVERAGE

@@ -14,7 +14,7 @@ from rtgen.compiler.model import System
 from rtgen.ui.project_systems import CommandProject
 from rtgen.ui.session import Session
 
-pytestmark = [pytest.mark.slow, pytest.mark.peer]
+pytestmark = [pytest.mark.slow, pytest.mark.peer, pytest.mark.nightly]
 OBSTACLES = ROOT / "specs/navigation/obstacles.xml"
 GRID = """
 module nav_msgs { module msg {

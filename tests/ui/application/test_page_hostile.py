@@ -27,7 +27,7 @@ from rtgen.ui.protocol import ui
 from rtgen.ui.serving import Server
 from rtgen.ui.session import Session
 
-pytestmark = [pytest.mark.slow, pytest.mark.peer]
+pytestmark = [pytest.mark.slow, pytest.mark.peer, pytest.mark.nightly]
 
 IMAGE = "<img src=x onerror=document.title='broken'>"
 SCRIPT = "\"'><script>document.title='broken'</script>"

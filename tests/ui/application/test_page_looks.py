@@ -13,7 +13,7 @@ from rtgen.runtime import SimulatedClock
 from rtgen.ui.project_systems import CommandProject
 from rtgen.ui.session import Session
 
-pytestmark = [pytest.mark.slow, pytest.mark.peer]
+pytestmark = [pytest.mark.slow, pytest.mark.peer, pytest.mark.nightly]
 RH3 = str(ROOT / "specs/navigation/rh3_goal.xml")
 BUS = str(ROOT / "specs/canopen/fourx.xml")
 BOARD = str(ROOT / "specs/tecs/rh3_board.xml")

@@ -13,7 +13,7 @@ from rtgen.ui.project_systems import CommandProject
 from rtgen.ui.recorded import Recorded
 from rtgen.ui.serving import Server
 
-pytestmark = [pytest.mark.slow, pytest.mark.peer]
+pytestmark = [pytest.mark.slow, pytest.mark.peer, pytest.mark.nightly]
 PORT = "PathFollower0.velocity"
 
 

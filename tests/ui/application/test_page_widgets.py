@@ -17,7 +17,7 @@ from rtgen.runtime.rtc.profiles import ComponentProfile, ParameterProfile
 from rtgen.ui.project_systems import CommandProject
 from rtgen.ui.session import Session
 
-pytestmark = [pytest.mark.slow, pytest.mark.peer]
+pytestmark = [pytest.mark.slow, pytest.mark.peer, pytest.mark.nightly]
 
 
 @dataclass

@@ -176,7 +176,7 @@ def test_of_a_long_recording_the_end_is_kept(files: list[str]) -> None:
     assert 0.0 < session.history.first < session.history.last
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.peer
 def test_the_page_overlays_both(browser: Any, recorded: Server) -> None:
     with opened(browser, recorded.address(full=True)) as page:
