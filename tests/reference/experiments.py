@@ -9,8 +9,8 @@ from pathlib import Path
 from pipeline import profile
 
 from rtgen.compiler.project import load
+from rtgen.compiler.systems.conditions import condition
 from rtgen.compiler.systems.measures import Course, Pose, Result, evaluate
-from rtgen.compiler.systems.timeline import condition
 from rtgen.compiler.systems.timeline import load as load_timeline
 from rtgen.runtime import (
     SECOND,

@@ -15,6 +15,7 @@ from rtgen.compiler.model import Component
 from rtgen.compiler.model.can_bus import Bus
 from rtgen.compiler.project import load
 from rtgen.compiler.systems import timeline
+from rtgen.compiler.systems.conditions import SECOND
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import BAD_INPUT, OK, Refusal
 from rtgen.tools.kit.files import save
@@ -80,7 +81,7 @@ def graph(
     if not is_fitting(judge, profile, plan.steps, console):
         return BAD_INPUT
     timed = [
-        TimedConnection(action.source, action.target, step.time / timeline.SECOND)
+        TimedConnection(action.source, action.target, step.time / SECOND)
         for step in plan.steps
         if isinstance(action := step.action, timeline.Connect)
     ]

@@ -77,7 +77,8 @@ def replay(
 
     With --into, the components of SYSTEM run, and the recorded samples of the other components
     reach their InPorts over the recorded connections. The initial states, parameters and timeline
-    of the components are those of SYSTEM. Exit code 1: component code raised an exception.
+    of the components are those of SYSTEM. Exit code 1: a component ended in ERROR, or its code
+    raised an exception.
     """
     if into is None:
         if only or settings or log or recording.file:

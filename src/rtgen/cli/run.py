@@ -126,9 +126,9 @@ def run(
 
     SYSTEM is an RtsProfile, or a folder with system.xml and optionally timeline.toml. Exit code 0:
     the condition of --until, or of the system's property rtgen.run.until, was met; 1: it was not
-    met in time, the robot ended beyond rtgen.run.tolerance, or component code raised an exception;
-    3: the module of a component cannot be imported; 130: Ctrl-C or SIGTERM ended it before. A run
-    in simulated time that only waits for a state ends after ten minutes.
+    met in time, the robot ended beyond rtgen.run.tolerance, a component ended in ERROR (unless
+    rtgen.run.finishes names it), or its code raised an exception; 130: Ctrl-C or SIGTERM ended it
+    before. A run in simulated time that only waits for a state ends after ten minutes.
 
     --csv and --plot may be repeated: INSTANCE.PORT, INSTANCE.PORT.member and INSTANCE.PORT[index]
     are values over time, anything else is the output file, by default values.csv and values.svg

@@ -19,15 +19,25 @@ RATE = FiniteRange(1e-6, 1e6)
 
 
 def with_failures(command: Callable[..., int]) -> Callable[..., int]:
-    """Add --traceback, --pdb and -v; the function gets `shown_failures`."""
+    """Add --traceback, --pdb, -v and --fail-on; the function gets `shown_failures`."""
 
     @functools.wraps(command)
-    def wrapped(traceback_form: str, debug: bool, verbose: int, **kwargs: Any) -> int:
-        options = FailureOptions(traceback_form, debug, verbose)
+    def wrapped(
+        traceback_form: str, debug: bool, verbose: int, fail_on: str, **kwargs: Any
+    ) -> int:
+        counted = fail_on == "error"
+        options = FailureOptions(traceback_form, debug, verbose, counted)
         return command(shown_failures=options, **kwargs)
 
     function: Callable[..., int] = wrapped
     for decorate in (
+        click.option(
+            "--fail-on",
+            type=click.Choice(["error", "never"]),
+            default="error",
+            show_default=True,
+            help="Exit code 1 for a component in ERROR at the end, or whose code raised.",
+        ),
         click.option(
             "-v",
             "--verbose",

@@ -18,7 +18,7 @@ _NOT_PASSED_ON = frozenset(
 
 _COMPATIBLE = (
     _NOT_PASSED_ON
-    | {"timeline_file", "verbose", "transport", "checkpoints"}
+    | {"timeline_file", "verbose", "fail_on", "transport", "checkpoints"}
     | {*chain(*TAKES.values())}
 ) - {"only", ACTIVATED}
 """All options that are compatible with it."""

@@ -22,7 +22,7 @@ from rtgen.compiler.diagnostics import (
 from rtgen.compiler.frontends.profiles import profile_tree, rts_profile
 from rtgen.compiler.model import System, SystemComponent
 from rtgen.compiler.project import is_bus_file, is_system, load_around, shown
-from rtgen.compiler.systems import timeline
+from rtgen.compiler.systems import conditions, timeline
 from rtgen.compiler.systems.checks import check_properties
 from rtgen.compiler.systems.rules import MEASURE, NOTICE
 from rtgen.compiler.systems.timeline import Timeline
@@ -143,11 +143,7 @@ class CommandProject:
             d for d in check_properties(profile) if d.severity is Severity.ERROR
         ]
         try:
-            poses = _listed(profile, "rtgen.run.pose")
-            for name in [*poses, *_listed(profile, "rtgen.run.goal")]:
-                timeline.require_instance(name.partition(".")[0], profile, None)
-            if until := dict(profile.properties).get("rtgen.run.until"):
-                timeline.condition(until, profile, None)
+            poses = conditions.listed(profile, conditions.POSE)
             problems += (
                 MEASURE.at(each.span, f"{name!r} is not a pose of the system")
                 for each in _timeline(profile).measures
@@ -296,8 +292,3 @@ def _timeline(profile: System) -> Timeline:
     path = Path(profile.file)
     folder = path.parent if path.name == "system.xml" else path
     return timeline.of_system(folder, None, profile)
-
-
-def _listed(profile: System, property_: str) -> list[str]:
-    text = dict(profile.properties).get(property_, "")
-    return [name.strip() for name in text.split(",") if name.strip()]

@@ -9,9 +9,9 @@ from msgspec.structs import replace
 
 from rtgen.compiler.diagnostics import InputError, Span
 from rtgen.compiler.model import Connection, PortReference, System, SystemComponent
+from rtgen.compiler.systems.conditions import Condition
 from rtgen.compiler.systems.measures import parse
 from rtgen.compiler.systems.timeline import (
-    Condition,
     Connect,
     Disconnect,
     SetParameter,

@@ -169,7 +169,7 @@ def test_the_report(capfd: pytest.CaptureFixture[str]) -> None:
     out, err = capfd.readouterr()
     lines = out.splitlines()
     assert lines[0].split() == ["instance", "state", "ticks", "overruns", "lost"]
-    assert lines[1].split() == ["M0", "ERROR", "200", "0", "0"]
+    assert lines[1].split() == ["M0", "finished", "200", "0", "0"]
     names = [line.partition("  ")[0] for line in lines[3:10]]
     assert names == [
         "goal",
@@ -328,7 +328,7 @@ def test_a_component_is_reset(
 
 def test_real_time(capfd: pytest.CaptureFixture[str]) -> None:
     assert rtgen(["run", "m.xml", "--clock", "real", "--set", "M0.speed=20"]) == 0
-    assert capfd.readouterr().out.splitlines()[1].split()[1] == "ERROR"
+    assert capfd.readouterr().out.splitlines()[1].split()[1] == "finished"
 
 
 @pytest.mark.parametrize(

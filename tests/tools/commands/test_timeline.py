@@ -8,15 +8,13 @@ import pytest
 
 from rtgen.compiler.diagnostics import Diagnostic, InputError, Severity, Span, ToolError
 from rtgen.compiler.model import Connection, PortReference, System, SystemComponent
+from rtgen.compiler.systems.conditions import SECOND, Condition, condition
 from rtgen.compiler.systems.timeline import (
-    SECOND,
-    Condition,
     Connect,
     Disconnect,
     SetParameter,
     StateRequest,
     assignment,
-    condition,
     load,
     parse,
 )

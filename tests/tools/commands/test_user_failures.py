@@ -364,3 +364,56 @@ def test_code_that_swallows_interrupts_ends_with_the_process(project: Path) -> N
     code, output = _interrupted("on_execute", *WARM)
     assert code == 1
     assert "does not end when interrupted" in output
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "said"),
+    [
+        ("def f(:\n", 2, "SyntaxError"),
+        ("x = 1\n\ty = 2\n", 2, "IndentationError"),
+        ("from warmth.heating import Powr\n", 2, "cannot import name 'Powr'"),
+        ("import warmth.coolin\n", 2, "hint: is `rtgen generate` done?"),
+        ("import math\nmath.py\n", 2, "module 'math' has no attribute 'py'"),
+        ("import json\njson.loads('')\n", 2, "JSONDecodeError"),
+        ("raise SystemExit\n", 2, "SystemExit"),
+        ("import no_such_driver\n", 3, "is no_such_driver installed"),
+    ],
+)
+def test_whose_mistake_keeps_a_module_from_being_imported(
+    text: str, code: int, said: str, project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (project / CONTROLLER).write_text(text)
+    assert run(WARM) == code
+    err = capfd.readouterr().err
+    assert re.search(rf"^{CONTROLLER}:\d+:\d+: error\[SYS0022\]", err, re.M)
+    assert said in err
+    assert not re.search(r'File ".*rtgen', err)
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        # Exceptions within the runtime, and those that have one as their cause.
+        "self.power.write(Power('hot'))",
+        "self.power.write(3)",
+        "self.configuration_sets.set('target', 'hot')",
+        "self.in_ports['gone']",
+        "from rtgen.runtime import xcdr; xcdr.deserialize(Power, b'')",
+        "import rtgen.runtime.canopen.bus.links as l; raise ValueError from l.LinkError('x')",
+    ],
+)
+@pytest.mark.parametrize("form", ["short", "full"])
+def test_short_tracebacks_have_no_frames_of_rtgen(
+    statement: str, form: str, project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    file = project / CONTROLLER
+    text = file.read_text()
+    file.write_text(
+        text.replace(
+            "            cold =", f"            {statement}\n            cold ="
+        )
+    )
+    assert run([*WARM, "--traceback", form]) == 1
+    err = capfd.readouterr().err
+    assert f'File "{CONTROLLER}", line 17' in err
+    assert bool(re.search(r'File "[^"]*rtgen/', err)) is (form == "full")

@@ -30,13 +30,13 @@ class Break:
 
 
 TEN_WAYS = (
-    Break("a colon", "if measured is not None:", "if measured is not None", 3, 16,
+    Break("a colon", "if measured is not None:", "if measured is not None", 2, 16,
         "heating.controller:Controller, the factory of Controller, cannot be imported: "
         "SyntaxError: expected ':' (controller.py, line 16)"),
-    Break("an import", "from warmth.heating", "from warmt.heating", 3, 7,
+    Break("an import", "from warmth.heating", "from warmt.heating", 2, 7,
         "heating.controller:Controller, the factory of Controller, cannot be imported: "
         "ModuleNotFoundError: No module named 'warmt'"),
-    Break("the class", "class Controller(", "class Controler(", 3, 1,
+    Break("the class", "class Controller(", "class Controler(", 2, 1,
         "heating.controller:Controller, the factory of Controller, cannot be imported: "
         "AttributeError: module 'heating.controller' has no attribute 'Controller'"),
     Break("the constructor", "    def on_execute",

@@ -10,7 +10,7 @@ from rtgen.compiler.diagnostics import Diagnostic, Rule, Severity
 from rtgen.compiler.frontends.kit.suggestions import guess
 from rtgen.compiler.model import ConfigurationParameter, System, SystemComponent
 from rtgen.compiler.model.system_links import Known
-from rtgen.compiler.systems import connections
+from rtgen.compiler.systems import conditions, connections
 from rtgen.compiler.typemap.components.parameters import Parameters, ValueMismatchError
 from rtgen.facts import parameter_texts
 
@@ -46,8 +46,9 @@ def as_warnings(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
 
 
 def check_properties(system: System) -> Iterator[Diagnostic]:
-    """Yield diagnostics about connectors that require no definitions."""
-    return connections.findings(system, {})
+    """Yield diagnostics about properties, which require no definitions."""
+    yield from conditions.check_properties(system)
+    yield from connections.findings(system, {})
 
 
 def _component(

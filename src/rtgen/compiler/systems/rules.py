@@ -27,5 +27,6 @@ ROS_TOPIC = Rule("SYS0025", "port that cannot be a topic of ROS 2", Severity.ERR
 FOREIGN = Rule("SYS0026", "foreign component out of reach", Severity.ERROR)
 SKIPPED = Rule("SYS0027", "event of a timeline that is skipped", Severity.WARNING)
 MISSING = Rule("SYS0028", "samples that could not be written", Severity.ERROR)
+SYSTEM_PROPERTY = Rule("SYS0029", "unknown property of a system", Severity.ERROR)
 
 RULES = rules_of(globals())

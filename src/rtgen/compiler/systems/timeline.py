@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,9 +14,9 @@ from rtgen.compiler.kit import toml_text
 from rtgen.compiler.kit.xml_text import NOT_IN_XML
 from rtgen.compiler.model import PortReference, System
 from rtgen.compiler.systems import measures
+from rtgen.compiler.systems.conditions import SECOND, require_instance
 from rtgen.compiler.systems.measures import Measure
 from rtgen.compiler.systems.rules import (
-    CONDITION,
     PARAMETER,
     SKIPPED,
     TIMELINE,
@@ -26,8 +25,6 @@ from rtgen.compiler.systems.rules import (
 from rtgen.facts.connector_properties import own_properties
 from rtgen.facts.encodings import decode
 from rtgen.facts.files import UnreadableError, read_file
-
-SECOND = 1_000_000_000
 
 _ENTRY = re.compile(r"\s*\[\[\s*(\w+)\s*\]\]")
 _SUB = re.compile(r"\s*(?:\[\s*at\s*\.\s*)?[\"']?(\w+)[\"']?\s*[\]=.]")
@@ -99,53 +96,6 @@ class Timeline:
     skipped: Sequence[Diagnostic] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class Condition:
-    """The end of a run: at `limit` ns, or once `instance` is in `state` (`ERROR`, ...)."""
-
-    limit: int | None = None
-    instance: str | None = None
-    state: str | None = None
-
-
-def condition(text: str, system: System, span: Span | None) -> Condition:
-    """Parse a condition (see rule SYS0006). Raises InputError."""
-    result = Condition()
-    for part in text.split(","):
-        instance, equals, state = part.strip().partition("=")
-        if equals and result.instance is None:
-            state = state.strip().upper().removesuffix("_STATE")
-            if state not in ("CREATED", "INACTIVE", "ACTIVE", "ERROR"):
-                message = f"no state {state!r} in {text!r}"
-                hint = "CREATED, INACTIVE, ACTIVE or ERROR"
-                raise InputError([CONDITION.at(span, message, hint=hint)])
-            result = Condition(
-                result.limit, require_instance(instance.strip(), system, span), state
-            )
-        elif not equals and result.limit is None:
-            result = Condition(
-                _seconds(instance, text, span), result.instance, result.state
-            )
-        else:
-            raise InputError(
-                [CONDITION.at(span, f"{text!r} has two conditions of the same kind")]
-            )
-    return result
-
-
-def _seconds(part: str, text: str, span: Span | None) -> int:
-    try:
-        seconds = float(part)
-    except ValueError:
-        seconds = math.nan
-    if not 0.0 <= seconds < 1e9:
-        hint = "SECONDS, INSTANCE=STATE, or both with a comma between"
-        raise InputError(
-            [CONDITION.at(span, f"{text!r} is not a condition", hint=hint)]
-        )
-    return round(seconds * SECOND)
-
-
 def assignment(text: str, system: System, span: Span | None = None) -> SetParameter:
     """Parse `INSTANCE.PARAMETER=VALUE`. Raises InputError.
 
@@ -159,23 +109,6 @@ def assignment(text: str, system: System, span: Span | None = None) -> SetParame
     return SetParameter(
         require_instance(instance, system, span), parameter, value.strip()
     )
-
-
-def require_instance(instance: str, system: System, span: Span | None) -> str:
-    """Return the name of a component of the system. Raises InputError for an unknown one."""
-    instances = [c.instance for c in system.components]
-    if instance not in instances:
-        from difflib import get_close_matches
-
-        close = get_close_matches(instance, instances, n=1)
-        hint = (
-            f"did you mean {close[0]!r}?" if close else f"known: {', '.join(instances)}"
-        )
-        finding = UNKNOWN_INSTANCE.at(
-            span, f"no component {instance!r} in the system", hint=hint
-        )
-        raise InputError([finding])
-    return instance
 
 
 def parse(text: str, name: str, system: System) -> tuple[Step, ...]:

@@ -37,6 +37,7 @@ from rtgen.compiler.model.system_links import (
     interfaces,
     service_pairs,
 )
+from rtgen.compiler.systems.conditions import PER_CYCLE
 from rtgen.compiler.typemap.components.parameters import Parameters
 from rtgen.compiler.typemap.openrtm_ports import key_of, names_of
 from rtgen.facts.connector_properties import (
@@ -49,9 +50,6 @@ from rtgen.facts.openrtm_ports import SERVICE, foreign_instances, known_name
 from rtgen.openrtm.backend import system_rules as rules
 from rtgen.openrtm.backend.plan import ROOT, ComponentPlan
 from rtgen.openrtm.backend.rules import CONF_TEXT
-
-PER_CYCLE = "rtgen.openrtm.per_cycle"
-"""Property of a system that lists parameters in units of one execution."""
 
 _DEFAULTS = {
     "dataport.dataflow_type": "push",

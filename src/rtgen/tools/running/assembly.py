@@ -30,7 +30,6 @@ from rtgen.compiler.systems.rules import (
     UNKNOWN_TYPE,
 )
 from rtgen.compiler.systems.timeline import (
-    SECOND,
     Action,
     Connect,
     Disconnect,
@@ -44,6 +43,7 @@ from rtgen.facts.openrtm_ports import IN, OUT, SERVICE, registered_names
 from rtgen.runtime.rtc.conf_file import read as read_conf
 from rtgen.runtime.services.transports import ForeignTransport, PublishingTransport
 from rtgen.runtime.system.watchdog import calling
+from rtgen.runtime.timing.clocks import SECOND
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import BAD_INPUT, FAILED, ReportedError
 from rtgen.tools.running.factories import Factories, FactoryImportError
@@ -309,7 +309,7 @@ def _add(
         factory = factories[c.type]
     except FactoryImportError as failed:
         report.cannot_import(failed, c.span)
-        raise ReportedError(FAILED) from failed
+        raise ReportedError(BAD_INPUT if failed.is_users else FAILED) from failed
     try:
         component = calling(c.instance, "__init__", factory, c.instance)
     except BaseException as error:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
@@ -10,13 +11,15 @@ from pathlib import Path
 from rtgen import runtime
 from rtgen.compiler.diagnostics import InputError, ToolError
 from rtgen.compiler.systems import measures
+from rtgen.compiler.systems.conditions import Condition
 from rtgen.compiler.systems.measures import Measure
 from rtgen.compiler.systems.rules import MEASURE, OBSERVABLE
-from rtgen.compiler.systems.timeline import SECOND, Condition
 from rtgen.runtime.failures import ends_run
 from rtgen.runtime.services.transports import ForeignTransport, ProcessTransport
 from rtgen.runtime.system.recording import JsonLinesRecorder
+from rtgen.runtime.system.records import StateRecord
 from rtgen.runtime.system.watchdog import Watchdog
+from rtgen.runtime.timing.clocks import SECOND
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import INTERRUPTED, NO, OK
 from rtgen.tools.running import foreign, transports
@@ -28,8 +31,9 @@ from rtgen.tools.running.plan import Outputs, Plan
 from rtgen.tools.running.progress import Progress, progress
 from rtgen.tools.running.recording_options import tell_missing
 from rtgen.tools.running.ros2 import join
-from rtgen.tools.running.run_view import View, name_of
+from rtgen.tools.running.run_view import View
 from rtgen.tools.running.summary import Outcome, summary
+from rtgen.tools.running.texts import ERROR, name_of
 from rtgen.tools.running.trajectory import Sample, draw, opened, write_csv
 
 _DEFAULT_LIMIT = 600 * SECOND
@@ -84,10 +88,13 @@ def executed(plan: Plan, console: Console) -> int:
     run.draw()
     if not console.quiet:
         write_out(summary(outcome))
-    if unfinished and not report.raised:
+    failed = options.shown_failures.counted and (
+        report.raised or run.has_failed(outcome)
+    )
+    if unfinished and not failed:
         return INTERRUPTED
     complete = all(each.kept for each in outcome.measured) and not lacking
-    succeeded = met and complete and not outcome.missed and not report.raised
+    succeeded = met and complete and not outcome.missed and not failed
     return OK if succeeded else NO
 
 
@@ -113,6 +120,8 @@ class _Run:
             plan.profile,
             simulated=simulated,
             judged=judged,
+            report=report,
+            finishing=plan.finishing,
             transport=transport,
         )
         self._curves = Curves(running, (*outputs.in_table, *outputs.in_picture))
@@ -163,7 +172,7 @@ class _Run:
             bar = progress(shown, plan.condition.limit, quiet=quiet)
             report.before_debugging = shown.close
             shown.enter_context(report.breakpoints())
-            _show(self._running, bar, transport)
+            shown.callback(_show(self._running, bar, transport, self._view))
             if transport is not None:
                 transports.await_others(
                     transport, plan.options.carrying.patience, console
@@ -184,15 +193,19 @@ class _Run:
             self._recorder.end(through=limit != self._running.time)
         course = self._view.course(self._samples)
         measured = [measures.evaluate(measure, course) for measure in plan.measures]
-        end_met = _end(plan.condition, met)
-        outcome = self._view.outcome(
-            wall, measured, end_met, self._report.still_blocked()
-        )
+        blocked = self._report.still_blocked()
+        outcome = self._view.outcome(wall, measured, plan.condition, met, blocked)
         if self._table is not None and outputs.in_table:
             write_curves(self._table, self._curves.of(outputs.in_table))
         elif self._table is not None:
             write_csv(self._table, self._view.robots, self._samples)
         return outcome
+
+    def has_failed(self, outcome: Outcome) -> bool:
+        """Return whether a component has ended in ERROR, other than the one of `--until`."""
+        condition = self._plan.condition
+        awaited = condition.instance if condition.state == ERROR else None
+        return any(row.failed and row.instance != awaited for row in outcome.rows)
 
     def tell_missing(self) -> bool:
         """Report the samples that are missing in files; return whether there are some."""
@@ -282,13 +295,6 @@ def _limit(condition: Condition, simulated: bool) -> int | None:
     return condition.limit
 
 
-def _end(condition: Condition, met: bool) -> tuple[str, str] | None:
-    """Return the report's line about a condition on a state."""
-    if condition.instance is None:
-        return None
-    return "met" if met else "not met", f"{condition.instance}={condition.state}"
-
-
 def _reached(
     running: runtime.System, condition: Condition
 ) -> Callable[[runtime.System], bool] | None:
@@ -300,28 +306,44 @@ def _reached(
     return lambda _: participant.state is state
 
 
-def _show(running: runtime.System, view: Progress, transport: object) -> None:
-    states = {instance: running.state(instance) for instance in running.instances}
+def _show(
+    running: runtime.System, bar: Progress, transport: object, view: View
+) -> Callable[[], None]:
+    """Show time and changes of state, until the returned function is called."""
     foreign = transport if isinstance(transport, ForeignTransport) else None
     outside: dict[str, runtime.LifeCycleState] = {}
+    changes: deque[StateRecord] = deque()
+    ended = False
+
+    def show_changes() -> None:
+        while changes:
+            _, time, instance, _, state, _, reason = changes.popleft()
+            text = view.state_text(instance, state, reason)
+            bar.state(time, instance, f"{text} ({reason})" if reason else text)
+
+    def changed(record: StateRecord) -> None:
+        if ended:
+            return
+        changes.append(record)
+        if isinstance(running.clock, runtime.SimulatedClock):
+            show_changes()  # in real time not in the component's thread
 
     def look() -> None:
         now = running.time
-        view.at(now)
-        for instance, new_state in (
-            foreign.foreign_states() if foreign else {}
-        ).items():
+        show_changes()
+        bar.at(now)
+        for instance, state in (foreign.foreign_states() if foreign else {}).items():
             before = outside.get(instance, runtime.INACTIVE_STATE)
-            if new_state is not None and new_state is not before:
-                outside[instance] = new_state
-                view.state(now, instance, name_of(new_state))
-        for instance, before in states.items():
-            state = running.state(instance)
-            if state is not before:
-                states[instance] = state
-                reason = running.statistics(instance).reason
-                is_error = state is runtime.ERROR_STATE and reason
-                text = f"{name_of(state)} ({reason})" if is_error else name_of(state)
-                view.state(now, instance, text)
+            if state is not None and state is not before:
+                outside[instance] = state
+                bar.state(now, instance, name_of(state))
 
+    running.watch_states(changed)
     running.every(_PROGRESS_PERIOD, look)
+
+    def end() -> None:
+        nonlocal ended
+        ended = True
+        show_changes()
+
+    return end

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import traceback
 from collections.abc import Callable, Mapping
 from difflib import get_close_matches
 from importlib import import_module, metadata
@@ -12,6 +13,7 @@ from rtgen.compiler.diagnostics import ToolError
 from rtgen.compiler.project import Project, output, shown
 from rtgen.runtime import Component
 from rtgen.runtime.failures import ends_run
+from rtgen.runtime.stack_frames import is_rtgens, is_users
 from rtgen.runtime.system.watchdog import calling
 
 GROUP = "rtgen.components"
@@ -75,8 +77,10 @@ class Factories:
             if ends_run(error):
                 raise
             message = f"{target}, the factory of {type_name}, cannot be imported"
-            hint = self._hidden(module) or _advice(error, module)
-            raise FactoryImportError(message, hint) from error
+            hint = self._hidden(module) or self._advice(error, module)
+            raise FactoryImportError(
+                message, hint, is_users=self._is_users(error, module)
+            ) from error
         if not callable(factory):
             raise ToolError(f"the factory {target} of {type_name} cannot be called")
         return factory
@@ -95,19 +99,63 @@ class Factories:
                     return f"{shown(file)} is hidden: {other} called {name}, too"
         return None
 
+    def _advice(self, error: BaseException, module: str) -> str | None:
+        """Return a hint for a failed import."""
+        match error:
+            case ModuleNotFoundError(name=str(missing)):
+                if module == missing or module.startswith(f"{missing}."):
+                    return "is its package installed, and `rtgen generate` done?"
+                name = missing.partition(".")[0]
+                near = self._own(name)
+                if near is None:
+                    return f"is {name} installed in this environment?"
+                return (
+                    "is `rtgen generate` done?"
+                    if near == name
+                    else f"did you mean {near}?"
+                )
+            case AttributeError(name=str(name), obj=ModuleType() as holder):
+                close = get_close_matches(name, vars(holder), n=1)
+                return f"did you mean {close[0]}?" if close else None
+        return None
+
+    def _is_users(self, error: BaseException, module: str) -> bool:
+        """Return whether a failed import is a mistake in the user's own files."""
+        match error:
+            case ModuleNotFoundError(name=str(missing)) if missing != module:
+                return self._own(missing.partition(".")[0]) is not None
+            case SyntaxError(filename=str(file)):
+                return is_users(file)
+        frames = [
+            frame.filename
+            for frame in traceback.extract_tb(error.__traceback__)
+            if not (is_rtgens(frame.filename) or frame.filename.startswith("<"))
+        ]
+        if isinstance(error, ImportError):
+            frames = frames[-1:]  # an import within an installed package that fails
+        holder = getattr(error, "obj", None)  # which lacks the factory
+        frames.append(getattr(holder, "__file__", None) or "<")
+        return any(map(is_users, frames))
+
+    def _own(self, name: str) -> str | None:
+        """Return the name of a module or package of the project, or the most similar one."""
+        own = {
+            path.stem
+            for folder in self._folders
+            if folder.is_dir()
+            for path in folder.iterdir()
+            if path.suffix == ".py" or path.is_dir()
+        }
+        close = get_close_matches(name, sorted(own), n=1, cutoff=0.8)
+        return name if name in own else close[0] if close else None
+
 
 class FactoryImportError(ToolError):
-    """The module of a component cannot be imported; its cause is the original exception."""
+    """The module of a component cannot be imported; its cause is the original exception.
 
+    `is_users`: the mistake is in the user's own files, not in the environment.
+    """
 
-def _advice(error: BaseException, module: str) -> str | None:
-    """Return a hint for a failed import."""
-    match error:
-        case ModuleNotFoundError(name=str(missing)):
-            if module == missing or module.startswith(f"{missing}."):
-                return "is its package installed, and `rtgen generate` done?"
-            return f"is {missing.partition('.')[0]} installed in this environment?"
-        case AttributeError(name=str(name), obj=ModuleType() as holder):
-            close = get_close_matches(name, vars(holder), n=1)
-            return f"did you mean {close[0]}?" if close else None
-    return None
+    def __init__(self, message: str, hint: str | None, *, is_users: bool) -> None:
+        super().__init__(message, hint=hint)
+        self.is_users = is_users

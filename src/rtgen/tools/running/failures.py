@@ -35,11 +35,15 @@ _IMPORTING = ("<", str(Path(importlib.__file__).parent))
 
 @dataclass(frozen=True, slots=True)
 class FailureOptions:
-    """How failures of components are shown; `verbose` counts `-v`."""
+    """How failures of components are shown; `verbose` counts `-v`.
+
+    `counted`: components in ERROR, and exceptions of their code, make the exit code 1.
+    """
 
     form: str = "short"
     debug: bool = False
     verbose: int = 0
+    counted: bool = True
 
 
 class FailureReport:
@@ -54,6 +58,8 @@ class FailureReport:
     ) -> None:
         self.raised = False
         """Whether a component's code has raised an exception or returned no ReturnCode_t."""
+        self.answers: dict[str, str] = {}
+        """The reasons with which `on_execute` of instances has returned an error code."""
         self.interrupt: BaseException | None = None
         """The exception raised by a callback that ends the run."""
         self.end_run: Callable[[BaseException], None] = lambda error: None
@@ -69,6 +75,8 @@ class FailureReport:
         """Report a failure of a callback or a servant."""
         error = failure.error
         if error is None:
+            if failure.callback == "on_execute":
+                self.answers[failure.instance] = failure.reason
             if failure.callback not in _QUIET_STATES and not failure.repeated:
                 self.notice(NOTICE.at(None, str(failure)))
             return
@@ -239,7 +247,9 @@ def traceback_text(error: BaseException, form: str) -> str:
                 frames = [f for f in frames if is_users(f.filename)]
             elif form == "short":
                 frames = _own(frames)
-            one.stack = StackSummary.from_list([_relative(f) for f in frames])
+            summary = StackSummary.from_list([_relative(f) for f in frames])
+            # Without frames, the exception alone is printed.
+            one.stack = summary if frames else None  # type: ignore[assignment]
             todo += [one.__cause__, one.__context__, *(one.exceptions or ())]
     return printable("".join(described.format()), "\n\t")
 
@@ -254,7 +264,7 @@ def _frames(error: BaseException) -> list[FrameSummary]:
 
 
 def _own(frames: list[FrameSummary]) -> list[FrameSummary]:
-    """Return the frames in the user's own files; else those of other packages; else all."""
+    """Return the frames in the user's own files; else those of other packages; never rtgen's."""
     for is_candidate in (
         is_users,
         lambda f: not (is_rtgens(f) or f.startswith(_IMPORTING)),
@@ -262,7 +272,7 @@ def _own(frames: list[FrameSummary]) -> list[FrameSummary]:
         frames_shown = [frame for frame in frames if is_candidate(frame.filename)]
         if frames_shown:
             return frames_shown
-    return frames
+    return []
 
 
 def _relative(frame: FrameSummary) -> FrameSummary:

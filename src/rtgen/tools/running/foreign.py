@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 from rtgen.compiler.diagnostics import InputError, ToolError
 from rtgen.compiler.model import System
-from rtgen.compiler.systems import timeline
+from rtgen.compiler.systems import conditions
 from rtgen.compiler.systems.rules import FOREIGN
 from rtgen.facts.openrtm_ports import FOREIGN as PROPERTY
 from rtgen.facts.openrtm_ports import foreign_instances
@@ -28,7 +28,7 @@ def named(
     texts = [(name, place) for name in foreign_instances(profile.properties)]
     texts += [(name.strip(), None) for name in (listed or "").split(",") if listed]
     texts += [(c.instance, c.span) for c in profile.components if c.type in languages]
-    return frozenset(timeline.require_instance(n, profile, span) for n, span in texts)
+    return frozenset(conditions.require_instance(n, profile, span) for n, span in texts)
 
 
 def require_reachable(

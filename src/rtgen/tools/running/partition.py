@@ -8,12 +8,12 @@ from msgspec.structs import replace
 
 from rtgen.compiler.diagnostics import Diagnostic, InputError, Span
 from rtgen.compiler.model import Connection, PortReference, System
-from rtgen.compiler.systems import timeline
+from rtgen.compiler.systems import conditions
+from rtgen.compiler.systems.conditions import Condition
 from rtgen.compiler.systems.measures import Measure
 from rtgen.compiler.systems.rules import ELSEWHERE
 from rtgen.compiler.systems.timeline import (
     Action,
-    Condition,
     Connect,
     Disconnect,
     SetParameter,
@@ -21,7 +21,7 @@ from rtgen.compiler.systems.timeline import (
     Step,
 )
 
-_OBSERVABLES = ("rtgen.run.pose", "rtgen.run.goal")
+_OBSERVABLES = (conditions.POSE, conditions.GOAL)
 
 
 def named(
@@ -31,7 +31,7 @@ def named(
     if only is None:
         return frozenset(c.instance for c in profile.components) - {*outside}
     names = [name.strip() for name in only.split(",")]
-    here = frozenset(timeline.require_instance(n, profile, None) for n in names)
+    here = frozenset(conditions.require_instance(n, profile, None) for n in names)
     _raise_if_any(
         ELSEWHERE.at(None, f"--only: {name} is a foreign component of the system")
         for name in sorted(here & {*outside})
@@ -63,7 +63,7 @@ def share(profile: System, here: Collection[str], *, data: bool = False) -> Syst
             for name, value in profile.properties
             if (text := _without(others, value) if name in _OBSERVABLES else value)
             # Only the process with pose and goal can evaluate the end.
-            and not (elsewhere and name == "rtgen.run.tolerance")
+            and not (elsewhere and name == conditions.TOLERANCE)
         ),
     )
 

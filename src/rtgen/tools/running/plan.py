@@ -17,12 +17,13 @@ from rtgen.compiler.diagnostics import (
 )
 from rtgen.compiler.model import System
 from rtgen.compiler.project import Project, cache, load_around
-from rtgen.compiler.systems import timeline
+from rtgen.compiler.systems import conditions, timeline
 from rtgen.compiler.systems.checks import check_properties
+from rtgen.compiler.systems.conditions import Condition
 from rtgen.compiler.systems.measures import Measure
 from rtgen.compiler.systems.reading import read_file
 from rtgen.compiler.systems.rules import CONDITION
-from rtgen.compiler.systems.timeline import Condition, SetParameter, Step
+from rtgen.compiler.systems.timeline import SetParameter, Step
 from rtgen.runtime.services.transports import ForeignComponent
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import BAD_INPUT, ReportedError
@@ -64,6 +65,7 @@ class RunOptions:
 class Plan:
     """A run before it begins.
 
+    `finishing` are the instances whose ERROR is the end of their work, by the system.
     `values` are the parameters of `--set`; `outside` are the instances that rtgen does not run,
     `awaited` those of other processes.
     """
@@ -73,6 +75,7 @@ class Plan:
     steps: Sequence[Step]
     measures: Sequence[Measure]
     condition: Condition
+    finishing: frozenset[str]
     values: Sequence[SetParameter]
     project: Project
     factories: Factories
@@ -120,7 +123,8 @@ def planned(options: RunOptions, console: Console) -> Plan:
         profile=profile,
         steps=course.steps,
         measures=course.measures,
-        condition=_condition(options.until, profile),
+        condition=conditions.of_run(options.until, profile),
+        finishing=conditions.finishing(profile),
         values=[timeline.assignment(text, profile) for text in options.settings],
         project=project,
         factories=factories,
@@ -166,11 +170,6 @@ def is_fitting(
     if findings:
         console.findings(in_order(findings), judgement.sources)
     return not judgement.failed
-
-
-def _condition(until: str | None, profile: System) -> Condition:
-    text = dict(profile.properties).get("rtgen.run.until") if until is None else until
-    return Condition() if text is None else timeline.condition(text, profile, None)
 
 
 @dataclass(slots=True)

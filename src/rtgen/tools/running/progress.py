@@ -7,7 +7,7 @@ from contextlib import ExitStack
 from typing import Protocol
 
 from rtgen.compiler.diagnostics.printable import printable
-from rtgen.compiler.systems.timeline import SECOND
+from rtgen.runtime.timing.clocks import SECOND
 
 _LINE_EVERY = 10 * SECOND
 

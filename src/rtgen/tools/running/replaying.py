@@ -16,10 +16,12 @@ from rtgen import runtime
 from rtgen.compiler.diagnostics import Span
 from rtgen.compiler.model import Connection, PortReference, System, SystemComponent
 from rtgen.compiler.project import Project, load_around
-from rtgen.compiler.systems import timeline
-from rtgen.compiler.systems.timeline import SECOND, Connect, Disconnect, Step
+from rtgen.compiler.systems import conditions, timeline
+from rtgen.compiler.systems.conditions import Condition
+from rtgen.compiler.systems.timeline import Connect, Disconnect, Step
 from rtgen.runtime.failures import ends_run
 from rtgen.runtime.system.recording import JsonLinesRecorder
+from rtgen.runtime.timing.clocks import SECOND
 from rtgen.tools.kit.console import Console, for_output, write_out
 from rtgen.tools.kit.exits import INTERRUPTED, NO, OK
 from rtgen.tools.recording.events import Log
@@ -75,6 +77,7 @@ def replayed(file: Path, options: ReplayOptions, console: Console) -> int:
         course = course_of(recorded)
     say_losses(console, recorded)
     player = Replay(course, present)
+    finishing = conditions.finishing(profile)
     profile = _with_players(profile, course, player, present)
     report = FailureReport(console, options.shown_failures, simulated=True)
     logging = None
@@ -101,6 +104,14 @@ def replayed(file: Path, options: ReplayOptions, console: Console) -> int:
         recorder = options.recording.begin(files, running)
         if options.rate is not None:
             pace(running, options.rate)
+        view = View(
+            running,
+            _plain(profile),
+            simulated=True,
+            judged=False,
+            report=report,
+            finishing=finishing,
+        )
         end.on_signal(running.end_run)
         begun = time.perf_counter()
         unfinished = _is_interrupted(player, options.until, end)
@@ -109,16 +120,16 @@ def replayed(file: Path, options: ReplayOptions, console: Console) -> int:
         wall = time.perf_counter() - begun
         if recorder is not None:
             recorder.end(through=course.through)
-        view = View(running, _plain(profile), simulated=True, judged=False)
-        outcome = view.outcome(wall, (), None, report.still_blocked())
+        outcome = view.outcome(wall, (), Condition(), False, report.still_blocked())
     lacking = options.recording.tell(console, recorder)
     if logging is not None:
         lacking |= tell_missing(console, options.log or "", logging.missing)
     report.close()
+    rows = [row for row in outcome.rows if row.instance in present]
     if not console.quiet:
-        rows = [row for row in outcome.rows if row.instance in present]
         write_out(summary(dataclasses.replace(outcome, rows=rows)))
-    if report.raised or lacking:
+    failed = report.raised or any(row.failed for row in rows)
+    if lacking or (failed and options.shown_failures.counted):
         return NO
     return INTERRUPTED if unfinished else OK
 

@@ -3,27 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from rtgen import runtime
 from rtgen.compiler.diagnostics import InputError
 from rtgen.compiler.model import System
-from rtgen.compiler.systems import timeline
+from rtgen.compiler.systems import conditions
+from rtgen.compiler.systems.conditions import Condition
 from rtgen.compiler.systems.measures import Course, Result
 from rtgen.compiler.systems.rules import OBSERVABLE, TOLERANCE
-from rtgen.compiler.systems.timeline import SECOND
 from rtgen.runtime.services.transports import ForeignTransport, LinkReport
+from rtgen.runtime.timing.clocks import SECOND
+from rtgen.tools.running.failures import FailureReport
+from rtgen.tools.running.losses import Losses, overruns
 from rtgen.tools.running.summary import Outcome, Row, Tolerance
+from rtgen.tools.running.texts import ERROR, FINISHED, name_of
 from rtgen.tools.running.trajectory import Pose, Sample
 
 _NO_POSE = (math.nan, math.nan, math.nan)
 _POSE = 3
-
-
-def name_of(state: runtime.LifeCycleState) -> str:
-    """Return the name of a state in reports and conditions."""
-    return state.name.removesuffix("_STATE")
 
 
 def _tolerance(file: str, text: str | None) -> Tolerance | None:
@@ -38,58 +36,6 @@ def _tolerance(file: str, text: str | None) -> Tolerance | None:
         message = f"{file}: rtgen.run.tolerance is {text[:80]!r}"
         hint = "a distance in m, or a distance and an angle in rad: 0.05, 0.1"
         raise InputError([TOLERANCE.at(None, message, hint=hint)]) from None
-
-
-def losses(
-    component: runtime.Component, state: runtime.LifeCycleState
-) -> Iterator[str]:
-    """Yield lost samples of each InPort with cause and remedy, and missed deadlines."""
-    for port in component.in_ports.values():
-        for connector in port.connectors:
-            if connector.lost:
-                why = _why_lost(component, state, connector)
-                yield f"{port}: {connector.lost} samples of {connector.source} lost: {why}"
-            if missed := connector.missed_deadlines:
-                within = connector.properties["dataport.qos.deadline"]
-                yield (
-                    f"{port}: no sample of {connector.source} within {within} s, "
-                    f"{missed} times: dataport.qos.deadline"
-                )
-        if port.lost_when_cut:
-            yield (
-                f"{port}: {port.lost_when_cut} samples lost on connections that were cut"
-            )
-
-
-def _why_lost(
-    component: runtime.Component,
-    state: runtime.LifeCycleState,
-    connector: runtime.DataConnector[Any],
-) -> str:
-    full = connector.overwritten + connector.refused
-    if full < connector.dropped:
-        policy = connector.settings.push_policy.value
-        return f"left out by the push policy {policy!r} of the connection"
-    if full < connector.missed:
-        return (
-            "on the way from the other process; dataport.qos.depth keeps more of them"
-        )
-    length = connector.buffer.settings.length
-    what = "newer ones took their place" if connector.overwritten else "write refused"
-    if state is not runtime.ACTIVE_STATE:
-        do = f"{component.instance_name} is in {name_of(state)} and does not read"
-    else:
-        do = "read while is_new(), or read_newest(), in each tick"
-    return f"the buffer of {length} was full, {what}; {do}"
-
-
-def overruns(context: runtime.ExecutionContext) -> str:
-    """Return why a context missed ticks, with a remedy."""
-    longest, period = context.longest / 1e6, context.period / 1e6
-    times = f"the longest tick took {longest:.3g} ms of a period of {period:.3g} ms"
-    if longest > period:
-        return f"{times}; do less in on_execute, or lower the rate"
-    return f"ticks began late, the machine was busy; {times}"
 
 
 def _times(link: LinkReport) -> str:
@@ -112,18 +58,23 @@ class View:
         *,
         simulated: bool,
         judged: bool,
+        report: FailureReport,
+        finishing: Collection[str] = (),
         transport: object = None,
     ) -> None:
         properties = dict(profile.properties)
         self._running = running
+        self._report = report
+        self._finishing = finishing
+        self._losses = Losses(running)
         self._foreign = transport if isinstance(transport, ForeignTransport) else None
         self._simulated = simulated
-        names = properties.get("rtgen.run.pose", "").split(",")
-        poses = [self._checked(profile, "rtgen.run.pose", n.strip()) for n in names]
+        names = properties.get(conditions.POSE, "").split(",")
+        poses = [self._checked(profile, conditions.POSE, n.strip()) for n in names]
         self.poses = [name for name in poses if name]
-        goal = properties.get("rtgen.run.goal")
-        self._goal_name = self._checked(profile, "rtgen.run.goal", goal)
-        tolerance = _tolerance(profile.file, properties.get("rtgen.run.tolerance"))
+        goal = properties.get(conditions.GOAL)
+        self._goal_name = self._checked(profile, conditions.GOAL, goal)
+        tolerance = _tolerance(profile.file, properties.get(conditions.TOLERANCE))
         if tolerance and not (len(self.poses) == 1 and self._goal_name):
             message = (
                 f"{profile.file}: rtgen.run.tolerance needs one pose and one goal;"
@@ -147,7 +98,6 @@ class View:
         if not name:
             return name
         span = profile.places.get(key)
-        timeline.require_instance(name.partition(".")[0], profile, span)
         try:
             values = self._running.observable(name)
         except runtime.RtcError as error:
@@ -179,13 +129,11 @@ class View:
         self,
         wall: float,
         measured: Sequence[Result],
-        end: tuple[str, str] | None,
+        condition: Condition,
+        met: bool,
         blocked: Mapping[str, object],
     ) -> Outcome:
-        """Return the outcome.
-
-        `end` is the result of the condition, `blocked` the calls that have not returned.
-        """
+        """Return the outcome; `blocked` are the calls that have not returned."""
         poses = zip(self.robots, map(self._pose, self.poses), strict=True)
         return Outcome(
             rows=[
@@ -199,7 +147,7 @@ class View:
             wall=wall if self._simulated else None,
             measured=measured,
             tolerance=self._tolerance,
-            end=end,
+            end=self._end(condition, met),
         )
 
     def _row(self, instance: str, blocked: Mapping[str, object]) -> Row:
@@ -211,9 +159,34 @@ class View:
         if s.overruns:
             text = overruns(self._running.context(instance))
             notes.append(f"{instance}: {s.overruns} overruns: {text}")
-        notes += losses(self._running.component(instance), s.state)
-        state = name_of(s.state)
-        return Row(instance, state, s.ticks, s.overruns, s.lost, notes)
+        notes += self._losses.notes(instance, s.state)
+        state = self.state_text(instance, s.state, s.reason)
+        failed = state == ERROR
+        return Row(instance, state, s.ticks, s.overruns, s.lost, notes, failed)
+
+    def state_text(
+        self, instance: str, state: runtime.LifeCycleState, reason: str
+    ) -> str:
+        """Return a state; `finished` for ERROR that is the end of the component's work.
+
+        It is if the system says so, and if `on_execute` has returned it without an exception.
+        """
+        is_finishing = state is runtime.ERROR_STATE and instance in self._finishing
+        if is_finishing and reason and self._report.answers.get(instance) == reason:
+            return FINISHED
+        return name_of(state)
+
+    def _end(self, condition: Condition, met: bool) -> tuple[str, str] | None:
+        """Return the report's line about a condition on a state."""
+        instance = condition.instance
+        if instance is None:
+            return None
+        text = f"{instance}={condition.state}"
+        if met and instance in self._running.instances:
+            s = self._running.statistics(instance)
+            if self.state_text(instance, s.state, s.reason) == FINISHED:
+                text = f"{instance} {FINISHED}"
+        return "met" if met else "not met", text
 
     def _foreign_rows(self) -> Iterator[Row]:
         """Yield the components that rtgen does not run, with the samples not delivered to them."""
@@ -227,7 +200,8 @@ class View:
                 if each.there.instance == instance
             )
             text = "lost" if state is None else name_of(state)
-            yield Row(instance, text, None, None, lost)
+            failed = text == ERROR and instance not in self._finishing
+            yield Row(instance, text, None, None, lost, failed=failed)
 
     def _links(self) -> list[str]:
         """Return a line for each connection to another process that has failed."""

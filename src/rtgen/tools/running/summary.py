@@ -36,6 +36,8 @@ class Row:
     overruns: int | None
     lost: int
     notes: Sequence[str] = ()
+    failed: bool = False
+    """Whether it is in ERROR, which is not the end of its work."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import signal
 import socket
@@ -23,6 +24,7 @@ from rtgen.compiler.diagnostics.printable import printable
 from rtgen.compiler.model import System
 from rtgen.compiler.systems.rules import NOTICE
 from rtgen.runtime.errors import TransportError
+from rtgen.runtime.timing.clocks import SECOND
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import BAD_INPUT, NO, OK, Refusal
 from rtgen.tools.kit.signals import handled, of_ending, of_interrupting
@@ -64,6 +66,8 @@ class Worker:
     command: Sequence[str]
     decides: bool
     """Whether the run ends if this process ends by itself."""
+    limit: float = math.inf
+    """Seconds after which the process ends by itself."""
     process: subprocess.Popen[str] | None = None
     begun: float = 0.0
     failures: int = 0
@@ -111,7 +115,9 @@ def commands(
             command += ["--until", options.until]
         for value, text in zip(plan.values, options.settings, strict=True):
             command += ["--set", text] if value.instance in group else []
-        workers.append(Worker(names, command, decisive in group))
+        limit = plan.condition.limit
+        seconds = math.inf if limit is None else limit / SECOND
+        workers.append(Worker(names, command, decisive in group, seconds))
     return workers
 
 
@@ -220,7 +226,9 @@ class Supervisor:
             worker.failures = 0
         worker.failures += 1
         pause = min(_FIRST_DELAY * 2 ** (worker.failures - 1), _MAX_DELAY)
-        if not self._policy.restart:
+        if code == NO and now - worker.begun >= worker.limit:
+            follows = "its time was over"
+        elif not self._policy.restart:
             follows = "it is not started again (--supervise never)"
         elif worker.failures > self._policy.restarts:
             follows = f"it is not started again after {self._policy.restarts} restarts"

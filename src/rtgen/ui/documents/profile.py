@@ -13,6 +13,14 @@ from rtgen.compiler.backends.profiles.rts_profile.elements import (
 from rtgen.compiler.backends.profiles.rts_profile.kept import EMPTY_WITHOUT, position
 from rtgen.compiler.model import Connection, SystemComponent
 from rtgen.compiler.model.profile_elements import RTS, RTS_EXT
+from rtgen.compiler.systems.conditions import (
+    FINISHES,
+    GOAL,
+    PER_CYCLE,
+    POSE,
+    TOLERANCE,
+    UNTIL,
+)
 from rtgen.facts.openrtm_ports import FOREIGN
 from rtgen.ui.documents.elements import Editable, editable
 
@@ -22,14 +30,13 @@ _ENDS: Final = frozenset(
 )
 _LISTS: Final = (
     FOREIGN,
-    "rtgen.run.pose",
-    "rtgen.run.goal",
-    "rtgen.openrtm.per_cycle",
+    FINISHES,
+    POSE,
+    GOAL,
+    PER_CYCLE,
 )
 """Properties of a system that are lists of instances, or of names within instances."""
-_UNTIL: Final = "rtgen.run.until"
-_JUDGED: Final = ("rtgen.run.pose", "rtgen.run.goal")
-_TOLERANCE: Final = "rtgen.run.tolerance"
+_JUDGED: Final = (POSE, GOAL)
 
 
 class Profile:
@@ -70,13 +77,13 @@ class Profile:
                 self._set_property(name, ", ".join(remaining))
                 lost += [] if remaining else [name]
         if any(name in lost for name in _JUDGED):
-            self._set_property(_TOLERANCE, "")
-        until = _names(self._property(_UNTIL))
+            self._set_property(TOLERANCE, "")
+        until = _names(self._property(UNTIL))
         remaining = [
             each for each in until if each.partition("=")[0].strip() != instance
         ]
         if remaining != until:
-            self._set_property(_UNTIL, ",".join(remaining))
+            self._set_property(UNTIL, ",".join(remaining))
 
     def move(self, instance: str, x: int, y: int) -> None:
         """Set the place of a component."""
