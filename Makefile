@@ -9,6 +9,9 @@ PIP := --quiet --disable-pip-version-check --no-compile
 LOCK := requirements/locked.txt
 CONSTRAINT = $(if $(LOCKED),--constraint $(LOCK))
 PIP += $(CONSTRAINT)
+# What an installation is made of, beside modules: grammars and templates are compiled.
+PACKED = pyproject.toml runtime/pyproject.toml $(wildcard grammars/*.lark \
+	src/rtgen/templates/*.j2 src/rtgen/templates/*/*.j2 src/rtgen/compiler/backends/kit/rendering.py)
 INSTALL = $(BIN)/python tests/environments.py $(CONSTRAINT)
 # Tests start many processes: bytecode is written once, by the first that imports something.
 unexport PYTHONDONTWRITEBYTECODE
@@ -227,11 +230,11 @@ $(VENV)/bin/python:
 	  echo "rtgen needs Python 3.11 or later, and '$(PYTHON)' is none: make PYTHON=python3.11" >&2; exit 1; }
 	$(PYTHON) -m venv $(VENV)
 
-$(VENV)/demo.stamp: pyproject.toml runtime/pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/bin/python
+$(VENV)/demo.stamp: $(PACKED) | $(VENV)/bin/python
 	$(BIN)/python -m pip install $(PIP) --editable ./runtime --editable ".[plot]"
 	touch $@
 
-$(VENV)/test.stamp: pyproject.toml runtime/pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/uv.stamp
+$(VENV)/test.stamp: $(PACKED) | $(VENV)/uv.stamp
 	$(INSTALL) --editable ./runtime --editable ".[plot,test,check]"
 	touch $@
 
@@ -239,7 +242,7 @@ $(VENV)/release.stamp: $(VENV)/test.stamp
 	$(INSTALL) --editable ./runtime --editable ".[plot,test,check,release]"
 	touch $@
 
-$(VENV)/bench.stamp: pyproject.toml runtime/pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/uv.stamp
+$(VENV)/bench.stamp: $(PACKED) | $(VENV)/uv.stamp
 	$(INSTALL) --editable ./runtime --editable ".[plot,test,check,bench]"
 	touch $@
 

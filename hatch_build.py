@@ -1,4 +1,4 @@
-"""Makes the tables of the grammars, and adds the reference pipeline, when rtgen is packed."""
+"""Compiles grammars and templates, and adds the reference pipeline, when rtgen is packed."""
 
 from __future__ import annotations
 
@@ -10,17 +10,19 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 
 class WheelHook(BuildHookInterface):  # type: ignore[type-arg]
-    """Runs for the wheel only; the sources hold grammars, not tables."""
+    """Runs for the wheel only; the sources hold grammars and templates."""
 
     PLUGIN_NAME = "custom"
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Write the tables beside the grammars; an installed wheel also has RH3_FILES."""
+        """Write tables and code beside the sources; an installed wheel also has RH3_FILES."""
         if self.target_name == "wheel":
             root = Path(self.root)
             sys.path[:0] = [str(root / "src"), str(root / "runtime" / "src")]
+            from rtgen.compiler.backends.kit.rendering import write_code
             from rtgen.compiler.frontends.kit.lalr_tables import write
 
+            write_code()
             for grammar in sorted((root / "grammars").glob("*.lark")):
                 write(grammar)
             if version != "editable":

@@ -28,6 +28,7 @@ from rtgen.facts.files import (
 
 OWN_FILES = {
     "compiler/backends/canopen/shared_files.py _shared_idl",
+    "compiler/backends/kit/compiled_templates.py _compiler",
     "compiler/backends/kit/rendering.py template_source",
     "compiler/backends/small/backend.py _Tree.artifacts",
     "compiler/backends/typescript/backend.py _Tree.artifacts",

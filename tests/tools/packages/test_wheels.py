@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 from environments import build_wheel
 
+from rtgen.compiler.backends.kit.rendering import template_names
 from rtgen.compiler.diagnostics.explain import rules
 from rtgen.compiler.kit.resources import RH3_FILES, RH3_FOLDER
 
@@ -138,6 +139,8 @@ def test_the_wheel_is_rtgen_alone(whole: Path) -> None:
     }
     for name in ("compiler/compilation.py", "api.py", "grammars/idl.lark"):
         assert f"rtgen/{name}" in found
+    code = found["rtgen/compiler/backends/kit/template_code.py"].decode()
+    assert code.count("\ndef template_") == len(template_names())
     pages = {Path(name).stem for name in found if name.endswith(".md")}
     assert pages >= set(rules())
 

@@ -39,12 +39,12 @@ class Group(StrEnum):
     TRANSPORTS = "rtgen.transports"
 
 
-def announced(*groups: Group) -> tuple[metadata.EntryPoint, ...]:
+def announced(*groups: str) -> tuple[metadata.EntryPoint, ...]:
     """Return the entry points of the groups, by group and name; nothing is imported.
 
     Raises ToolError for malformed ones.
     """
-    if not _may_be_announced(_search_path()):
+    if not _may_be_announced(_search_path(), groups):
         return ()
     from importlib import metadata
 
@@ -154,13 +154,15 @@ def _search_path() -> tuple[tuple[str, int], ...]:
 
 
 @lru_cache(maxsize=8)
-def _may_be_announced(search_path: tuple[tuple[str, int], ...]) -> bool:
+def _may_be_announced(
+    search_path: tuple[tuple[str, int], ...], groups: tuple[str, ...]
+) -> bool:
     """Return whether a package may have entry points in one of the groups.
 
     Only searches for the groups' names, which takes a tenth of the time that importlib.metadata
     takes to read all entry points.
     """
-    heads = tuple(f"[{group}]".encode() for group in Group)
+    heads = tuple(f"[{group}]".encode() for group in groups)
     for place, _ in search_path:
         folder = Path(place)
         if not folder.is_dir():  # an archive

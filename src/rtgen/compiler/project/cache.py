@@ -14,6 +14,7 @@ import re
 import stat
 import sys
 from collections.abc import Callable, Iterator, Sequence
+from functools import cache
 from hashlib import sha256
 from importlib.util import find_spec
 from pathlib import Path
@@ -100,7 +101,7 @@ class Cache:
             _FORMAT,
             result,
             sys.version_info[:3],
-            _hash_of_files(_compiler_files()),
+            _compiler(),
             [(name, _version(name)) for name in _LIBRARIES.get(result, ())],
             [(e.name, e.value, _hash_of_files(_plugin_files(e))) for e in plugins],
             str(Path.cwd()),
@@ -297,12 +298,18 @@ def _hash_of_files(files: Iterator[Path]) -> str:
     return digest.hexdigest()
 
 
+@cache
+def _compiler() -> str:
+    """Return the hash of the compiler, which does not change while it runs."""
+    return _hash_of_files(_compiler_files())
+
+
 def _compiler_files() -> Iterator[Path]:
-    """Yield the files of rtgen that affect the output."""
+    """Yield the files of rtgen that affect the output; pages only explain it."""
     beside = _PACKAGE.parent.parent / "grammars"
     packed = _PACKAGE / "grammars"
     for folder in (*_COMPILER, packed if packed.is_dir() else beside):
-        yield from _files_below(folder, skip=frozenset({"__pycache__"}))
+        yield from _files_below(folder, skip=frozenset({"__pycache__", "pages"}))
 
 
 def _plugin_files(entry: metadata.EntryPoint) -> Iterator[Path]:

@@ -6,10 +6,11 @@ import sys
 import traceback
 from collections.abc import Callable, Mapping
 from difflib import get_close_matches
-from importlib import import_module, metadata
+from importlib import import_module
 from types import ModuleType
 
 from rtgen.compiler.diagnostics import ToolError
+from rtgen.compiler.kit import plugins
 from rtgen.compiler.project import Project, output, shown
 from rtgen.runtime import Component
 from rtgen.runtime.failures import ends_run
@@ -30,7 +31,7 @@ class Factories:
 
     def __init__(self, project: Project) -> None:
         generated = output.component_types(project.output)
-        installed = {e.name: e.value for e in metadata.entry_points(group=GROUP)}
+        installed = {e.name: e.value for e in plugins.announced(GROUP)}
         self._targets: dict[str, str] = {
             **installed,
             **generated.factories,

@@ -173,8 +173,7 @@ class _Renderer:
 
     def environment(self, name: str) -> Environment:
         """Return the environment of a template."""
-        suffix = name.removesuffix(".j2")
-        suffix = suffix[suffix.rindex(".") :]
+        suffix = rendering.suffix_of(name)
         if suffix not in self._environments:
             self._environments[suffix] = rendering.configured(
                 _Sandbox, suffix, _Loader(self._files)

@@ -2,7 +2,8 @@
 
 The suffix of a template's file before `.j2` determines the language, and the treatment of inserted
 values: `Code` of the language is inserted unchanged, other text is quoted, or rejected if only code
-or a name is allowed. So a text of a definition cannot become code because of a forgotten filter.
+or a name is allowed, as in files with any other suffix. So a text of a definition cannot become
+code because of a forgotten filter.
 """
 
 from __future__ import annotations
@@ -76,9 +77,8 @@ LANGUAGES: Mapping[str, Language] = {
     ),
     ".xml": _XML,
     ".svg": _XML,
-    **dict.fromkeys((".cdl", ".eds", ".h", ".idl", ".md", ".toml", ".txt"), _NAMES),
 }
-"""The output languages by the suffix of their files."""
+"""The output languages with quoting of their own, by the suffix of their files."""
 
 
 def render(template: str, **values: object) -> str:
@@ -89,6 +89,13 @@ def render(template: str, **values: object) -> str:
 def render_original(template: str, values: Mapping[str, object]) -> str:
     """Render one of rtgen's templates, whatever a project lays over it."""
     return language_of(template).code(_template(template).render(values))
+
+
+def write_code() -> None:
+    """Write the code of the templates of generated files, when rtgen is packed. Raises OSError."""
+    from rtgen.compiler.backends.kit.compiled_templates import write
+
+    write({name: _environment(suffix_of(name)) for name in template_names()})
 
 
 @cache
@@ -105,37 +112,35 @@ def template_source(name: str) -> str:
 
 def language_of(template: str) -> Language:
     """Return the output language of a template."""
-    return LANGUAGES[_suffix(template)]
+    return LANGUAGES.get(suffix_of(template), _NAMES)
 
 
-def _suffix(template: str) -> str:
-    return PurePosixPath(template).suffixes[-2]
+def suffix_of(template: str) -> str:
+    """Return the suffix of the files of a template, which has `.j2` behind it."""
+    return PurePosixPath(template.removesuffix(".j2")).suffix
 
 
 @cache
 def _template(name: str) -> Template:
-    return _environment(_suffix(name)).get_template(name)
+    return _environment(suffix_of(name)).get_template(name)
 
 
 @cache
 def _environment(suffix: str) -> Environment:
-    from jinja2 import Environment, FileSystemLoader
+    from jinja2 import Environment
 
-    return configured(Environment, suffix, FileSystemLoader(FOLDER))
+    from rtgen.compiler.backends.kit.compiled_templates import CompiledLoader
+
+    return configured(Environment, suffix, CompiledLoader(FOLDER))
 
 
 def configured(kind: type[Environment], suffix: str, loader: BaseLoader) -> Environment:
     """Return an environment for the templates of the language with the suffix."""
     from jinja2 import StrictUndefined
 
-    from rtgen.compiler.backends.kit.compiled_templates import CompiledTemplates
-
-    language = LANGUAGES[suffix]
+    language = LANGUAGES.get(suffix, _NAMES)
     environment = kind(
         loader=loader,
-        bytecode_cache=CompiledTemplates(
-            FOLDER / "__pycache__", f"{kind.__name__} {suffix}"
-        ),
         auto_reload=False,
         undefined=StrictUndefined,
         # Macros then return markup, which is not quoted again.

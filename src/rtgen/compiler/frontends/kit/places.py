@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator, Mapping
-from xml.sax.saxutils import escape
 
 from rtgen.compiler.diagnostics import Span
 from rtgen.compiler.frontends.kit.lines import LineTable
@@ -28,6 +27,8 @@ def place_of(sources: Mapping[str, str], text: str) -> Span | None:
 
 def _spellings(text: str) -> Iterator[str]:
     """Yield the ways in which languages may write the text, then its words."""
+    from xml.sax.saxutils import escape  # imports urllib, which most runs do not need
+
     stripped = text.strip()
     escaped = json.dumps(stripped, ensure_ascii=False)[1:-1]
     ways = (stripped, escaped, escape(stripped, {'"': "&quot;"}))

@@ -84,6 +84,7 @@ class Unit(msgspec.Struct, eq=False, dict=True):
     searched: dict[str, None] = msgspec.field(default_factory=dict)
     printed: dict[str, None] = msgspec.field(default_factory=dict)
     guessed: bool = False
+    _spans: dict[tuple[int, int], Span] = msgspec.field(default_factory=dict)
 
     @property
     def all_included(self) -> Iterator[Unit]:
@@ -109,6 +110,12 @@ class Unit(msgspec.Struct, eq=False, dict=True):
 
     def span(self, start: int, end: int) -> Span:
         """Return the place of [start, end) in the original text."""
+        span = self._spans.get((start, end))
+        if span is None:
+            span = self._spans[start, end] = self._original(start, end)
+        return span
+
+    def _original(self, start: int, end: int) -> Span:
         if not self.pieces:
             return self.source.span(0, 0)
         first, begin = self.piece(start)
