@@ -1,4 +1,4 @@
-"""The command `rtgen check`: compares generated files on disk with a fresh run."""
+"""The command `rtgen check`: finds all that does not fit the definitions."""
 
 from __future__ import annotations
 
@@ -13,13 +13,16 @@ from rtgen.cli.definition_options import (
 from rtgen.cli.options import with_console
 from rtgen.cli.stages import with_stages
 from rtgen.compiler.diagnostics import has_errors
-from rtgen.compiler.project import behaviours, cache, shown
-from rtgen.compiler.project import output as writer
+from rtgen.compiler.project import Project, cache, shown
+from rtgen.compiler.project.output import MANIFEST
 from rtgen.tools.can.common import counted
-from rtgen.tools.compiling.cached import build, timelines
+from rtgen.tools.compiling.checking import Checked, Part, checked
 from rtgen.tools.compiling.definitions import Definitions, project_of
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import BAD_INPUT, NO, OK
+
+MAX_LINES = 24
+"""Maximum number of lines of the diff of a file."""
 
 
 @click.command()
@@ -27,6 +30,12 @@ from rtgen.tools.kit.exits import BAD_INPUT, NO, OK
 @with_output("Compare with")
 @with_node_id
 @with_target
+@click.option(
+    "--only",
+    multiple=True,
+    type=click.Choice([part.value for part in Part]),
+    help="Check this part only; can be repeated.",
+)
 @with_console
 @with_stages
 def check(
@@ -36,53 +45,68 @@ def check(
     no_cache: bool,
     node_id: int | None,
     target: str | None,
+    only: tuple[str, ...],
 ) -> int:
-    """Check that generated files are up to date.
+    """Check all that can be checked without a run.
 
-    PATH is read as by generate. Exit code 0: up to date; 1: files are changed, missing, obsolete
-    or not rtgen's, and a unified diff is printed, or a behaviour uses a component or a port that
-    no definition has, or an event of the timeline.toml beside a system.xml names what the system
-    does not have. Nothing is written.
+    PATH is read as by generate. In this order: generated files that are not those of the
+    definitions (drift), systems against the definitions, the timeline.toml beside a system.xml,
+    units of connected ports, behaviours against the definitions, and errors of lint. Exit code 0:
+    nothing; 1: drift, or warnings of timelines or behaviours; 2: errors of the other parts.
+    A finding about a generated file is at its definition, and its differences are printed.
+    Nothing is written, and no behaviour is executed.
     """
     project = project_of(
         definitions, output, add=output is None, node_id=node_id, target=target
     )
     runs = None if no_cache else cache.default()
-    run = build(project, runs)
-    console.findings(run.diagnostics, run.sources)
-    if run.failed:
+    result = checked(project, runs, [Part(name) for name in only] or [*Part])
+    parts = [result.definitions, *(result.findings.get(part, ()) for part in Part)]
+    for findings in parts:
+        console.findings(findings, result.sources, summarised=False)
+    _print_differences(console, project, result)
+    console.summary([each for findings in parts for each in findings])
+    return _exit_code(result)
+
+
+def _exit_code(result: Checked) -> int:
+    if has_errors(result.definitions):
         return BAD_INPUT
-    planned = writer.plan(project, run)
-    of_timelines = timelines(project, runs)
-    diagnostics = [*behaviours.check(project, run.artifacts), *of_timelines]
-    console.findings(diagnostics)
-    if has_errors(of_timelines):
+    others = (f for part, f in result.findings.items() if part is not Part.DRIFT)
+    if result.is_impossible or any(map(has_errors, others)):
         return BAD_INPUT
-    strays = (*planned.strays, *planned.leftovers)
-    apart = (change.without_line_ends() for change in planned.changes)
-    changes = [change for change in apart if change is not None]
+    counted_parts = (Part.DRIFT, Part.TIMELINES, Part.BEHAVIOURS)
+    return NO if any(result.findings.get(part) for part in counted_parts) else OK
+
+
+def _print_differences(console: Console, project: Project, result: Checked) -> None:
+    """Print the differences of generated files in a short form, and what to do."""
+    if result.planned is None:
+        return
     where = shown(project.output)
-    if converted := len(planned.changes) - len(changes):
+    if result.converted:
         console.say(
-            f"{where}: {counted(converted, 'file')} with other line ends, which do not"
-            f" count; `{where}/** -text` in .gitattributes keeps git from converting them"
+            f"{where}: {counted(result.converted, 'file')} with other line ends, which do"
+            f" not count; `{where}/** -text` in .gitattributes keeps git from converting"
+            " them"
         )
-    if not changes and not strays:
-        return NO if diagnostics else OK
+    strays = (*result.planned.strays, *result.planned.leftovers)
+    if not result.changes and not strays:
+        return
     from rtgen.tools.compiling.diffs import diff
 
-    write_out(
-        diff(changes) + "".join(f"Only in the tree: {shown(s)}\n" for s in strays)
-    )
-    stale = len(changes) + len(planned.leftovers)
+    text = diff(result.changes, most=MAX_LINES)
+    write_out(text + "".join(f"Only in the tree: {shown(s)}\n" for s in strays))
+    manifest = project.output / MANIFEST
+    files = [change for change in result.changes if change.path != manifest]
+    stale = len(files or result.changes) + len(result.planned.leftovers)
     if stale:
         console.say(
             f"{where}: {counted(stale, 'file')} differ{'s' * (stale == 1)} from the"
             " definitions; run rtgen generate"
         )
-    if planned.strays:
+    if result.planned.strays:
         console.say(
-            f"{where}: {counted(len(planned.strays), 'file')} not made by rtgen, which"
-            " generate leaves; move your files elsewhere, delete the rest"
+            f"{where}: {counted(len(result.planned.strays), 'file')} not made by rtgen,"
+            " which generate leaves; move your files elsewhere, delete the rest"
         )
-    return NO

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 from rtgen.compiler.diagnostics import Diagnostic, Severity, Span, has_errors, in_order
 from rtgen.compiler.diagnostics.explain import rules, similar
 from rtgen.compiler.frontends import FrontendResult
-from rtgen.compiler.kit import stages
+from rtgen.compiler.kit import plugins, stages
 from rtgen.compiler.lint import ON_DEMAND, fixes
 from rtgen.compiler.lint import lint as check
 from rtgen.compiler.lint.suppressions import FilePattern, suppressed
@@ -51,18 +51,55 @@ def findings(
         idle = {rule.code for rule in ON_DEMAND} - selected
         active = {c for c in rules() if c.startswith(_PREFIXES)} - idle
         active |= _SYSTEM_CODES
+    remaining = wanted(
+        project, diagnostics, result.sources, active=active, ignore=ignore, whole=whole
+    )
+    return fixes.attached(in_order(remaining), result.sources)
+
+
+def errors(project: Project, result: FrontendResult) -> list[Diagnostic]:
+    """Return the errors among the diagnostics of lint rules.
+
+    Those of rtgen warn and note (a test checks that), so only the rules of plug-ins run.
+    """
+    if not plugins.announced(plugins.Group.LINT):
+        return []
+    with stages.stage("lint rules"):
+        diagnostics = check(
+            result.model,
+            result.sources,
+            select={code.upper() for code in project.selected},
+            options=project.plugins,
+            target=project.target,
+            only_plugins=True,
+        )
+    return [each for each in diagnostics if each.severity is Severity.ERROR]
+
+
+def wanted(
+    project: Project,
+    diagnostics: Sequence[Diagnostic],
+    sources: Mapping[str, str],
+    *,
+    active: Collection[str] | None = None,
+    ignore: Collection[str] = (),
+    whole: bool = True,
+) -> list[Diagnostic]:
+    """Return the diagnostics that neither comments nor rtgen.toml suppress; errors stay.
+
+    Suppressions of `active` codes without effect are reported; None: of none.
+    """
     patterns = [
         FilePattern(span, code, pattern=shown(project.root / pattern))
         for pattern, code, span in project.ignored_in_files
     ]
     diagnostics = suppressed(
-        diagnostics, result.sources, patterns, codes=rules(), active=active, whole=whole
+        diagnostics, sources, patterns, codes=rules(), active=active, whole=whole
     )
     ignored = {code.upper() for code in (*ignore, *project.ignored)}
-    remaining = (
+    return [
         d for d in diagnostics if d.severity is Severity.ERROR or d.code not in ignored
-    )
-    return fixes.attached(in_order(remaining), result.sources)
+    ]
 
 
 def unknown_codes(project: Project) -> Iterator[Diagnostic]:

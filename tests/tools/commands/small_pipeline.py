@@ -9,6 +9,7 @@ from hashlib import sha256
 from rtgen.compiler.backends import Artifact, Backend, Emission, Options
 from rtgen.compiler.diagnostics import Diagnostic, Severity, Span
 from rtgen.compiler.frontends import Dependency, FrontendResult
+from rtgen.compiler.frontends.kit.memo import Memo
 from rtgen.compiler.model import Model, SourceFile
 from rtgen.compiler.project import Project
 
@@ -42,6 +43,7 @@ class Pipeline:
         *,
         lowered: bool = False,
         also: Sequence[FrontendResult] = (),
+        memo: Memo | None = None,
     ) -> FrontendResult:
         self.reads += 1
         files: list[SourceFile] = []

@@ -53,6 +53,9 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_deviations_of_a_description_are_one_line(
     command: list[str], project: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
+    if command == ["check"]:
+        run(["generate", "-q"])
+        capfd.readouterr()
     run(command)
     err = capfd.readouterr().err
     lines = [line for line in err.splitlines() if line.startswith("files/drive.eds")]

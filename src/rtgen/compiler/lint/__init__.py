@@ -65,19 +65,20 @@ def lint(
     select: Collection[str] = (),
     options: Mapping[str, Mapping[str, Any]] | None = None,
     target: str = "",
+    only_plugins: bool = False,
 ) -> list[Diagnostic]:
     """Return the diagnostics of built-in checks and of plug-ins for the given files, in order.
 
     `sources` maps displayed paths to texts; `options` has the table `[plugin.NAME]` of rtgen.toml
     for each name, `target` is the platform of components. Rules of ON_DEMAND only run if `select`
-    has their codes.
+    has their codes; `only_plugins`: no built-in rule runs.
     """
     context = Context(model, sources, options or {}, target)
     own = (
         partial(_by_plugin, name, check)
         for name, check in plugins.loaded(plugins.Group.LINT)
     )
-    checks: Iterable[_Check] = (*_CHECKS, *own)
+    checks: Iterable[_Check] = (*(() if only_plugins else _CHECKS), *own)
     left_out = {rule.code for rule in ON_DEMAND} - set(select)
     return in_order(
         finding

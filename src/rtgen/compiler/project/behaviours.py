@@ -20,6 +20,9 @@ from rtgen.compiler.typemap.components.actions import ACTIONS
 from rtgen.facts.encodings import decode
 from rtgen.facts.files import UnreadableError, is_file, read_file
 
+RULES = (LEFTOVER_SKELETON, UNKNOWN_PORT, MISSPELT_CALLBACK)
+"""The rules of behaviours."""
+
 _USE = re.compile(r"\bself\.(\w+)\.(?:read|read_newest|is_new|write)\(")
 _SET = re.compile(r"\bself\.(\w+)\s*[,:=]")
 _NAMED = re.compile(r"^ +(?:def )?(\w+) *[:(=]", re.M)
@@ -49,9 +52,10 @@ def misspelt_callbacks(project: Project) -> list[Diagnostic]:
     Raises ToolError for an unreadable module.
     """
     with stages.stage("check behaviours"):
-        modules = _modules(project, ())
         return [
-            f for file, text in modules.items() for f in _callbacks(project, file, text)
+            f
+            for file, text in _texts(project, ()).items()
+            for f in _callbacks(project, file, text)
         ]
 
 
@@ -67,7 +71,7 @@ def _findings(project: Project, artifacts: Sequence[Artifact]) -> Iterator[Diagn
     imported = re.compile(
         rf"^from {re.escape(project.package)}\.components\.(\w+)(?:\.\w+)? import", re.M
     )
-    for file, text in _modules(project, artifacts).items():
+    for file, text in _texts(project, artifacts).items():
         yield from _callbacks(project, file, text)
         used = {match[1]: match for match in imported.finditer(text)}
         for module in used.keys() - bases.keys():
@@ -82,8 +86,8 @@ def _findings(project: Project, artifacts: Sequence[Artifact]) -> Iterator[Diagn
             yield from _ports(file, text, bases[module])
 
 
-def _modules(project: Project, artifacts: Sequence[Artifact]) -> Mapping[str, str]:
-    """Return the texts of the modules beside skeletons, by displayed path."""
+def modules(project: Project, artifacts: Sequence[Artifact]) -> list[Path]:
+    """Return the modules beside skeletons. Raises ToolError."""
     folders = {project.skeletons}
     for artifact in artifacts:
         if artifact.owner is Owner.USER:
@@ -92,7 +96,12 @@ def _modules(project: Project, artifacts: Sequence[Artifact]) -> Mapping[str, st
         files = [f for each in sorted(folders) for f in sorted(each.glob("*.py"))]
     except OSError as error:
         raise ToolError(f"cannot read {error.filename}: {error.strerror}") from error
-    return {shown(file): _text(file) for file in files if is_file(file)}
+    return [file for file in files if is_file(file)]
+
+
+def _texts(project: Project, artifacts: Sequence[Artifact]) -> Mapping[str, str]:
+    """Return the texts of the modules beside skeletons, by displayed path."""
+    return {shown(file): _text(file) for file in modules(project, artifacts)}
 
 
 def _text(file: Path) -> str:

@@ -25,7 +25,7 @@ import msgspec
 from rtgen.compiler.backends import Artifact, ComponentTypes, Owner
 from rtgen.compiler.diagnostics import Diagnostic, Related, Severity, Span
 from rtgen.compiler.kit import stages
-from rtgen.compiler.project.compilation import Compilation
+from rtgen.compiler.project.compilation import Compilation, Declared
 from rtgen.compiler.project.kinds import is_component_profile
 from rtgen.compiler.project.loading import Project
 from rtgen.facts import version
@@ -40,7 +40,7 @@ from rtgen.facts.files import (
 if TYPE_CHECKING:
     from importlib import metadata
 
-_FORMAT = "rtgen-run/4"
+_FORMAT = "rtgen-run/5"
 _LIBRARIES = {"artifacts": ("jinja2", "lark")}
 """Libraries whose versions affect the output."""
 
@@ -71,6 +71,7 @@ class _Entry(TypedDict):
     dependencies: dict[str, str | None]
     sources: dict[str, str]
     components: tuple[dict[str, str], dict[str, str]]
+    declared: list[tuple[str, str, _Place]]
 
 
 def _searched(project: Project) -> list[str]:
@@ -95,11 +96,15 @@ class Cache:
         project: Project,
         plugins: Sequence[metadata.EntryPoint],
         result: str = "artifacts",
+        also: Sequence[str] = (),
     ) -> str:
-        """Return the hash of everything except the definitions that affects the output."""
+        """Return the hash of everything except the definitions that affects the output.
+
+        `also` is what else affects a result of the kind `result`.
+        """
         content = [
             _FORMAT,
-            result,
+            [result, *also],
             sys.version_info[:3],
             _compiler(),
             [(name, _version(name)) for name in _LIBRARIES.get(result, ())],
@@ -186,6 +191,9 @@ class Cache:
             dependencies=dependencies,
             sources=entry["sources"],
             components=ComponentTypes(*entry["components"]),
+            declared=tuple(
+                Declared(key, name, Span(*at)) for key, name, at in entry["declared"]
+            ),
         )
 
     def store(self, key: str, run: Compilation) -> None:
@@ -202,6 +210,7 @@ class Cache:
                 dict(run.components.factories),
                 dict(run.components.languages),
             ],
+            "declared": [[d.key, d.name, _span_entry(d.span)] for d in run.declared],
         }
         payload = json.dumps(entry).encode()
         with contextlib.suppress(OSError):

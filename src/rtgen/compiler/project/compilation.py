@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import msgspec
 
 from rtgen.compiler.backends import Artifact, ComponentTypes, Emission
-from rtgen.compiler.diagnostics import Diagnostic, has_errors, in_order
+from rtgen.compiler.diagnostics import Diagnostic, Span, has_errors, in_order
 
 if TYPE_CHECKING:
     from rtgen.compiler.frontends import FrontendResult
+    from rtgen.compiler.model import Model
+
+
+class Declared(msgspec.Struct, frozen=True):
+    """The place of a declaration in the input `key`; `name` is the last part of its name."""
+
+    key: str
+    name: str
+    span: Span
 
 
 class Compilation(msgspec.Struct, frozen=True):
@@ -19,7 +28,8 @@ class Compilation(msgspec.Struct, frozen=True):
 
     `inputs` maps the key of each file read to its sha256; `dependencies` maps the path of each file
     searched for to its sha256, or to None if it was missing. `sources` are the texts of the files
-    in diagnostics, by displayed path. `components` are the component types of the project.
+    in diagnostics, by displayed path. `components` are the component types of the project,
+    `declared` the declarations in its inputs.
     """
 
     artifacts: Sequence[Artifact]
@@ -28,6 +38,7 @@ class Compilation(msgspec.Struct, frozen=True):
     dependencies: Mapping[str, str | None] = msgspec.field(default_factory=dict)
     sources: Mapping[str, str] = msgspec.field(default_factory=dict)
     components: ComponentTypes = ComponentTypes()
+    declared: Sequence[Declared] = ()
 
     @property
     def failed(self) -> bool:
@@ -49,4 +60,13 @@ def compilation_of(result: FrontendResult, emission: Emission) -> Compilation:
         dependencies=result.hashes,
         sources=result.sources,
         components=emission.components,
+        declared=tuple(dict.fromkeys(_declared(model))),
     )
+
+
+def _declared(model: Model) -> Iterator[Declared]:
+    for part in (model, *(package.model for package in model.packages)):
+        keys = {file.name: file.key for file in part.files}
+        for each in part.declarations:
+            if each.file in keys:
+                yield Declared(keys[each.file], each.name[-1], each.span)

@@ -22,6 +22,12 @@ UNKNOWN_PORT = Rule("PRJ0013", "port that is not in the definition", Severity.WA
 MISSPELT_CALLBACK = Rule("PRJ0014", "misspelt callback", Severity.WARNING)
 NO_PATH = Rule("PRJ0015", "path that no file can have", Severity.ERROR)
 UNKNOWN_TEMPLATE = Rule("PRJ0016", "template that rtgen does not have", Severity.ERROR)
+STALE_FILE = Rule("PRJ0017", "generated file that is out of date", Severity.ERROR)
+STRAY_FILE = Rule(
+    "PRJ0018",
+    "file in the output folder that rtgen does not generate",
+    Severity.WARNING,
+)
 SAME_PATH = Rule("PRJ0101", "two files of one name", Severity.ERROR)
 LEAVES_OUTPUT = Rule("PRJ0102", "file outside the output folder", Severity.ERROR)
 LINK_IN_OUTPUT = Rule("PRJ0103", "link in the output folder", Severity.ERROR)

@@ -8,50 +8,53 @@ from typing import TYPE_CHECKING
 
 from rtgen.compiler.kit import plugins, stages
 from rtgen.compiler.project import Project
-from rtgen.compiler.project.cache import Cache, hash_of
+from rtgen.compiler.project.cache import Cache
 from rtgen.compiler.project.compilation import Compilation
 
 if TYPE_CHECKING:  # imported lazily: a run from the cache needs no model
     from rtgen.compiler.diagnostics import Diagnostic
+    from rtgen.compiler.frontends import FrontendResult
+    from rtgen.compiler.frontends.kit.memo import Memo
     from rtgen.compiler.model import System
 
 
-def build(project: Project, cache: Cache | None) -> Compilation:
+class Definitions:
+    """The definitions of a project, each form of which is read when it is first needed."""
+
+    def __init__(self, project: Project) -> None:
+        self._project = project
+        self._read: dict[bool, FrontendResult] = {}
+        self._memo: Memo | None = None
+
+    def read(self, *, lowered: bool) -> FrontendResult:
+        """Return what `compilation.read` does."""
+        if lowered not in self._read:
+            with stages.stage("import the compiler"):
+                from rtgen.compiler import compilation
+                from rtgen.compiler.frontends.kit.memo import Memo
+            self._memo = self._memo or Memo()
+            self._read[lowered] = compilation.read(
+                self._project, lowered=lowered, memo=self._memo
+            )
+        return self._read[lowered]
+
+
+def build(
+    project: Project, cache: Cache | None, definitions: Definitions | None = None
+) -> Compilation:
     """Return the project's artifacts."""
 
     def made() -> Compilation:
-        with stages.stage("import the compiler"):
-            from rtgen.compiler.compilation import compile_project
+        read = (definitions or Definitions(project)).read(lowered=True)
+        from rtgen.compiler.compilation import emitted
 
-        return compile_project(project)
+        return emitted(project, read)
 
     if cache is None:
         return made()
     with stages.stage("cache"):
         key = cache.key(project, plugins.announced(*plugins.Group))
     return cache.kept(key, made)
-
-
-def timelines(project: Project, cache: Cache | None) -> Sequence[Diagnostic]:
-    """Return the diagnostics of the timelines beside the systems of a project."""
-
-    def made() -> Compilation:
-        from rtgen.compiler.systems import timeline_checks
-
-        diagnostics = timeline_checks.findings(project.systems, project.encoding)
-        files = (f for s in project.systems for f in (s, s.parent / "timeline.toml"))
-        return Compilation(
-            artifacts=(),
-            inputs={},
-            diagnostics=tuple(diagnostics),
-            dependencies={str(file): hash_of(file) for file in files},
-        )
-
-    if not project.systems:
-        return ()
-    if cache is None:
-        return made().diagnostics
-    return cache.kept(cache.key(project, (), "timelines"), made).diagnostics
 
 
 def inspect(

@@ -32,16 +32,17 @@ class Console(msgspec.Struct, frozen=True):
         sources: Mapping[str, str] | None = None,
         *,
         fold: bool = True,
+        summarised: bool = True,
     ) -> None:
         """Print diagnostics; forms with a single document (JSON, SARIF) are printed by `close`.
 
         A document is printed even without diagnostics. `fold`: the deviations of a description of a
-        device are printed as one line, for people.
+        device are printed as one line, for people. `summarised`: `summary` follows.
         """
         if self.form in _DOCUMENTS:
             self._held.append(diagnostics)
         elif diagnostics:
-            from rtgen.compiler.diagnostics.report import report, summary
+            from rtgen.compiler.diagnostics.report import report
 
             folded: Mapping[str, int] = {}
             if fold and self.form == "text":
@@ -52,8 +53,15 @@ class Console(msgspec.Struct, frozen=True):
                 self.say(
                     f"{file}: {number} deviations are tolerated; rtgen lint shows them"
                 )
-            if diagnostics and self.form == "text" and not self.quiet:
-                sys.stderr.write(f"{summary(diagnostics)}\n")
+            if summarised:
+                self.summary(diagnostics)
+
+    def summary(self, diagnostics: Sequence[Diagnostic]) -> None:
+        """Print the number of diagnostics of each severity, for people."""
+        if diagnostics:
+            from rtgen.compiler.diagnostics.report import summary
+
+            self.say(summary(diagnostics))
 
     def close(self) -> None:
         """Print the document of all diagnostics so far, if the form has one."""
