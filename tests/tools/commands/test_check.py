@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
 from msgspec.structs import replace
 
 from rtgen.cli import run
+from rtgen.compiler.diagnostics import Severity
+from rtgen.compiler.lint import rules as lint_rules
 from rtgen.compiler.project import load
 from rtgen.compiler.project.output import MANIFEST, Change, plan
 from rtgen.tools.compiling.cached import build
+from rtgen.tools.compiling.checking import Part
 
 IDL = """\
 // Two structs, an enum, a service and two components.
@@ -198,3 +202,148 @@ def test_differences_are_short(capfd: pytest.CaptureFixture[str]) -> None:
     assert "+    a0: float = parameter(0.0)\n" in out
     assert "more lines, see rtgen generate --diff\n" in out
     assert "+++ b/generated/kitchen/components/oven/RTC.xml\n---" in out
+
+
+SYSTEM = """\
+<?xml version="1.0" encoding="UTF-8"?>
+<rts:RtsProfile rts:id="RTSystem:k:Kitchen:1" rts:version="0.2"
+    xmlns:rts="http://www.openrtp.org/namespaces/rts"
+    xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance">
+  <rts:Components rts:instanceName="Oven0" rts:id="RTC:::Oven:1.0.0" rts:pathUri=""
+      rts:isRequired="true" rts:activeConfigurationSet="default">
+    <rts:ConfigurationSets rts:id="default">
+      <rts:ConfigurationData rts:name="gain" rts:data="2.0"/>
+    </rts:ConfigurationSets>
+  </rts:Components>
+  <rts:Components rts:instanceName="Thermostat0" rts:id="RTC:::Thermostat:1.0.0"
+      rts:pathUri="" rts:isRequired="true"/>
+  <rts:DataPortConnectors rts:name="heat" rts:connectorId="1" rts:interfaceType="direct"
+      rts:dataType="Kitchen::Temperature" rts:dataflowType="push" rts:subscriptionType="flush">
+    <rts:sourceDataPort rts:componentId="RTC:::Oven:1.0.0" rts:instanceName="Oven0"
+        rts:portName="warmth"/>
+    <rts:targetDataPort rts:componentId="RTC:::Thermostat:1.0.0"
+        rts:instanceName="Thermostat0" rts:portName="measured"/>
+  </rts:DataPortConnectors>
+</rts:RtsProfile>
+"""
+KITCHEN = "systems/system.xml"
+TIMELINE = "systems/timeline.toml"
+OVEN = "src/oven.py"
+ORDER = [part.value for part in Part]
+
+
+@pytest.fixture
+def system() -> None:
+    """Add a system with a timeline, and find nothing."""
+    Path("systems").mkdir()
+    Path(KITCHEN).write_text(SYSTEM)
+    Path(TIMELINE).write_text('[[at]]\nt = 1\nset = "Oven0.gain=3"\n')
+    Path("rtgen.toml").write_text(PROJECT.replace('"idl"', '"idl", "systems"'))
+    assert run(["check"]) == 0
+
+
+FAULTS = {
+    "a port that is not there": (KITCHEN, '"warmth"', '"warmht"', "RTC0581", 2, 16, "systems"),
+    "a parameter that is not there": (KITCHEN, '"gain"', '"gian"', "RTC0586", 2, 8, "systems"),
+    "a value of another type": (KITCHEN, '"2.0"', '"two"', "RTC0586", 2, 8, "systems"),
+    "a component": (KITCHEN, "Oven:1.0.0", "Ovn:1.0.0", "RTC0580", 2, 5, "systems"),
+    "wiring of two types": (KITCHEN, '"measured"', '"current"', "RTC0582", 2, 18, "systems"),
+    "XML": (KITCHEN, "</rts:RtsProfile>", "", None, 2, None, "systems"),
+    "an event in vain": (TIMELINE, "Oven0", "Oven1", "SYS0027", 1, 3, "timelines"),
+    "TOML": (TIMELINE, "[[at]]", "[[at]", "SYS0007", 2, 1, "timelines"),
+    "a behaviour": (OVEN, "on_execute", "on_excute", "PRJ0014", 1, 35, "behaviours"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", FAULTS)
+@pytest.mark.usefixtures("system")
+def test_faults_are_found_at_their_lines(
+    kind: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    file, old, new, rule, code, line, part = FAULTS[kind]
+    change(old, new, file)
+    found = findings(capfd, code=code)
+    assert {f["file"] for f in found} == {file}
+    if rule is not None:
+        assert (rule, line) in {(f["code"], f["line"]) for f in found}
+    assert findings(capfd, "--only", part, code=code) == found
+    assert findings(capfd, "--no-cache", code=code) == found
+    others = [word for each in ORDER if each != part for word in ("--only", each)]
+    assert findings(capfd, *others, code=0) == []
+    change(new, old, file)
+    assert findings(capfd, code=0) == []
+
+
+UNITS = {
+    "dimensions": ('@unit("degC")', '@unit("W")', "RTC0593", "error", 2),
+    "scales": ('@unit("K")', '@unit("mK")', "RTC0595", "warning", 0),
+}
+
+
+@pytest.mark.parametrize("kind", UNITS)
+@pytest.mark.usefixtures("system")
+def test_units_of_connected_ports(kind: str, capfd: pytest.CaptureFixture[str]) -> None:
+    sent, received, rule, severity, code = UNITS[kind]
+    change("publishes Kitchen::Temperature", f"{sent} publishes Kitchen::Temperature")
+    change("consumes Kitchen::Temperature", f"{received} consumes Kitchen::Temperature")
+    assert run(["generate", "-q"]) == 0
+    [finding] = findings(capfd, "--only", "units", code=code)
+    assert (finding["code"], finding["severity"]) == (rule, severity)
+    assert (finding["file"], finding["line"]) == (KITCHEN, 13)
+    assert findings(capfd, "--only", "systems", code=0) == []
+
+
+@pytest.mark.usefixtures("system")
+def test_a_new_system_module_or_timeline_is_checked_at_once(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    """Whatever an earlier check has left in the cache."""
+    Path("systems/second.xml").write_text(SYSTEM.replace("warmth", "warmht"))
+    assert {f["file"] for f in findings(capfd, code=2)} == {"systems/second.xml"}
+    Path("systems/second.xml").unlink()
+    Path("src/other.py").write_text(
+        "from kitchen.components.stove import StoveBase\nclass S(StoveBase): ...\n"
+    )
+    assert {f["file"] for f in findings(capfd)} == {"src/other.py"}
+    Path("src/other.py").unlink()
+    Path(TIMELINE).write_text('follows = "first.toml"\n')
+    assert [f["code"] for f in findings(capfd, code=2)] == ["SYS0007"]
+    Path("systems/first.toml").write_text('[[at]]\nt = 1\nset = "Oven0.gain=3"\n')
+    assert findings(capfd, code=0) == []
+    Path("systems/first.toml").write_text('[[at]]\nt = 1\nset = "Oven7.gain=3"\n')
+    assert [f["file"] for f in findings(capfd)] == ["systems/first.toml"]
+
+
+@pytest.mark.usefixtures("system")
+def test_parts_are_reported_in_order(capfd: pytest.CaptureFixture[str]) -> None:
+    for kind in ("a port that is not there", "an event in vain", "a behaviour"):
+        file, old, new, *_ = FAULTS[kind]
+        change(old, new, file)
+    change("double gain", "double gain; attribute double more")
+    capfd.readouterr()
+    assert run(["check", "--diagnostics", "github"]) == 2
+    codes = re.findall(r"title=(\w+)", capfd.readouterr().err)
+    assert [*dict.fromkeys(codes)] == ["PRJ0017", "RTC0581", "SYS0027", "PRJ0014"]
+
+
+@pytest.mark.usefixtures("system")
+def test_findings_of_check_can_be_ignored(capfd: pytest.CaptureFixture[str]) -> None:
+    change("on_execute", "on_excute", OVEN)
+    assert len(findings(capfd)) == 1
+    toml = Path("rtgen.toml").read_text()
+    Path("rtgen.toml").write_text(f'{toml}[lint]\nignore = ["PRJ0014"]\n')
+    assert findings(capfd, code=0) == []
+
+
+@pytest.mark.usefixtures("system")
+def test_no_code_of_the_user_is_executed(capfd: pytest.CaptureFixture[str]) -> None:
+    text = Path(OVEN).read_text()
+    Path(OVEN).write_text(f'{text}\n\nopen("executed", "w").write("")\n')
+    for options in ([], ["--no-cache"]):
+        assert findings(capfd, *options, code=0) == []
+    assert not Path("executed").exists()
+
+
+def test_no_builtin_rule_of_lint_is_an_error() -> None:
+    """So `rtgen check` runs those of plug-ins only."""
+    assert Severity.ERROR not in {rule.severity for rule in lint_rules.RULES}

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from rtgen.compiler.diagnostics import Rule, Severity, rules_of
 
+TIMELINE_FILE = "timeline.toml"
+"""The timeline beside a system, which its runs follow by default."""
+
 UNKNOWN_TYPE = Rule("SYS0001", "component type without a factory", Severity.ERROR)
 NO_COMPONENT = Rule("SYS0002", "factory that makes no component", Severity.ERROR)
 CONNECTION = Rule("SYS0003", "ports that cannot be joined", Severity.ERROR)

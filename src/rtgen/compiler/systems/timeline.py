@@ -20,6 +20,7 @@ from rtgen.compiler.systems.rules import (
     PARAMETER,
     SKIPPED,
     TIMELINE,
+    TIMELINE_FILE,
     UNKNOWN_INSTANCE,
 )
 from rtgen.facts.connector_properties import own_properties
@@ -133,9 +134,25 @@ def of_system(path: Path, named: str | None, system: System) -> Timeline:
     """Return the timeline of that name, else the `timeline.toml` in the system's folder."""
     if named is not None:
         return load(Path(named), system)
-    if path.is_dir() and (path / "timeline.toml").is_file():
-        return load(path / "timeline.toml", system)
+    if path.is_dir() and (path / TIMELINE_FILE).is_file():
+        return load(path / TIMELINE_FILE, system)
     return Timeline()
+
+
+def followed(file: Path) -> list[Path]:
+    """Return a timeline and those it follows, as far as they can be read."""
+    files = [file]
+    while len(files) <= _MAX_FOLLOWED:
+        last = files[-1]
+        try:
+            text = decode(read_file(last, _MAX_BYTES), standard=True).normal
+            name = _content(text, last.as_posix()).get("follows")
+        except (UnreadableError, InputError):
+            break
+        if not isinstance(name, str):
+            break
+        files.append(last.parent / name)
+    return files
 
 
 def _ordered(steps: Sequence[Step]) -> tuple[Step, ...]:

@@ -7,16 +7,15 @@ from pathlib import Path
 
 from msgspec.structs import replace
 
-from rtgen.compiler.diagnostics import Diagnostic, InputError
+from rtgen.compiler.diagnostics import Diagnostic, InputError, Span, ToolError
 from rtgen.compiler.model import Connection, Model, System
 from rtgen.compiler.model.system_links import Known, definitions_of, known_components
 from rtgen.compiler.systems import connections
 from rtgen.compiler.systems.reading import as_defined, read_file
-from rtgen.compiler.systems.rules import SKIPPED
+from rtgen.compiler.systems.rules import SKIPPED, TIMELINE, TIMELINE_FILE
 from rtgen.compiler.systems.timeline import Connect, Disconnect, Step, load
 
 _SYSTEM = "system.xml"
-_TIMELINE = "timeline.toml"
 
 
 def findings(
@@ -29,7 +28,7 @@ def findings(
     """
     components = known_components(models)
     for path in systems:
-        file = path.parent / _TIMELINE
+        file = path.parent / TIMELINE_FILE
         if path.name != _SYSTEM or not file.is_file():
             continue
         system, _, _ = read_file(path, encoding)
@@ -39,6 +38,9 @@ def findings(
             plan = load(file, system)
         except InputError as error:
             yield from error.diagnostics
+        except ToolError as error:
+            place = Span(file.as_posix(), 1, 1, 1, 1)
+            yield TIMELINE.at(place, error.message, hint=error.hint)
         else:
             yield from plan.skipped
             yield from _in_vain(plan.steps, system)

@@ -14,6 +14,7 @@ from rtgen.compiler.project import Project, behaviours
 from rtgen.compiler.project import output as writer
 from rtgen.compiler.project.cache import Cache, hash_of
 from rtgen.compiler.project.compilation import Compilation
+from rtgen.compiler.systems.rules import TIMELINE_FILE
 from rtgen.tools.compiling.cached import Definitions, build
 
 
@@ -101,10 +102,9 @@ def _judged(
 ) -> Compilation:
     """Return the diagnostics of all parts but drift, from the cache if nothing has changed."""
     modules = behaviours.modules(project, run.artifacts)
-    timelines = [path.parent / "timeline.toml" for path in project.systems]
 
     def made() -> Compilation:
-        return _made(project, run, definitions, [*modules, *timelines])
+        return _made(project, run, definitions, modules)
 
     if runs is None:
         return made()
@@ -116,10 +116,13 @@ def _judged(
 
 
 def _made(
-    project: Project, run: Compilation, definitions: Definitions, files: Iterable[Path]
+    project: Project,
+    run: Compilation,
+    definitions: Definitions,
+    modules: Iterable[Path],
 ) -> Compilation:
     from rtgen.compiler import linting
-    from rtgen.compiler.systems import reading, timeline_checks
+    from rtgen.compiler.systems import reading, timeline, timeline_checks
 
     read = definitions.read(lowered=True)
     systems = reading.added(
@@ -130,17 +133,23 @@ def _made(
         encoding=project.encoding,
     )
     diagnostics = [
-        *(d for d in systems.diagnostics if d.severity is not Severity.NOTE),
-        *timeline_checks.findings(project.systems, project.encoding),
+        *systems.diagnostics,
+        *timeline_checks.findings(
+            project.systems, project.encoding, reading.models_of(read)
+        ),
         *behaviours.check(project, run.artifacts),
     ]
     if plugins.announced(plugins.Group.LINT):
         diagnostics += linting.errors(project, definitions.read(lowered=False))
+    findings = [d for d in diagnostics if d.severity is not Severity.NOTE]
+    files = {*modules}
+    for path in project.systems:
+        files.update(timeline.followed(path.parent / TIMELINE_FILE))
     hashes = {str(path.absolute()): hash_of(path) for path in files}
     return Compilation(
         artifacts=(),
         inputs={},
-        diagnostics=tuple(linting.wanted(project, diagnostics, systems.sources)),
+        diagnostics=tuple(linting.wanted(project, findings, systems.sources)),
         dependencies={**run.dependencies, **systems.hashes, **hashes},
         sources=systems.sources,
     )
@@ -154,6 +163,9 @@ def _part(finding: Diagnostic, project: Project) -> Part:
         return Part.UNITS
     if finding.code in {rule.code for rule in behaviours.RULES}:
         return Part.BEHAVIOURS
-    if finding.span and finding.span.file in {s.as_posix() for s in project.systems}:
+    file = finding.span.file if finding.span else ""
+    if file in {path.as_posix() for path in project.systems}:
         return Part.SYSTEMS
-    return Part.TIMELINES if finding.code.startswith("SYS") else Part.LINT
+    if Path(file).name == TIMELINE_FILE or finding.code.startswith("SYS"):
+        return Part.TIMELINES
+    return Part.LINT

@@ -66,7 +66,8 @@ def _one(change: Change, most: int | None) -> str:
     if not lines:
         lines = [f"--- {before}\n", f"+++ {after}\n"]
     if most is not None:
-        lines = _short(lines, most if change.old and change.new else len(_HEAD))
+        is_changed = change.old is not None and change.new is not None
+        lines = _short(lines, most if is_changed else len(_HEAD))
     return "".join(
         line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n"
         for line in lines
