@@ -43,6 +43,7 @@ from rtgen.ui.errors import (
     WRONG_STATE,
     CommandError,
 )
+from rtgen.ui.fitting import fits, require_fitting
 from rtgen.ui.outbox import Outbox
 from rtgen.ui.project import Known
 from rtgen.ui.protocol import ui
@@ -72,7 +73,6 @@ _NAME: Final = re.compile(r"[^./\\\x00-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]+"
 _MAX_NAME: Final = 100
 _MAX_SEEK_TIME: Final = 3600.0
 """Maximum time to which a simulation can be set [s]."""
-_APART: Final = "the system of this page does not run over CORBA"
 
 
 class Commands:
@@ -179,7 +179,7 @@ class Commands:
         elif kind is CommandKind.COMMAND_LOOK:
             self._session.look(page, value)
         elif kind is CommandKind.COMMAND_FITS:
-            result.fits = self._fits(value)
+            result.fits = fits(self._session, value)
         elif kind is CommandKind.COMMAND_CALL:
             result.reply = calls.call(self._session.system, value)
         elif kind is CommandKind.COMMAND_SDO_READ:
@@ -203,49 +203,13 @@ class Commands:
 
     # Wiring.
 
-    def _fits(self, address: ui.PortAddress) -> list[ui.Fit]:
-        """Return which other ports fit a port, and for the rest the reason why not."""
-        system, remote = self._session.system, self._session.remote
-        here = address.instance, address.port
-        within = [
-            ui.PortAddress(instance=each, port=port)
-            for each in system.instances
-            for port in self._session.port_names(each)
-        ]
-        if address.instance in remote.components:
-            if remote.port(address) is None:
-                raise CommandError(UNKNOWN, f"{here[0]} has no port {here[1]!r}")
-            across = [
-                ui.Fit(port=there, refused=self._remote_obstacle(there, address))
-                for there in within
-            ]
-            return [*remote.fits(address), *across]
-        self._session.require_port(*here)
-        fits = [
-            ui.Fit(port=there, refused=self._remote_obstacle(address, there))
-            for there in remote.ports()
-        ]
-        for there in within:
-            if there != address:
-                why = system.obstacle(here, (there.instance, there.port))
-                fits.append(ui.Fit(port=there, refused=why))
-        return fits
-
-    def _remote_obstacle(self, here: ui.PortAddress, there: ui.PortAddress) -> str:
-        """Return why a port of the system does not fit one of another process; empty if it does."""
-        session = self._session
-        if session.own is None:
-            return _APART
-        component = session.system.component(here.instance)
-        ports = [p for p in session.describe.ports(component) if p.name == here.port]
-        return session.remote.obstacle(here, ports, there)
-
     def _connect(self, command: ui.Connect) -> None:
         session = self._session
         source = command.source.instance, command.source.port
         target = command.target.instance, command.target.port
         properties = {each.name: each.text for each in command.properties}
         name = command.name or f"{'.'.join(source)}_{'.'.join(target)}"
+        require_fitting(session, command)
         connector = session.system.connect(source, target, properties, name)
         session.edits.enter(
             Edit(

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
 from rtgen import runtime
 from rtgen.compiler.diagnostics import Diagnostic
-from rtgen.compiler.model import System, SystemComponent
+from rtgen.compiler.model import PortReference, System, SystemComponent
 from rtgen.runtime.failures import Failure
 from rtgen.runtime.marshalling.descriptors import DataType
 from rtgen.runtime.rtc.profiles import ComponentProfile
@@ -58,6 +58,18 @@ class Project(Protocol):
 
     def refusals(self, profile: System) -> Sequence[str]:
         """Return why `rtgen run` would not start to run a system of `read` with changes."""
+
+    def judged(
+        self,
+        source: PortReference,
+        target: PortReference,
+        types: Mapping[str, str],
+        properties: Mapping[str, str],
+    ) -> Sequence[Diagnostic]:
+        """Return warnings and errors about joining two ports, by the definitions of the project.
+
+        `types` has the types of the two instances.
+        """
 
     def assemble(
         self, profile: System, clock: runtime.Clock, watcher: RunWatcher

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -20,8 +20,10 @@ from rtgen.compiler.diagnostics import (
     in_order,
 )
 from rtgen.compiler.frontends.profiles import profile_tree, rts_profile
-from rtgen.compiler.model import System, SystemComponent
+from rtgen.compiler.judging import Judge
+from rtgen.compiler.model import PortReference, System, SystemComponent
 from rtgen.compiler.project import is_bus_file, is_system, load_around, shown
+from rtgen.compiler.project.cache import default
 from rtgen.compiler.systems import conditions, timeline
 from rtgen.compiler.systems.checks import check_properties
 from rtgen.compiler.systems.rules import MEASURE, NOTICE
@@ -72,6 +74,7 @@ class CommandProject:
         self._plans: dict[str, Timeline] = {}
         """The timelines of systems as opened, by their files."""
         self._project = load_around(Path(files[0]) if files else Path.cwd())
+        self._judge = Judge(self._project, default())
         self._factories = Factories(self._project)
         self._types = KnownTypes(self._project)
 
@@ -104,6 +107,11 @@ class CommandProject:
         self._console.findings(in_order(diagnostics), sources)
         plan = _timeline(profile)
         self._console.findings(plan.skipped)
+        judgement = self._judge.of_system(profile, plan.steps)
+        doubts = _without_notes(judgement.diagnostics)
+        if judgement.failed:
+            raise InputError(in_order(doubts))
+        self._console.findings(in_order(doubts), judgement.sources)
         self._plans[profile.file] = plan
         return Opened(profile, Document(name, data))
 
@@ -139,9 +147,10 @@ class CommandProject:
         """Return the errors that `rtgen run` would report before the start."""
         from rtgen.ui.texts import placed
 
-        problems = [
-            d for d in check_properties(profile) if d.severity is Severity.ERROR
-        ]
+        plan = self._plans.get(profile.file, Timeline())
+        found = [*check_properties(profile)]
+        found += self._judge.of_system(profile, plan.steps).diagnostics
+        problems = [d for d in found if d.severity is Severity.ERROR]
         try:
             poses = conditions.listed(profile, conditions.POSE)
             problems += (
@@ -153,6 +162,19 @@ class CommandProject:
         except InputError as error:
             problems += error.diagnostics
         return [placed(each) for each in problems]
+
+    def judged(
+        self,
+        source: PortReference,
+        target: PortReference,
+        types: Mapping[str, str],
+        properties: Mapping[str, str],
+    ) -> Sequence[Diagnostic]:
+        """Return warnings and errors about joining two ports, by the definitions of the project.
+
+        `types` has the types of the two instances.
+        """
+        return _without_notes(self._judge.of_ends(source, target, types, properties))
 
     def assemble(
         self, profile: System, clock: runtime.Clock, watcher: RunWatcher
@@ -279,6 +301,10 @@ class CommandProject:
             if isinstance(profile, ComponentProfile):
                 components.append(msgspec.structs.replace(profile, type_name=name))
         return components
+
+
+def _without_notes(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
+    return [each for each in findings if each.severity is not Severity.NOTE]
 
 
 def _path_of(file: str) -> Path:

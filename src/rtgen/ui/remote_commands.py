@@ -15,6 +15,7 @@ from rtgen.ui.changes import unwritten
 from rtgen.ui.documents.profile import Change
 from rtgen.ui.edits import Edit
 from rtgen.ui.errors import IMPOSSIBLE, UNKNOWN, CommandError
+from rtgen.ui.fitting import require_fitting
 from rtgen.ui.protocol import ui
 from rtgen.ui.protocol.ui import CommandKind
 from rtgen.ui.remote_state import restored
@@ -59,6 +60,8 @@ class RemoteCommands:
                 raise CommandError(
                     IMPOSSIBLE, f"{value} belongs to another process, which removes it"
                 )
+            case CommandKind.COMMAND_CONNECT:
+                require_fitting(self._session, value)
         return partial(self._change, watcher, command, self._effect(command))
 
     def _effect(self, command: ui.Command) -> Change | None:

@@ -170,4 +170,4 @@ def test_events_that_no_longer_apply_do_not_end_a_run(
     wrong = '[[at]]\nt = 1.5\nconnect = { from = "A0.velocity", to = "B0.velocity" }\n'
     (tmp_path / "timeline.toml").write_text(EVENTS + wrong)
     assert rtgen(["run", str(tmp_path), "--until", "3", "-q"]) == 2
-    assert "error[SYS0007]" in capfd.readouterr().err
+    assert "timeline.toml:11:1: error[RTC0582]" in capfd.readouterr().err

@@ -208,8 +208,8 @@ def _unknown_property(
 
 
 def _data(connection: Connection, ends: Mapping[str, Known]) -> Iterator[Diagnostic]:
-    source = _data_port(connection.source, ends, PortKind.OUTPORT)
-    target = _data_port(connection.target, ends, PortKind.INPORT)
+    source = _data_port(connection, connection.source, ends, PortKind.OUTPORT)
+    target = _data_port(connection, connection.target, ends, PortKind.INPORT)
     for port in (source, target):
         if isinstance(port, Diagnostic):
             yield port
@@ -243,7 +243,10 @@ def _data(connection: Connection, ends: Mapping[str, Known]) -> Iterator[Diagnos
 
 
 def _data_port(
-    end: PortReference, ends: Mapping[str, Known], kind: PortKind
+    connection: Connection,
+    end: PortReference,
+    ends: Mapping[str, Known],
+    kind: PortKind,
 ) -> Port | Diagnostic:
     component = ends[end.instance].component
     ports = [p for p in component.ports if p.kind in DATA_KINDS]
@@ -255,15 +258,18 @@ def _data_port(
         message = (
             f"{end} is not an {kind.value}; data goes from an OutPort to an InPort"
         )
-        return PORTS_DIFFER.at(end.span, message)
-    return _unknown_port(end, [p.name for p in ports if p.kind is kind], "data port")
+        return PORTS_DIFFER.at(end.span or connection.span, message)
+    names = [p.name for p in ports if p.kind is kind]
+    return _unknown_port(connection, end, names, "data port")
 
 
-def _unknown_port(end: PortReference, names: Sequence[str], what: str) -> Diagnostic:
+def _unknown_port(
+    connection: Connection, end: PortReference, names: Sequence[str], what: str
+) -> Diagnostic:
     all_of_them = f"it has {', '.join(dict.fromkeys(names)) or 'none'}"
     hint = guess(end.port, names) or all_of_them
     message = f"{end.instance} has no {what} {end.port!r} for this end"
-    return UNKNOWN_PORT.at(end.span, message, hint=hint)
+    return UNKNOWN_PORT.at(end.span or connection.span, message, hint=hint)
 
 
 def _repository_id(model: Model, port: Port) -> str:
@@ -286,7 +292,7 @@ def _service(connection: Connection, ends: Mapping[str, Known]) -> Iterator[Diag
         ports = interfaces(end, ends)
         if not ports:
             names = [p.port for p in ends[end.instance].component.ports if p.port]
-            yield _unknown_port(end, names, "service port")
+            yield _unknown_port(connection, end, names, "service port")
             missing = True
     if missing:
         return

@@ -1,0 +1,117 @@
+"""Which ports a page may connect: what the run allows, and what the judge of connections says."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Final
+
+from rtgen.compiler.diagnostics import Diagnostic, Severity
+from rtgen.compiler.model import PortReference
+from rtgen.ui.errors import NO_FIT, UNKNOWN, CommandError
+from rtgen.ui.protocol import ui
+
+if TYPE_CHECKING:
+    from rtgen.ui.session import Session
+
+_APART: Final = "the system of this page does not run over CORBA"
+
+
+def fits(session: Session, address: ui.PortAddress) -> list[ui.Fit]:
+    """Return which other ports fit a port, and for the rest the reason why not.
+
+    Raises CommandError, RtcError if there is no such port.
+    """
+    system, remote = session.system, session.remote
+    within = [
+        ui.PortAddress(instance=each, port=port)
+        for each in system.instances
+        for port in session.port_names(each)
+    ]
+    if address.instance in remote.components:
+        if remote.port(address) is None:
+            raise CommandError(
+                UNKNOWN, f"{address.instance} has no port {address.port!r}"
+            )
+        obstacles = [
+            *((each.port, each.refused) for each in remote.fits(address)),
+            *((there, _remote_obstacle(session, there, address)) for there in within),
+        ]
+    else:
+        session.require_port(address.instance, address.port)
+        here = address.instance, address.port
+        obstacles = [
+            (there, _remote_obstacle(session, address, there))
+            for there in remote.ports()
+        ]
+        obstacles += (
+            (there, system.obstacle(here, (there.instance, there.port)))
+            for there in within
+            if there != address
+        )
+    return [
+        ui.Fit(port=there, refused=_refusal(session, address, there, obstacle))
+        for there, obstacle in obstacles
+    ]
+
+
+def require_fitting(session: Session, command: ui.Connect) -> None:
+    """Raise CommandError for a connection that the judge refuses; give notice of its warnings.
+
+    A property `rtgen.allow.CODE` of the command, with a reason, allows a finding.
+    """
+    properties = {each.name: each.text for each in command.properties}
+    findings = _judged(session, command.source, command.target, properties)
+    for finding in findings:
+        if finding.severity is Severity.ERROR:
+            raise CommandError(NO_FIT, _text(finding), finding.hint or "")
+    for finding in findings:
+        hint = f"; {finding.hint}" if finding.hint else ""
+        session.notice("warning", "", f"{_text(finding)}{hint}")
+
+
+def _refusal(
+    session: Session, here: ui.PortAddress, there: ui.PortAddress, obstacle: str
+) -> str:
+    """Return why two ports are not connected; the run's reason has more to say of types."""
+    for finding in _judged(session, here, there, {}):
+        if finding.severity is Severity.ERROR:
+            return f"{finding.code}: {obstacle}" if obstacle else _text(finding)
+    return obstacle
+
+
+def _judged(
+    session: Session,
+    source: ui.PortAddress,
+    target: ui.PortAddress,
+    properties: Mapping[str, str],
+) -> Sequence[Diagnostic]:
+    types = {each.instance: _type(session, each.instance) for each in (source, target)}
+    return session.project.judged(
+        PortReference(instance=source.instance, port=source.port),
+        PortReference(instance=target.instance, port=target.port),
+        types,
+        properties,
+    )
+
+
+def _type(session: Session, instance: str) -> str:
+    if instance in session.remote.components:
+        return session.remote.components[instance].type
+    if instance in session.system.instances:
+        return session.system.component(instance).profile.type_name
+    return ""
+
+
+def _text(finding: Diagnostic) -> str:
+    return f"{finding.code}: {finding.message}"
+
+
+def _remote_obstacle(
+    session: Session, here: ui.PortAddress, there: ui.PortAddress
+) -> str:
+    """Return why a port of the system does not fit one of another process; empty if it does."""
+    if session.own is None:
+        return _APART
+    component = session.system.component(here.instance)
+    ports = [p for p in session.describe.ports(component) if p.name == here.port]
+    return session.remote.obstacle(here, ports, there)
