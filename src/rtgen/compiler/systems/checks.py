@@ -31,7 +31,10 @@ _ASCENDING = (Severity.NOTE, Severity.WARNING, Severity.ERROR)
 
 def check(system: System, components: Mapping[str, Known]) -> list[Diagnostic]:
     """Return all diagnostics about a system; `components` maps type names to definitions."""
-    diagnostics = [*connections.findings(system, components)]
+    diagnostics = [
+        *conditions.check_properties(system),
+        *connections.findings(system, components),
+    ]
     for c in system.components:
         diagnostics += _component(c, components)
     return diagnostics
