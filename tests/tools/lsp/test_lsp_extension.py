@@ -17,6 +17,7 @@ from lxml import etree
 
 from rtgen.compiler.frontends.cdl.syntax import keywords as cdl
 from rtgen.compiler.typemap.idl_keywords import CORBA_3, RESERVED
+from rtgen.facts import version
 
 FOLDER = Path(__file__).resolve().parents[3] / "editors" / "vscode"
 PACK = runpy.run_path(str(FOLDER / "pack.py"))["pack"]
@@ -117,6 +118,7 @@ def test_what_the_package_names_is_there() -> None:
     ]
     assert all((FOLDER / path).is_file() for path in paths)
     assert "vscode-languageclient" in package["dependencies"]
+    assert package["version"] == version.__version__
     assert contributed["configuration"]["properties"]["rtgen.command"]["default"] == [
         "rtgen",
         "lsp",

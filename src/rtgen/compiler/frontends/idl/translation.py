@@ -67,9 +67,9 @@ class Translator:
         own = Findings()
         guesses: list[str] = []
 
-        def declares(name: str, used_in: Unit) -> str | None:
-            guesses.append(name)
-            return self._declares(name, used_in)
+        def declares(names: tuple[str, ...], used_in: Unit) -> str | None:
+            guesses.extend(names)
+            return self._declares(names, used_in)
 
         with stages.stage("parse and resolve"):
             tables = Resolver(
@@ -125,13 +125,13 @@ class Translator:
             checks.run(tables, types, declarations, report)
         return declarations
 
-    def _declares(self, name: str, unit: Unit) -> str | None:
-        """Return the nearby file that declares an unknown name."""
+    def _declares(self, names: tuple[str, ...], unit: Unit) -> str | None:
+        """Return the nearby file that declares unknown names."""
         if self._neighbours is None:
             from rtgen.compiler.frontends.idl.names.neighbours import Neighbours
 
             self._neighbours = Neighbours(self._library)
-        return self._neighbours.declares(name, unit)
+        return self._neighbours.declares(names, unit)
 
     def _items(self, unit: Unit) -> tuple[Item, ...]:
         if unit not in self._trees:

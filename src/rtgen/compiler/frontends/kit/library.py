@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
 from typing import Generic, Protocol, TypeVar
@@ -96,6 +96,12 @@ class Library(Generic[F]):
         """All files read, in order."""
         read = [source for source in self._read.values() if source is not None]
         return [*read, *self._files.values()]
+
+    def virtual_texts(self) -> Iterator[tuple[str, str]]:
+        """Yield the names and the texts of the virtual files, which are not read by that."""
+        for name, file in self._virtual.items():
+            if isinstance(file, VirtualFile):
+                yield name, file.text if isinstance(file.text, str) else file.text()
 
     def virtual(self, name: str) -> F | None:
         """Return the virtual file of that name."""

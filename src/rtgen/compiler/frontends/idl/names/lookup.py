@@ -20,6 +20,7 @@ MAX_ELSEWHERE = 3
 _MAX_GUESSES = 200
 """Maximum number of unknown names for which similar names are searched, which is slow."""
 
+_INCLUDE = 'it is declared in {0}: write #include "{0}"'
 _NO_GUESS = "declare it before its use, or include the file that declares it"
 
 _TAGGED = (Kind.STRUCT, Kind.UNION, Kind.ENUM)
@@ -59,14 +60,14 @@ CASE_ALLOWED = (
 class Lookup:
     """Looks up names in a translation unit, and reports unknown ones.
 
-    `declares` returns the file near a unit that declares a name, for hints.
+    `declares` returns the file near a unit that declares names, for hints.
     """
 
     def __init__(
         self,
         top: Scope,
         report: Callable[[Diagnostic], None],
-        declares: Callable[[str, Unit], str | None],
+        declares: Callable[[tuple[str, ...], Unit], str | None],
         ignore_case_clashes: bool,
     ) -> None:
         self._folds = not ignore_case_clashes
@@ -268,14 +269,17 @@ class Lookup:
                     return entity
         return None
 
-    @staticmethod
-    def _hint_inside(unknown: _Unknown) -> str | None:
+    def _hint_inside(self, unknown: _Unknown) -> str:
         entity = unknown.scope.entity
         names = {e.name: e for e in unknown.scope.names.values()}
         later = names.get(unknown.text)
         if later is not None:
             place = f"{later.span.file}:{later.span.line}"
             return f"it is declared later, at {place}: move that before its use"
+        if entity is not None and entity.kind is Kind.MODULE:
+            file = self._declares((entity.name, unknown.text), unknown.unit)
+            if file is not None:
+                return _INCLUDE.format(file)
         near = nearest(unknown.text, names)
         if near:
             return f"did you mean {near}?"
@@ -294,9 +298,9 @@ class Lookup:
         foreign = TYPES.get(text) or VALUES.get(text.lower())
         if foreign is not None:
             return foreign
-        file = self._declares(text, unknown.unit)
+        file = self._declares((text,), unknown.unit)
         if file is not None:
-            return f'it is declared in {file}: write #include "{file}"'
+            return _INCLUDE.format(file)
         word = FOLDED.get(text.lower())
         if word is not None:
             return f"did you mean the keyword '{word}'?"

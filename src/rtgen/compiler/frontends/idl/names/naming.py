@@ -36,7 +36,7 @@ class Naming(ABC):
     def __init__(
         self,
         report: Callable[[Diagnostic], None],
-        declares: Callable[[str, Unit], str | None],
+        declares: Callable[[tuple[str, ...], Unit], str | None],
         ignore_case_clashes: bool,
     ) -> None:
         self.tables = Tables(Scope(None, None))

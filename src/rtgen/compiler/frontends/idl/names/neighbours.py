@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from pathlib import Path
 
 from rtgen.compiler.frontends.idl.text.source import Library
@@ -23,24 +24,31 @@ _DECLARED = re.compile(
 
 
 class Neighbours:
-    """Index of the declarations in the files beside a unit and in the include folders."""
+    """Index of the declarations of files that a unit may include.
+
+    They are those beside it, those in the include folders, and those that ship with rtgen.
+    """
 
     def __init__(self, library: Library) -> None:
         self._library = library
-        self._names_of: dict[Path, dict[str, str]] = {}
+        self._names_in: dict[Path, dict[str, set[str]]] = {}
 
-    def declares(self, name: str, unit: Unit) -> str | None:
-        """Return how to include the file that declares a name; None if there is none."""
-        own = unit.source.path.parent
-        for folder in (own, *self._library.include):
-            file = self._names(folder).get(name)
-            if file is not None and file != unit.source.path.name:
+    def declares(self, names: Iterable[str], unit: Unit) -> str | None:
+        """Return how to include the file that declares all of the names; None if there is none."""
+        wanted = set(names)
+        for folder in (unit.source.path.parent, *self._library.include):
+            for file, declared in self._names(folder).items():
+                if wanted <= declared and file != unit.source.path.name:
+                    return file
+        for file, text in self._library.virtual_texts():
+            if wanted <= _declared(text):
                 return file
         return None
 
-    def _names(self, folder: Path) -> dict[str, str]:
-        if folder not in self._names_of:
-            names: dict[str, str] = {}
+    def _names(self, folder: Path) -> dict[str, set[str]]:
+        """Return the names that are declared in each file of a folder."""
+        if folder not in self._names_in:
+            names: dict[str, set[str]] = {}
             encoding = self._library.encoding
             remaining = _MAX_BYTES
             for path in files.in_folder(folder, IDL_SUFFIXES)[:_MAX_FILES]:
@@ -51,9 +59,12 @@ class Neighbours:
                 except OSError:
                     continue
                 remaining -= len(data)
-                for match in _DECLARED.finditer(decode(data, encoding).text):
-                    names.setdefault(match[1] or match[2], path.name)
+                names[path.name] = _declared(decode(data, encoding).text)
                 if remaining <= 0:
                     break
-            self._names_of[folder] = names
-        return self._names_of[folder]
+            self._names_in[folder] = names
+        return self._names_in[folder]
+
+
+def _declared(text: str) -> set[str]:
+    return {match[1] or match[2] for match in _DECLARED.finditer(text)}

@@ -29,7 +29,7 @@ class Resolver(TypeNames):
         self,
         items_of: Callable[[Unit], tuple[tree.Item, ...]],
         report: Callable[[Diagnostic], None],
-        declares: Callable[[str, Unit], str | None],
+        declares: Callable[[tuple[str, ...], Unit], str | None],
         ignore_case_clashes: bool,
     ) -> None:
         super().__init__(report, declares, ignore_case_clashes)
