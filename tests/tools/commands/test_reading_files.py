@@ -39,7 +39,6 @@ OWN_FILES = {
     "compiler/frontends/idl/library.py dependencies",
     "compiler/frontends/kit/grammars.py load",
     "compiler/frontends/kit/lalr_tables.py write",
-    "compiler/project/cache.py _hash_of_files",
     "compiler/kit/resources.py idl_source",
     "compiler/kit/resources.py rh3_source",
     "compiler/kit/resources.py ros_source",

@@ -13,7 +13,7 @@ import os
 import re
 import stat
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from functools import cache
 from hashlib import sha256
 from importlib.util import find_spec
@@ -31,7 +31,6 @@ from rtgen.compiler.project.loading import Project
 from rtgen.facts import version
 from rtgen.facts.files import (
     MAX_BYTES,
-    is_file,
     open_file,
     read_start,
     write_atomically,
@@ -56,6 +55,7 @@ _COMPILER = (
 """The folders whose files affect the output."""
 
 
+_File: TypeAlias = os.DirEntry[str] | Path
 _Place: TypeAlias = tuple[str, int, int, int, int]
 _Finding: TypeAlias = tuple[
     str, Severity, str, _Place | None, list[tuple[_Place, str]], str | None
@@ -108,7 +108,7 @@ class Cache:
             sys.version_info[:3],
             _compiler(),
             [(name, _version(name)) for name in _LIBRARIES.get(result, ())],
-            [(e.name, e.value, _hash_of_files(_plugin_files(e))) for e in plugins],
+            [(e.name, e.value, _stamp(_plugin_files(e))) for e in plugins],
             str(Path.cwd()),
             str(project.root),
             list(map(str, project.sources)),
@@ -298,44 +298,53 @@ def hash_of(path: Path) -> str | None:
         return None
 
 
-def _hash_of_files(files: Iterator[Path]) -> str:
+def _stamp(files: Iterator[_File]) -> str:
+    """Return a hash of paths, sizes and times of files, which takes less time than their contents.
+
+    A changed file has another time of change (on Windows of modification), whatever sets its times.
+    """
     digest = sha256()
     for file in files:
-        data = file.read_bytes()
-        digest.update(b"%s\0%d\0" % (os.fsencode(file.name), len(data)))
-        digest.update(data)
+        status = file.stat()
+        times = status.st_mtime_ns, status.st_ctime_ns
+        digest.update(os.fsencode(f"{os.fspath(file)}\0{status.st_size}\0{times}\0"))
     return digest.hexdigest()
 
 
 @cache
 def _compiler() -> str:
-    """Return the hash of the compiler, which does not change while it runs."""
-    return _hash_of_files(_compiler_files())
+    """Return the stamp of the compiler, which does not change while it runs."""
+    return _stamp(_compiler_files())
 
 
-def _compiler_files() -> Iterator[Path]:
+def _compiler_files() -> Iterator[_File]:
     """Yield the files of rtgen that affect the output; pages only explain it."""
     beside = _PACKAGE.parent.parent / "grammars"
     packed = _PACKAGE / "grammars"
     for folder in (*_COMPILER, packed if packed.is_dir() else beside):
-        yield from _files_below(folder, skip=frozenset({"__pycache__", "pages"}))
+        yield from _files_below(folder, skip=("__pycache__", "pages"))
 
 
-def _plugin_files(entry: metadata.EntryPoint) -> Iterator[Path]:
+def _plugin_files(entry: metadata.EntryPoint) -> Iterator[_File]:
     """Yield the files of a plug-in's package."""
     spec = find_spec(entry.module.partition(".")[0])
     if spec is not None:
-        for folder in spec.submodule_search_locations or ():
-            below = _files_below(Path(folder), skip=frozenset({"__pycache__"}))
-            yield from (file for file in below if is_file(file))
+        for folder in filter(os.path.isdir, spec.submodule_search_locations or ()):
+            yield from _files_below(folder, skip=("__pycache__",))
         if spec.origin and not spec.submodule_search_locations:
             yield Path(spec.origin)
 
 
-def _files_below(folder: Path, skip: frozenset[str] = frozenset()) -> Iterator[Path]:
-    for parent, folders, files in os.walk(folder):
-        folders[:] = sorted(f for f in folders if f not in skip)
-        yield from (Path(parent, name) for name in sorted(files))
+def _files_below(
+    folder: str | Path, skip: Collection[str]
+) -> Iterator[os.DirEntry[str]]:
+    with os.scandir(folder) as entries:
+        for entry in sorted(entries, key=lambda entry: entry.name):
+            if entry.is_dir(follow_symlinks=False):
+                if entry.name not in skip:
+                    yield from _files_below(entry.path, skip)
+            elif entry.is_file():
+                yield entry
 
 
 def _diagnostic_entry(d: Diagnostic) -> list[object]:
