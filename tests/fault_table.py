@@ -16,6 +16,8 @@ ROOT = Path(__file__).parent.parent
 _TABLE = Path(__file__).parent / "faults.toml"
 _HEAD = """# Faults
 
+*For those who must know what a failure does to the robot, and in what time.*
+
 What a user sees in case of a fault, the time bound, and the effect on the data. Each row is
 covered by the tests that it names; most run in simulated time, where a bound is exact. Tests over
 DDS, Zenoh and CORBA wait longer for a state: leases and time-outs are the configured ones.

@@ -3,7 +3,8 @@
 The info string of a fenced block is its kind:
 
 - `console`: commands after `$ `, each with its output, messages first. A line `...` stands for any
-  lines, `...` within a line for any text. Without output, the exit code must be 0.
+  lines, `...` within a line for any text. Without output, the exit code must be 0. `cd FOLDER`
+  holds for the commands and files after it.
 - `python`, `toml`, `json`, `xml`: parsed; the imports of Python are executed.
 - `idl`, `cdl`, `ini`, `text` and the like: shown only.
 
@@ -11,7 +12,10 @@ Comments are directives, and are not rendered:
 
 - `<!-- page: in a new folder -->`, `<!-- page: in the repository -->`: the working folder of the
   following blocks; the repository is a copy.
+- `<!-- page: in a clean clone -->`: a copy of what git has, where only the programs of the clone's
+  own environment are run; without `Runner.clone` the blocks are skipped.
 - `<!-- page: file NAME -->`: the next block is written to that file.
+- `<!-- page: part of NAME -->`: the lines of the next block follow each other in that file.
 - `<!-- page: $ COMMAND -->`: a command that the page does not show; `$REPOSITORY` is the folder of
   this repository.
 - `<!-- page: output varies -->`: for each line of output in the next block, a line with the same
@@ -56,7 +60,10 @@ SHOWN_ONLY = frozenset(
 )
 _COMMENT = re.compile(r"<!-- page: (.*?) -->", re.DOTALL)
 _VARYING = re.compile(r"^(wall \[s\]|ratio)( +)[\d.]+$", re.MULTILINE)
-_REPOSITORY = ("specs", "generated", "reference/refnav", "rtgen.toml", "Makefile")
+_REPOSITORY = (
+    *("specs", "generated", "reference/refnav", "benchmarks"),
+    *("rtgen.toml", "Makefile"),
+)
 _RUNS: dict[str, tuple[int, str]] = {}
 """Simulated runs of systems of the repository, whose output is reproducible."""
 _COMMAND_TIMEOUT = 300.0
@@ -146,13 +153,16 @@ def matches(expected: str, printed: str) -> bool:
 
 @dataclass
 class Runner:
-    """Executes the blocks of one page below `folder`."""
+    """Executes the blocks of one page below `folder`, and in a clean clone if there is one."""
 
     folder: Path
+    clone: Path | None = None
     _place: Path | None = None
     _places: int = 0
     _file: str | None = None
+    _part_of: str | None = None
     _skipped: str | None = None
+    _elsewhere: bool = False
     _varies: bool = False
     _set: dict[str, str] = field(default_factory=dict)
     _background: list[subprocess.Popen[str]] = field(default_factory=list)
@@ -183,9 +193,12 @@ class Runner:
             return
         skipped, self._skipped = self._skipped, None
         name, self._file = self._file, None
+        whole, self._part_of = self._part_of, None
         varies, self._varies = self._varies, False
-        if skipped is not None:
+        if skipped is not None or self._elsewhere:
             return
+        if whole is not None:
+            _check_part(part.text, (self._here() / whole).read_text(encoding="utf-8"))
         if name is not None:
             path = self._here() / name
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -204,8 +217,12 @@ class Runner:
 
     def _obey(self, text: str) -> None:
         kind, _, rest = text.partition(" ")
+        self._elsewhere = self._elsewhere and not text.startswith("in ")
         if text == "in a new folder":
             self._new_place()
+        elif text == "in a clean clone":
+            self._elsewhere = self.clone is None
+            self._place = self.clone
         elif text == "in the repository":
             place = self._new_place()
             for name in _REPOSITORY:
@@ -218,6 +235,8 @@ class Runner:
                     shutil.copy(source, target)
         elif kind == "file":
             self._file = rest
+        elif text.startswith("part of "):
+            self._part_of = text.removeprefix("part of ")
         elif kind == "$":
             self._command(Command(rest, "", 0))
         elif text == "output varies":
@@ -258,6 +277,9 @@ class Runner:
         if text.startswith("export "):
             self._set |= dict(word.split("=", 1) for word in shlex.split(text)[1:])
             return
+        if re.fullmatch(r"cd [\w.-]+", text):
+            self._place = here / text.removeprefix("cd ")
+            return
         expected = _VARYING.sub(r"\1\2?", self._with_ports(command.output))
         if text.startswith("rtgen can hub"):
             text = text.replace("hub", f"hub --port {self._port(_HUB)}", 1)
@@ -265,7 +287,11 @@ class Runner:
             self._start(text.removesuffix("&"), expected, here)
             return
         words = shlex.split(text)
-        if words[0] == "rtgen" and not set("|<>$;*&") & set(text):
+        if (
+            words[0] == "rtgen"
+            and self.clone is None
+            and not set("|<>$;*&") & set(text)
+        ):
             known = _RUNS.get(text)
             code, printed = known or _in_process(words[1:], here, self._environment())
             if text.startswith("rtgen run specs/") and "--clock real" not in text:
@@ -285,7 +311,9 @@ class Runner:
             raise PageError(f"$ {text}\n{_difference(expected, printed)}")
 
     def _environment(self) -> dict[str, str]:
-        programs = str(Path(sys.executable).parent)
+        programs = Path(sys.executable).parent
+        if self.clone is not None:
+            programs = self.clone / ".venv" / "bin"
         path = f"{programs}{os.pathsep}{os.environ['PATH']}"
         settings = {"PATH": path, "REPOSITORY": str(ROOT), "PYTHONUNBUFFERED": "1"}
         if "CAN_INTERFACE" in self._set:
@@ -345,6 +373,15 @@ def _shape(line: str) -> str:
     """Return the line without its variable parts: numbers, octets, blanks."""
     words = re.sub(r"\b[0-9a-f]{2}\b|[-+]?\b[0-9][0-9a-zA-Z.]*\b", "", line)
     return " ".join(words.split())
+
+
+def _check_part(text: str, whole: str) -> None:
+    """Raise PageError unless the lines follow each other in a file, blank ones aside."""
+    lines, all_lines = (
+        "\n".join(filter(str.strip, each.splitlines())) for each in (text, whole)
+    )
+    if lines not in all_lines:
+        raise PageError(_difference(lines, all_lines))
 
 
 def _difference(expected: str, printed: str) -> str:

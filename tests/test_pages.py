@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
+import subprocess
+import sys
+import tomllib
 from pathlib import Path
 
+import click
 import pytest
 from pages import (
     PAGES,
@@ -17,10 +22,14 @@ from pages import (
     Runner,
     commands,
     matches,
+    parts,
 )
+
+from rtgen.cli import application
 
 LONG = frozenset({"experiments", "reference-build"})
 """Pages with runs of whole systems, which tests/reference runs, too."""
+README = ROOT / "README.md"
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 HEADING = re.compile(r"^#+ +(.*)$", re.MULTILINE)
 
@@ -37,6 +46,34 @@ HEADING = re.compile(r"^#+ +(.*)$", re.MULTILINE)
 )
 def test_a_page_shows_what_happens(page: Path, tmp_path: Path) -> None:
     Runner(tmp_path).run(page)
+
+
+@pytest.mark.nightly
+@pytest.mark.slow
+def test_a_newcomer_follows_the_readme_from_a_clean_clone(tmp_path: Path) -> None:
+    fetch = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "click"]
+    if subprocess.run(fetch, cwd=tmp_path, capture_output=True).returncode:
+        pytest.skip("a package index is missing")
+    clone = tmp_path / "clone"
+    tracked = subprocess.run(
+        ["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True, text=True
+    )
+    for name in filter(None, tracked.stdout.split("\0")):
+        (clone / name).parent.mkdir(parents=True, exist_ok=True)
+        if (ROOT / name).exists():
+            shutil.copy(ROOT / name, clone / name)
+    Runner(tmp_path, clone).run(README)
+
+
+def test_the_readme_is_read_in_a_few_minutes() -> None:
+    text = README.read_text(encoding="utf-8")
+    assert len(text.split()) <= 700
+    lines = {
+        part.language: len([line for line in part.text.splitlines() if line.strip()])
+        for part in parts(README)
+        if isinstance(part, Block) and part.language != "console"
+    }
+    assert lines == {"idl": 12, "python": 8, "cdl": 5, "toml": 5}
 
 
 def anchors(page: Path) -> set[str]:
@@ -61,6 +98,44 @@ def test_links_lead_somewhere(page: Path) -> None:
         assert ROOT in (target, *target.parents), link
         if anchor:
             assert anchor in anchors(target), link
+
+
+@pytest.mark.parametrize(
+    "page",
+    [*PAGES[1:], ROOT / "docs" / "decisions" / "README.md"],
+    ids=lambda page: page.relative_to(ROOT).with_suffix("").as_posix(),
+)
+def test_a_page_says_first_for_whom_it_is(page: Path) -> None:
+    heading, blank, first, *_ = page.read_text(encoding="utf-8").splitlines()
+    assert heading.startswith("# ")
+    assert not blank
+    assert re.fullmatch(r"\*For those who .+\.\*", first)
+
+
+def test_every_command_has_a_row() -> None:
+    text = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"`rtgen (\w+)", text))
+    context = click.Context(application, info_name="rtgen")
+    assert named >= set(application.list_commands(context))
+    for name in named:
+        assert application.get_command(context, name) is not None, name
+
+
+def test_every_extra_of_users_has_a_row() -> None:
+    text = (ROOT / "docs" / "install.md").read_text(encoding="utf-8")
+    table = text[text.index("| extra |") :].partition("\n\n")[0]
+    rows = dict(re.findall(r"^\| `(\w+)` \|.*\| (yes|) ?\|$", table, re.MULTILINE))
+    extras = {
+        path: tomllib.loads((ROOT / path).read_text(encoding="utf-8"))["project"][
+            "optional-dependencies"
+        ]
+        for path in ("pyproject.toml", "runtime/pyproject.toml")
+    }
+    developers = {"bench", "check", "release", "test"}
+    assert rows.keys() == extras["pyproject.toml"].keys() - developers
+    assert {name for name, both in rows.items() if both} == extras[
+        "runtime/pyproject.toml"
+    ].keys()
 
 
 def test_every_page_is_in_the_index() -> None:

@@ -310,7 +310,9 @@ ENTRIES = (
 def page() -> str:
     """Return the text of the page."""
     parts = [
-        "# Gallery\n\nEvery system of the reference build: its wiring, and the result of a run"
+        "# Gallery\n\n"
+        "*For those who look for a system to start from, or want to see what is there.*\n\n"
+        "Every system of the reference build: its wiring, and the result of a run"
         " in simulated time.\n`make gallery` draws all pictures.\n\n"
         "<!-- page: in the repository -->\n"
     ]

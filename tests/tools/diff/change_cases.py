@@ -115,7 +115,7 @@ def _text(text: str) -> str:
 
 
 def table() -> str:
-    """Return the table of docs/diff.md."""
+    """Return the table of docs/changes.md."""
     rows = [
         f"| {case.code} | {TITLES[case.code]} | {case.form.replace('|', chr(92) + '|')} | "
         f"{case.breaks} |"

@@ -15,7 +15,7 @@ from rtgen.tools.diff.kinds.catalogue import KINDS
 from rtgen.tools.diff.report import as_json, classes_text
 
 PAGES = Path(diagnostics.__file__).parent / "pages"
-DOCS = Path(__file__).parents[3] / "docs" / "diff.md"
+DOCS = Path(__file__).parents[3] / "docs" / "changes.md"
 BEGIN, END = "<!-- table of changes -->\n\n", "\n<!-- end of the table -->"
 
 

@@ -52,7 +52,7 @@ def in_wire_order(wires: Iterable[Wire]) -> tuple[Wire, ...]:
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """A kind of change: the record behind its rule, its row in docs/diff.md and its messages.
+    """A kind of change: the record behind its rule, its row in docs/changes.md and its messages.
 
     `breaks` are the classes of each change of the kind, `wires` what each breaks on the wire; kinds
     of types leave both to the comparison, which knows the extensibility.
