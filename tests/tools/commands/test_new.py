@@ -126,6 +126,41 @@ def test_a_system_connects_ports_by_their_types(
     assert "LeftArm1.state_" not in Path("systems/bench.xml").read_text("utf-8")
 
 
+UNITS = """\
+#include "BasicDataType.idl"
+@rtc(category="Units", vendor="me")
+component Gauge {
+    @unit("mm") publishes RTC::TimedDouble scaled;
+    @unit("m") publishes RTC::TimedDouble way;
+    @unit("N*m") publishes RTC::TimedDouble torque;
+};
+@rtc(category="Units", vendor="me")
+component Sink {
+    @unit("m") consumes RTC::TimedDouble same;
+    @unit("N*mm") consumes RTC::TimedDouble other_scale;
+    @unit("K") consumes RTC::TimedDouble nothing;
+};
+"""
+
+
+def test_a_system_connects_what_the_judge_allows(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    started(monkeypatch)
+    Path("definitions/units.idl").write_text(UNITS)
+    capfd.readouterr()
+    assert run(["new", "system", "bench", "Gauge", "Sink"]) == 0
+    said = capfd.readouterr().err
+    text = Path("systems/bench.xml").read_text(encoding="utf-8")
+    assert "Gauge0.way_Sink0.same" in text
+    assert "Gauge0.torque_Sink0.other_scale" in text
+    assert "Sink0.nothing" not in text.partition("<rts:DataPortConnectors")[2]
+    assert "Gauge0.scaled would fit, too" in said
+    assert "(RTC0595)" in said
+    assert "(RTC0593)" in said
+    assert run(["inspect", "systems/bench.xml", "definitions"]) == 0
+
+
 USER = """\
 #include "{proxy}"
 #include "CanopenManager.idl"

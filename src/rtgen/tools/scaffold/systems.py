@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from difflib import get_close_matches
 
-from rtgen.compiler.diagnostics import InputError, Span
+from rtgen.compiler.diagnostics import Diagnostic, InputError, Severity, Span
 from rtgen.compiler.model import (
     Activation,
     Component,
@@ -19,8 +19,11 @@ from rtgen.compiler.model import (
     System,
     SystemComponent,
 )
+from rtgen.compiler.model.system_links import Known
+from rtgen.compiler.systems import connections
 from rtgen.tools.scaffold.rules import NO_COMPONENT
 
+_ASCENDING = (Severity.NOTE, Severity.WARNING, Severity.ERROR)
 _NO_SPAN = Span("", 1, 1, 1, 1)
 _Placed = tuple[str, Component]
 
@@ -33,9 +36,10 @@ def system_of(
     If `names` is empty: of each component whose behaviour requires neither bus nor board.
 
     Data flows in this order: an InPort is connected to the nearest preceding OutPort of its type, a
-    consumer to the nearest provider of its interface. Components that play devices are connected by
-    their buses alone. Raises InputError for a name that is not a
-    component of the model.
+    consumer to the nearest provider of its interface. Ports that the judge of connections refuses
+    stay apart; those of other scales are joined if nothing else fits. Components that play devices
+    are connected by their buses alone. Raises InputError for a name that is not a component of the
+    model.
     """
     components = {d.name[-1]: d for d in model.declarations if isinstance(d, Component)}
     if not names:
@@ -88,26 +92,63 @@ def _connections(
     model: Model, placed: Sequence[_Placed], ambiguous: list[str]
 ) -> Iterator[Connection]:
     placed = [one for one in placed if not one[1].is_device]
+    known = {instance: Known(component, model) for instance, component in placed}
     for number, (instance, component) in enumerate(placed):
         before, after = placed[:number][::-1], placed[number + 1 :]
         for port in component.ports:
             if port.kind is PortKind.INPORT:
-                ends = _fitting(model, before, PortKind.OUTPORT, port)
-                if ends:
-                    type_ = _repository_id(model, port)
-                    yield _connection(ends[0], (instance, port), data_type=type_)
+                type_ = _repository_id(model, port)
+                links = [
+                    _connection(end, (instance, port), data_type=type_)
+                    for end in _fitting(model, before, PortKind.OUTPORT, port)
+                ]
             elif port.kind is PortKind.CONSUMER:
-                ends = _fitting(model, [*before, *after], PortKind.PROVIDER, port)
-                if ends:
-                    yield _connection((instance, port), ends[0])
+                links = [
+                    _connection((instance, port), end)
+                    for end in _fitting(
+                        model, [*before, *after], PortKind.PROVIDER, port
+                    )
+                ]
             else:
                 continue
-            if len(ends) > 1:
-                first, *others = (f"{owner}.{end.name}" for owner, end in ends)
+            fitting, doubt = _judged(links, known)
+            yield from fitting[:1]
+            if doubt:
+                ambiguous.append(f"{instance}.{port.name}: {doubt}")
+            elif len(fitting) > 1:
+                first, *others = (_other_end(link, instance) for link in fitting)
                 ambiguous.append(
                     f"{instance}.{port.name} is connected to {first}, the nearest; "
                     f"{', '.join(others)} would fit, too"
                 )
+
+
+def _judged(
+    links: Sequence[Connection], known: Mapping[str, Known]
+) -> tuple[list[Connection], str]:
+    """Return the connections without an error, those without a warning first.
+
+    The text is the verdict on the best one, unless the judge has nothing against it.
+    """
+    judged = []
+    for link in links:
+        findings = sorted(connections.compared(link, known), key=_weight)
+        weight = _weight(findings[-1]) if findings else 0
+        verdict = f"{findings[-1].message} ({findings[-1].code})" if weight else ""
+        judged.append((weight, link, verdict))
+    judged.sort(key=lambda each: each[0])
+    fitting = [
+        link for weight, link, _ in judged if weight < _ASCENDING.index(Severity.ERROR)
+    ]
+    return fitting, judged[0][2] if judged else ""
+
+
+def _weight(finding: Diagnostic) -> int:
+    return _ASCENDING.index(finding.severity)
+
+
+def _other_end(link: Connection, instance: str) -> str:
+    return str(link.source if link.target.instance == instance else link.target)
 
 
 def _fitting(
