@@ -174,7 +174,8 @@ def test_log_commands(
         assert [event["t"] for event in printed] == [*range(0, 10**9, 10**7)]
         assert rtgen(["log", "csv", str(file), f"{name}.data.heading"]) == 0
         table = capfd.readouterr().out.splitlines()
-        assert table[0] == f"t,{name}.data.heading"
+        unit = " [rad]" if file == goal else ""  # JSON lines have no units
+        assert table[0] == f"t,{name}.data.heading{unit}"
         assert len(table) == 101
     picture = tmp_path / "velocity.svg"
     arguments = ["PathFollower0.velocity", "-o", str(picture)]
@@ -218,7 +219,7 @@ def test_replay_prints_events(goal: Path, capfd: pytest.CaptureFixture[str]) -> 
         (["log", "cat", "missing.mcap"], "cannot read missing.mcap", 3),
         (["run", str(GOAL), "--until", "1", "--compression", "lz4"], "--record", 2),
         (
-            ["run", str(GOAL), "--until", "1", "--record", "no/a.mcap"],
+            ["run", str(GOAL), "--until", "1", "--record", "{goal}/a.mcap"],
             "cannot write",
             3,
         ),

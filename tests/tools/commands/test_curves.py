@@ -38,7 +38,12 @@ def test_each_sample_of_an_out_port_is_a_row() -> None:
     assert run([*SHORT, "-q", *selected]) == 0
     header, rows = _table("v.csv")
     whole = "PathFollower0.velocity.data"
-    assert header == ["t", f"{whole}.vx", f"{whole}.vy", f"{whole}.va"]
+    assert header == [
+        "t",
+        f"{whole}.vx [m/s]",
+        f"{whole}.vy [m/s]",
+        f"{whole}.va [rad/s]",
+    ]
     assert len(rows) == 500
     assert [row[0] for row in rows[:3]] == ["0.0", "0.001", "0.002"]
     assert float(rows[-1][3]) == pytest.approx(0.3)
@@ -48,7 +53,7 @@ def test_a_column_is_selected_by_its_name() -> None:
     whole = "RefHardRh30.OutWheelAngle"
     assert run([*SHORT, "-q", "--csv", whole, "--csv", "whole.csv"]) == 0
     header, rows = _table("whole.csv")
-    assert header == ["t", f"{whole}[0]", f"{whole}[1]"]
+    assert header == ["t", f"{whole}[0] [rad]", f"{whole}[1] [rad]"]
     assert run([*SHORT, "-q", "--csv", f"{whole}[1]", "--csv", "one.csv"]) == 0
     assert _table("one.csv") == (["t", header[2]], [[row[0], row[2]] for row in rows])
 
@@ -62,7 +67,9 @@ def test_members_in_ports_and_observables() -> None:
     options = [text for name in selected for text in ("--csv", name)]
     assert run([*SHORT, "-q", *options]) == 0
     header, rows = _table("build/rh3_goal/values.csv")
-    assert header == ["t", *selected]
+    units = ["[rad/s]", "[rad/s]", ""]
+    titles = [f"{n} {u}".strip() for n, u in zip(selected, units, strict=True)]
+    assert header == ["t", *titles]
     columns = list(zip(*rows, strict=True))
     assert len([text for text in columns[1] if text]) == 500
     # The base reads what the follower has written, and is recorded 50 times a second.
@@ -77,7 +84,7 @@ def test_a_picture_has_axes_with_units(capfd: pytest.CaptureFixture[str]) -> Non
     file = Path("build/rh3_goal/values.svg")
     ElementTree.parse(file)
     texts = re.findall(r"<!-- (.*?) -->", file.read_text())
-    assert "[m/s, rad/s]" in texts
+    assert {"[m/s]", "[rad/s]"} <= {*texts}
     assert "simulated time [s]" in texts
     assert "PathFollower0.velocity.data.va" in texts
     first = file.read_bytes()
@@ -101,11 +108,18 @@ def test_trajectories_are_drawn_as_before() -> None:
         ),
         (["--plot", "PathFollowr0.velocity"], 2, "did you mean 'PathFollower0'?"),
         (["--csv", "PathFollowr0.velocity"], 2, "did you mean 'PathFollower0'?"),
-        (["--plot", "PathFollower0.velocity.foo"], 2, "has no numbers; a sample is"),
+        (["--plot", "PathFollower0.velocity.data.vz"], 2, "hint: members: vx, vy, va"),
+        (["--csv", "PathFollower0.velocity[0]"], 2, "has no elements"),
+        (["--csv", "PositionInput0.status.daat"], 2, "did you mean 'data'?"),
+        (
+            ["--csv", "RefHardRh30.truth.x"],
+            2,
+            "an observable has numbers: RefHardRh30.truth[0]",
+        ),
         (
             ["--plot", "PathFollower0.velocity.foo"],
             2,
-            "...\n  hint: members: tm, id, data",
+            "has no member 'foo'\n  hint: members: tm, id, data",
         ),
         (
             ["--plot", "RefHardRh30.OutWheelAngle[2]"],
@@ -126,7 +140,9 @@ def test_what_is_not_there(
     arguments: list[str], code: int, message: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
     assert run([*SHORT, *arguments]) == code
-    assert message in capfd.readouterr().err
+    err = capfd.readouterr().err
+    assert message in err
+    assert ("PathFollower0 ACTIVE" in err) is ("sequence has" in message)
     assert not Path("a.svg").exists()
 
 

@@ -468,9 +468,10 @@ def test_a_wrong_parameter_of_a_set_is_one_error_at_its_place(
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["--csv", "missing/x.csv"],
-        ["--log", "missing/x.log"],
-        ["--plot", "missing/x.svg"],
+        ["--csv", "m.xml/x.csv"],
+        ["--log", "m.xml/more/x.log"],
+        ["--plot", "m.xml/x.svg"],
+        ["--record", "m.xml/x.mcap"],
         ["--plot", "x.bmp"],
     ],
 )
@@ -482,6 +483,14 @@ def test_files_that_cannot_be_written_end_it_before_the_run(
     assert out == ""
     assert "error[ENV0001]" in err
     assert "M0 ACTIVE" not in err
+
+
+@pytest.mark.parametrize("option", ["--csv", "--log", "--plot", "--record"])
+def test_missing_folders_are_made(option: str) -> None:
+    suffix = {"--csv": "csv", "--log": "log", "--plot": "svg", "--record": "mcap"}
+    file = Path("results", "today", f"x.{suffix[option]}")
+    assert rtgen(["run", "m.xml", option, str(file)]) == 0
+    assert file.stat().st_size > 0
 
 
 def test_a_missing_extra_ends_it_before_the_run(

@@ -256,8 +256,9 @@ def test_mutable_types_keep_their_header(tmp_path: Path) -> None:
 
 
 def test_a_file_that_cannot_be_written_is_an_error(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
     with pytest.raises(RecordingError, match="cannot write"):
-        McapWriter(tmp_path / "missing" / "a.mcap")
+        McapWriter(tmp_path / "file" / "a.mcap")
 
 
 def test_two_components_that_tick_at_one_instant_keep_their_order(

@@ -150,11 +150,12 @@ def read_file(path: Path, limit: int = MAX_BYTES) -> bytes:
 
 
 def create_file(path: Path) -> BinaryIO:
-    """Open a file for writing, created or emptied. Raises OSError.
+    """Open a file for writing, created or emptied, in a folder made if missing. Raises OSError.
 
     A device is opened, and a pipe that something reads; without a reader, opening would wait.
     """
     check_output(path)
+    make_folder(path.parent)
     flags = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | getattr(os, "O_BINARY", 0)
     try:
         number = os.open(path, flags | getattr(os, "O_NONBLOCK", 0), 0o666)
@@ -165,6 +166,16 @@ def create_file(path: Path) -> BinaryIO:
     if hasattr(os, "O_NONBLOCK"):
         os.set_blocking(number, True)
     return os.fdopen(number, "wb")
+
+
+def make_folder(path: Path) -> None:
+    """Make a folder and those around it, unless they exist. Raises OSError."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise NotADirectoryError(
+            errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(path)
+        ) from None
 
 
 def write_atomically(

@@ -12,6 +12,7 @@ from rtgen.compiler.diagnostics import InputError
 from rtgen.compiler.systems.rules import OBSERVABLE
 from rtgen.runtime.timing.clocks import SECOND
 from rtgen.tools.kit.console import Console
+from rtgen.tools.kit.member_units import no_units
 from rtgen.tools.recording.events import Log
 from rtgen.tools.recording.selection import reported, say_losses
 from rtgen.tools.running.curves import Curve, Selection
@@ -40,8 +41,9 @@ def curves_of(console: Console, file: Path, selectors: Sequence[str]) -> list[Cu
             ports.add(name)
             for selection in chosen:
                 if selection.whole == name:
-                    unit = log.units.get((selection.instance, selection.name), "")
-                    selection.add(event["t"] / SECOND, event["value"], unit)
+                    address = selection.instance, selection.name
+                    units = log.units.get(address, no_units)
+                    selection.add(event["t"] / SECOND, event["value"], units)
     say_losses(console, log)
     for selection in chosen:
         if selection.whole not in ports:

@@ -43,10 +43,28 @@ def annotated_unit(entry: Documented) -> str | None:
 def unit_of(entry: Documented) -> str | None:
     """Return the unit of a member or parameter: that of `@unit`, or the only one in its comment."""
     annotated = annotated_unit(entry)
-    if annotated is not None:
-        return annotated
-    units = _BRACKETS.findall(entry.doc)
+    return unit_in(entry.doc) if annotated is None else annotated
+
+
+def unit_in(comment: str) -> str | None:
+    """Return the unit in a comment: the only text in brackets, or that on a line of its own."""
+    units: list[str] = _BRACKETS.findall(comment)
+    if len(units) > 1:
+        units = [
+            m[1]
+            for m in map(_BRACKETS.fullmatch, map(str.strip, comment.splitlines()))
+            if m
+        ]
     return units[0] if len(units) == 1 else None
+
+
+def member_text(entry: Documented) -> str:
+    """Return the comment of a member, with the unit of `@unit`."""
+    unit = annotated_unit(entry)
+    if unit is None or unit == unit_in(entry.doc):
+        return entry.doc
+    text = with_unit(entry.doc, unit)
+    return text if unit_in(text) == unit else f"{entry.doc.strip()}\n[{unit}]"
 
 
 def with_unit(doc: str, unit: str) -> str:

@@ -16,6 +16,7 @@ from typing import Any, TypeAlias
 from rtgen.facts.files import open_file, read_start
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.system.json_printers import plain
+from rtgen.tools.kit.member_units import Units
 from rtgen.tools.recording.errors import RecordingError
 from rtgen.tools.recording.mcap_reader import MAGIC, Channel, McapFile, Message
 from rtgen.tools.recording.recorder import METADATA
@@ -82,8 +83,8 @@ class Log:
             )
         self.mcap = McapFile(path) if head == MAGIC else None
         self._is_cut = False
-        self.units: dict[tuple[str, str], str] = {}
-        """Units of ports by instance and port, for samples read so far."""
+        self.units: dict[tuple[str, str], Units] = {}
+        """Units of members by instance and port, for samples read so far."""
         if self.mcap is None and head[:1] not in (b"{", b""):
             raise RecordingError(
                 f"{path} is not a recording: neither MCAP nor JSON lines",
@@ -136,7 +137,7 @@ class Log:
                 head = _head(channel)
                 heads[channel] = head if is_selected(head) or _is_shared(head) else None
                 address = channel.get("instance"), channel.get("port")
-                self.units[address] = channel.get("unit")
+                self.units[address] = _units(channel)
             channel_head = heads[channel]
             if channel_head is not None:
                 value = decoders.value(message)
@@ -188,6 +189,16 @@ def _head(channel: Channel) -> Event:
         "call": ("instance",),
     }
     return {"event": kind, **{key: channel.get(key) for key in keys.get(kind, ())}}
+
+
+def _units(channel: Channel) -> Units:
+    """Return the units of the members of a channel's samples."""
+    try:
+        units = json.loads(channel.get("units") or "{}")
+    except (ValueError, RecursionError):
+        units = {}
+    by_path = units if isinstance(units, dict) else {}
+    return lambda path: str(by_path.get(".".join(path), ""))
 
 
 def _is_shared(head: Event) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
@@ -27,6 +28,7 @@ from rtgen.runtime.timing.traffic import (
     ParameterChange,
 )
 from rtgen.runtime.xcdr import Representation, representation_of
+from rtgen.tools.kit.member_units import units_of
 from rtgen.tools.recording import messages
 from rtgen.tools.recording.messages import Topic
 from rtgen.tools.recording.schemas import Schema, schema_of
@@ -124,7 +126,7 @@ class Recorder:
         """See `SampleWriter`."""
         schema, encoding, encode = self._encoding(port.type)
         address = port.owner, port.name
-        unit = self._unit(port)
+        units = self._units(port)
         start, put, lock = self._start, self._writer.put, self._writer.lock
         channels: dict[str, int] = {}
 
@@ -137,7 +139,7 @@ class Recorder:
                     "port": port.name,
                     "type": port.type._descriptor_.repository_id,
                     "during": during,
-                    **({"unit": unit} if unit else {}),
+                    **units,
                 }
                 self._channels[key] = self._writer.channel(
                     topic_of(*address), encoding, schema, entries
@@ -253,11 +255,17 @@ class Recorder:
             self._schemas[schema] = number
         return self._schemas[schema]
 
-    def _unit(self, port: OutPort[Any]) -> str:
-        profiles = self._system.component(port.owner).profile.ports
-        return next(
-            (p.unit for p in profiles if p.name == port.name and not p.port), ""
-        )
+    def _units(self, port: OutPort[Any]) -> dict[str, str]:
+        """Return the entries of a port's unit, and of those of its members."""
+        profile = self._system.component(port.owner).profile
+        members = {
+            ".".join(path): unit for path, unit in units_of(profile, port).units.items()
+        }
+        stated = (p.unit for p in profile.ports if p.name == port.name and not p.port)
+        entries = {"unit": next(stated, "")}
+        if members:
+            entries["units"] = json.dumps(members, ensure_ascii=False)
+        return {name: text for name, text in entries.items() if text}
 
 
 def topic_of(instance: str, port: str) -> str:

@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
+from itertools import islice
 from pathlib import Path
 from textwrap import shorten
 from typing import Any, TextIO, TypeAlias
@@ -16,9 +17,12 @@ from rtgen.compiler.diagnostics import InputError
 from rtgen.compiler.model import System
 from rtgen.compiler.systems.rules import OBSERVABLE, UNKNOWN_INSTANCE
 from rtgen.runtime.cdr import CdrError
+from rtgen.runtime.marshalling.descriptors import Descriptor
 from rtgen.runtime.system.json_printers import plain
 from rtgen.runtime.system.records import MissingSamples
 from rtgen.runtime.timing.clocks import SECOND
+from rtgen.tools.kit.member_units import MemberPath, Units, no_units, units_of
+from rtgen.tools.running.selected_members import MemberError, require_numbers
 from rtgen.tools.running.trajectory import (
     PICTURES,
     add_legend,
@@ -49,6 +53,11 @@ class Curve:
     times: list[float] = field(default_factory=list)
     values: list[Number] = field(default_factory=list)
 
+    @property
+    def title(self) -> str:
+        """The name with the unit."""
+        return f"{self.name} [{self.unit}]" if self.unit else self.name
+
 
 class Selection:
     """The curves of `INSTANCE.NAME`, `INSTANCE.NAME.member` or `INSTANCE.NAME[index]`.
@@ -75,6 +84,21 @@ class Selection:
         """`INSTANCE.NAME`."""
         return f"{self.instance}.{self.name}"
 
+    def check(self, descriptor: Descriptor | None) -> None:
+        """Check the path against the type of the port, None for an observable.
+
+        Raises InputError.
+        """
+        try:
+            if descriptor is not None:
+                require_numbers(descriptor, self._path)
+            elif any(isinstance(step, str) for step in self._path):
+                hint = f"an observable has numbers: {self.whole}[0]"
+                raise MemberError(f"{self.whole} has no members", hint)
+        except MemberError as error:
+            message = f"{self.selector}: {error}"
+            raise InputError([OBSERVABLE.at(None, message, hint=error.hint)]) from error
+
     @property
     def curves(self) -> list[Curve]:
         """The curves so far, one of which may be empty. Raises InputError without numbers."""
@@ -83,20 +107,18 @@ class Selection:
             raise InputError([OBSERVABLE.at(None, message, hint=self._hint)])
         return [*self._curves.values()] or [Curve(self.selector)]
 
-    def add(self, time: float, value: Any, unit: str) -> None:
-        """Add a sample, as JSON has it, at a time [s]."""
-        inner, at = _inside(value, self.whole, self._path)
-        numbers = [*_numbers(inner, at)][:_MAX_NUMBERS]
-        units = [text.strip() for text in unit.split(",")]
-        if len(units) != len(numbers):
-            units = [unit] * len(numbers)
+    def add(self, time: float, value: Any, units: Units) -> None:
+        """Add a sample, as JSON has it, at a time [s]; `units` are those of its members."""
+        inner, at, path = _inside(value, self.whole, self._path)
+        numbers = [*islice(_numbers(inner, at, path), _MAX_NUMBERS)]
         if not numbers and inner != []:
             self._text = shorten(
                 f"a sample is {value!r}", _MAX_TEXT, placeholder=" ..."
             )
             self._hint = _members(value, self._path)
-        for (name, number), one in zip(numbers, units, strict=True):
-            curve = self._curves.setdefault(name, Curve(name, one))
+        for name, number, member in numbers:
+            if (curve := self._curves.get(name)) is None:
+                curve = self._curves[name] = Curve(name, units(member))
             curve.times.append(time)
             curve.values.append(number)
 
@@ -153,11 +175,11 @@ class Curves:
     def _follow(self, selection: Selection) -> None:
         running, instance, name = self._running, selection.instance, selection.name
         component = running.component(instance)
-        units = {p.name: p.unit for p in component.profile.ports if not p.port}
-        unit = units.get(name, "")
+        port = component.out_ports.get(name) or component.in_ports.get(name)
+        units = no_units if port is None else units_of(component.profile, port)
 
         def add(value: Any) -> None:
-            selection.add(running.time / SECOND, value, unit)
+            selection.add(running.time / SECOND, value, units)
 
         def add_sample(sample: Any) -> None:
             try:
@@ -167,6 +189,8 @@ class Curves:
             else:
                 add(plain(sample))
 
+        if port is not None or name in component.observables:
+            selection.check(None if port is None else port.type._descriptor_)
         if name in component.out_ports:
             running.watch_port(instance, name, add_sample)
         elif name in component.in_ports:
@@ -197,36 +221,46 @@ class Curves:
         self._running.every(self._running.context(instance).period, look)
 
 
-def _inside(value: Any, label: str, path: list[str | int]) -> tuple[Any, str]:
-    """Return the part of a sample that a path selects, with its label; None if missing.
+def _inside(
+    value: Any, label: str, path: Sequence[str | int]
+) -> tuple[Any, str, MemberPath]:
+    """Return the part of a sample that a path selects, None if missing; its label and its path.
 
     A path may leave out the only member beside the time stamp, as labels do.
     """
+    whole: MemberPath = ()
     for step in path:
         label += f"[{step}]" if isinstance(step, int) else f".{step}"
-        value = _unwrapped(value, step)
+        value, passed = _unwrapped(value, step)
+        whole += passed
         if isinstance(step, int):
             is_there = isinstance(value, list) and step < len(value)
         else:
             is_there = isinstance(value, dict) and step in value
+            whole += (step,)
         value = value[step] if is_there else None
-    return value, label
+    return value, label, whole
 
 
-def _unwrapped(value: Any, step: str | int) -> Any:
-    """Return what a step selects from: the only member beside the time stamp if not the sample."""
+def _unwrapped(value: Any, step: str | int) -> tuple[Any, MemberPath]:
+    """Return what a step selects from, and the members passed on the way to it.
+
+    That is the only member beside the time stamp if not the sample.
+    """
+    passed: MemberPath = ()
     while isinstance(value, dict) and step not in value:
         members = _timeless(value)
         if len(members) != 1:
             break
-        [value] = members.values()
-    return value
+        [(name, value)] = members.items()
+        passed += (name,)
+    return value, passed
 
 
 def _members(value: Any, path: list[str | int]) -> str | None:
     """Return a hint for a path with a missing member or index; None for other paths."""
     for step in path:
-        inner = _unwrapped(value, step)
+        inner, _ = _unwrapped(value, step)
         if isinstance(inner, list) and isinstance(step, int) and step >= len(inner):
             return f"the sequence has {len(inner)} elements"
         if isinstance(value, dict) and isinstance(step, str) and step not in value:
@@ -236,7 +270,7 @@ def _members(value: Any, path: list[str | int]) -> str | None:
                 if close
                 else f"members: {', '.join(value)}"
             )
-        value, _ = _inside(value, "", [step])
+        value, _, _ = _inside(value, "", [step])
     return None
 
 
@@ -245,23 +279,25 @@ def _timeless(value: dict[str, Any]) -> dict[str, Any]:
     return {k: v for k, v in value.items() if k != "tm"} or value
 
 
-def _numbers(value: Any, label: str) -> Iterator[tuple[str, Number]]:
-    """Yield the numbers in a sample with their labels, without time stamps of other members."""
+def _numbers(
+    value: Any, label: str, path: MemberPath
+) -> Iterator[tuple[str, Number, MemberPath]]:
+    """Yield the numbers in a sample with labels and paths, without time stamps of others."""
     match value:
         case bool():
-            yield label, int(value)
+            yield label, int(value), path
         case int() | float():
-            yield label, value
+            yield label, value, path
         case "nan" | "inf" | "-inf":
-            yield label, float(value)
+            yield label, float(value), path
         case list():
             for index, item in enumerate(value):
-                yield from _numbers(item, f"{label}[{index}]")
+                yield from _numbers(item, f"{label}[{index}]", path)
         case dict():
             members = _timeless(value)
             for name, item in members.items():
                 inner = label if len(members) == 1 else f"{label}.{name}"
-                yield from _numbers(item, inner)
+                yield from _numbers(item, inner, (*path, name))
 
 
 def write_curves(stream: TextIO, curves: Sequence[Curve]) -> None:
@@ -271,7 +307,7 @@ def write_curves(stream: TextIO, curves: Sequence[Curve]) -> None:
         for time, value in zip(curve.times, curve.values, strict=True):
             rows.setdefault(time, {})[column] = value
     writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(["t", *(curve.name for curve in curves)])
+    writer.writerow(["t", *(curve.title for curve in curves)])
     for time, values in sorted(rows.items()):
         writer.writerow([time, *(values.get(c, "") for c in range(len(curves)))])
 

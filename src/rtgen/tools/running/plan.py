@@ -24,6 +24,7 @@ from rtgen.compiler.systems.measures import Measure
 from rtgen.compiler.systems.reading import read_file
 from rtgen.compiler.systems.rules import CONDITION
 from rtgen.compiler.systems.timeline import SetParameter, Step
+from rtgen.facts.files import make_folder
 from rtgen.runtime.services.transports import ForeignComponent
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import BAD_INPUT, ReportedError
@@ -236,7 +237,7 @@ def _results_of(name: str) -> Path:
     """Return the folder for results, created if missing. Raises ToolError."""
     results = Path("build") / name
     try:
-        results.mkdir(parents=True, exist_ok=True)
+        make_folder(results)
     except OSError as error:
         raise ToolError(f"cannot make {results}: {error.strerror}") from error
     return results

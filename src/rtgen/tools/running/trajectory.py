@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, TextIO, TypeAlias
 
 from rtgen.compiler.diagnostics import ToolError
 from rtgen.compiler.diagnostics.printable import printable
-from rtgen.facts.files import check_output, create_file
+from rtgen.facts.files import check_output, create_file, make_folder
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -93,6 +93,7 @@ def check_picture(path: str | None, command: str = "--plot") -> None:
     require_matplotlib(command)
     try:
         check_output(file, pipes=False)
+        make_folder(file.parent)
         existed = file.exists()
         with file.open("ab"):
             pass

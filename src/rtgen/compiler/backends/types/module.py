@@ -48,6 +48,7 @@ from rtgen.compiler.model import (
     Valuetype,
 )
 from rtgen.compiler.model.initial import selected
+from rtgen.compiler.typemap.member_units import member_text
 from rtgen.compiler.typemap.python.idl import PythonMapping, is_boolean
 from rtgen.compiler.typemap.python.idl_names import PythonNames, is_emitted
 
@@ -174,7 +175,7 @@ class TypesModule:
         py = self.scope
         names = self._names.members(declaration)
         fields = [
-            f"    {names[m.name]}: {self._field(declaration, m)}\n{docstring(m.doc, 4)}"
+            f"    {names[m.name]}: {self._field(declaration, m)}\n{docstring(member_text(m), 4)}"
             for m in declaration.members
         ]
         is_struct = isinstance(declaration, Struct)

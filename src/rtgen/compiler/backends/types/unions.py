@@ -10,6 +10,7 @@ from rtgen.compiler.backends.types.scope import Scope
 from rtgen.compiler.layouts.cdr_types import CdrTypes
 from rtgen.compiler.model import Case, Model, NamedType, Primitive, PrimitiveType, Union
 from rtgen.compiler.model.initial import discriminator, selected
+from rtgen.compiler.typemap.member_units import member_text
 from rtgen.compiler.typemap.python.idl import PythonMapping
 from rtgen.compiler.typemap.python.idl_names import OWN_NAMES, PythonNames, distinct
 from rtgen.facts.primitives import INTEGER_RANGES
@@ -97,7 +98,7 @@ class Unions(msgspec.Struct, eq=False):
         return branches
 
     def _doc(self, case: Case) -> str:
-        doc = comment_text(case.doc).replace('"', "'")
+        doc = comment_text(member_text(case)).replace('"', "'")
         return doc or f"The value, if the branch `{case.name}` is selected."
 
     def _other(self, union: Union) -> str | None:

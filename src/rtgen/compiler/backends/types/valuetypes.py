@@ -15,6 +15,7 @@ from rtgen.compiler.backends.types.descriptions import (
 from rtgen.compiler.backends.types.interfaces import Interfaces
 from rtgen.compiler.backends.types.scope import Scope
 from rtgen.compiler.model import InitialValue, Type, ValueBox, Valuetype
+from rtgen.compiler.typemap.member_units import member_text
 from rtgen.compiler.typemap.python.idl import PythonMapping
 from rtgen.compiler.typemap.python.idl_names import PythonNames
 
@@ -88,7 +89,7 @@ class Valuetypes(msgspec.Struct, eq=False):
             fields=[
                 _State(
                     f"{names[m.name]}: {self.field(m.type, m.initial)}",
-                    docstring(m.doc, 4),
+                    docstring(member_text(m), 4),
                 )
                 for m in declaration.state
             ],

@@ -13,7 +13,6 @@ from rtgen.compiler.model import (
     Const,
     ConstantValue,
     Declaration,
-    Documented,
     Enum,
     Enumerator,
     ExceptionDecl,
@@ -28,6 +27,7 @@ from rtgen.compiler.model import (
     Typedef,
     Union,
 )
+from rtgen.compiler.typemap.member_units import member_text
 
 _CODEC_WORD = re.compile(r"[A-Za-z0-9_$]+")
 _STRING = re.compile(r'"(?:[^"\\]|\\.)*"')
@@ -112,7 +112,7 @@ class TypesModule:
         yield from quoting.comment(declaration.doc)
         yield f"export interface {name} {{"
         for member in members:
-            yield from quoting.comment(_described(member), "  ")
+            yield from quoting.comment(member_text(member), "  ")
             absent = " | null" if member.optional else ""
             yield f"  {_property(member.name)}: {self._value(member.type)}{absent};"
         yield "}"
@@ -143,7 +143,7 @@ class TypesModule:
         yield from quoting.comment(union.doc)
         yield f"export type {name} ="
         for case in union.cases:
-            yield from quoting.comment(_described(case), "  ")
+            yield from quoting.comment(member_text(case), "  ")
             label = quoting.string(case.name)
             value = self._value(case.type)
             # The discriminator defaults to the first label of the branch; without labels it is
@@ -243,11 +243,3 @@ def _call(function: str, inner: str, parts: Sequence[str], appendable: bool) -> 
 
 def _property(name: str) -> str:
     return name if _CODEC_WORD.fullmatch(name) else quoting.string(name)
-
-
-def _described(part: Documented) -> str:
-    """Return the comment of a member, with its unit."""
-    unit = part.annotation("unit")
-    if unit is None or "[" in part.doc:
-        return part.doc
-    return f"{part.doc} [{unit.get()}]".strip()

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, TextIO, TypeAlias, cast
 
 from rtgen.compiler.diagnostics import ToolError
-from rtgen.facts.files import check_output, open_file
+from rtgen.facts.files import check_output, make_folder, open_file
 from rtgen.runtime.canopen.wire.frames import MAX_DATA
 from rtgen.tools.can.common import counted, require_python_can
 from rtgen.tools.can.parsing.candump import message_of_line
@@ -59,6 +59,7 @@ def writer(path: Path) -> Iterator[MessageWriter]:
 
     try:
         check_output(path, pipes=False)
+        make_folder(path.parent)
         with Logger(path) as logger:
             yield logger
     except OSError as error:
