@@ -45,7 +45,10 @@ def _commands() -> str:
         f"## {path}\n\n```text\n{command.get_help(inner)}\n```\n"
         for path, command, inner in _walk(application, context)
     ]
-    return "# Commands\n\n" + "\n".join(parts)
+    return (
+        "# Options of all commands\n\n*For those who look up an option.*\n\n"
+        + "\n".join(parts)
+    )
 
 
 def _walk(
@@ -61,11 +64,11 @@ def _walk(
 
 def _diagnostics() -> str:
     texts = (re.sub(r"^#", "##", story(rule), count=1) for rule in rules().values())
-    return "# Diagnostics\n\n" + "\n".join(texts)
+    return "# All findings\n\n*For those who have a code.*\n\n" + "\n".join(texts)
 
 
 def _python() -> str:
-    parts = ["# Python\n"]
+    parts = ["# Python\n\n*For those who call rtgen or its runtime from a program.*\n"]
     for module in (api, runtime):
         parts.append(f"## {module.__name__}\n")
         for name in sorted(module.__all__):
