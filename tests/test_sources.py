@@ -31,6 +31,18 @@ NUMBERS = {
 }
 """The figures and tables of each document; A begins in the midst of a report."""
 
+SECTIONS = {
+    "B": (
+        *("1.1-3", "2.1-3", "3.1.1-8", "3.2.1-9", "3.3.1-8", "3.4.1-7"),
+        *("3.5.1-8", "3.6.1-7", "4"),
+    ),
+    "C": (
+        *("1", "2.1-2", "3", "3.1-3", "4.1-3", "4.3.1-2", "5", "5.1", "5.1.1-4"),
+        *("6.1-2", "7"),
+    ),
+}
+"""The sections of the documents that number them throughout."""
+
 
 @dataclass(frozen=True)
 class Row:
@@ -81,6 +93,43 @@ def test_each_figure_and_table_has_its_row(document: str, kind: str) -> None:
         if row.document == document:
             named |= numbers(row.part, kind)
     assert named == NUMBERS[document][kind]
+
+
+def sections(text: str) -> set[str]:
+    """Return the numbers of sections at the beginning of a cell, before figures and tables."""
+    found = set()
+    for item in re.split(r", (?=\d)", re.split(r",? ?(?:Fig\.|Tables?) ", text)[0]):
+        if match := re.match(r"(\d(?:\.\d)*)(?: to \d(?:\.\d)*\.(\d))?", item):
+            chapter, _, begin = match[1].rpartition(".")
+            prefix = f"{chapter}." if chapter else ""
+            last = int(match[2] or begin)
+            found |= {f"{prefix}{n}" for n in range(int(begin), last + 1)}
+    return found
+
+
+@pytest.mark.parametrize("document", SECTIONS)
+def test_each_section_has_its_row_or_is_named(document: str) -> None:
+    text = PAGE.read_text(encoding="utf-8").partition(f"\n## {document}: ")[2]
+    named = set()
+    for part in re.findall(
+        r"Not carried: (.*?)\.\s", text.partition("\n## ")[0], re.DOTALL
+    ):
+        for each in part.split("; "):
+            named |= sections(each)
+    for row in rows():
+        if row.document == document:
+            named |= sections(row.part)
+    expected = set()
+    for each in SECTIONS[document]:
+        first, _, last = each.partition("-")
+        expected |= sections(f"{first} to {first[:-1]}{last}" if last else first)
+    assert named == expected
+
+
+def test_the_chapters_of_the_report_have_rows() -> None:
+    parts = [row.part for row in rows() if row.document == "A"]
+    for number in range(1, 5):
+        assert sum(part.startswith(f"({number})") for part in parts) == 2
 
 
 @pytest.mark.parametrize("row", rows(), ids=lambda row: f"{row.document} {row.part}")
