@@ -9,48 +9,56 @@ from collections.abc import Sequence
 
 import click
 
-from rtgen.cli.groups import LazyGroup
+from rtgen.cli.groups import SectionedGroup
 from rtgen.facts.version import __version__
 from rtgen.tools.kit.exits import BAD_INPUT, Refusal
 
-COMMANDS = {
-    "new": "Create a project, or add a component, device, board or system to one.",
-    "generate": "Generate files from definitions.",
-    "docs": "Generate a documentation site: types, components, devices, systems.",
-    "check": "Check that generated files are up to date.",
-    "diff": "Compare two versions of definitions and report breaking changes.",
-    "lint": "Run the lint rules on definitions.",
-    "fmt": "Format definitions: indentation, spaces and line ends.",
-    "inspect": "Show the resolved model of definitions or systems.",
-    "run": "Run a system on the embedded runtime.",
-    "ctl": "Watch and control components in other processes.",
-    "ui": "Show a system in a browser: wire it, drive it, watch it.",
-    "replay": "Replay a recorded run, optionally into a part of a system.",
-    "log": "Show, export and compare recorded runs.",
-    "graph": "Draw a system's components and connections as SVG.",
-    "convert": "Convert a component or system: IDL, RTC.xml, RtsProfile, YAML.",
-    "adopt": "Write a definition for a component of OpenRTM-aist-Python.",
-    "rpc": "Call functions of TECS devices, or inspect the bytes of calls.",
-    "can": "Monitor CAN buses, access their nodes, or run a bus.",
-    "conformance": "Test a real device or a running component against its definition.",
-    "lsp": "Run the language server for editors.",
-    "explain": "Explain a diagnostic.",
+SECTIONS = {
+    "write": {
+        "new": "Create a project, or add a part to one.",
+        "generate": "Generate files from definitions.",
+        "fmt": "Format definitions.",
+        "check": "Check that generated files are up to date.",
+        "diff": "Compare two versions of definitions.",
+    },
+    "run": {
+        "run": "Run a system on the embedded runtime.",
+        "ui": "Show a system in a browser; wire, drive, watch it.",
+        "ctl": "Watch and control components of other processes.",
+        "log": "Show, export, compare and play recorded runs.",
+    },
+    "devices": {
+        "can": "Monitor CAN buses, access their nodes, or run a bus.",
+        "rpc": "Call functions of TECS devices.",
+        "conformance": "Test a device, board or component by its definition.",
+    },
+    "files": {
+        "convert": "Convert components and systems, or adopt a component.",
+        "docs": "Generate a documentation site.",
+        "graph": "Draw a system's components and connections as SVG.",
+    },
+    "more": {
+        "lint": "Run the lint rules on definitions.",
+        "inspect": "Show the resolved model of definitions or systems.",
+        "replay": "Replay a recorded run into a system.",
+        "explain": "Explain a diagnostic.",
+        "lsp": "Run the language server for editors.",
+    },
 }
-"""Commands with their help lines; the module has a function, both with the command's name."""
+"""Commands by section, with their help lines; a module has a function, both with that name."""
+COMMANDS = {n: text for section in SECTIONS.values() for n, text in section.items()}
 
 
 @click.group(
-    cls=LazyGroup,
-    summaries=COMMANDS,
+    cls=SectionedGroup,
+    sections=SECTIONS,
     target="rtgen.cli.{0}:{0}",
+    hidden=frozenset({"adopt"}),
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 @click.version_option(__version__, prog_name="rtgen", message="%(prog)s %(version)s")
 def application() -> None:
-    """An interface compiler for robot software: from definitions to running Python.
-
-    Exit codes: 0 success, 1 negative result, 2 errors in the input, 3 failure of the environment.
-    """
+    """An interface compiler for robot software, from definitions to running code."""
 
 
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS)

@@ -6,13 +6,14 @@ from pathlib import Path
 
 import click
 
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.compiler.diagnostics import ToolError
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import BAD_INPUT, OK
 
 
-@click.command()
+@command()
 @click.argument("file", metavar="FILE")
 @click.option("-o", "output", metavar="DIR", help="Write DIR/<Component>.idl instead.")
 @click.option(

@@ -10,6 +10,7 @@ from rtgen.cli.definition_options import (
     with_output,
     with_target,
 )
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.stages import with_stages
 from rtgen.compiler.diagnostics import has_errors
@@ -25,7 +26,7 @@ MAX_LINES = 24
 """Maximum number of lines of the diff of a file."""
 
 
-@click.command()
+@command()
 @with_definitions
 @with_output("Compare with")
 @with_node_id

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.compiler.diagnostics import (
     Diagnostic,
@@ -26,7 +27,7 @@ _OF_COMPONENTS = ("idl", "rtc-xml", "rtc-yaml")
 _OF_SYSTEMS = ("rts-xml", "rts-yaml")
 
 
-@click.command()
+@command()
 @click.argument("file", metavar="FILE")
 @click.option(
     "--to",

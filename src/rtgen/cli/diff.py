@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.stages import with_stages
 from rtgen.compiler.kit import stages
@@ -18,7 +19,7 @@ from rtgen.tools.kit.exits import NO, OK, Refusal
 _CLASSES = [str(each) for each in Break]
 
 
-@click.command()
+@command()
 @click.argument("versions", nargs=-1, metavar="[OLD] [NEW]")
 @click.option(
     "--against",
@@ -46,8 +47,6 @@ def diff(
     OLD and NEW are files, folders, or git revisions (main, HEAD~3, v1.2:specs/idl); NEW defaults
     to the project of the working folder. Exit code 0: no change of the selected classes; 1: some
     changes; 2: errors. Allowed breaks are listed in rtgen.toml, each with a reason.
-
-    Example: rtgen diff --against main --use wire,stored
     """
     from contextlib import ExitStack
 

@@ -9,6 +9,7 @@ import click
 from msgspec.structs import replace
 
 from rtgen.cli.definition_options import with_definitions
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.stages import with_stages
 from rtgen.compiler.backends import Artifact
@@ -23,7 +24,7 @@ from rtgen.tools.kit.exits import BAD_INPUT, OK
 _DEFAULT = "build/docs"
 
 
-@click.command()
+@command()
 @with_definitions
 @click.option(
     "-o",

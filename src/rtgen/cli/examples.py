@@ -1,8 +1,14 @@
-"""Example of each command, shown at the end of its help."""
+"""Example of each command and group, shown at the end of its help."""
 
 from __future__ import annotations
 
 EXAMPLES = {
+    "": "rtgen new project my-robot",
+    "new": "rtgen new component Arm",
+    "ctl": "rtgen ctl list --transport dds --partition bench",
+    "log": "rtgen log info goal.mcap",
+    "rpc": "rtgen rpc list board.cdl",
+    "can": "rtgen can monitor --interface socketcan --channel can0",
     "new project": "rtgen new project my-robot",
     "new component": "rtgen new component Arm",
     "new device": "rtgen new device Drive",
@@ -13,9 +19,11 @@ EXAMPLES = {
     "generate": "rtgen generate --watch",
     "check": "rtgen check --diagnostics github",
     "docs": "rtgen docs --build",
-    "lint": "rtgen lint definitions --ignore LINT0003",
+    "diff": "rtgen diff --against main --use wire,stored",
+    "fmt": "rtgen fmt --check specs",
+    "lint": "rtgen lint --fix definitions",
     "inspect": "rtgen inspect --json definitions/arm.idl",
-    "run": "rtgen run systems/bench.xml --until 10 --set Arm0.gain=2 --log log.jsonl",
+    "run": "rtgen run systems/bench.xml --until 10 --record goal.mcap",
     "ctl list": "rtgen ctl list --transport dds --partition bench",
     "ctl show": "rtgen ctl show Arm0 --transport dds --partition bench",
     "ctl activate": "rtgen ctl activate Arm0 Arm1 --transport dds --partition bench",
@@ -39,20 +47,20 @@ EXAMPLES = {
     "rpc call": "rtgen rpc call 127.0.0.1:8931 --cdl board.cdl sMotorBoard.identify '{}'",
     "rpc check": "rtgen rpc check 127.0.0.1:8931 --cdl board.cdl sMotorBoard",
     "rpc encode": "rtgen rpc encode --cdl board.cdl sMotorBoard.stop --request '{}'",
-    "rpc decode": "rtgen rpc decode --cdl board.cdl sMotorBoard.stop --request 672a00056d5e",
+    "rpc decode": "rtgen rpc decode sMotorBoard.stop --request 672a00056d5e",
     "rpc serve": "rtgen rpc serve --cdl board.cdl --signature sMotorBoard --port 8931",
     "rpc replay": "rtgen rpc replay traces.json",
-    "can monitor": "rtgen can monitor --bus net.toml --interface socketcan --channel can0",
+    "can monitor": "rtgen can monitor --interface socketcan --channel can0",
     "can record": "rtgen can record run.log --interface socketcan --channel can0 --for 10",
-    "can replay": "rtgen can replay run.log --decode --bus net.toml",
-    "can plot": "rtgen can plot drive.Position --from run.log -o position.svg --bus net.toml",
+    "can replay": "rtgen can replay run.log --decode",
+    "can plot": "rtgen can plot drive.Position --from run.log -o position.svg",
     "can send": "rtgen can send 'nmt start all' --interface socketcan --channel can0",
     "conformance": "rtgen conformance drive.eds --node 1 --connect socketcan:can0",
     "can scan": "rtgen can scan --bus net.toml --interface socketcan --channel can0",
-    "can sdo": "rtgen can sdo read drive 1008 --bus net.toml --interface socketcan --channel can0",
+    "can sdo": "rtgen can sdo read drive 1008 --interface socketcan --channel can0",
     "can timing": "rtgen can timing net.toml",
     "can hub": "rtgen can hub --port 29536",
     "lsp": "rtgen lsp",
     "explain": "rtgen explain IDL0101",
 }
-"""Shell line by command; commands that are missing have an example in their own help."""
+"""Shell line by the words of a command."""

@@ -6,12 +6,13 @@ import sys
 
 import click
 
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import BAD_INPUT, OK
 
 
-@click.command()
+@command()
 @click.argument("code", required=False)
 @with_console
 def explain(console: Console, code: str | None) -> int:

@@ -11,6 +11,7 @@ from pathlib import Path
 import click
 
 from rtgen.cli.definition_options import with_encoding
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.compiler.diagnostics import Diagnostic, InputError, has_errors
 from rtgen.compiler.frontends.kit.library import MAX_BYTES
@@ -41,7 +42,7 @@ def _lines(
     return int(match[1]), int(match[2])
 
 
-@click.command(epilog="\b\nExample:\n  rtgen fmt --check specs")
+@command()
 @click.argument("paths", nargs=-1, metavar="[PATH|-]...")
 @click.option("--check", is_flag=True, help="List the files that are not formatted.")
 @click.option("--diff", "as_diff", is_flag=True, help="Print a unified diff instead.")

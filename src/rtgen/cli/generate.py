@@ -10,6 +10,7 @@ from rtgen.cli.definition_options import (
     with_output,
     with_target,
 )
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.stages import with_stages
 from rtgen.tools.compiling.definitions import Definitions
@@ -17,7 +18,7 @@ from rtgen.tools.compiling.generation import Request, generate_once
 from rtgen.tools.kit.console import Console
 
 
-@click.command()
+@command()
 @with_definitions
 @with_output("Write below")
 @with_node_id

@@ -7,7 +7,9 @@ from pathlib import Path
 
 import click
 
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
+from rtgen.cli.run_table import required, with_run_table
 from rtgen.compiler import compilation
 from rtgen.compiler.diagnostics import Diagnostic, has_errors, in_order
 from rtgen.compiler.judging import Judge
@@ -22,8 +24,10 @@ from rtgen.tools.kit.files import save
 from rtgen.tools.running.plan import is_fitting
 
 
-@click.command()
-@click.argument("system", metavar="SYSTEM")
+@command()
+@with_console
+@with_run_table(system="system")
+@click.argument("system", metavar="[SYSTEM]", required=False)
 @click.option(
     "-o", "output", metavar="FILE", help="Output file; default: standard output."
 )
@@ -33,9 +37,8 @@ from rtgen.tools.running.plan import is_fitting
     metavar="FILE",
     help="Also draw the connections of this timeline; default: timeline.toml of the folder.",
 )
-@with_console
 def graph(
-    console: Console, system: str, output: str | None, timeline_file: str | None
+    console: Console, system: str | None, output: str | None, timeline_file: str | None
 ) -> int:
     """Draw a system's components, connections and buses as SVG.
 
@@ -51,7 +54,7 @@ def graph(
     )
     from rtgen.compiler.systems import reading as systems
 
-    path = Path(system)
+    path = Path(required(system))
     if output is not None and Path(output).suffix.lower() not in ("", ".svg"):
         raise Refusal(f"-o {output}: the picture is SVG, so its file ends in .svg")
     profile, findings, sources = systems.read_file(

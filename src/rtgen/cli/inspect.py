@@ -8,6 +8,7 @@ import click
 from msgspec.structs import replace
 
 from rtgen.cli.definition_options import with_cache, with_definitions, with_node_id
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.stages import with_stages
 from rtgen.compiler.project import cache, is_component_profile, is_system
@@ -23,7 +24,7 @@ def _is_system(path: Path) -> bool:
     return unknown or is_system(path)
 
 
-@click.command()
+@command()
 @with_definitions
 @with_cache
 @with_node_id

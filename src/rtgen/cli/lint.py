@@ -8,6 +8,7 @@ import click
 from msgspec.structs import replace
 
 from rtgen.cli.definition_options import with_definitions
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.stages import with_stages
 from rtgen.compiler import compilation
@@ -25,7 +26,7 @@ MAX_ROUNDS = 10
 """Maximum number of rounds of --fix, since a fix may make another one possible."""
 
 
-@click.command(epilog="Example: rtgen lint --fix specs")
+@command()
 @with_definitions
 @click.option("--ignore", multiple=True, metavar="CODE", help="Disable a rule.")
 @click.option(

@@ -10,13 +10,14 @@ from contextlib import redirect_stdout
 
 import click
 
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.compiler.diagnostics import ToolError
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import OK
 
 
-@click.command()
+@command()
 @click.option(
     "--log-level",
     type=click.Choice(["error", "warning", "info", "debug"]),
@@ -31,12 +32,6 @@ def lsp(console: Console, log_level: str) -> int:
     The server implements the Language Server Protocol on standard input and output until its
     editor stops it. Editors start the server; docs/editors.md has the settings of each. The server
     requires the extra `lsp`: pip install "rtgen[lsp]".
-
-    \b
-    Settings of the editor Helix (languages.toml):
-      [language-server.rtgen]
-      command = "rtgen"
-      args = ["lsp"]
     """
     logging.basicConfig(level=log_level.upper(), stream=sys.stderr)
     if log_level != "debug":  # it logs rejected requests with a traceback

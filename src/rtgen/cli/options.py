@@ -11,6 +11,7 @@ from typing import Concatenate, ParamSpec
 
 import click
 
+from rtgen.cli.help import MESSAGES, grouped
 from rtgen.compiler.backends.kit.quoting import UnquotableError
 from rtgen.compiler.diagnostics import Diagnostic, InputError, ToolError
 from rtgen.compiler.project import (
@@ -27,21 +28,24 @@ def with_console(
 ) -> Callable[..., int]:
     """Add the options of the console; turn exceptions into diagnostics and exit codes."""
 
-    @click.option(
-        "--diagnostics",
-        "form",
-        type=click.Choice(["text", "json", "sarif", "github"]),
-        default="text",
-        show_default=True,
-        help="Format of diagnostics on standard error.",
-    )
-    @click.option("-q", "--quiet", is_flag=True, help="Print diagnostics only.")
-    @click.option(
-        "--color",
-        type=click.Choice(["auto", "always", "never"]),
-        default="auto",
-        show_default=True,
-        help="Colour of diagnostics.",
+    @grouped(
+        MESSAGES,
+        click.option(
+            "--diagnostics",
+            "form",
+            type=click.Choice(["text", "json", "sarif", "github"]),
+            default="text",
+            metavar="FORM",
+            help="Diagnostics as text, json, sarif or github.",
+        ),
+        click.option("-q", "--quiet", is_flag=True, help="Print diagnostics only."),
+        click.option(
+            "--color",
+            type=click.Choice(["auto", "always", "never"]),
+            default="auto",
+            metavar="WHEN",
+            help="Colour of diagnostics: auto, always or never.",
+        ),
     )
     @functools.wraps(function)
     def wrapped(

@@ -6,8 +6,10 @@ from pathlib import Path
 
 import click
 
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.parameter_types import FiniteRange
+from rtgen.cli.run_table import with_run_table
 from rtgen.cli.running_options import (
     RATE,
     with_failures,
@@ -24,12 +26,14 @@ _MAX_SECONDS = 1e9
 """Maximum duration of a replay in seconds."""
 
 
-@click.command()
+@command()
+@with_console
+@with_run_table(system="into")
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option(
     "--into",
     metavar="SYSTEM",
-    help="Run components of this system; default: print the events.",
+    help="Run components of this system; default: that of [run].",
 )
 @click.option(
     "--only", metavar="INSTANCE,...", help="Run only these components of the system."
@@ -59,7 +63,6 @@ _MAX_SECONDS = 1e9
 @with_value_checks
 @with_recording
 @with_failures
-@with_console
 def replay(
     console: Console,
     file: Path,

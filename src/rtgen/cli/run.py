@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import click
 
+from rtgen.cli.help import command, grouped
 from rtgen.cli.options import with_console
 from rtgen.cli.parameter_types import WholeRange
+from rtgen.cli.run_table import required, with_run_table
 from rtgen.cli.running_options import (
+    with_clock,
     with_failures,
     with_live,
     with_recording,
-    with_ros2,
     with_value_checks,
 )
 from rtgen.cli.supervision_options import check_options, handed_on
-from rtgen.cli.transport_options import with_transport
+from rtgen.cli.transport_options import PROCESSES, with_transport
+from rtgen.compiler.diagnostics import Span
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import Refusal
 from rtgen.tools.running.execution import executed
@@ -25,87 +28,104 @@ from rtgen.tools.running.recording_options import RecordingOptions
 from rtgen.tools.running.transports import TransportOptions
 
 
-@click.command()
-@click.argument("system", metavar="SYSTEM")
-@click.option(
-    "--clock",
-    type=click.Choice(["sim", "real"]),
-    default="sim",
-    show_default=True,
-    help="Simulated time, as fast as the machine allows, or real time.",
+@command()
+@with_console
+@with_run_table(
+    system="system",
+    clock="clock",
+    until="until",
+    transport="transport",
+    partition="partition",
+    record="recorded",
 )
+@click.argument("system", metavar="[SYSTEM]", required=False)
+@click.option("--told", "is_told", is_flag=True, hidden=True)
+@with_clock
 @click.option(
     "--until",
-    metavar="SECONDS|INSTANCE=STATE",
-    help="End the run at this time or state.",
+    metavar="CONDITION",
+    help="End: SECONDS, INSTANCE=STATE, or both (comma).",
 )
 @click.option(
     "--set",
     "settings",
     multiple=True,
-    metavar="INSTANCE.PARAMETER=VALUE",
-    help="Set a configuration parameter.",
+    metavar="I.PARAMETER=VALUE",
+    help="Set a configuration parameter of instance I.",
 )
 @click.option(
     "--timeline",
     "timeline_file",
     metavar="FILE",
-    help="Timeline of the run; default: timeline.toml of the folder.",
-)
-@click.option(
-    "--csv",
-    "table",
-    multiple=True,
-    metavar="FILE|INSTANCE.PORT",
-    help="Write the trajectory as CSV, or values of ports and observables.",
-)
-@click.option(
-    "--plot",
-    "picture",
-    multiple=True,
-    metavar="FILE|INSTANCE.PORT",
-    help="Draw the trajectory (.svg, .png, .pdf), or values of ports and observables.",
-)
-@click.option(
-    "--log", metavar="FILE", help="Write state changes and samples as JSON lines."
+    help="Timeline; default: timeline.toml of the folder.",
 )
 @click.option(
     "--checkpoints",
     metavar="FOLDER",
-    help="Save the declared state of components there, and restore it at the start.",
+    help="Keep the state of components for the next run.",
 )
-@click.option(
-    "--supervise",
-    type=click.Choice(["never", "on-failure"]),
-    help="Run each component in its own process, with a restart policy.",
+@grouped(
+    "Results",
+    click.option(
+        "--csv",
+        "table",
+        multiple=True,
+        metavar="FILE|INSTANCE.PORT",
+        help="Write the trajectory, or values, as CSV.",
+    ),
+    click.option(
+        "--plot",
+        "picture",
+        multiple=True,
+        metavar="FILE|INSTANCE.PORT",
+        help="Draw them: .svg, .png or .pdf.",
+    ),
+    click.option(
+        "--log", metavar="FILE", help="Write states and samples as JSON lines."
+    ),
 )
-@click.option(
-    "--group",
-    "groups",
-    multiple=True,
-    metavar="INSTANCE,...",
-    help="Components that share a process (--supervise).",
-)
-@click.option(
-    "--restarts",
-    type=WholeRange(0, 1000000),
-    default=5,
-    show_default=True,
-    metavar="NUMBER",
-    help="Maximum number of consecutive restarts of a process (--supervise).",
-)
-@with_value_checks
 @with_recording
-@with_ros2
 @with_live
 @with_transport
+@grouped(
+    PROCESSES,
+    click.option(
+        "--ros2",
+        type=click.Choice(["dds", "zenoh"]),
+        help="Map [ros2.topics] to topics of ROS 2.",
+    ),
+)
+@grouped(
+    "Supervision",
+    click.option(
+        "--supervise",
+        type=click.Choice(["never", "on-failure"]),
+        metavar="RESTART",
+        help="One process each; restart: never, on-failure.",
+    ),
+    click.option(
+        "--group",
+        "groups",
+        multiple=True,
+        metavar="INSTANCE,...",
+        help="Components that share a process.",
+    ),
+    click.option(
+        "--restarts",
+        type=WholeRange(0, 1000000),
+        default=5,
+        metavar="NUMBER",
+        help="In a row; default: 5.",
+    ),
+)
+@with_value_checks
 @with_failures
-@with_console
 def run(
     console: Console,
-    system: str,
+    system: str | None,
     clock: str,
     until: str | None,
+    until_at: Span | None,
     settings: tuple[str, ...],
     timeline_file: str | None,
     table: tuple[str, ...],
@@ -124,25 +144,16 @@ def run(
 ) -> int:
     """Run a system on the embedded runtime.
 
-    SYSTEM is an RtsProfile, or a folder with system.xml and optionally timeline.toml. Exit code 0:
-    the condition of --until, or of the system's property rtgen.run.until, was met; 1: it was not
-    met in time, the robot ended beyond rtgen.run.tolerance, a component ended in ERROR (unless
-    rtgen.run.finishes names it), or its code raised an exception; 130: Ctrl-C or SIGTERM ended it
-    before. A run in simulated time that only waits for a state ends after ten minutes.
-
-    --csv and --plot may be repeated: INSTANCE.PORT, INSTANCE.PORT.member and INSTANCE.PORT[index]
-    are values over time, anything else is the output file, by default values.csv and values.svg
-    below build. Without values, the file contains the trajectory.
-
-    With --transport corba, service calls use omniORB, and components appear as components of
-    OpenRTM; with --transport dds or zenoh, samples and calls use DDS or Zenoh. With --only, this
-    process runs a part of the system, and exchanges samples and calls with the processes that run
-    the rest.
+    SYSTEM is an RtsProfile, or a folder with system.xml and perhaps timeline.toml; it and options
+    that are missing are those of `[run]` in rtgen.toml.
+    Exit code 1: the end was not reached, a component ended in ERROR, or its code raised; 130:
+    interrupted. --csv and --plot INSTANCE.PORT[.MEMBER] may be repeated.
     """
     options = RunOptions(
-        system=system,
+        system=required(system),
         simulated=clock == "sim",
         until=until,
+        until_at=until_at,
         settings=settings,
         timeline_file=timeline_file,
         table=table,

@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from rtgen.cli.help import grouped
 from rtgen.cli.parameter_types import FiniteRange
 from rtgen.facts.value_checks import CheckValues
 from rtgen.tools.running.failures import FailureOptions
@@ -23,70 +24,68 @@ def with_failures(command: Callable[..., int]) -> Callable[..., int]:
 
     @functools.wraps(command)
     def wrapped(
-        traceback_form: str, debug: bool, verbose: int, fail_on: str, **kwargs: Any
+        *args: Any,
+        traceback_form: str,
+        debug: bool,
+        verbose: int,
+        fail_on: str,
+        **kwargs: Any,
     ) -> int:
         counted = fail_on == "error"
         options = FailureOptions(traceback_form, debug, verbose, counted)
-        return command(shown_failures=options, **kwargs)
+        return command(*args, shown_failures=options, **kwargs)
 
-    function: Callable[..., int] = wrapped
-    for decorate in (
+    return grouped(
+        "Failures",
         click.option(
             "--fail-on",
             type=click.Choice(["error", "never"]),
             default="error",
-            show_default=True,
-            help="Exit code 1 for a component in ERROR at the end, or whose code raised.",
-        ),
-        click.option(
-            "-v",
-            "--verbose",
-            "verbose",
-            count=True,
-            help="Print messages of the runtime; -vv: all messages.",
-        ),
-        click.option(
-            "--pdb",
-            "debug",
-            is_flag=True,
-            help="Open the debugger where component code raises; quitting it ends the run.",
+            metavar="WHAT",
+            help="Exit code 1 for components that fail: error, never.",
         ),
         click.option(
             "--traceback",
             "traceback_form",
             type=click.Choice(["none", "short", "full"]),
             default="short",
-            show_default=True,
-            help="Traceback of component code that fails; short: its own files only.",
+            metavar="FORM",
+            help="Where component code failed: none, short, full.",
         ),
-    ):
-        function = decorate(function)
-    return function
+        click.option(
+            "--pdb",
+            "debug",
+            is_flag=True,
+            help="Open the debugger where component code raises.",
+        ),
+        click.option(
+            "-v",
+            "--verbose",
+            "verbose",
+            count=True,
+            help="Print messages of the runtime; -vv: all.",
+        ),
+    )(wrapped)
 
 
-with_value_checks = click.option(
-    "--check-values",
-    type=click.Choice([each.value for each in CheckValues]),
-    default=CheckValues.FIRST.value,
-    show_default=True,
-    help="Check values of samples and calls in the process: all, the first and some, or none.",
+with_value_checks = grouped(
+    "Failures",
+    click.option(
+        "--check-values",
+        type=click.Choice([each.value for each in CheckValues]),
+        default=CheckValues.FIRST.value,
+        metavar="WHICH",
+        help="Samples, calls to check: always, first, never.",
+    ),
 )
 
 
-def with_ros2(command: Callable[..., int]) -> Callable[..., int]:
-    """Add the option to a command; the function gets it as `ros2`."""
-
-    @click.option(
-        "--ros2",
-        type=click.Choice(["dds", "zenoh"]),
-        help="Map the ports of [ros2.topics] to topics of ROS 2 (real time).",
-    )
-    @functools.wraps(command)
-    def wrapped(*args: Any, **kwargs: Any) -> int:
-        return command(*args, **kwargs)
-
-    function: Callable[..., int] = wrapped
-    return function
+with_clock = click.option(
+    "--clock",
+    type=click.Choice(["sim", "real"]),
+    default="sim",
+    help="Simulated time, at full speed, or real time.",
+)
 
 
 _LOOPBACK = "127.0.0.1"
@@ -119,20 +118,23 @@ def _place(
 def with_live(command: Callable[..., int]) -> Callable[..., int]:
     """Add the options to a command; the function gets them as `live`."""
 
-    @click.option(
-        "--foxglove",
-        "place",
-        is_flag=False,
-        flag_value=str(_PORT),
-        callback=_place,
-        metavar="[[HOST:]PORT]",
-        help=f"Serve the run to Foxglove; default: {_LOOPBACK}:{_PORT}; port 0: any free port.",
-    )
-    @click.option(
-        "--rate",
-        type=RATE,
-        metavar="FACTOR",
-        help="Simulated seconds per second; default: as fast as possible.",
+    @grouped(
+        "Results",
+        click.option(
+            "--foxglove",
+            "place",
+            is_flag=False,
+            flag_value=str(_PORT),
+            callback=_place,
+            metavar="[[HOST:]PORT]",
+            help=f"Serve the run to Foxglove, at {_LOOPBACK}:{_PORT}.",
+        ),
+        click.option(
+            "--rate",
+            type=RATE,
+            metavar="FACTOR",
+            help="Simulated seconds per second.",
+        ),
     )
     @functools.wraps(command)
     def wrapped(
@@ -143,23 +145,26 @@ def with_live(command: Callable[..., int]) -> Callable[..., int]:
     ) -> int:
         return command(*args, live=LiveOptions(place, rate), **kwargs)
 
-    function: Callable[..., int] = wrapped
-    return function
+    return wrapped
 
 
 def with_recording(command: Callable[..., int]) -> Callable[..., int]:
     """Add the options to a command; the function gets them as `recording`."""
 
-    @click.option(
-        "--record",
-        "recorded",
-        metavar="FILE.mcap",
-        help="Record samples, states, parameters, frames and calls of boards as MCAP.",
-    )
-    @click.option(
-        "--compression",
-        type=click.Choice(["zstd", "lz4", "none"]),
-        help="Compression of --record; default: zstd.",
+    @grouped(
+        "Results",
+        click.option(
+            "--record",
+            "recorded",
+            metavar="FILE.mcap",
+            help="Record samples, states, frames, calls as MCAP.",
+        ),
+        click.option(
+            "--compression",
+            type=click.Choice(["zstd", "lz4", "none"]),
+            metavar="NAME",
+            help="Of --record: zstd (default), lz4 or none.",
+        ),
     )
     @functools.wraps(command)
     def wrapped(
@@ -168,5 +173,4 @@ def with_recording(command: Callable[..., int]) -> Callable[..., int]:
         options = RecordingOptions(recorded, compression)
         return command(*args, recording=options, **kwargs)
 
-    function: Callable[..., int] = wrapped
-    return function
+    return wrapped

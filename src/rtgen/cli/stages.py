@@ -9,6 +9,7 @@ from typing import Concatenate, ParamSpec
 import click
 from msgspec.structs import replace
 
+from rtgen.cli.help import MESSAGES, grouped
 from rtgen.tools.compiling.shown_stages import shown
 from rtgen.tools.kit.console import Console
 
@@ -20,12 +21,15 @@ def with_stages(
 ) -> Callable[..., int]:
     """Add -v, and show the stages of the run; place it below `with_console`."""
 
-    @click.option(
-        "-v",
-        "--verbose",
-        "verbose",
-        is_flag=True,
-        help="Print the time of each stage on standard error.",
+    @grouped(
+        MESSAGES,
+        click.option(
+            "-v",
+            "--verbose",
+            "verbose",
+            is_flag=True,
+            help="Print the time of each stage on standard error.",
+        ),
     )
     @functools.wraps(function)
     def wrapped(

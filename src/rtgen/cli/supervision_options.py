@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import chain
 
 import click
+from click.core import ParameterSource
 
 from rtgen.tools.kit.exits import Refusal
 from rtgen.tools.running.transports import ACTIVATED, TAKES
@@ -23,13 +24,16 @@ _COMPATIBLE = (
 ) - {"only", ACTIVATED}
 """All options that are compatible with it."""
 
+_HANDED_ON = frozenset({ParameterSource.COMMANDLINE, ParameterSource.DEFAULT_MAP})
+"""Sources of the options that processes get: the command line, and `[run]`."""
+
 
 def check_options(context: click.Context) -> None:
     """Raise Refusal for an option that is incompatible with `--supervise`."""
     for parameter in context.command.params:
         name = parameter.name or ""
         source = context.get_parameter_source(name)
-        if source is click.core.ParameterSource.COMMANDLINE and name not in _COMPATIBLE:
+        if source is ParameterSource.COMMANDLINE and name not in _COMPATIBLE:
             raise Refusal(f"--supervise does not go with {parameter.opts[-1]}")
 
 
@@ -39,10 +43,7 @@ def handed_on(context: click.Context) -> list[str]:
     for parameter in context.command.params:
         name = parameter.name or ""
         source = context.get_parameter_source(name)
-        if (
-            source is not click.core.ParameterSource.COMMANDLINE
-            or name in _NOT_PASSED_ON
-        ):
+        if source not in _HANDED_ON or name in _NOT_PASSED_ON:
             continue
         value = context.params.get(name)
         text = ",".join(value) if isinstance(value, tuple) else str(value)

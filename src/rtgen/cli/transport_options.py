@@ -9,9 +9,11 @@ from typing import Any
 
 import click
 
+from rtgen.cli.help import grouped
 from rtgen.cli.parameter_types import FiniteRange, Place, WholeRange
 from rtgen.compiler.kit import plugins
-from rtgen.tools.running.transports import BUILT_IN, TransportOptions
+from rtgen.compiler.project import TRANSPORTS
+from rtgen.tools.running.transports import TransportOptions
 
 
 def _locators(
@@ -42,7 +44,16 @@ def _partition(_: click.Context, __: click.Parameter, value: str | None) -> str 
         raise click.BadParameter(f"{error}.") from error
 
 
+PROCESSES = "Processes"
+"""The title of the options of this module."""
+
 ENGINE_OPTIONS = (
+    click.option(
+        "--partition",
+        callback=_partition,
+        metavar="NAME",
+        help="Common name; default: that of the system.",
+    ),
     click.option(
         "--interface",
         metavar="NAME|ADDRESS",
@@ -58,31 +69,25 @@ ENGINE_OPTIONS = (
         "--connect",
         callback=_locators,
         metavar="LOCATOR,...",
-        help="Routers or peers (zenoh), as tcp/HOST:PORT; default: those of this machine.",
+        help="Routers, peers (zenoh): tcp/HOST:PORT.",
     ),
     click.option(
         "--listen",
         callback=_locators,
         metavar="LOCATOR,...",
-        help="Locators of this peer for other peers (zenoh); default: loopback.",
-    ),
-    click.option(
-        "--partition",
-        callback=_partition,
-        metavar="NAME",
-        help="Name shared by the processes of a system; default: the name of the system.",
+        help="Where this peer listens (zenoh).",
     ),
     click.option(
         "--transport-config",
         type=click.Path(exists=True, dir_okay=False),
         metavar="FILE",
-        help="Configuration file of the engine (dds, zenoh) in its own format.",
+        help="The engine's own configuration (dds, zenoh).",
     ),
     click.option(
         "--call-timeout",
         type=FiniteRange(0.001, 3600),
         metavar="SECONDS",
-        help="Time-out of calls between processes; default: 2.",
+        help="Time-out of calls; default: 2.",
     ),
 )
 
@@ -91,7 +96,7 @@ class _Transport(click.Choice[str]):
     """Names of the built-in transports, shown in help texts, and of plug-ins."""
 
     def __init__(self) -> None:
-        super().__init__(["direct", *BUILT_IN])
+        super().__init__(TRANSPORTS)
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
@@ -109,37 +114,37 @@ _OPTIONS = (
         "--transport",
         type=_Transport(),
         default="direct",
-        show_default=True,
-        help="Transport of service calls, and of samples between processes.",
+        metavar="NAME",
+        help="direct, corba, dds or zenoh; default: direct.",
     ),
     click.option(
         "--only",
         metavar="INSTANCE,...",
-        help="Components of this process; other processes run the rest (real time).",
+        help="The components that this process runs.",
     ),
     click.option(
         "--foreign",
         metavar="INSTANCE,...",
-        help="Components that rtgen does not run, but connects and activates (corba).",
+        help="Components that rtgen does not run (corba).",
     ),
     click.option("--activated", metavar="FILE", hidden=True),
     click.option(
         "--nameserver",
         type=Place(),
         metavar="HOST[:PORT]",
-        help="Naming service (corba); default: that of this machine, else a new one.",
+        help="Naming service (corba); default: a new one.",
     ),
     click.option(
         "--endpoint",
         metavar="HOST",
-        help="Address of this process for other processes (corba); default: 127.0.0.1.",
+        help="Address of this process (corba).",
     ),
     *ENGINE_OPTIONS,
     click.option(
         "--wait",
         type=FiniteRange(0, 86400),
         metavar="SECONDS",
-        help="Time to wait for other processes; default: 30.",
+        help="For other processes; default: 30.",
     ),
 )
 
@@ -152,7 +157,4 @@ def with_transport(command: Callable[..., int]) -> Callable[..., int]:
         options = {f.name: kwargs.pop(f.name) for f in fields(TransportOptions)}
         return command(*args, carrying=TransportOptions(**options), **kwargs)
 
-    function: Callable[..., int] = wrapped
-    for option in reversed(_OPTIONS):
-        function = option(function)
-    return function
+    return grouped(PROCESSES, *_OPTIONS)(wrapped)

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.parameter_types import Place, WholeRange
-from rtgen.cli.running_options import with_recording, with_value_checks
+from rtgen.cli.run_table import with_run_table
+from rtgen.cli.running_options import with_clock, with_recording, with_value_checks
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import OK
 from rtgen.tools.running.recording_options import RecordingOptions
@@ -18,15 +20,11 @@ if TYPE_CHECKING:
     from rtgen.ui.serving import Server
 
 
-@click.command()
+@command()
+@with_console
+@with_run_table(system="systems", clock="clock")
 @click.argument("systems", metavar="[SYSTEM]...", nargs=-1)
-@click.option(
-    "--clock",
-    type=click.Choice(["sim", "real"]),
-    default="sim",
-    show_default=True,
-    help="Simulated time, which can be paused and stepped, or real time.",
-)
+@with_clock
 @click.option(
     "--port",
     type=WholeRange(0, 65535),
@@ -64,10 +62,9 @@ if TYPE_CHECKING:
     default=True,
     help="Start the run at once.",
 )
-@with_console
 def ui(
     console: Console,
-    systems: tuple[str, ...],
+    systems: str | tuple[str, ...],
     clock: str,
     port: int,
     buses: tuple[str, ...],
@@ -81,14 +78,17 @@ def ui(
 ) -> int:
     """Show a system in a browser: wire it, drive it, watch it.
 
-    SYSTEM is an RtsProfile, or a folder with system.xml. The page shows the first one and can open
-    the others. Instead of systems, one recording (FILE.mcap) is shown, or two are compared. A
-    recording given with systems is compared with the running one. With --nameserver, SYSTEM is
-    optional. The page is served at 127.0.0.1 only; its address contains a secret token.
+    SYSTEM is an RtsProfile, or a folder with system.xml; default: that of `[run]`. The page shows
+    the first one and can open the others. Instead of systems, one recording (FILE.mcap) is shown,
+    or two are compared. A recording given with systems is compared with the running one. With
+    --nameserver, SYSTEM is optional. The page is served at 127.0.0.1 only; its address contains a
+    secret token.
     """
+    if isinstance(systems, str):  # that of `[run]`
+        systems = () if name_servers else (systems,)
     if not systems and not name_servers:
         raise click.UsageError(
-            "Missing argument 'SYSTEM...', or option '--nameserver'."
+            "Missing argument 'SYSTEM...', or option '--nameserver', or `[run] system`."
         )
     from rtgen.ui.launch import UiOptions, served
 

@@ -30,7 +30,7 @@ from rtgen.tools.conformance.check import Permission
 from rtgen.tools.conformance.report import Report, Verdict
 from rtgen.tools.rpc.board import MockBoard
 from rtgen.tools.rpc.codecs import Service
-from rtgen.tools.rpc.signatures import Peer, Wire, read_unit, service_of
+from rtgen.tools.rpc.signatures import CdlFiles, Peer, Wire
 
 pytestmark = pytest.mark.waits
 
@@ -55,7 +55,7 @@ MOVE, FILL, LABEL, MAYBE, HALT = range(1, 6)
 def service(folder: Path, text: str = CDL) -> Service:
     file = folder / "bench.cdl"
     file.write_text(text)
-    return service_of(read_unit(file), "sBench", PEER.wire)
+    return CdlFiles(file).service("sBench", PEER.wire)
 
 
 @contextmanager

@@ -16,7 +16,7 @@ import pytest
 from rtgen.cli import run
 from rtgen.runtime.opaque_rpc import E_BOVR, E_OBJ, E_RPC, ERCD, NETWORK
 from rtgen.tools.rpc.board import MockBoard, ScriptError
-from rtgen.tools.rpc.signatures import Wire, read_unit, service_of
+from rtgen.tools.rpc.signatures import CdlFiles, Wire, service_of
 
 Call: TypeAlias = Callable[..., tuple[int, Any]]
 
@@ -145,7 +145,7 @@ def test_script(cdl: Path, call: Call, tmp_path: Path) -> None:
     ],
 )
 def test_lines_that_cannot_be_used(cdl: Path, line: str, message: str) -> None:
-    service = service_of(read_unit(cdl), "sMove", Wire(NETWORK, "tecsgen"))
+    service = service_of(CdlFiles(cdl).units()[0], "sMove", Wire(NETWORK, "tecsgen"))
     with pytest.raises(ScriptError, match=message) as caught:
         MockBoard(service, f"\n{line}\n")
     assert caught.value.line == 2

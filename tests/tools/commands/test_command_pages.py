@@ -8,6 +8,7 @@ import shutil
 import subprocess
 from collections.abc import Iterator
 from importlib.util import find_spec
+from itertools import chain, pairwise
 from pathlib import Path
 
 import click
@@ -54,23 +55,101 @@ def command_of(name: str) -> click.Command:
     return command
 
 
-def test_examples_belong_to_commands() -> None:
-    assert EXAMPLES.keys() <= {*ALL}
+SCREEN = (24, 80)
+"""Lines and columns of a terminal."""
+GROUPS = sorted({name.partition(" ")[0] for name in ALL if " " in name})
+OLD_NAMES = ["adopt"]
+EVERY = ["", *GROUPS, *ALL, *OLD_NAMES]
+
+
+def help_of(name: str, capfd: pytest.CaptureFixture[str]) -> list[str]:
+    assert run([*name.split(), "--help"]) == 0
+    return capfd.readouterr().out.splitlines()
+
+
+def test_the_help_of_rtgen_fits_a_screen(capfd: pytest.CaptureFixture[str]) -> None:
+    lines = help_of("", capfd)
+    assert len(lines) < SCREEN[0]
+    sections = {
+        "write": ["new", "generate", "fmt", "check", "diff"],
+        "run": ["run", "ui", "ctl", "log"],
+        "devices": ["can", "rpc", "conformance"],
+        "files": ["convert", "docs", "graph"],
+    }
+    shown: dict[str, list[str]] = {}
+    title = ""
+    for line in lines[4:]:
+        title = line[:9].strip() or title
+        shown.setdefault(title, []).append(line[9:].split()[0])
+    assert {title: shown[title] for title in sections} == sections
+    more = next(line for line in lines if line.startswith("more"))
+    named = {*more.replace(",", "").split()[1:], *chain(*sections.values())}
+    assert named == {*application.list_commands(click.Context(application))}
+    assert not named & {*OLD_NAMES}
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_a_help_is_short(name: str, capfd: pytest.CaptureFixture[str]) -> None:
+    lines = help_of(name, capfd)
+    assert len(lines) < 60
+    assert max(map(len, lines)) <= SCREEN[1]
 
 
 @pytest.mark.parametrize("name", ALL)
-def test_help_ends_with_an_example_that_can_be_parsed(
+def test_options_are_under_titles(name: str, capfd: pytest.CaptureFixture[str]) -> None:
+    """Each option once; those that all commands have come last, under one title."""
+    lines = help_of(name, capfd)
+    first = next(n for n, line in enumerate(lines) if re.fullmatch(r"\w+:", line))
+    shown = [
+        line.split()[0].rstrip(",") for line in lines[first:] if line.startswith("  -")
+    ]
+    options = {
+        parameter.opts[0]
+        for parameter in command_of(name).params
+        if isinstance(parameter, click.Option) and not parameter.hidden
+    }
+    assert sorted(shown) == sorted({*options, "-h"})
+    last = lines.index("Messages:")
+    assert {line.split()[0] for line in lines[last + 1 : -2]} >= {
+        "--diagnostics",
+        "-h,",
+    }
+
+
+def test_the_options_of_runs_are_in_groups(capfd: pytest.CaptureFixture[str]) -> None:
+    lines = help_of("run", capfd)
+    titles = [line for line in lines if line.endswith(":") and not line.startswith(" ")]
+    assert len(titles) >= 6
+    sizes = [
+        sum(line.startswith("  -") for line in lines[begin:end])
+        for begin, end in pairwise([*map(lines.index, titles), len(lines)])
+    ]
+    assert sum(sizes) >= 37
+    assert max(sizes) <= 15
+
+
+def test_examples_belong_to_commands() -> None:
+    assert EXAMPLES.keys() == {*EVERY}
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_a_help_ends_with_one_example_that_can_be_parsed(
     name: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    assert run([*name.split(), "--help"]) == 0
-    _, found, examples = capfd.readouterr().out.partition("Example")
-    assert found
-    own = re.findall(rf"\brtgen {name}\b.*", examples)
-    assert own
-    for line in own:
-        words = shlex.split(line, comments=True)[1 + len(name.split()) :]
-        # Raises UsageError for unknown options and arguments.
-        command_of(name).make_context(name, words)
+    lines = help_of(name, capfd)
+    [example] = [line for line in lines if "example" in line.lower()]
+    assert example == lines[-1]
+    words = shlex.split(example.removeprefix("Example: "))
+    assert words[: 1 + len(name.split())] == ["rtgen", *name.split()]
+    command: click.Command = application
+    context = click.Context(application, info_name="rtgen")
+    rest = words[1:]
+    while isinstance(command, click.Group):
+        inner = command.get_command(context, rest[0])
+        assert inner is not None
+        command, rest = inner, rest[1:]
+    # Raises UsageError for unknown options and arguments.
+    command.make_context(example, rest)
 
 
 @pytest.mark.parametrize("name", ALL)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.parameter_types import WholeRange
 from rtgen.compiler.diagnostics import ToolError
@@ -35,7 +36,7 @@ def _faults(
         raise click.BadParameter(str(error), context, option) from error
 
 
-@click.command("hub")
+@command("hub")
 @click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS")
 @click.option(
     "--port",

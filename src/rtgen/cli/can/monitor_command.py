@@ -7,6 +7,7 @@ import sys
 import click
 
 from rtgen.cli.can.options import with_bus, with_nodes, with_span
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.tools.can.access import BusAccess, NodeFiles
 from rtgen.tools.can.decoding.frame_printing import MessageDecoder, Printer, Wanted
@@ -15,7 +16,7 @@ from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import OK
 
 
-@click.command("monitor")
+@command("monitor")
 @click.option(
     "--plain", is_flag=True, help="Print a line per frame instead of a table."
 )
@@ -50,7 +51,7 @@ def monitor_(
     On a terminal, the output is a table with a row per identifier; elsewhere, or with --plain, a
     line per frame. The command stops at Ctrl-C, or according to --for and --count.
     """
-    node_index = node_files.read()
+    node_index = node_files.read(console)
     selection = Wanted(node_index, nodes, kinds)
     with opened(access.on(node_index)) as bus, frames(bus, seconds, count) as received:
         if as_json or plain or not sys.stdout.isatty():

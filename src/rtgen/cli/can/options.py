@@ -9,6 +9,7 @@ from typing import Any, ParamSpec, TypeVar
 
 import click
 
+from rtgen.cli.help import grouped
 from rtgen.cli.parameter_types import FiniteRange, WholeRange
 from rtgen.runtime.canopen.bus.python_can import Option, option
 from rtgen.tools.can.access import CHANNEL, BusAccess, NodeFiles
@@ -20,25 +21,28 @@ R = TypeVar("R")
 def with_bus(function: Callable[P, R]) -> Callable[..., R]:
     """Add --interface, --channel, --bitrate and --option; the function gets `access`."""
 
-    @click.option(
-        "--interface",
-        metavar="NAME",
-        help="python-can's interface: socketcan, socketcand, slcan, ...",
-    )
-    @click.option("--channel", metavar="NAME", help=f"Channel; default: {CHANNEL}.")
-    @click.option(
-        "--bitrate",
-        type=WholeRange(min=1),
-        metavar="N",
-        help="Bit rate in bit/s; default: the interface's.",
-    )
-    @click.option(
-        "--option",
-        "further",
-        multiple=True,
-        metavar="KEY=VALUE",
-        callback=_arguments,
-        help="Additional argument of the interface, such as host=127.0.0.1.",
+    @grouped(
+        "Bus",
+        click.option(
+            "--interface",
+            metavar="NAME",
+            help="python-can's: socketcan, socketcand, slcan, ...",
+        ),
+        click.option("--channel", metavar="NAME", help=f"Default: {CHANNEL}."),
+        click.option(
+            "--bitrate",
+            type=WholeRange(min=1),
+            metavar="N",
+            help="In bit/s; default: the interface's.",
+        ),
+        click.option(
+            "--option",
+            "further",
+            multiple=True,
+            metavar="KEY=VALUE",
+            callback=_arguments,
+            help="For the interface, such as host=127.0.0.1.",
+        ),
     )
     @functools.wraps(function)
     def wrapped(
@@ -58,20 +62,23 @@ def with_bus(function: Callable[P, R]) -> Callable[..., R]:
 def with_nodes(function: Callable[P, R]) -> Callable[..., R]:
     """Add --bus and --eds; the function gets `node_files`."""
 
-    @click.option(
-        "--bus",
-        "bus_file",
-        type=click.Path(dir_okay=False, path_type=Path),
-        metavar="FILE",
-        help="Bus file (TOML) that describes the nodes.",
-    )
-    @click.option(
-        "--eds",
-        "descriptions",
-        multiple=True,
-        metavar="NODE-ID=FILE",
-        callback=_descriptions,
-        help="EDS or DCF of a node; a DCF may contain the node-id.",
+    @grouped(
+        "Bus",
+        click.option(
+            "--bus",
+            "bus_file",
+            type=click.Path(dir_okay=False, path_type=Path),
+            metavar="FILE",
+            help="Bus file with the nodes; default: the project's.",
+        ),
+        click.option(
+            "--eds",
+            "descriptions",
+            multiple=True,
+            metavar="NODE-ID=FILE",
+            callback=_descriptions,
+            help="EDS or DCF of a node; a DCF may have its id.",
+        ),
     )
     @functools.wraps(function)
     def wrapped(

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rtgen.cli.can.options import with_bus, with_nodes, with_span
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.tools.can.access import BusAccess, NodeFiles
 from rtgen.tools.can.decoding.frame_printing import MessageDecoder
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from can import Message
 
 
-@click.command("plot")
+@command("plot")
 @click.argument("objects", nargs=-1, required=True, metavar="OBJECT...")
 @click.option(
     "--from",
@@ -61,7 +62,7 @@ def plot_(
     it. Values come from PDOs and SDO, and are physical if the object has a factor. On a bus, the
     command stops at Ctrl-C, or according to --for and --count. Exit code 1: there was no value.
     """
-    node_index = node_files.read()
+    node_index = node_files.read(console)
     for path in outputs:
         check_output(path)
     curves = _series(node_index, objects)

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from rtgen.cli.can.options import with_bus, with_span
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.tools.can.access import BusAccess
 from rtgen.tools.can.common import counted
@@ -16,7 +17,7 @@ from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import OK
 
 
-@click.command("record")
+@command("record")
 @click.argument("file", type=click.Path(dir_okay=False, path_type=Path))
 @with_span
 @with_bus

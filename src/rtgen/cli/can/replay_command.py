@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rtgen.cli.can.options import with_bus, with_nodes
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.parameter_types import FiniteRange
 from rtgen.runtime.canopen.bus.messages import frame_of
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from can import Message
 
 
-@click.command("replay")
+@command("replay")
 @click.argument("file", type=click.Path(dir_okay=False, path_type=Path))
 @click.option(
     "--speed",
@@ -81,7 +82,7 @@ def replay_(
     --decode prints frames as `monitor` does. Error frames and frames of CAN FD are not sent, nor
     are remote frames over socketcand. What is damaged in FILE is reported, and the rest is read.
     """
-    node_index = node_files.read()
+    node_index = node_files.read(console)
     if decode:
         selection = Wanted(node_index, nodes, kinds)
         printer = Printer(node_index, selection, as_json=as_json, write=write_out)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import click
 
 from rtgen.cli.can.options import with_bus, with_nodes
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.parameter_types import FiniteRange
 from rtgen.runtime.canopen.wire.lss import LssAddress
@@ -33,7 +34,7 @@ class _Row:
     identity: tuple[int | None, ...] = field(default=())
 
 
-@click.command("scan")
+@command("scan")
 @click.option(
     "--for",
     "seconds",
@@ -64,7 +65,7 @@ def scan_(
     heartbeats reveal nodes that do not serve SDO now. LSS fastscan finds nodes without a node-id,
     and does not change them. Exit code 1: with --bus or --eds, a node is missing or different.
     """
-    node_index = node_files.read()
+    node_index = node_files.read(console)
     with opened(access.on(node_index)) as bus:
         nodes, strangers = scanned(bus, seconds), list[LssAddress]()
         if not no_lss:

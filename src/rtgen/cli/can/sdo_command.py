@@ -10,16 +10,15 @@ from typing import get_args
 import click
 
 from rtgen.cli.can.options import with_bus, with_nodes
+from rtgen.cli.help import Command, command
 from rtgen.cli.options import with_console
-from rtgen.cli.parameter_types import FiniteRange
+from rtgen.cli.parameter_types import FiniteRange, WholeRange
 from rtgen.compiler.diagnostics import ToolError
 from rtgen.facts.cob_ids import SDO_SERVERS
 from rtgen.facts.files import UnreadableError, read_file
 from rtgen.runtime.canopen.description import Kind
 from rtgen.runtime.canopen.values import ObjectValueError, encode
-from rtgen.runtime.canopen.wire.frames import (
-    SECOND,
-)
+from rtgen.runtime.canopen.wire.frames import SECOND
 from rtgen.runtime.canopen.wire.sdo import SdoAbort
 from rtgen.tools.can.access import BusAccess, NodeFiles
 from rtgen.tools.can.decoding.node_index import DescribedObject
@@ -49,7 +48,7 @@ class _NoValueError(click.ClickException):
     exit_code = NO
 
 
-class _Command(click.Command):
+class _Command(Command):
     """A command that accepts negative numbers as arguments, although they look like options."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
@@ -63,7 +62,7 @@ def _unmarked(
     return None if text is None else text.replace(_MINUS, "-", 1)
 
 
-@click.command("sdo", cls=_Command)
+@command("sdo", cls=_Command)
 @click.argument("action", type=click.Choice(["read", "write"]))
 @click.argument("node", metavar="NODE")
 @click.argument("name", metavar="OBJECT")
@@ -97,7 +96,7 @@ def _unmarked(
 @click.option("--no-look", is_flag=True, help="Do not check for a manager first.")
 @click.option(
     "--server",
-    type=click.IntRange(1, len(SDO_SERVERS)),
+    type=WholeRange(1, len(SDO_SERVERS)),
     default=1,
     metavar="N",
     help="The SDO server of the node: 2 is that of 1201h in its description, for a second client.",
@@ -127,7 +126,7 @@ def sdo_(
     as 6040 or 6401:1. Long values use block transfer if the node supports it. Exit code 1: the node
     refuses, or an answer is missing or not valid: what has happened to which message is printed.
     """
-    node_index = node_files.read()
+    node_index = node_files.read(console)
     node_id = node_index.node(node)
     thing = requested_object(node_index, node_id, name, kind, raw=raw)
     if action == "read" and value is not None:

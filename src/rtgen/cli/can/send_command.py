@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 
 from rtgen.cli.can.options import with_bus, with_nodes
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.parameter_types import FiniteRange, WholeRange
 from rtgen.runtime.canopen.bus.python_can import OpenBus
@@ -22,7 +23,7 @@ from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import OK
 
 
-@click.command("send")
+@command("send")
 @click.argument("texts", nargs=-1, metavar="[FRAME]...")
 @click.option(
     "--file",
@@ -65,7 +66,7 @@ def send_(
     """
     if bool(texts) == (file is not None):
         raise click.UsageError(f"give frames, or --file; a frame is {FORMS}")
-    node_index = node_files.read()
+    node_index = node_files.read(console)
     if file is not None:
         steps = read_sequence(file, node_index)
     else:

@@ -8,20 +8,28 @@ from pathlib import Path
 import click
 from msgspec.structs import replace
 
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
+from rtgen.cli.run_table import with_run_table
 from rtgen.compiler.backends.canopen.reports import timing_text
 from rtgen.compiler.frontends.eds.information import BIT_RATES
 from rtgen.compiler.layouts.can_messages import messages
 from rtgen.compiler.layouts.can_timing import Timing, load, response_times
-from rtgen.compiler.systems import reading as systems
+from rtgen.tools.can.project_bus import listed, project_buses
 from rtgen.tools.can.writing_rates import writings
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import BAD_INPUT, NO, OK
+from rtgen.tools.running.plan import read_system
 
 
-@click.command("timing")
+@command("timing")
+@with_console
+@with_run_table(system="system")
 @click.argument(
-    "file", metavar="BUS.toml", type=click.Path(dir_okay=False, path_type=Path)
+    "file",
+    metavar="[BUS.toml]",
+    required=False,
+    type=click.Path(dir_okay=False, path_type=Path),
 )
 @click.option(
     "--bit-rate",
@@ -30,16 +38,16 @@ from rtgen.tools.kit.exits import BAD_INPUT, NO, OK
 )
 @click.option(
     "--system",
-    type=click.Path(exists=True, dir_okay=False, path_type=Path),
-    help="Use the rates at which the components of a system write to the proxies.",
+    type=click.Path(exists=True),
+    metavar="FILE",
+    help="Use the rates at which its components write to the proxies.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-@with_console
 def timing_(
     console: Console,
-    file: Path,
+    file: Path | None,
     bit_rate: str | None,
-    system: Path | None,
+    system: str | None,
     as_json: bool,
 ) -> int:
     """Calculate the load of a bus, and the worst-case response time of each message.
@@ -50,6 +58,12 @@ def timing_(
     """
     from rtgen.compiler.frontends import bus as front_end
 
+    if file is None:
+        buses = project_buses(console)
+        if len(buses) != 1:
+            of = f"one of {listed(buses)}" if buses else "no bus file is in [sources]"
+            raise click.UsageError(f"Missing argument 'BUS.toml': {of}.")
+        [file] = buses
     result = front_end.load(file, root=Path.cwd())
     console.findings(result.diagnostics, result.sources)
     if result.bus is None:
@@ -57,11 +71,7 @@ def timing_(
     bus = replace(result.bus, bit_rate=int(bit_rate or result.bus.bit_rate))
     rates = None
     if system is not None:
-        read = systems.read([system], root=Path.cwd(), output=Path.cwd())
-        console.findings(read.diagnostics, read.sources)
-        if not read.systems:
-            return BAD_INPUT
-        rates = writings(bus, read.systems[0])
+        rates = writings(bus, read_system(system, console))
     traffic = messages(bus, rates)
     timings = list(response_times(traffic, bus.bit_rate))
     if as_json:

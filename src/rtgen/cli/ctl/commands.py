@@ -20,7 +20,7 @@ from rtgen.cli.ctl.common import (
     with_json,
     with_system,
 )
-from rtgen.cli.options import with_console
+from rtgen.cli.help import command
 from rtgen.cli.parameter_types import FiniteRange
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import NO, OK
@@ -42,10 +42,9 @@ _HEADER = ("instance", "state", "ticks", "overruns")
 _instances = click.argument("instances", nargs=-1, required=True, metavar="INSTANCE...")
 
 
-@click.command("list")
+@command("list")
 @with_json
 @with_system
-@with_console
 def list_(console: Console, options: CtlOptions, as_json: bool) -> int:
     """List the components of all processes with their states.
 
@@ -72,11 +71,10 @@ def list_(console: Console, options: CtlOptions, as_json: bool) -> int:
     return OK if states else NO
 
 
-@click.command("show")
+@command("show")
 @click.argument("instance", metavar="INSTANCE")
 @with_json
 @with_system
-@with_console
 def show_(console: Console, options: CtlOptions, instance: str, as_json: bool) -> int:
     """Show a component: state, ports, services, parameters."""
     with joined(console, options) as peers:
@@ -104,19 +102,17 @@ def show_(console: Console, options: CtlOptions, instance: str, as_json: bool) -
     return OK
 
 
-@click.command("activate")
+@command("activate")
 @_instances
 @with_system
-@with_console
 def activate_(console: Console, options: CtlOptions, instances: tuple[str, ...]) -> int:
     """Activate components; exit code 1 if one refuses or ends in ERROR."""
     return _steer(console, options, instances, lambda a: a.activate(), "ACTIVE")
 
 
-@click.command("deactivate")
+@command("deactivate")
 @_instances
 @with_system
-@with_console
 def deactivate_(
     console: Console, options: CtlOptions, instances: tuple[str, ...]
 ) -> int:
@@ -124,16 +120,15 @@ def deactivate_(
     return _steer(console, options, instances, lambda a: a.deactivate(), "INACTIVE")
 
 
-@click.command("reset")
+@command("reset")
 @_instances
 @with_system
-@with_console
 def reset_(console: Console, options: CtlOptions, instances: tuple[str, ...]) -> int:
     """Reset components that are in ERROR; exit code 1 if one refuses."""
     return _steer(console, options, instances, lambda a: a.reset(), "INACTIVE")
 
 
-@click.command("watch")
+@command("watch")
 @click.argument("instances", nargs=-1, metavar="[INSTANCE]...")
 @click.option(
     "--for",
@@ -144,7 +139,6 @@ def reset_(console: Console, options: CtlOptions, instances: tuple[str, ...]) ->
 )
 @with_json
 @with_system
-@with_console
 def watch_(
     console: Console,
     options: CtlOptions,

@@ -7,15 +7,18 @@ import json
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from rtgen import runtime
+from rtgen.cli.help import grouped
+from rtgen.cli.options import with_console
 from rtgen.cli.parameter_types import FiniteRange
-from rtgen.cli.transport_options import ENGINE_OPTIONS
+from rtgen.cli.run_table import GIVEN, with_run_table
+from rtgen.cli.transport_options import ENGINE_OPTIONS, PROCESSES
 from rtgen.compiler.diagnostics import ToolError, has_errors
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import BAD_INPUT, NO, ReportedError
@@ -51,23 +54,21 @@ _OPTIONS = (
     click.option(
         "--transport",
         type=click.Choice([*engines.TAKES]),
-        required=True,
-        help="Transport of the processes.",
+        help="Transport of the processes; default: that of [run].",
     ),
     click.option(
         "--system",
         type=click.Path(),
         metavar="FILE",
-        help="RtsProfile of the system, or its folder; the name of the system is the partition.",
+        help="The system, or its folder; its name is the partition.",
     ),
     *ENGINE_OPTIONS,
     click.option(
         "--wait",
         type=FiniteRange(0, 86400),
         default=2.0,
-        show_default=True,
         metavar="SECONDS",
-        help="Time to wait for components, and for a state.",
+        help="For components and states; default: 2.",
     ),
 )
 
@@ -78,15 +79,22 @@ with_json = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def with_system(command: Callable[..., int]) -> Callable[..., int]:
     """Add the options that name a system; the function gets them as `options`."""
 
+    @with_console
+    @with_run_table(system="system", transport="transport", partition="partition")
+    @grouped(PROCESSES, *_OPTIONS)
     @functools.wraps(command)
-    def wrapped(*args: Any, **kwargs: Any) -> int:
-        options = {f.name: kwargs.pop(f.name) for f in fields(CtlOptions)}
-        return command(*args, options=CtlOptions(**options), **kwargs)
+    def wrapped(console: Console, **kwargs: Any) -> int:
+        options = CtlOptions(**{f.name: kwargs.pop(f.name) for f in fields(CtlOptions)})
+        if options.transport not in engines.TAKES:
+            raise click.UsageError(
+                "Missing option '--transport', dds or zenoh, and `[run] transport` in rtgen.toml."
+            )
+        source = click.get_current_context().get_parameter_source
+        if source("partition") in GIVEN and source("system") not in GIVEN:
+            options = replace(options, system=None)
+        return command(console, options=options, **kwargs)
 
-    function: Callable[..., int] = wrapped
-    for option in reversed(_OPTIONS):
-        function = option(function)
-    return function
+    return wrapped
 
 
 @contextmanager

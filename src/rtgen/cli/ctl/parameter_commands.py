@@ -13,7 +13,7 @@ from rtgen.cli.ctl.common import (
     with_json,
     with_system,
 )
-from rtgen.cli.options import with_console
+from rtgen.cli.help import command
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import OK, Refusal
 
@@ -25,12 +25,11 @@ _set_option = click.option(
 )
 
 
-@click.command("get")
+@command("get")
 @click.argument("names", nargs=-1, required=True, metavar="INSTANCE[.PARAMETER]...")
 @_set_option
 @with_json
 @with_system
-@with_console
 def get_(
     console: Console,
     options: CtlOptions,
@@ -65,13 +64,12 @@ def get_(
     return OK
 
 
-@click.command("set")
+@command("set")
 @click.argument(
     "settings", nargs=-1, required=True, metavar="INSTANCE.PARAMETER=VALUE..."
 )
 @_set_option
 @with_system
-@with_console
 def set_(
     console: Console,
     options: CtlOptions,
@@ -89,11 +87,10 @@ def set_(
     return OK
 
 
-@click.command("use")
+@command("use")
 @click.argument("instance", metavar="INSTANCE")
 @click.argument("set_id", metavar="SET")
 @with_system
-@with_console
 def use_(console: Console, options: CtlOptions, instance: str, set_id: str) -> int:
     """Activate a configuration set."""
     with joined(console, options) as peers:

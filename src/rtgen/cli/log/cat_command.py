@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from rtgen.cli.help import command
 from rtgen.cli.log.common import with_choice
 from rtgen.cli.options import with_console
 from rtgen.tools.kit.console import Console, for_output
@@ -15,7 +16,7 @@ from rtgen.tools.recording.events import Log
 from rtgen.tools.recording.selection import choice, reported, say_losses
 
 
-@click.command("cat")
+@command("cat")
 @click.argument("file", type=click.Path(path_type=Path))
 @with_choice
 @with_console

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from rtgen.cli.help import command
 from rtgen.cli.log.values import with_values
 from rtgen.cli.options import with_console
 from rtgen.tools.kit.console import Console, write_out
@@ -15,7 +16,7 @@ from rtgen.tools.running.curves import write_curves
 from rtgen.tools.running.trajectory import opened
 
 
-@click.command("csv")
+@command("csv")
 @with_values
 @click.option(
     "-o", "output", metavar="FILE", help="Output file; default: standard output."

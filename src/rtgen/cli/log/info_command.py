@@ -9,6 +9,7 @@ from typing import Any
 
 import click
 
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.runtime.timing.clocks import SECOND
 from rtgen.tools.kit.console import Console, write_out
@@ -21,7 +22,7 @@ from rtgen.tools.running.summary import table
 _HEADER = ("event", "of", "type", "count", "from [s]", "to [s]")
 
 
-@click.command("info")
+@command("info")
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--json", "as_json", is_flag=True, help="Print JSON (rtgen-log/1).")
 @with_console

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from rtgen.cli.help import command
 from rtgen.cli.log.values import curves_of, with_values
 from rtgen.cli.options import with_console
 from rtgen.tools.kit.console import Console
@@ -14,7 +15,7 @@ from rtgen.tools.running.curves import draw_curves
 from rtgen.tools.running.trajectory import check_picture
 
 
-@click.command("plot")
+@command("plot")
 @with_values
 @click.option(
     "-o",

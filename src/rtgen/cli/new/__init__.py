@@ -24,10 +24,4 @@ def new() -> None:
 
     The new files pass rtgen check, rtgen lint, mypy --strict and their own test. Nothing is
     overwritten: if a file exists, or the result would have errors, no file is created.
-
-    \b
-    Example:
-      rtgen new project my-robot
-      cd my-robot
-      rtgen new component Arm
     """

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.compiler.project import Project, load, shown
 from rtgen.tools.kit.console import Console, write_out
@@ -19,7 +20,7 @@ if TYPE_CHECKING:  # loaded by the commands that need it
     from rtgen.tools.scaffold.starters import File, Place
 
 
-@click.command()
+@command()
 @click.argument("name", metavar="NAME")
 @click.option(
     "--from",
@@ -54,7 +55,7 @@ def project(console: Console, name: str, source: str | None) -> int:
     return OK
 
 
-@click.command()
+@command()
 @click.argument("name", metavar="NAME")
 @with_console
 def component(console: Console, name: str) -> int:
@@ -64,7 +65,7 @@ def component(console: Console, name: str) -> int:
     return _add(console, name, starters.component)
 
 
-@click.command()
+@command()
 @click.argument("name", metavar="NAME")
 @with_console
 def device(console: Console, name: str) -> int:
@@ -74,7 +75,7 @@ def device(console: Console, name: str) -> int:
     return _add(console, name, starters.device)
 
 
-@click.command()
+@command()
 @click.argument("name", metavar="NAME")
 @with_console
 def board(console: Console, name: str) -> int:
@@ -84,7 +85,7 @@ def board(console: Console, name: str) -> int:
     return _add(console, name, starters.board)
 
 
-@click.command()
+@command()
 @click.argument("name", metavar="NAME")
 @click.argument("components", nargs=-1, metavar="[COMPONENT]...")
 @with_console
@@ -111,7 +112,7 @@ def system(console: Console, name: str, components: tuple[str, ...]) -> int:
     return code
 
 
-@click.command()
+@command()
 @click.argument("name", metavar="NAME", required=False)
 @with_console
 def template(console: Console, name: str | None) -> int:
@@ -131,7 +132,7 @@ def template(console: Console, name: str | None) -> int:
     return OK
 
 
-@click.command()
+@command()
 @click.argument("name", metavar="NAME")
 @with_console
 def backend(console: Console, name: str) -> int:

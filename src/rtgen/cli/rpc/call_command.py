@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import cast
 
 import click
 
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.parameter_types import WholeRange
 from rtgen.cli.rpc.common import with_cdl, with_peer
@@ -22,17 +22,16 @@ from rtgen.tools.kit.exits import FAILED, OK
 from rtgen.tools.rpc.channels import channel_of
 from rtgen.tools.rpc.codecs import Function
 from rtgen.tools.rpc.signatures import (
+    CdlFiles,
     Peer,
-    function_of,
     parsed,
     printed,
-    read_unit,
     refused,
 )
 from rtgen.tools.rpc.values import JsonError
 
 
-@click.command("call")
+@command("call")
 @click.argument("words", metavar="[HOST:PORT] SIG.FUNC [JSON]", nargs=-1)
 @click.option("--serial", metavar="DEV", help="Use a serial line.")
 @click.option("--baud", type=WholeRange(min=1), default=BAUDRATE, show_default=True)
@@ -41,8 +40,7 @@ from rtgen.tools.rpc.values import JsonError
 @with_console
 def call_(
     console: Console,
-    cdl: Path,
-    include: tuple[str, ...],
+    cdl: CdlFiles,
     words: tuple[str, ...],
     serial: str | None,
     baud: int,
@@ -58,7 +56,7 @@ def call_(
     if not 1 <= len(rest) <= 2:
         raise click.UsageError("give HOST:PORT or --serial DEV, SIG.FUNC, and JSON")
     name, text = rest[0], rest[1] if len(rest) > 1 else "{}"
-    function = function_of(read_unit(cdl, include), name, peer.wire)
+    function = cdl.function(name, peer.wire)
     channel = channel_of(*address, serial=serial, baud=baud, peer=peer)
     try:
         arguments = function.arguments_from_json(parsed(text))

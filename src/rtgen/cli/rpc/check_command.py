@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import click
 
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.parameter_types import WholeRange
 from rtgen.cli.rpc.common import with_cdl, with_peer
@@ -15,10 +14,10 @@ from rtgen.runtime.opaque_rpc.serial import BAUDRATE
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import NO, OK
 from rtgen.tools.rpc.channels import channel_of
-from rtgen.tools.rpc.signatures import Peer, printed, read_unit, service_of
+from rtgen.tools.rpc.signatures import CdlFiles, Peer, printed
 
 
-@click.command("check")
+@command("check")
 @click.argument("words", metavar="[HOST:PORT] SIG", nargs=-1)
 @click.option("--serial", metavar="DEV", help="Use a serial line.")
 @click.option("--baud", type=WholeRange(min=1), default=BAUDRATE, show_default=True)
@@ -27,8 +26,7 @@ from rtgen.tools.rpc.signatures import Peer, printed, read_unit, service_of
 @with_console
 def check_(
     console: Console,
-    cdl: Path,
-    include: tuple[str, ...],
+    cdl: CdlFiles,
     words: tuple[str, ...],
     serial: str | None,
     baud: int,
@@ -42,7 +40,7 @@ def check_(
     address, rest = ((), words) if serial else (words[:1], words[1:])
     if len(rest) != 1:
         raise click.UsageError("give HOST:PORT or --serial DEV, and SIG")
-    codec = service_of(read_unit(cdl, include), rest[0], peer.wire).codec
+    codec = cdl.service(rest[0], peer.wire).codec
     channel = channel_of(*address, serial=serial, baud=baud, peer=peer)
     try:
         digest = peer_digest(channel, codec)

@@ -5,14 +5,15 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable
 from pathlib import Path
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 import click
 
+from rtgen.cli.help import grouped
 from rtgen.facts.opaque_rpc import TIMEOUT
 from rtgen.runtime.opaque_rpc import Order, ReplyOrder, make_tdr
 from rtgen.runtime.opaque_rpc.ends import checked_timeout
-from rtgen.tools.rpc.signatures import Peer, Wire
+from rtgen.tools.rpc.signatures import CdlFiles, Peer, Wire
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -28,25 +29,28 @@ def _timeout(context: click.Context, option: click.Parameter, value: float) -> f
 def with_representation(function: Callable[P, R]) -> Callable[..., R]:
     """Add --tdr, --reply-order and --long-bits; the function gets `wire`."""
 
-    @click.option(
-        "--tdr",
-        "order",
-        type=click.Choice(["network", "little", "big"]),
-        default="network",
-        show_default=True,
-        help="Data representation: network order, or native to such machines.",
-    )
-    @click.option(
-        "--reply-order",
-        type=click.Choice(["tecsgen", "paper"]),
-        default="tecsgen",
-        show_default=True,
-        help="Position of the return value: before or after the outs.",
-    )
-    @click.option(
-        "--long-bits",
-        type=click.Choice(["32", "64"]),
-        help="Width of long: 32 in network order, else 64.",
+    @grouped(
+        "Boards",
+        click.option(
+            "--tdr",
+            "order",
+            type=click.Choice(["network", "little", "big"]),
+            default="network",
+            metavar="ORDER",
+            help="Octets: network (default); little, big: as such machines.",
+        ),
+        click.option(
+            "--reply-order",
+            type=click.Choice(["tecsgen", "paper"]),
+            default="tecsgen",
+            metavar="ORDER",
+            help="Return value first (tecsgen), or last (paper).",
+        ),
+        click.option(
+            "--long-bits",
+            type=click.Choice(["32", "64"]),
+            help="Default: 32 in network order, else 64.",
+        ),
     )
     @functools.wraps(function)
     def wrapped(
@@ -67,14 +71,16 @@ def with_peer(function: Callable[P, R]) -> Callable[..., R]:
     """Add --tdr, --reply-order, --long-bits and --timeout; the function gets `peer`."""
 
     @with_representation
-    @click.option(
-        "--timeout",
-        callback=_timeout,
-        type=float,
-        default=TIMEOUT,
-        show_default=True,
-        metavar="S",
-        help="Seconds to wait for the peer.",
+    @grouped(
+        "Boards",
+        click.option(
+            "--timeout",
+            callback=_timeout,
+            type=float,
+            default=TIMEOUT,
+            metavar="SECONDS",
+            help=f"Wait for the peer; default: {TIMEOUT:g}.",
+        ),
     )
     @functools.wraps(function)
     def wrapped(wire: Wire, timeout: float, *args: P.args, **kwargs: P.kwargs) -> R:
@@ -83,19 +89,26 @@ def with_peer(function: Callable[P, R]) -> Callable[..., R]:
     return wrapped
 
 
-def with_cdl(function: Callable[P, R]) -> Callable[P, R]:
-    """Add --cdl and -I; the function gets `cdl` and `include`."""
-    function = click.option(
+def with_cdl(function: Callable[..., R]) -> Callable[..., R]:
+    """Add --cdl and -I; the function gets `cdl`."""
+
+    @click.option(
+        "--cdl",
+        type=click.Path(dir_okay=False, path_type=Path),
+        metavar="FILE",
+        help="The CDL file; default: those in [sources].",
+    )
+    @click.option(
         "-I",
         "include",
         multiple=True,
         metavar="DIR",
         help="Search DIR for imported files.",
-    )(function)
-    return click.option(
-        "--cdl",
-        required=True,
-        type=click.Path(dir_okay=False, path_type=Path),
-        metavar="FILE",
-        help="The CDL file that declares the signature.",
-    )(function)
+    )
+    @functools.wraps(function)
+    def wrapped(
+        *args: Any, cdl: Path | None, include: tuple[str, ...], **kwargs: Any
+    ) -> R:
+        return function(*args, cdl=CdlFiles(cdl, include), **kwargs)
+
+    return wrapped

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from itertools import islice
-from pathlib import Path
 
 import click
 
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.rpc.common import with_cdl, with_representation
 from rtgen.runtime.opaque_rpc import RpcError
@@ -14,17 +14,16 @@ from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import OK
 from rtgen.tools.rpc.codecs import Function
 from rtgen.tools.rpc.signatures import (
+    CdlFiles,
     Wire,
-    function_of,
     octets,
     printed,
-    read_unit,
     refused,
 )
 from rtgen.tools.rpc.values import Json
 
 
-@click.command("decode")
+@command("decode")
 @click.argument("function", metavar="SIG.FUNC")
 @click.option("--request", metavar="HEX", help="The bytes of a request.")
 @click.option("--reply", metavar="HEX", help="The bytes of a reply.")
@@ -33,8 +32,7 @@ from rtgen.tools.rpc.values import Json
 @with_console
 def decode_(
     console: Console,
-    cdl: Path,
-    include: tuple[str, ...],
+    cdl: CdlFiles,
     function: str,
     request: str | None,
     reply: str | None,
@@ -45,7 +43,7 @@ def decode_(
     With both options, it is the reply to that request. Some replies depend on sizes and NULL
     arguments of their request; by default, sizes fit the values, and no argument is NULL.
     """
-    called = function_of(read_unit(cdl, include), function, wire)
+    called = cdl.function(function, wire)
     try:
         value = _decoded(called, request, reply)
     except RpcError as error:

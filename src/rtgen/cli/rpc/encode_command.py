@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from itertools import islice
-from pathlib import Path
 
 import click
 
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.rpc.common import with_cdl, with_representation
 from rtgen.runtime.opaque_rpc import ArgumentError
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import OK
 from rtgen.tools.rpc.codecs import Function
-from rtgen.tools.rpc.signatures import Wire, function_of, parsed, read_unit, refused
+from rtgen.tools.rpc.signatures import CdlFiles, Wire, parsed, refused
 from rtgen.tools.rpc.values import JsonError
 
 
-@click.command("encode")
+@command("encode")
 @click.argument("function", metavar="SIG.FUNC")
 @click.option("--request", metavar="JSON", help="The arguments.")
 @click.option("--reply", metavar="JSON", help="Return value and outs.")
@@ -26,8 +26,7 @@ from rtgen.tools.rpc.values import JsonError
 @with_console
 def encode_(
     console: Console,
-    cdl: Path,
-    include: tuple[str, ...],
+    cdl: CdlFiles,
     function: str,
     request: str | None,
     reply: str | None,
@@ -38,7 +37,7 @@ def encode_(
     With both options, it is the reply to that request. Some replies depend on sizes and NULL
     arguments of their request; by default, sizes fit the values, and no argument is NULL.
     """
-    called = function_of(read_unit(cdl, include), function, wire)
+    called = cdl.function(function, wire)
     try:
         data = _encoded(called, request, reply)
     except (ArgumentError, JsonError) as error:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import click
 
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.rpc.common import with_cdl
 from rtgen.compiler.layouts.tdr_messages import problems
@@ -13,20 +15,29 @@ from rtgen.compiler.model.tecs import TecsFunction, TecsParameter
 from rtgen.compiler.typemap.tecs.texts import sizes_text
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import OK
-from rtgen.tools.rpc.signatures import read_unit, signatures_of
+from rtgen.tools.rpc.signatures import CdlFiles
 
 
-@click.command("list")
+@command("list")
+@click.argument(
+    "named",
+    metavar="[FILE]",
+    required=False,
+    type=click.Path(dir_okay=False, path_type=Path),
+)
 @with_cdl
 @with_console
-def list_(console: Console, cdl: Path, include: tuple[str, ...]) -> int:
+def list_(console: Console, cdl: CdlFiles, named: Path | None) -> int:
     """List the functions of all signatures with their ids.
 
     A signature that OpaqueRPC does not support is listed with the reason.
     """
-    unit = read_unit(cdl, include)
+    if named is not None:
+        if cdl.file is not None:
+            raise click.UsageError("name the file once")
+        cdl = replace(cdl, file=named)
     lines = []
-    for signature in signatures_of(unit):
+    for unit, signature in cdl.signatures():
         lines.append(signature.scoped)
         lines += [f"  {f.id:3}  {_declaration(f)}" for f in signature.functions]
         lines += [f"       not transferable: {p}" for p in problems(unit, signature)]

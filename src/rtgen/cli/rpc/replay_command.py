@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.rpc.common import with_representation
 from rtgen.tools.kit.console import Console, write_out
@@ -17,7 +18,7 @@ from rtgen.tools.rpc.signatures import Wire, content, refused
 _FORMAT = "opaque-rpc-trace/1"
 
 
-@click.command("replay")
+@command("replay")
 @click.argument("traces", type=click.Path(dir_okay=False, path_type=Path))
 @click.option("--verbose", is_flag=True, help="Print each case.")
 @with_representation

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.parameter_types import WholeRange
 from rtgen.cli.rpc.common import with_cdl, with_peer
@@ -23,10 +24,10 @@ from rtgen.runtime.opaque_rpc.serial import BAUDRATE
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import OK
 from rtgen.tools.rpc.board import MockBoard, ScriptError
-from rtgen.tools.rpc.signatures import Peer, content, read_unit, refused, service_of
+from rtgen.tools.rpc.signatures import CdlFiles, Peer, content, refused
 
 
-@click.command("serve")
+@command("serve")
 @click.option("--signature", required=True, metavar="SIG", help="Signature to serve.")
 @click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS")
 @click.option(
@@ -55,8 +56,7 @@ from rtgen.tools.rpc.signatures import Peer, content, read_unit, refused, servic
 @with_console
 def serve_(
     console: Console,
-    cdl: Path,
-    include: tuple[str, ...],
+    cdl: CdlFiles,
     signature: str,
     host: str,
     port: int,
@@ -76,7 +76,7 @@ def serve_(
     """
     if script is not None and echo:
         raise click.UsageError("--script and --echo exclude each other")
-    service = service_of(read_unit(cdl, include), signature, peer.wire, REQUEST_LIMIT)
+    service = cdl.service(signature, peer.wire, REQUEST_LIMIT)
     text = None
     if script is not None:
         text = content(script)

@@ -19,14 +19,23 @@ from rtgen.compiler.project.loading import (
     with_arguments,
 )
 from rtgen.compiler.project.paths import files, find, shown
+from rtgen.compiler.project.run_table import (
+    ENGINES,
+    TRANSPORTS,
+    RunTable,
+    load_run_table,
+)
 
 __all__ = [
+    "ENGINES",
     "FILE_NAME",
     "OUTPUT",
     "PRELUDES",
     "SYSTEMS_TARGET",
     "TARGETS",
+    "TRANSPORTS",
     "Project",
+    "RunTable",
     "files",
     "find",
     "is_bus_file",
@@ -34,6 +43,7 @@ __all__ = [
     "is_system",
     "load",
     "load_around",
+    "load_run_table",
     "path_finding",
     "require_sources",
     "shown",

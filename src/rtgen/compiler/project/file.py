@@ -19,6 +19,7 @@ from rtgen.compiler.project.rules import (
     UNKNOWN_KEY,
     WRONG_TYPE,
 )
+from rtgen.compiler.project.run_table import TRANSPORTS
 from rtgen.facts import file_names, ros_names
 from rtgen.facts.decoded_text import NAMES
 from rtgen.facts.encodings import decode
@@ -29,7 +30,8 @@ from rtgen.facts.ros_qos import PROFILES
 
 _HEADER = re.compile(r"\s*\[\s*([^\[\]]+?)\s*\]")
 _MAX_BYTES = 1024 * 1024
-_KEY = re.compile(r"\s*(\"[^\"]*\"|'[^']*'|[\w-]+)\s*=")
+_PART = r"(?:\"[^\"]*\"|'[^']*'|[\w-]+)"
+_KEY = re.compile(rf"\s*((?:{_PART}\s*\.\s*)*)({_PART})\s*=")
 _MACRO = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
 Check = Callable[[Any], str | None]
@@ -112,6 +114,32 @@ def _number(least: int, greatest: int) -> Check:
 
 
 _room = _number(1, 65535)
+
+
+def _until(value: Any) -> str | None:
+    is_text = isinstance(value, int | float | str) and not isinstance(value, bool)
+    return None if is_text else "must be seconds, or 'INSTANCE=STATE'"
+
+
+def _transport(value: Any) -> str | None:
+    if value in TRANSPORTS:
+        return None
+    from rtgen.compiler.kit import plugins
+
+    names = [each.name for each in plugins.announced(plugins.Group.TRANSPORTS)]
+    return None if value in names else _one_of(*TRANSPORTS, *names)(value)
+
+
+def _partition(value: Any) -> str | None:
+    if problem := _text(value):
+        return problem
+    from rtgen.runtime.distribution.medium import MediumError, check_name
+
+    try:
+        check_name(value)
+    except MediumError as error:
+        return f"is refused: {error}"
+    return None
 
 
 def _factory(value: Any) -> str | None:
@@ -272,6 +300,14 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
         "representation": _one_of("cdr", "xcdr2"),
         "extensibility": _one_of("final", "appendable", "mutable"),
     },
+    "run": {
+        "system": _path,
+        "clock": _one_of("sim", "real"),
+        "until": _until,
+        "transport": _transport,
+        "partition": _partition,
+        "record": _path,
+    },
     "python": {"numeric": _one_of(*FORMS)},
     "tecs": {"corba": _flag},
     "small": {"sequence": _room, "string": _room, "buffer": _room},
@@ -355,15 +391,13 @@ class Settings:
                 if key is not None and current == f"{section}.{key}":
                     return self._span(number, header.start(1), header[1])
             elif match := _KEY.match(line):
-                value = match[1].strip("\"'")
-                if (current, value) == (section, key):
-                    if item is not None:
-                        return self._item(number, item) or self._span(
-                            number, match.start(1), match[1]
-                        )
-                    return self._span(number, match.start(1), match[1])
-                if not current and value == section:
-                    return self._span(number, match.start(1), match[1])
+                tables = [current, *re.findall(_PART, match[1])]
+                table = ".".join(part.strip("\"'") for part in tables if part)
+                span = self._span(number, match.start(2), match[2])
+                if (table, match[2].strip("\"'")) == (section, key):
+                    return (item and self._item(number, item)) or span
+                if not table and match[2].strip("\"'") == section:
+                    return span
         return self._span(1, 0, "")
 
     def table_span(self, section: str, key: str, number: int) -> Span:

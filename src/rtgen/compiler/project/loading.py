@@ -39,6 +39,7 @@ from rtgen.compiler.project.rules import (
     SOURCE_KIND,
     SOURCE_NONE,
 )
+from rtgen.compiler.project.run_table import run_findings
 from rtgen.facts import python_modules
 from rtgen.facts.file_names import is_device
 from rtgen.facts.file_names import problem as path_problem
@@ -282,6 +283,7 @@ def load(start: Path | None = None) -> Project:
     )
     findings = [
         *settings.check_paths(root),
+        *run_findings(settings, root),
         *_check_names(project, settings),
         *_check_folders(project, settings),
     ]

@@ -28,6 +28,9 @@ STRAY_FILE = Rule(
     "file in the output folder that rtgen does not generate",
     Severity.WARNING,
 )
+RUN_CONFLICT = Rule(
+    "PRJ0019", "values of [run] that exclude each other", Severity.ERROR
+)
 SAME_PATH = Rule("PRJ0101", "two files of one name", Severity.ERROR)
 LEAVES_OUTPUT = Rule("PRJ0102", "file outside the output folder", Severity.ERROR)
 LINK_IN_OUTPUT = Rule("PRJ0103", "link in the output folder", Severity.ERROR)

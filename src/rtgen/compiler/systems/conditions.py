@@ -34,8 +34,8 @@ class Condition:
     state: str | None = None
 
 
-def condition(text: str, system: System, span: Span | None) -> Condition:
-    """Parse a condition (see rule SYS0006). Raises InputError."""
+def condition(text: str, system: System | None, span: Span | None) -> Condition:
+    """Parse a condition (see rule SYS0006); None: of any system. Raises InputError."""
     result = Condition()
     for part in text.split(","):
         instance, equals, state = part.strip().partition("=")
@@ -45,9 +45,10 @@ def condition(text: str, system: System, span: Span | None) -> Condition:
                 message = f"no state {state!r} in {text!r}"
                 hint = "CREATED, INACTIVE, ACTIVE or ERROR"
                 raise InputError([CONDITION.at(span, message, hint=hint)])
-            result = Condition(
-                result.limit, require_instance(instance.strip(), system, span), state
-            )
+            instance = instance.strip()
+            if system is not None:
+                require_instance(instance, system, span)
+            result = Condition(result.limit, instance, state)
         elif not equals and result.limit is None:
             result = Condition(
                 _seconds(instance, text, span), result.instance, result.state
@@ -72,13 +73,17 @@ def _seconds(part: str, text: str, span: Span | None) -> int:
     return round(seconds * SECOND)
 
 
-def of_run(until: str | None, system: System) -> Condition:
-    """Return the condition of `--until`, else that of the system. Raises InputError."""
+def of_run(until: str | None, system: System, place: Span | None = None) -> Condition:
+    """Return the condition `until`, which may have a place, else that of the system.
+
+    Raises InputError.
+    """
     text = dict(system.properties).get(UNTIL) if until is None else until
     if text is None:
         return Condition()
-    span = system.places.get(UNTIL) if until is None else None
-    return condition(text, system, span)
+    if until is None:
+        place = system.places.get(UNTIL)
+    return condition(text, system, place)
 
 
 def finishing(system: System) -> frozenset[str]:

@@ -9,6 +9,8 @@ from typing import Any
 from rtgen.compiler.diagnostics import ToolError
 from rtgen.runtime.canopen.bus.python_can import BusAddress, Option
 from rtgen.tools.can.decoding.node_index import NodeIndex, read_node_index
+from rtgen.tools.can.project_bus import listed, project_buses
+from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import Refusal
 
 CHANNEL = "can0"
@@ -81,11 +83,20 @@ def _misconfigured(reason: object) -> ToolError:
 
 @dataclass(frozen=True, slots=True)
 class NodeFiles:
-    """The files with descriptions of nodes: a bus file, and files with node-ids."""
+    """The files with descriptions of nodes: a bus file, and files with node-ids.
+
+    Without either, they are those of the project's bus.
+    """
 
     bus_file: Path | None = None
     descriptions: tuple[tuple[int | None, Path], ...] = ()
 
-    def read(self) -> NodeIndex:
-        """Return the nodes of the files by id and name. Raises InputError."""
-        return read_node_index(self.bus_file, self.descriptions)
+    def read(self, console: Console) -> NodeIndex:
+        """Return the nodes of the files by id and name. Raises InputError, ReportedError."""
+        file = self.bus_file
+        if file is None and not self.descriptions:
+            buses = project_buses(console)
+            if len(buses) > 1:
+                console.say(f"nodes have no names: --bus names one of {listed(buses)}")
+            file = buses[0] if len(buses) == 1 else None
+        return read_node_index(file, self.descriptions)

@@ -39,6 +39,11 @@ def writings(bus: Bus, system: System) -> dict[tuple[str, int], Writing]:
     return writings_of
 
 
+def has_proxies(bus: Bus, system: System) -> bool:
+    """Return whether a component of the system stands for a node of the bus."""
+    return any(_stands_for(c, n, bus) for c in system.components for n in bus.nodes)
+
+
 def _stands_for(proxy: SystemComponent, node: BusNode, bus: Bus) -> bool:
     if proxy.type != f"{node.kind.module}Proxy":
         return False

@@ -9,12 +9,17 @@ from rtgen.compiler.model import Component, Model
 from rtgen.compiler.project import is_component_profile
 
 
-def chosen(model: Model, file: str, name: str | None) -> Component:
-    """Return the component of a file, by its name if there are several. Raises InputError."""
+def chosen(model: Model, file: str | None, name: str | None) -> Component:
+    """Return the component of a file, by its name if there are several; None: of the project.
+
+    Raises InputError.
+    """
     from rtgen.compiler.project.rules import WHICH_COMPONENT
 
     files = {source.name for source in model.files if source.main}
-    if is_component_profile(Path(file)):
+    if file is None:
+        file = "the project"
+    elif is_component_profile(Path(file)):
         files = {Path(file).as_posix()}
     components = [d for d in model.declarations if isinstance(d, Component)]
     components = [d for d in components if d.file in files]

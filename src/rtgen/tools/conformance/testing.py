@@ -11,6 +11,7 @@ from rtgen.compiler.diagnostics import ToolError
 from rtgen.facts.idl_files import IDL_SUFFIXES
 from rtgen.tools.can.access import BusAccess
 from rtgen.tools.conformance.check import Permission
+from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import Refusal
 from rtgen.tools.rpc.signatures import Peer, Wire
 
@@ -45,8 +46,13 @@ class Subject:
     permissions: Collection[Permission]
 
 
-def require_kind(file: Path) -> bool:
-    """Return whether a file defines a node, which is on a bus. Raises Refusal for other files."""
+def is_of_node(file: Path | None, connect: str) -> bool:
+    """Return whether a file, or else an address, is that of a node, which is on a bus.
+
+    Raises Refusal for other files.
+    """
+    if file is None:
+        return not _is_of_board(file, connect) and not _is_of_component(connect)
     suffix = file.suffix.lower()
     if suffix not in (*DESCRIPTIONS, *_BOARDS, *_COMPONENTS):
         raise Refusal(
@@ -55,21 +61,40 @@ def require_kind(file: Path) -> bool:
     return suffix in DESCRIPTIONS
 
 
-def tested(file: Path, subject: Subject) -> Report:
-    """Return the report of all checks. Raises InputError, Refusal, ToolError."""
+def _is_of_board(file: Path | None, connect: str) -> bool:
+    if file is not None:
+        return file.suffix.lower() in _BOARDS
+    return connect.startswith(("tcp:", "serial:"))
+
+
+def _is_of_component(connect: str) -> bool:
+    """Return whether an address is that of a component: of CORBA, or `HOST[:PORT]/NAME.rtc`."""
+    return connect.lower().startswith(("corbaname:", "corbaloc:", "ior:")) or (
+        "/" in connect and connect.endswith(".rtc")
+    )
+
+
+def tested(file: Path | None, subject: Subject, console: Console) -> Report:
+    """Return the report of all checks. Raises InputError, Refusal, ReportedError, ToolError.
+
+    Without a file, the definition is one of the project's, according to the address.
+    """
     timeout, permissions = subject.timeout, subject.permissions
-    if require_kind(file):
+    if is_of_node(file, subject.connect):
         from rtgen.tools.conformance.canopen import testing as nodes
 
+        node_id, access = subject.node_id, subject.access
+        if file is None:
+            node_id, file, access = nodes.of_project(node_id, access, console)
         return nodes.tested(
             file,
-            subject.node_id,
-            subject.access,
+            node_id,
+            access,
             timeout=timeout,
             boot=subject.boot,
             permissions=permissions,
         )
-    if file.suffix.lower() in _BOARDS:
+    if _is_of_board(file, subject.connect):
         from rtgen.tools.conformance.board import testing as boards
 
         return boards.tested(

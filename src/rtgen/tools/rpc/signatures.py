@@ -33,23 +33,70 @@ class Peer:
     timeout: float
 
 
-def read_unit(path: Path, include: tuple[str, ...] = ()) -> TecsUnit:
-    """Read the declarations of a CDL file; only errors are reported. Raises InputError."""
-    from rtgen.compiler.frontends import cdl
-    from rtgen.compiler.project import load
+@dataclass(frozen=True, slots=True)
+class CdlFiles:
+    """The CDL file of a command; without one, those among the sources of the project."""
 
-    project = load()
-    folders = [*map(Path, include), *project.include, *project.tecs_path]
-    result = cdl.load(
-        [path],
-        root=project.root,
-        include=folders,
-        define=dict(project.define),
-        encoding=project.encoding,
-    )
-    if has_errors(result.diagnostics):
-        raise InputError(list(result.diagnostics))
-    return result.model.tecs[0]
+    file: Path | None = None
+    include: tuple[str, ...] = ()
+
+    def units(self) -> list[TecsUnit]:
+        """Read the declarations; only errors are reported. Raises InputError, Refusal."""
+        from rtgen.compiler.frontends import cdl
+        from rtgen.compiler.project import load
+
+        project = load()
+        paths = [self.file] if self.file is not None else None
+        paths = paths or [p for p in project.sources if p.suffix.lower() == ".cdl"]
+        if not paths:
+            raise refused(
+                "which CDL file? Give --cdl FILE: no project with one is around this folder"
+            )
+        folders = [*map(Path, self.include), *project.include, *project.tecs_path]
+        result = cdl.load(
+            paths,
+            root=project.root,
+            include=folders,
+            define=dict(project.define),
+            encoding=project.encoding,
+            prelude=project.prelude == "kernel",
+        )
+        if has_errors(result.diagnostics):
+            raise InputError(list(result.diagnostics))
+        return list(result.model.tecs)
+
+    def signatures(self) -> list[tuple[TecsUnit, Signature]]:
+        """Return the signatures, each with the first unit that has it."""
+        by_place: dict[object, tuple[TecsUnit, Signature]] = {}
+        for unit in self.units():
+            for signature in signatures_of(unit):
+                place = (signature.span.file, signature.span.line, signature.scoped)
+                by_place.setdefault(place, (unit, signature))
+        return [*by_place.values()]
+
+    def service(self, name: str, wire: Wire, limit: int = REPLY_LIMIT) -> Service:
+        """Find the service of a signature by name; `limit` as for `service_of`. Raises Refusal."""
+        signatures = self.signatures()
+        name = name.removeprefix("::")
+        units = {s.span.file: unit for unit, s in signatures if s.scoped == name}
+        if not units:
+            raise _unknown("signature", name, [s.scoped for _, s in signatures])
+        if len(units) > 1:
+            raise refused(
+                f"the signature {name!r} is in {' and '.join(units)}: --cdl names one"
+            )
+        [unit] = units.values()
+        return service_of(unit, name, wire, limit)
+
+    def function(self, name: str, wire: Wire) -> Function:
+        """Find the function `SIG.FUNC`. Raises Refusal."""
+        signature, dot, function = name.rpartition(".")
+        if not dot:
+            raise refused(f"{name!r}: name the function as SIGNATURE.FUNCTION")
+        service = self.service(signature, wire)
+        if function not in service.functions:
+            raise _unknown("function", function, list(service.functions))
+        return service.functions[function]
 
 
 def signatures_of(unit: TecsUnit) -> list[Signature]:
@@ -72,17 +119,6 @@ def service_of(
         return Service(unit, signature, wire.tdr, wire.reply, limit)
     except TransferError as error:
         raise refused(f"{error.span.file}:{error.span.line}: {error}") from error
-
-
-def function_of(unit: TecsUnit, name: str, wire: Wire) -> Function:
-    """Find the function `SIG.FUNC`. Raises Refusal."""
-    signature, dot, function = name.rpartition(".")
-    if not dot:
-        raise refused(f"{name!r}: name the function as SIGNATURE.FUNCTION")
-    service = service_of(unit, signature, wire)
-    if function not in service.functions:
-        raise _unknown("function", function, list(service.functions))
-    return service.functions[function]
 
 
 def parsed(text: str) -> Json:

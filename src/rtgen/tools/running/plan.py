@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from rtgen.compiler.diagnostics import (
     InputError,
     Severity,
+    Span,
     ToolError,
     has_errors,
     in_order,
@@ -43,11 +44,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunOptions:
-    """The options of `rtgen run`, as its help describes them."""
+    """The options of `rtgen run`, as its help describes them.
+
+    `until_at` is the place of `until` in rtgen.toml.
+    """
 
     system: str
     simulated: bool = True
     until: str | None = None
+    until_at: Span | None = None
     settings: tuple[str, ...] = ()
     timeline_file: str | None = None
     table: tuple[str, ...] = ()
@@ -97,7 +102,7 @@ class Plan:
         here = partition.named(carrying.only, self.profile, self.outside)
         data = carrying.joins_data
         partition.require_here(self.values, here)
-        asked = self.options.until is not None
+        asked = self.options.until is not None and self.options.until_at is None
         return replace(
             self,
             awaited=foreign.awaited(self.profile, self.outside, here),
@@ -124,7 +129,7 @@ def planned(options: RunOptions, console: Console) -> Plan:
         profile=profile,
         steps=course.steps,
         measures=course.measures,
-        condition=conditions.of_run(options.until, profile),
+        condition=conditions.of_run(options.until, profile, options.until_at),
         finishing=conditions.finishing(profile),
         values=[timeline.assignment(text, profile) for text in options.settings],
         project=project,

@@ -110,7 +110,7 @@ def commands(
     for group in groups:
         names = ",".join(name for name in order if name in group)
         command = [sys.executable, "-m", "rtgen", "run", options.system]
-        command += ["--clock", "real", "--only", names, *more]
+        command += ["--told", "--clock", "real", "--only", names, *more]
         if options.until is not None and (decisive is None or decisive in group):
             command += ["--until", options.until]
         for value, text in zip(plan.values, options.settings, strict=True):

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
 _REPORT_AFTER = 1.0
 """Seconds of waiting for other processes after which it is reported."""
-BUILT_IN = ("corba", *engines.TAKES)
 
 
 _WAIT = 30.0

@@ -13,13 +13,13 @@ from rtgen.tools.conformance.check import Permission
 from rtgen.tools.conformance.report import Outcome, Report, Verdict
 from rtgen.tools.kit.exits import Refusal
 from rtgen.tools.rpc.channels import host_and_port
-from rtgen.tools.rpc.signatures import Peer, read_unit, service_of, signatures_of
+from rtgen.tools.rpc.signatures import CdlFiles, Peer
 
 _GONE: Final = "the board accepts no connection any more"
 
 
 def tested(
-    file: Path,
+    file: Path | None,
     connect: str,
     signature: str | None,
     functions: Sequence[str],
@@ -33,15 +33,16 @@ def tested(
 
     `functions` are those that may be called, all if there are none.
     """
-    unit = read_unit(file)
+    cdl = CdlFiles(file)
     if signature is None:
-        names = [str(each.scoped) for each in signatures_of(unit)]
+        names = [str(each.scoped) for _, each in cdl.signatures()]
         if len(names) != 1:
+            place = file or "the project"
             raise Refusal(
-                f"{file} has several signatures; --signature names one: {', '.join(names)}"
+                f"{place} has several signatures; --signature names one: {', '.join(names)}"
             )
         [signature] = names
-    service = service_of(unit, signature, peer.wire)
+    service = cdl.service(signature, peer.wire)
     unknown = [name for name in functions if name not in service.functions]
     if unknown:
         choices = ", ".join(service.functions)
@@ -58,7 +59,8 @@ def tested(
         peer.timeout,
         stall=stall,
     )
-    return checked(board, f"{signature} at {rest}", file.as_posix(), permissions)
+    definition = service.signature.file if file is None else file.as_posix()
+    return checked(board, f"{signature} at {rest}", definition, permissions)
 
 
 def checked(

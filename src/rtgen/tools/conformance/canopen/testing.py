@@ -14,10 +14,12 @@ from rtgen.runtime.canopen.wire.frames import SECOND, Frame
 from rtgen.tools.can.access import BusAccess
 from rtgen.tools.can.decoding.node_index import NoNodeIdError, read_node_index
 from rtgen.tools.can.live.live_bus import opened, send
+from rtgen.tools.can.project_bus import project_buses
 from rtgen.tools.conformance.canopen.checks import CHECKS
 from rtgen.tools.conformance.canopen.node import Bounds, NodeUnderTest, SilenceError
 from rtgen.tools.conformance.check import Permission
 from rtgen.tools.conformance.report import Report
+from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import Refusal
 from rtgen.tools.kit.signals import terminable
 
@@ -53,6 +55,33 @@ class BusLine:
             frame = None if message is None else frame_of(message)
             if frame is not None or remaining <= 0:
                 return frame
+
+
+def of_project(
+    node_id: int | None, access: BusAccess, console: Console
+) -> tuple[int, Path, BusAccess]:
+    """Return a node of the project's bus, the only one without a node-id, and its description.
+
+    The bus has the bit rate of its file. Raises InputError, Refusal, ReportedError.
+    """
+    indices = [read_node_index(file, ()) for file in project_buses(console)]
+    nodes = [
+        (index, node)
+        for index in indices
+        if index.bus is not None
+        for node in index.bus.nodes
+        if node_id in (None, node.id)
+    ]
+    if len(nodes) != 1:
+        names = ", ".join(f"{node.id} ({node.name})" for _, node in nodes)
+        of = (
+            f"one of {names}"
+            if nodes
+            else "that of a node in a bus file of the project"
+        )
+        raise Refusal(f"which node? Give FILE, or --node N: {of}")
+    [(index, node)] = nodes
+    return node.id, Path(node.kind.device.file), access.on(index)
 
 
 def tested(

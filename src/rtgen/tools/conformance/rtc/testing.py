@@ -13,7 +13,12 @@ from omniORB import CORBA
 from rtgen.compiler import compilation
 from rtgen.compiler.diagnostics import InputError, ToolError, has_errors
 from rtgen.compiler.frontends.profiles.profile_yaml import YAML_SUFFIXES
-from rtgen.compiler.project import is_component_profile, load, with_arguments
+from rtgen.compiler.project import (
+    is_component_profile,
+    load,
+    require_sources,
+    with_arguments,
+)
 from rtgen.runtime.corba.naming import Naming
 from rtgen.runtime.corba.orb import Orb
 from rtgen.runtime.corba.rt_objects.foreign import is_place, located
@@ -32,7 +37,7 @@ _PROFILES = (".xml", *YAML_SUFFIXES)
 
 
 def tested(
-    file: Path,
+    file: Path | None,
     connect: str,
     name: str | None,
     include: tuple[str, ...],
@@ -46,14 +51,14 @@ def tested(
             f"{connect!r} is not a place of a component: HOST[:PORT]/NAME.rtc, corbaname:, "
             "corbaloc: or IOR:"
         )
-    expected = _expected(file, name, include)
+    expected, definition = _expected(file, name, include)
     try:
         with closing(Orb(timeout=timeout)) as orb:
             exported = Exported(orb, gives_up=False)
             reference = located(connect, exported, partial(Naming, orb.orb))
             rtc = _answering(connect, expected, reference, exported, timeout)
             subject = f"{expected.type_name} {rtc.profile.instance_name}"
-            return checked(rtc, subject, file.as_posix(), permissions)
+            return checked(rtc, subject, definition, permissions)
     except NoNamingServiceError as error:
         hint = "rtgen run and OpenRTM's rtc.conf name the naming service of a component"
         raise ToolError(str(error), hint=hint) from error
@@ -61,15 +66,23 @@ def tested(
         raise ToolError(str(error)) from error
 
 
-def _expected(file: Path, name: str | None, include: tuple[str, ...]) -> Expected:
-    is_profile = file.suffix.lower() in _PROFILES and file.is_file()
-    if is_profile and not is_component_profile(file):
+def _expected(
+    file: Path | None, name: str | None, include: tuple[str, ...]
+) -> tuple[Expected, str]:
+    """Return what is expected of a component, and the file that says so. Raises InputError."""
+    is_profile = file is not None and file.suffix.lower() in _PROFILES
+    if file and is_profile and file.is_file() and not is_component_profile(file):
         raise Refusal(f"{file} is not the profile of a component (RTC.xml)")
-    project = with_arguments(load(), paths=(str(file),), include=include)
+    paths = () if file is None else (str(file),)
+    project = with_arguments(load(), paths=paths, include=include)
+    if file is None:
+        require_sources(project)
     read = compilation.read(project, lowered=True)
     if has_errors(read.diagnostics):
         raise InputError(read.diagnostics)
-    return Expected(read.model, chosen(read.model, str(file), name))
+    component = chosen(read.model, None if file is None else str(file), name)
+    definition = component.file if file is None else file.as_posix()
+    return Expected(read.model, component), definition
 
 
 def _answering(

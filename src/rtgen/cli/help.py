@@ -1,0 +1,92 @@
+"""Commands whose help shows their options under titles, and their example."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
+
+import click
+
+from rtgen.cli.examples import EXAMPLES
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+_TITLES = "option_titles"
+"""Attribute of a function: the title of its options by their names."""
+_WIDEST = 27
+"""Columns of an option with its value; a longer one has its text on the next line."""
+_MARGIN = 2
+"""Columns at the right that click leaves free, twice."""
+MESSAGES = "Messages"
+"""The title of the options that all commands have."""
+
+
+def grouped(title: str, *options: Callable[[F], F]) -> Callable[[F], F]:
+    """Return a decorator that adds options, in this order, under a title of the help."""
+
+    def decorate(function: F) -> F:
+        added = len(_parameters(function))
+        for option in reversed(options):
+            function = option(function)
+        names = (parameter.name for parameter in _parameters(function)[added:])
+        before = vars(function).get(_TITLES, {})
+        vars(function)[_TITLES] = {**dict.fromkeys(names, title), **before}
+        return function
+
+    return decorate
+
+
+def _parameters(function: Callable[..., Any]) -> list[click.Parameter]:
+    """Return the parameters that decorators have added to a function so far."""
+    parameters: list[click.Parameter] = vars(function).get("__click_params__", [])
+    return parameters
+
+
+class Command(click.Command):
+    """A command of rtgen: its help has no blank line that a reader can do without."""
+
+    def format_options(
+        self, ctx: click.Context, formatter: click.HelpFormatter
+    ) -> None:
+        titles = getattr(self.callback, _TITLES, {})
+        groups: dict[str, list[tuple[str, str]]] = {"Options": []}
+        for parameter in self.get_params(ctx):
+            record = parameter.get_help_record(ctx)
+            if record is not None and isinstance(parameter, click.Option):
+                is_help = parameter is self.get_help_option(ctx)
+                title = titles.get(parameter.name, MESSAGES if is_help else "Options")
+                groups.setdefault(title, []).append(record)
+        last = groups.pop(MESSAGES, [])
+        _write(formatter, [*groups.items(), (MESSAGES, last)])
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        write_example(ctx, formatter)
+
+
+def _write(
+    formatter: click.HelpFormatter,
+    groups: Sequence[tuple[str, list[tuple[str, str]]]],
+) -> None:
+    rows = []
+    for title, records in groups:
+        if records:
+            rows.append((f"{title}:", ""))
+            rows += [(f"  {option}", text) for option, text in records]
+    formatter.write_paragraph()
+    formatter.width += _MARGIN
+    formatter.write_dl(rows, col_max=_WIDEST)
+
+
+def write_example(ctx: click.Context, formatter: click.HelpFormatter) -> None:
+    """Write the example of a command or a group, if there is one."""
+    example = EXAMPLES.get(ctx.command_path.partition(" ")[2])
+    if example is not None:
+        formatter.write_paragraph()
+        formatter.write(f"Example: {example}\n")
+
+
+def command(
+    name: str | None = None, cls: type[Command] = Command
+) -> Callable[[Callable[..., int]], Command]:
+    """Return a decorator that makes a function a command, by default of its own name."""
+    return click.command(name, cls)
