@@ -163,3 +163,154 @@ def test_a_callback_can_be_ignored(capfd: pytest.CaptureFixture[str]) -> None:
     err = capfd.readouterr().err
     assert "Traceback" not in err
     assert "PRJ0014" not in err
+
+
+KITCHEN = """\
+module Kitchen {
+    enum Mode { OFF, BAKE };
+    struct Heat { double value; Mode state; };
+    interface Timer { boolean start(in double seconds); };
+};
+component Oven {
+    publishes Kitchen::Heat warmth;
+    consumes Kitchen::Heat wanted;
+    uses Kitchen::Timer clock;
+    provides Kitchen::Timer bell;
+    attribute double gain;
+};
+"""
+HEAD = """\
+from __future__ import annotations
+
+from myrobot import kitchen
+from myrobot.components.oven import OvenBase
+from myrobot.kitchen import Heat, Mode
+from rtgen.runtime import RTC_OK, ReturnCode_t
+
+"""
+
+
+@pytest.fixture
+def oven(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A project with a component of every kind of declaration; return its behaviour."""
+    folder = tmp_path / "kitchen"
+    (folder / "idl").mkdir(parents=True)
+    monkeypatch.chdir(folder)
+    Path("idl/kitchen.idl").write_text(KITCHEN)
+    Path("rtgen.toml").write_text(
+        '[sources]\npaths = ["idl"]\n[output]\npackage = "myrobot"\n'
+    )
+    assert run(["generate", "-q"]) == 0
+    return Path("src/oven.py")
+
+
+def _uses(file: Path, text: str, capfd: pytest.CaptureFixture[str]) -> list[str]:
+    """Return the words at the places of the findings of a check."""
+    file.write_text(text)
+    capfd.readouterr()
+    code = run(["check", "--only", "behaviours", "--diagnostics", "json"])
+    findings = _findings(capfd)
+    lines = text.split("\n")
+    assert code == bool(findings)
+    assert {f["code"] for f in findings} <= {"PRJ0013"}
+    return [
+        lines[f["line"] - 1][f["column"] - 1 : f["end_column"] - 1]  # type: ignore[operator]
+        for f in findings
+    ]
+
+
+IN_A_METHOD = {
+    # what stands in on_execute: the words that are reported
+    "warmth = self.warmht.write(Heat())": ["warmht"],
+    "warmht = 1; self.warmht.write(Heat())": ["warmht"],
+    "out = self.warmht; out.write(Heat())": ["warmht"],
+    "'é'; self.wantd.read()": ["wantd"],
+    "return self.wantd.is_new() and RTC_OK": ["wantd"],
+    "self.clok.start(1.0)": ["clok"],
+    "self.clock.begin(1.0)": ["begin"],
+    "self.clock.object.begin(1.0)": ["begin"],
+    "timer = self.clock.object; timer.begin(1.0)": ["begin"],
+    "self.bel.set_servant(self)": ["bel"],
+    "self.config.gian": ["gian"],
+    "config = self.config; config.gian": ["gian"],
+    "self.config.gian = 2.0": ["gian"],
+    "self.warmth.reed()": ["reed"],
+    "list(map(lambda x: self.warmht, []))": ["warmht"],
+    "print([self.gone for _ in ()])": ["gone"],
+    "kitchen.Heta()": ["Heta"],
+    "kitchen.Mode.OFF": [],
+    "self.warmth.write(Heat()); self.wanted.read(); self.clock.start(1.0)": [],
+    "self.clock.object.start(1.0); self.bell.set_servant(None)": [],
+    "self.config.gain; self.instance_name; self.__class__; self.folder": [],
+    "self.count = 1; self.count += 1; print(self.count)": [],
+    "self.first, self.second = 1, 2; print(self.first + self.second)": [],
+    "config = self.config; config = object(); config.gian": [],
+    "config = self.config\n        for config in (): config.gian": [],
+    "(lambda self: self.anything)(kitchen)": [],
+    "kitchen = object(); kitchen.Heta": [],
+    "self = object(); self.anything": [],
+    "setattr(self, 'late', 1); self.late": [],
+    "self.__dict__['late'] = 1; self.late": [],
+    "self.made_below()": [],
+    "self.CLASS_LEVEL, self.noted": ["noted"],
+}
+
+
+@pytest.mark.parametrize("statement", IN_A_METHOD)
+def test_uses_in_methods(
+    statement: str, oven: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    text = (
+        f"{HEAD}\nclass Oven(OvenBase):\n    CLASS_LEVEL = 1\n\n"
+        f"    def on_execute(self, ec_id: int) -> ReturnCode_t:\n        {statement}\n"
+        "        return RTC_OK\n\n    def made_below(self) -> None: ...\n"
+    )
+    assert _uses(oven, text, capfd) == IN_A_METHOD[statement]
+
+
+MODULES = {
+    "from myrobot.kitchen import Heta": ["Heta"],
+    "from myrobot.kitchens import Heat": ["myrobot.kitchens"],
+    "from myrobot import kitchens": ["kitchens"],
+    "from myrobot.components.oven import OvenBase, OvenBasis": ["OvenBasis"],
+    "from myrobot.components import oven": [],
+    "import myrobot.kitchen": [],
+    "from myrobots.kitchen import Heta": [],
+    "from myrobot.kitchen import *": [],
+    f"{HEAD}class Oven(OvenBase):\n    def m(me): return me.gone": ["gone"],
+    f"{HEAD}class Oven(OvenBase):\n    @staticmethod\n    def m(me): return me.gone": [],
+    f"{HEAD}class Oven(OvenBase):\n    @classmethod\n    def m(me): return me.gone": [],
+    f"{HEAD}class Oven(OvenBase):\n    def __getattr__(self, n): return self.gone": [],
+    f"{HEAD}class Helper:\n    def m(self): return self.gone": [],
+    f"{HEAD}from elsewhere import Mixed\nclass Oven(Mixed, OvenBase):\n"
+    "    def m(self): return self.gone, self.config.gone": [],
+    f"{HEAD}class Mixed:\n    def own(self): self.kept = 1\nclass Oven(Mixed, OvenBase):\n"
+    "    def m(self): return self.kept, self.own, self.gone": ["gone"],
+    f"{HEAD}class Oven(OvenBase):\n    async def m(self): return self.gone": ["gone"],
+    f"{HEAD}class First(OvenBase): ...\nclass Oven(First):\n"
+    "    def m(self): return self.gone": ["gone"],
+    f"{HEAD}class Oven(OvenBase):\n    gone: int\n    def m(self): return self.gone": [],
+    f"{HEAD}class Oven(OvenBase):\n    def m(self): self.gone(\n": [],
+    "import myrobot.components.oven as o\nclass Oven(o.OvenBase):\n"
+    "    def m(self): return self.gone": ["gone"],
+}
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_uses_in_modules(
+    module: str, oven: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert _uses(oven, f"{module}\n", capfd) == MODULES[module]
+
+
+def test_classes_of_the_users_own_modules_are_followed(
+    oven: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    Path("src/shared.py").write_text(
+        "class Shared:\n    def helper(self) -> None:\n        self.kept = 1\n"
+    )
+    text = (
+        f"{HEAD}from shared import Shared\n\n\nclass Oven(Shared, OvenBase):\n"
+        "    def m(self): return self.kept, self.helper(), self.gone\n"
+    )
+    assert _uses(oven, text, capfd) == ["gone"]

@@ -1,4 +1,4 @@
-"""Checks the user's behaviour modules for uses of ports that the definitions do not have."""
+"""Checks the user's behaviour modules against the definitions; nothing of them is executed."""
 
 from __future__ import annotations
 
@@ -11,30 +11,25 @@ from rtgen.compiler.backends import Artifact, Owner
 from rtgen.compiler.diagnostics import Diagnostic, Span, ToolError
 from rtgen.compiler.kit import stages
 from rtgen.compiler.project import Project, shown
+from rtgen.compiler.project import behaviour_uses as uses
+from rtgen.compiler.project.behaviour_classes import Modules
 from rtgen.compiler.project.rules import (
     LEFTOVER_SKELETON,
     MISSPELT_CALLBACK,
-    UNKNOWN_PORT,
+    UNKNOWN_NAME,
 )
 from rtgen.compiler.typemap.components.actions import ACTIONS
 from rtgen.facts.encodings import decode
 from rtgen.facts.files import UnreadableError, is_file, read_file
 
-RULES = (LEFTOVER_SKELETON, UNKNOWN_PORT, MISSPELT_CALLBACK)
+RULES = (LEFTOVER_SKELETON, UNKNOWN_NAME, MISSPELT_CALLBACK)
 """The rules of behaviours."""
 
-_USE = re.compile(r"\bself\.(\w+)\.(?:read|read_newest|is_new|write)\(")
-_SET = re.compile(r"\bself\.(\w+)\s*[,:=]")
-_NAMED = re.compile(r"^ +(?:def )?(\w+) *[:(=]", re.M)
-_CLASS = re.compile(r"^class \w+\(([^)]*)\):", re.M)
 _CALLBACKS = frozenset(action.method for action in ACTIONS)
 _MISSPELT = re.compile(
     rf"^ +def (?!(?:{'|'.join(sorted(_CALLBACKS))})\b)[oO]n\w+\(", re.M
 )
 """A method that begins as callbacks do, and is none."""
-_DECLARED = re.compile(r"^    (\w+) = \w+\(", re.M)
-_OF_COMPONENT = re.compile(r"^class \w+\(\s*Component\b", re.M)
-"""The declarations of ports, and the beginning of the class, in a generated base."""
 
 
 def check(project: Project, artifacts: Sequence[Artifact]) -> list[Diagnostic]:
@@ -71,7 +66,12 @@ def _findings(project: Project, artifacts: Sequence[Artifact]) -> Iterator[Diagn
     imported = re.compile(
         rf"^from {re.escape(project.package)}\.components\.(\w+)(?:\.\w+)? import", re.M
     )
-    for file, text in _texts(project, artifacts).items():
+    texts = _texts(project, artifacts)
+    known = Modules(
+        {each.path: each.text for each in artifacts if each.owner is Owner.RTGEN},
+        {uses.module_of(project, file): text for file, text in texts.items()},
+    )
+    for file, text in texts.items():
         yield from _callbacks(project, file, text)
         used = {match[1]: match for match in imported.finditer(text)}
         for module in used.keys() - bases.keys():
@@ -81,9 +81,7 @@ def _findings(project: Project, artifacts: Sequence[Artifact]) -> Iterator[Diagn
                 f"no definition has the component of {project.package}.components.{module}",
                 hint=f"was it renamed to {near}?" if near else "remove the file",
             )
-        if len(used) == 1 and used.keys() <= bases.keys():
-            [module] = used
-            yield from _ports(file, text, bases[module])
+        yield from uses.findings(project, known, file, text)
 
 
 def modules(project: Project, artifacts: Sequence[Artifact]) -> list[Path]:
@@ -109,27 +107,6 @@ def _text(file: Path) -> str:
         return decode(read_file(file), standard=True).normal
     except UnreadableError as error:
         raise ToolError(f"cannot read {shown(file)}: {error}") from error
-
-
-def _ports(file: str, text: str, base: str) -> Iterator[Diagnostic]:
-    """Yield uses of ports that neither the generated base nor the module defines.
-
-    Nothing if one of the classes has another base, which might define the port.
-    """
-    mixed = any("," in parents for parents in _CLASS.findall(text))
-    if mixed or not _OF_COMPONENT.search(base):
-        return
-    declared = set(_DECLARED.findall(base))
-    names = {*declared, *_SET.findall(text), *_NAMED.findall(text)}
-    uses = {use[1]: use for use in reversed([*_USE.finditer(text)])}
-    for name, use in uses.items():
-        if name not in names:
-            near = _nearest(name, declared)
-            yield UNKNOWN_PORT.at(
-                _span(file, text, use.start(1), use.end(1)),
-                f"the definition has no port {name!r}",
-                hint=f"did you mean {near}?" if near else None,
-            )
 
 
 def _callbacks(project: Project, file: str, text: str) -> Iterator[Diagnostic]:

@@ -18,7 +18,7 @@ WHICH_COMPONENT = Rule("PRJ0011", "not one component", Severity.ERROR)
 LEFTOVER_SKELETON = Rule(
     "PRJ0012", "behaviour of a component that is not defined", Severity.WARNING
 )
-UNKNOWN_PORT = Rule("PRJ0013", "port that is not in the definition", Severity.WARNING)
+UNKNOWN_NAME = Rule("PRJ0013", "name that is not in the definition", Severity.WARNING)
 MISSPELT_CALLBACK = Rule("PRJ0014", "misspelt callback", Severity.WARNING)
 NO_PATH = Rule("PRJ0015", "path that no file can have", Severity.ERROR)
 UNKNOWN_TEMPLATE = Rule("PRJ0016", "template that rtgen does not have", Severity.ERROR)

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rtgen.compiler.kit import plugins, stages
-from rtgen.compiler.project import Project
-from rtgen.compiler.project.cache import Cache
+from rtgen.compiler.project import Project, behaviours
+from rtgen.compiler.project.cache import Cache, hash_of
 from rtgen.compiler.project.compilation import Compilation
 
 if TYPE_CHECKING:  # imported lazily: a run from the cache needs no model
@@ -54,6 +54,28 @@ def build(
         return made()
     with stages.stage("cache"):
         key = cache.key(project, plugins.announced(*plugins.Group))
+    return cache.kept(key, made)
+
+
+def of_behaviours(
+    project: Project, run: Compilation, cache: Cache | None
+) -> Compilation:
+    """Return the diagnostics of behaviours, for the artifacts of a run."""
+    modules = behaviours.modules(project, run.artifacts)
+
+    def made() -> Compilation:
+        hashes = {str(path.absolute()): hash_of(path) for path in modules}
+        return Compilation(
+            artifacts=(),
+            inputs={},
+            diagnostics=tuple(behaviours.check(project, run.artifacts)),
+            dependencies={**run.dependencies, **hashes},
+        )
+
+    if cache is None:
+        return made()
+    announced = plugins.announced(*plugins.Group)
+    key = cache.key(project, announced, "behaviours", [*map(str, modules)])
     return cache.kept(key, made)
 
 

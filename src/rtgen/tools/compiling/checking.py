@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from enum import StrEnum
 from pathlib import Path
 
@@ -15,7 +15,7 @@ from rtgen.compiler.project import output as writer
 from rtgen.compiler.project.cache import Cache, hash_of
 from rtgen.compiler.project.compilation import Compilation
 from rtgen.compiler.systems.rules import TIMELINE_FILE
-from rtgen.tools.compiling.cached import Definitions, build
+from rtgen.tools.compiling.cached import Definitions, build, of_behaviours
 
 
 class Part(StrEnum):
@@ -104,7 +104,7 @@ def _judged(
     modules = behaviours.modules(project, run.artifacts)
 
     def made() -> Compilation:
-        return _made(project, run, definitions, modules)
+        return _made(project, run, definitions, of_behaviours(project, run, runs))
 
     if runs is None:
         return made()
@@ -119,7 +119,7 @@ def _made(
     project: Project,
     run: Compilation,
     definitions: Definitions,
-    modules: Iterable[Path],
+    known: Compilation,
 ) -> Compilation:
     from rtgen.compiler import linting
     from rtgen.compiler.systems import reading, timeline, timeline_checks
@@ -137,12 +137,12 @@ def _made(
         *timeline_checks.findings(
             project.systems, project.encoding, reading.models_of(read)
         ),
-        *behaviours.check(project, run.artifacts),
+        *known.diagnostics,
     ]
     if plugins.announced(plugins.Group.LINT):
         diagnostics += linting.errors(project, definitions.read(lowered=False))
     findings = [d for d in diagnostics if d.severity is not Severity.NOTE]
-    files = {*modules}
+    files: set[Path] = set()
     for path in project.systems:
         files.update(timeline.followed(path.parent / TIMELINE_FILE))
     hashes = {str(path.absolute()): hash_of(path) for path in files}
@@ -150,7 +150,7 @@ def _made(
         artifacts=(),
         inputs={},
         diagnostics=tuple(linting.wanted(project, findings, systems.sources)),
-        dependencies={**run.dependencies, **systems.hashes, **hashes},
+        dependencies={**known.dependencies, **systems.hashes, **hashes},
         sources=systems.sources,
     )
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import msgspec
 from msgspec.structs import replace
 
-from rtgen.compiler.project import Project, behaviours, cache, shown
+from rtgen.compiler.project import Project, cache, shown
 from rtgen.compiler.project import output as writer
-from rtgen.tools.compiling.cached import build
+from rtgen.tools.compiling.cached import build, of_behaviours
 from rtgen.tools.compiling.definitions import Definitions, project_of
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import BAD_INPUT, OK
@@ -46,7 +46,8 @@ class Request(msgspec.Struct, frozen=True, kw_only=True):
 def generate_once(console: Console, request: Request) -> tuple[int, Iterable[Path]]:
     """Return the exit code, and the paths of the files that the run searched for."""
     project = request.project()
-    run = build(project, cache.default() if request.cached else None)
+    runs = cache.default() if request.cached else None
+    run = build(project, runs)
     looked_for = map(Path, run.dependencies)
     if run.failed:
         console.findings(run.diagnostics, run.sources)
@@ -59,7 +60,8 @@ def generate_once(console: Console, request: Request) -> tuple[int, Iterable[Pat
         console.findings(run.diagnostics, run.sources)
         return OK, looked_for
     done = writer.write(project, run)
-    diagnostics = [*run.diagnostics, *behaviours.check(project, run.artifacts)]
+    of_users = of_behaviours(project, run, runs)
+    diagnostics = [*run.diagnostics, *of_users.diagnostics]
     console.findings(diagnostics, run.sources)
     console.say(_summary(project, done))
     return OK, looked_for

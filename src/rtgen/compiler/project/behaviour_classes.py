@@ -1,0 +1,285 @@
+"""The names that classes of behaviours have, found in syntax trees: nothing is executed.
+
+Classes are followed from the user's modules through generated ones to those of rtgen's runtime,
+the only ones that are imported.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from importlib import import_module
+from inspect import getsource
+from typing import TypeAlias
+
+_OWN = "rtgen."
+_WITHOUT_NAMES = ("typing", "typing_extensions", "abc")
+"""Modules whose classes add no names that a behaviour uses."""
+_MAX_DEPTH = 32
+_ASSIGNED = re.compile(r"\bself\.(\w+)\b[^=\n]*=[^=]")
+_DYNAMIC = frozenset({"__getattr__", "__getattribute__", "__dict__"})
+"""Names of a class that may have further ones."""
+
+_Function: TypeAlias = ast.FunctionDef | ast.AsyncFunctionDef
+
+
+@dataclass(frozen=True, slots=True)
+class RuntimeClass:
+    """A class that is not in a syntax tree: its module, its name."""
+
+    module: str
+    name: str
+
+
+@dataclass(slots=True)
+class Module:
+    """A module: its classes and imports by the names that it binds."""
+
+    name: str
+    tree: ast.Module
+    is_package: bool = False
+    is_generated: bool = False
+    classes: dict[str, ast.ClassDef] = field(default_factory=dict)
+    imports: dict[str, tuple[str, str]] = field(default_factory=dict)
+    """Module and name there; the name is empty for a module."""
+    nodes: list[ast.AST] = field(default_factory=list)
+    """All nodes; of a generated module, its statements."""
+
+    def __post_init__(self) -> None:
+        self.nodes += self.tree.body if self.is_generated else ast.walk(self.tree)
+        for node in self.nodes:
+            if isinstance(node, ast.ImportFrom):
+                home = self._home(node)
+                for alias in node.names:
+                    self.imports[alias.asname or alias.name] = (home, alias.name)
+            elif isinstance(node, ast.Import):
+                for alias in node.names:
+                    name = alias.name if alias.asname else alias.name.split(".")[0]
+                    self.imports[alias.asname or name] = (name, "")
+        for statement in self.tree.body:
+            if isinstance(statement, ast.ClassDef):
+                self.classes[statement.name] = statement
+
+    def _home(self, node: ast.ImportFrom) -> str:
+        if not node.level:
+            return node.module or ""
+        parts = self.name.split(".")
+        parts = parts[: len(parts) - node.level + self.is_package]
+        return ".".join([*parts, *([node.module] if node.module else [])])
+
+
+@dataclass(frozen=True, slots=True)
+class Class:
+    """A class in a syntax tree."""
+
+    module: Module
+    node: ast.ClassDef
+
+
+class Modules:
+    """The generated modules by path, and the user's by name; parsed when they are first needed."""
+
+    def __init__(self, generated: Mapping[str, str], users: Mapping[str, str]) -> None:
+        self._generated = generated
+        self._users = users
+        self._modules: dict[str, Module | None] = {}
+        self._names: dict[tuple[str, str], frozenset[str] | None] = {}
+        self._own: dict[tuple[str, str], frozenset[str] | None] = {}
+        self._bound: dict[str, frozenset[str] | None] = {}
+
+    def find(self, name: str) -> Module | None:
+        """Return a module by its dotted name; None if it is another's, or cannot be parsed."""
+        if name not in self._modules:
+            self._modules[name] = self._parsed(name)
+        return self._modules[name]
+
+    def is_generated(self, name: str) -> bool:
+        """Return whether a module or a package of that name is generated."""
+        path = name.replace(".", "/")
+        return (
+            f"{path}.py" in self._generated or f"{path}/__init__.py" in self._generated
+        )
+
+    def _parsed(self, name: str) -> Module | None:
+        path = name.replace(".", "/")
+        package = f"{path}/__init__.py"
+        text = self._generated.get(f"{path}.py", self._generated.get(package))
+        is_generated = text is not None
+        if text is None:
+            text = self._users.get(name)
+        if text is None:
+            return None
+        try:
+            tree = ast.parse(text)
+        except (SyntaxError, ValueError, RecursionError):
+            return None  # reported when the module is imported
+        is_package = is_generated and f"{path}.py" not in self._generated
+        return Module(name, tree, is_package, is_generated)
+
+    def resolve(
+        self, module: Module, expression: ast.expr
+    ) -> Class | RuntimeClass | None:
+        """Return the class that an expression in a module names; None if that is not known."""
+        if isinstance(expression, ast.Subscript):
+            return self.resolve(module, expression.value)
+        if isinstance(expression, ast.Constant) and isinstance(expression.value, str):
+            try:
+                return self.resolve(
+                    module, ast.parse(expression.value, mode="eval").body
+                )
+            except (SyntaxError, ValueError, RecursionError):
+                return None
+        if isinstance(expression, ast.Name):
+            return self._class(module, expression.id)
+        if isinstance(expression, ast.Attribute):
+            home = self._module_of(module, expression.value)
+            return self._in_module(home, expression.attr) if home else None
+        return None
+
+    def _module_of(self, module: Module, expression: ast.expr) -> str | None:
+        """Return the name of the module that an expression names."""
+        if isinstance(expression, ast.Name):
+            home, name = module.imports.get(expression.id, ("", ""))
+            return f"{home}.{name}" if home and name else home or None
+        if isinstance(expression, ast.Attribute):
+            parent = self._module_of(module, expression.value)
+            return f"{parent}.{expression.attr}" if parent else None
+        return None
+
+    def _class(
+        self, module: Module, name: str, depth: int = 0
+    ) -> Class | RuntimeClass | None:
+        if name in module.classes:
+            return Class(module, module.classes[name])
+        home, original = module.imports.get(name, ("", ""))
+        if home and original and depth < _MAX_DEPTH:
+            return self._in_module(home, original, depth + 1)
+        return RuntimeClass("builtins", name) if name == "object" else None
+
+    def _in_module(
+        self, home: str, name: str, depth: int = 0
+    ) -> Class | RuntimeClass | None:
+        if home.startswith(_OWN) or home in _WITHOUT_NAMES:
+            return RuntimeClass(home, name)
+        module = self.find(home)
+        return None if module is None else self._class(module, name, depth)
+
+    def ancestors(self, start: Class) -> list[Class | RuntimeClass] | None:
+        """Return a class and all its bases; None if one of them is not known."""
+        result: list[Class | RuntimeClass] = []
+        waiting: list[Class | RuntimeClass] = [start]
+        while waiting:
+            each = waiting.pop(0)
+            if each in result:
+                continue
+            result.append(each)
+            if isinstance(each, Class):
+                for base in each.node.bases:
+                    found = self.resolve(each.module, base)
+                    if found is None or len(result) > _MAX_DEPTH:
+                        return None
+                    waiting.append(found)
+        return result
+
+    def names(self, start: Class) -> frozenset[str] | None:
+        """Return the names of a class and its bases; None if they are not all known."""
+        key = (start.module.name, start.node.name)
+        if key not in self._names:
+            own = [*map(self.own_names, self.ancestors(start) or ())]
+            known = [each for each in own if each is not None]
+            is_known = known and len(known) == len(own)
+            self._names[key] = frozenset().union(*known) if is_known else None
+        return self._names[key]
+
+    def own_names(self, class_: Class | RuntimeClass) -> frozenset[str] | None:
+        """Return what `own_names` does, for each class once."""
+        if isinstance(class_, RuntimeClass):
+            return own_names(class_)
+        key = (class_.module.name, class_.node.name)
+        if key not in self._own:
+            self._own[key] = own_names(class_)
+        return self._own[key]
+
+    def bound_in(self, name: str) -> frozenset[str] | None:
+        """Return the names that a generated module binds; None if they are not all known."""
+        if name not in self._bound:
+            module = self.find(name)
+            names = {"*"} if module is None else {*bound(module.tree.body)}
+            is_open = names & {"__getattr__", "*"}
+            self._bound[name] = None if is_open else frozenset(names)
+        return self._bound[name]
+
+
+def own_names(
+    class_: Class | RuntimeClass, *, annotated: bool = True
+) -> frozenset[str] | None:
+    """Return the names of a class; those of one of the runtime with those of its bases.
+
+    None if it may have further ones. `annotated`: those that are only annotated count, too.
+    """
+    if isinstance(class_, RuntimeClass):
+        return _runtime_names(class_.module, class_.name)
+    body = [
+        statement
+        for statement in class_.node.body
+        if annotated or not isinstance(statement, ast.AnnAssign) or statement.value
+    ]
+    names = {*bound(body), *_assigned(class_.node)}
+    return None if _DYNAMIC & names else frozenset(names)
+
+
+def bound(body: list[ast.stmt]) -> Iterator[str]:
+    """Yield the names that statements bind, without those in functions and classes."""
+    waiting: list[ast.AST] = [*body]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, _Function | ast.ClassDef):
+            yield node.name
+        elif isinstance(node, ast.Name):
+            if isinstance(node.ctx, ast.Store):
+                yield node.id
+        elif isinstance(node, ast.alias):
+            yield (node.asname or node.name).partition(".")[0]
+        else:
+            waiting += ast.iter_child_nodes(node)
+
+
+def _assigned(node: ast.ClassDef) -> Iterator[str]:
+    """Yield the attributes that code of a class sets, of any object, and marks of dynamic ones."""
+    for each in ast.walk(node):
+        if isinstance(each, ast.Attribute):
+            if isinstance(each.ctx, ast.Store | ast.Del) or each.attr == "__dict__":
+                yield each.attr
+        elif isinstance(each, ast.Name) and each.id in ("setattr", "vars"):
+            yield "__dict__"
+
+
+@cache
+def _runtime_names(module: str, name: str) -> frozenset[str] | None:
+    """Return the names of a class of rtgen's runtime, and those of its instances."""
+    if module in _WITHOUT_NAMES or name == "object":
+        return frozenset(dir(object))
+    try:
+        class_ = getattr(import_module(module), name)
+        names = {*dir(class_)}
+        for base in class_.__mro__:
+            if base.__module__.startswith(_OWN):
+                names.update(_ASSIGNED.findall(getsource(base)))
+    except (ImportError, AttributeError, OSError, TypeError):
+        return None  # of an extra that is missing, or not a class
+    return frozenset(names)
+
+
+def receiver(function: _Function) -> str | None:
+    """Return the name of a method's first parameter; None for a static or class method."""
+    for decorator in function.decorator_list:
+        if isinstance(decorator, ast.Name) and decorator.id in (
+            "staticmethod",
+            "classmethod",
+        ):
+            return None
+    arguments = [*function.args.posonlyargs, *function.args.args]
+    return arguments[0].arg if arguments else None

@@ -1,0 +1,297 @@
+"""Finds uses of ports, parameters, services and types that the definitions do not have."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+from rtgen.compiler.diagnostics import Diagnostic, Span
+from rtgen.compiler.project import Project
+from rtgen.compiler.project.behaviour_classes import (
+    Class,
+    Module,
+    Modules,
+    RuntimeClass,
+    own_names,
+    receiver,
+)
+from rtgen.compiler.project.rules import UNKNOWN_NAME
+
+_PORTS = {
+    kind: RuntimeClass("rtgen.runtime", name)
+    for kind, name in (
+        ("inport", "InPort"),
+        ("outport", "OutPort"),
+        ("provider", "Provider"),
+        ("consumer", "Consumer"),
+    )
+}
+"""The runtime's class of each kind of declaration in a generated class."""
+
+_OF_PORTS = ("is_new", "read", "read_newest", "write")
+
+
+def module_of(project: Project, file: str) -> str:
+    """Return the dotted name of a module beside skeletons, by its displayed path."""
+    name = Path(file).stem
+    folder = project.skeleton_package
+    return f"{folder}.{name}" if folder else name
+
+
+def findings(
+    project: Project, modules: Modules, file: str, text: str
+) -> Iterator[Diagnostic]:
+    """Yield a diagnostic for the first use of each name in a module that is not defined."""
+    if re.search(rf"\b{re.escape(project.package)}\b", text) is None:
+        return
+    module = modules.find(module_of(project, file))
+    if module is None:
+        return
+    lines = text.split("\n")
+    seen = set()
+    for use in (*_imports(project, modules, module), *_of_classes(modules, module)):
+        if (use.message, use.hint) not in seen:
+            seen.add((use.message, use.hint))
+            span = _span(file, lines, use.node, use.name)
+            yield UNKNOWN_NAME.at(span, use.message, hint=use.hint)
+
+
+class _Use:
+    """A use of a name that is not there."""
+
+    def __init__(
+        self, node: ast.AST, name: str, message: str, candidates: Iterable[str] = ()
+    ) -> None:
+        from rtgen.compiler.frontends.kit.suggestions import guess
+
+        self.node = node
+        self.name = name
+        self.message = message
+        public = {each for each in candidates if not each.startswith("_")}
+        self.hint = guess(name, sorted(public))
+
+
+def _span(file: str, lines: Sequence[str], node: ast.AST, name: str) -> Span:
+    """Return the place of the name at the end of an attribute, or at the start of an alias."""
+    if isinstance(node, ast.Attribute):
+        line, end = node.end_lineno or 1, node.end_col_offset or 0
+        start = end - len(name.encode())
+    else:
+        line = getattr(node, "lineno", 1)
+        start = getattr(node, "col_offset", 0)
+        if isinstance(node, ast.ImportFrom):
+            start += len(b"from ")
+    before = lines[line - 1].encode()[:start].decode(errors="replace")
+    return Span(file, line, len(before) + 1, line, len(before) + 1 + len(name))
+
+
+def _imports(project: Project, modules: Modules, module: Module) -> Iterator[_Use]:
+    """Yield imports from generated modules, and attributes of these, that do not exist."""
+    components = f"{project.package}.components."
+    for node in module.nodes:
+        if not isinstance(node, ast.ImportFrom) or node.level or not node.module:
+            continue
+        home = node.module
+        if not f"{home}.".startswith(f"{project.package}."):
+            continue
+        if not modules.is_generated(home):
+            if not home.startswith(
+                components
+            ):  # the behaviour of one is reported as a whole
+                yield _Use(node, home, f"there is no generated module {home}")
+            continue
+        for alias in node.names:
+            names = modules.bound_in(home)
+            if alias.name != "*" and names is not None and alias.name not in names:
+                if modules.is_generated(f"{home}.{alias.name}"):
+                    continue
+                message = f"{home} has no {alias.name!r}"
+                yield _Use(alias, alias.name, message, names)
+    yield from _attributes_of_modules(modules, module)
+
+
+def _attributes_of_modules(modules: Modules, module: Module) -> Iterator[_Use]:
+    rebound = {
+        node.arg if isinstance(node, ast.arg) else node.id
+        for node in module.nodes
+        if isinstance(node, ast.arg)
+        or (isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load))
+    }
+    packages = {
+        name: f"{home}.{original}" if original else home
+        for name, (home, original) in module.imports.items()
+        if name not in rebound
+    }
+    packages = {n: home for n, home in packages.items() if modules.is_generated(home)}
+    for node in module.nodes if packages else ():
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+            home = packages.get(node.value.id, "")
+            if not home:
+                continue
+            names = modules.bound_in(home)
+            if names is None or node.attr in names or node.attr.startswith("__"):
+                continue
+            if not modules.is_generated(f"{home}.{node.attr}"):
+                yield _Use(node, node.attr, f"{home} has no {node.attr!r}", names)
+
+
+def _of_classes(modules: Modules, module: Module) -> Iterator[_Use]:
+    for node in module.classes.values():
+        ancestors = modules.ancestors(Class(module, node))
+        if ancestors is None or not any(map(_is_generated, ancestors)):
+            continue
+        behaviour = _Behaviour(modules, Class(module, node), ancestors)
+        for statement in node.body:
+            if isinstance(statement, ast.FunctionDef | ast.AsyncFunctionDef):
+                name = receiver(statement)
+                if name is not None:
+                    yield from behaviour.uses(statement, name)
+
+
+def _is_generated(class_: Class | RuntimeClass) -> bool:
+    return isinstance(class_, Class) and class_.module.is_generated
+
+
+class _Behaviour:
+    """A class derived from a generated one."""
+
+    def __init__(
+        self, modules: Modules, class_: Class, ancestors: Sequence[Class | RuntimeClass]
+    ) -> None:
+        self._modules = modules
+        self._names = modules.names(class_)
+        self._declared: dict[str, tuple[str, Class | RuntimeClass | None]] = {}
+        """Kind and class of what the generated classes declare, by name."""
+        for each in reversed(ancestors):
+            if _is_generated(each):
+                self._declared.update(self._declarations(each))
+            elif isinstance(each, Class):
+                for name in own_names(each, annotated=False) or ():
+                    self._declared.pop(name, None)
+
+    def _declarations(
+        self, class_: Class | RuntimeClass
+    ) -> Iterator[tuple[str, tuple[str, Class | RuntimeClass | None]]]:
+        assert isinstance(class_, Class)
+        for statement in class_.node.body:
+            match statement:
+                case ast.Assign(
+                    targets=[ast.Name(id=name)],
+                    value=ast.Call(func=ast.Name(id=kind), args=[type_, *_]),
+                ):
+                    yield name, (kind, self._modules.resolve(class_.module, type_))
+
+    def uses(
+        self, method: ast.FunctionDef | ast.AsyncFunctionDef, receiver: str
+    ) -> Iterator[_Use]:
+        """Yield the uses of names that do not exist in a method."""
+        aliases = _aliases(method, receiver)
+        if aliases is None:
+            return
+        further: dict[int, str] = {}
+        for node in _visible(method, {*aliases, receiver}):
+            if isinstance(node, ast.Attribute):
+                further[id(node.value)] = node.attr
+                path = _path(node, receiver, aliases)
+                if path:
+                    yield from self._checked(node, path, further.get(id(node), ""))
+
+    def _checked(
+        self, node: ast.Attribute, path: Sequence[str], further: str
+    ) -> Iterator[_Use]:
+        """Yield the use of a name that is not there; `further` is the name after it, if any."""
+        first = path[0]
+        if len(path) == 1:
+            if self._names is None or first in self._names or first.startswith("__"):
+                return
+            if isinstance(node.ctx, ast.Load):
+                message = (
+                    f"the definition has no port {first!r}"
+                    if further in _OF_PORTS
+                    else f"neither the definition nor the class has {first!r}"
+                )
+                yield _Use(node, first, message, self._declared or self._names)
+            return
+        kind, type_ = self._declared.get(first, ("", None))
+        names, what = self._members(kind, type_, path[1:])
+        if names is not None and path[-1] not in names:
+            yield _Use(node, path[-1], f"{first!r}, {what}, has no {path[-1]!r}", names)
+
+    def _members(
+        self, kind: str, type_: Class | RuntimeClass | None, path: Sequence[str]
+    ) -> tuple[Iterable[str] | None, str]:
+        """Return the names of what is declared, None if not known, and what it is."""
+        if kind == "configuration" and len(path) == 1:
+            return self._all(type_), "the configuration"
+        if kind == "consumer":
+            of_type = self._all(type_)
+            if of_type is None or not isinstance(type_, Class):
+                return None, ""
+            what = f"a consumer of {type_.node.name}"
+            if len(path) == 1:
+                own = own_names(_PORTS[kind], annotated=True)
+                return (None, "") if own is None else (own | of_type, what)
+            return (of_type, what) if [*path[:-1]] == ["object"] else (None, "")
+        if kind in _PORTS and len(path) == 1:
+            return own_names(_PORTS[kind], annotated=True), f"an {_PORTS[kind].name}"
+        return None, ""
+
+    def _all(self, type_: Class | RuntimeClass | None) -> frozenset[str] | None:
+        return self._modules.names(type_) if isinstance(type_, Class) else None
+
+
+def _path(
+    node: ast.expr, receiver: str, aliases: dict[str, tuple[str, ...]]
+) -> tuple[str, ...]:
+    """Return the names from the receiver to an attribute; empty for another expression."""
+    names: list[str] = []
+    while isinstance(node, ast.Attribute):
+        names.append(node.attr)
+        node = node.value
+    if not isinstance(node, ast.Name) or not names:
+        return ()
+    if node.id == receiver:
+        return tuple(reversed(names))
+    return (*aliases[node.id], *reversed(names)) if node.id in aliases else ()
+
+
+def _aliases(
+    method: ast.FunctionDef | ast.AsyncFunctionDef, receiver: str
+) -> dict[str, tuple[str, ...]] | None:
+    """Return the attributes that local names stand for; None if the receiver is bound anew."""
+    stores: list[str] = []
+    assigned = []
+    for node in ast.walk(method):
+        if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
+            stores.append(node.id)
+        elif isinstance(node, ast.Assign) and isinstance(node.value, ast.Attribute):
+            assigned.append(node)
+    if receiver in stores:
+        return None
+    aliases = {}
+    for node in assigned:
+        match node.targets:
+            case [ast.Name(id=name)] if stores.count(name) == 1:
+                path = _path(node.value, receiver, {})
+                if path:
+                    aliases[name] = path
+    return aliases
+
+
+def _visible(
+    method: ast.FunctionDef | ast.AsyncFunctionDef, names: set[str]
+) -> Iterator[ast.AST]:
+    """Yield the nodes of a method, without functions and classes that bind one of the names."""
+    waiting: list[ast.AST] = [*method.body]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, ast.ClassDef):
+            continue
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
+            arguments = (a.arg for a in ast.walk(node.args) if isinstance(a, ast.arg))
+            if not names.isdisjoint(arguments):
+                continue
+        yield node
+        waiting += reversed([*ast.iter_child_nodes(node)])
