@@ -113,6 +113,7 @@ def test_a_device_that_cannot_be_deactivated_in_time(processes: Processes) -> No
     device.says("activated")
 
 
+@pytest.mark.nightly
 def test_a_device_that_was_active_and_is_deactivated_later(
     processes: Processes,
 ) -> None:

@@ -144,6 +144,7 @@ def test_rh3_reaches_its_goal_with_a_foreign_operator_that_comes_late_and_is_kil
     assert abs(theta) < 0.1
 
 
+@pytest.mark.nightly
 @by_each_author
 def test_a_foreign_component_that_is_absent(
     launch: Callable[..., LoggedProcess],

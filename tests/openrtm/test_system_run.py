@@ -496,6 +496,7 @@ def test_an_interpreter_without_rtgen_is_reported(workshop: Path) -> None:
     assert "Traceback" not in completed.stderr
 
 
+@pytest.mark.nightly
 @pytest.mark.waits
 @pytest.mark.slow
 @pytest.mark.longest
