@@ -318,3 +318,17 @@ def test_a_running_system_is_listed_with_the_verdict(
         file=WIRED,
     )
     assert listed(pair, capfd) == pair.verdict
+
+
+@pytest.mark.parametrize("pair", ["type", "interface"], indirect=True)
+@pytest.mark.parametrize("folder", ["wired", "timed"])
+def test_a_run_leaves_out_what_only_other_programs_join(
+    pair: Pair, folder: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    allowed = pair._replace(key="rtgen.allow.RTC0582", text=REASON)
+    Path("wired/system.xml").write_text(system(allowed, connected=True))
+    Path("timed/timeline.toml").write_text(timeline(allowed))
+    assert run(["run", folder, "--until", "0.05"]) == 0
+    said = capfd.readouterr().err
+    assert "warning[SYS0003]" in said
+    assert f"it is left out: {REASON}" in said

@@ -251,6 +251,11 @@ def own_properties(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
     return {key: text for key, text in pairs if not is_foreign(key)}
 
 
+def embedded_properties(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
+    """Return those of a connector's properties that a run heeds: OpenRTM's, and what it allows."""
+    return {k: t for k, t in pairs if k.startswith(ALLOW) or not is_foreign(k)}
+
+
 def is_foreign(key: str) -> bool:
     """Return whether a property is not OpenRTM's: an editor's own, or an address that it saved."""
     own = key.startswith(_PREFIXES) or is_pair(key)

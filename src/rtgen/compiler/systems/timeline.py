@@ -23,7 +23,7 @@ from rtgen.compiler.systems.rules import (
     TIMELINE_FILE,
     UNKNOWN_INSTANCE,
 )
-from rtgen.facts.connector_properties import own_properties
+from rtgen.facts.connector_properties import embedded_properties
 from rtgen.facts.encodings import decode
 from rtgen.facts.files import UnreadableError, read_file
 
@@ -321,7 +321,7 @@ class _Reader:
             name,
             connection.source,
             connection.target,
-            own_properties(connection.properties),
+            embedded_properties(connection.properties),
         )
 
     def _link(self, text: str, span: Span, links: list[_Link]) -> _Link:

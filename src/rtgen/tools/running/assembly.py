@@ -15,12 +15,14 @@ from rtgen.compiler.diagnostics import (
     Diagnostic,
     InputError,
     Rule,
+    Severity,
     Span,
     ToolError,
     has_errors,
 )
 from rtgen.compiler.frontends.kit.suggestions import nearest
 from rtgen.compiler.model import Connection, System, SystemComponent
+from rtgen.compiler.systems.connections import PORTS_DIFFER
 from rtgen.compiler.systems.rules import (
     CONNECTION,
     NO_COMPONENT,
@@ -38,7 +40,7 @@ from rtgen.compiler.systems.timeline import (
     Step,
 )
 from rtgen.compiler.typemap.openrtm_ports import InstancePorts, with_definition_names
-from rtgen.facts.connector_properties import own_properties
+from rtgen.facts.connector_properties import ALLOW, embedded_properties
 from rtgen.facts.openrtm_ports import IN, OUT, SERVICE, registered_names
 from rtgen.runtime.rtc.conf_file import read as read_conf
 from rtgen.runtime.services.transports import ForeignTransport, PublishingTransport
@@ -110,7 +112,7 @@ def assemble(
             _add_all(system, profile, factories, settings, report)
             if prepare is not None:
                 prepare(system)
-            _fill(system, profile, steps, transport, patience)
+            _fill(system, profile, steps, transport, patience, report.notice)
             _schedule(system, steps, report.notice, skipped)
     except runtime.TransportError as error:
         system.close()
@@ -170,6 +172,7 @@ def _fill(
     steps: Sequence[Step],
     transport: ProcessTransport | None,
     patience: float,
+    warn: Callable[[Diagnostic], None],
 ) -> None:
     """Add connections and activations to the system, and check the timeline.
 
@@ -184,10 +187,11 @@ def _fill(
             connection.name,
             connection.source,
             connection.target,
-            own_properties(connection.properties),
+            embedded_properties(connection.properties),
         )
         span, hint = _failed_end(system, connection)
-        diagnostics = _findings(CONNECTION, span, _performing(system, action))
+        join = partial(_join, system, action, span, warn)
+        diagnostics = _findings(CONNECTION, span, join)
         findings += (replace(finding, hint=hint) for finding in diagnostics)
     instances = system.instances
     for step in steps:
@@ -226,7 +230,10 @@ def _schedule(
 
     def carry_out(step: Step) -> None:
         try:
-            _performing(system, step.action)()
+            if isinstance(step.action, Connect):
+                _join(system, step.action, step.span, skipped or warn)
+            else:
+                _performing(system, step.action)()
         except outdated as error:
             message = f"{error}: the event is skipped"
             (skipped or warn)(SKIPPED.at(step.span, message))
@@ -237,6 +244,26 @@ def _schedule(
 
     for step in steps:
         system.at(step.time, partial(carry_out, step))
+
+
+def _join(
+    system: runtime.System,
+    action: Connect,
+    span: Span | None,
+    warn: Callable[[Diagnostic], None],
+) -> None:
+    """Connect two ports; those that differ by permission of the system are left out."""
+    given = action.properties
+    own = {key: text for key, text in given.items() if not key.startswith(ALLOW)}
+    joined = Connect(action.name, action.source, action.target, own)
+    try:
+        _performing(system, joined)()
+    except (runtime.PortTypeError, runtime.PolarityError) as error:
+        reason = given.get(f"{ALLOW}{PORTS_DIFFER.code}", "").strip()
+        if not reason:
+            raise
+        finding = CONNECTION.at(span, f"{error}; it is left out: {reason}")
+        warn(replace(finding, severity=Severity.WARNING, hint=None))
 
 
 def _ports(component: runtime.Component) -> InstancePorts:
