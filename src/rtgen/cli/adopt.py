@@ -1,4 +1,4 @@
-"""The command `rtgen adopt`: derives an IDL definition from an OpenRTM-aist-Python component."""
+"""The command `rtgen adopt`, the older name of `rtgen convert MODULE.py`."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import click
 
 from rtgen.cli.help import command
 from rtgen.cli.options import with_console
-from rtgen.compiler.diagnostics import ToolError
+from rtgen.tools.components.conversion import adopted_as
 from rtgen.tools.kit.console import Console, write_out
-from rtgen.tools.kit.exits import BAD_INPUT, OK
+from rtgen.tools.kit.exits import OK
 
 
 @command()
@@ -33,28 +33,9 @@ def adopt(
     the same repository that it imports are also read. Nothing is executed: values that only running
     the module would determine are reported.
     """
-    from rtgen.tools.components.adopted import adopted
-    from rtgen.tools.components.component_text import component_idl
-
-    adoption = adopted(Path(file), [Path(folder) for folder in include])
-    console.findings(adoption.diagnostics, adoption.sources)
-    if adoption.component is None:
-        return BAD_INPUT
-    component = adoption.component
-    text = component_idl(adoption.model, component)
+    result = adopted_as(console, Path(file), "idl", include)
     if output is None:
-        write_out(text)
+        write_out(result.content)
         return OK
-    target = Path(output) / f"{component.name[-1]}.idl"
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        with target.open("x", encoding="utf-8", newline="\n") as stream:
-            stream.write(text)
-    except FileExistsError:
-        raise ToolError(f"{target.as_posix()} exists already") from None
-    except OSError as error:
-        raise ToolError(
-            f"cannot write {target.as_posix()}: {error.strerror}"
-        ) from error
-    console.say(f"{target.as_posix()} written")
+    console.say(f"{result.write(Path(output)).as_posix()} written")
     return OK

@@ -8,10 +8,10 @@ import click
 
 from rtgen.cli.help import command
 from rtgen.cli.options import with_console
-from rtgen.cli.parameter_types import FiniteRange
 from rtgen.cli.run_table import with_run_table
 from rtgen.cli.running_options import (
     RATE,
+    with_end_of_replay,
     with_failures,
     with_recording,
     with_value_checks,
@@ -21,9 +21,6 @@ from rtgen.tools.kit.exits import Refusal
 from rtgen.tools.running.failures import FailureOptions
 from rtgen.tools.running.recording_options import RecordingOptions
 from rtgen.tools.running.replaying import ReplayOptions, printed, replayed
-
-_MAX_SECONDS = 1e9
-"""Maximum duration of a replay in seconds."""
 
 
 @command()
@@ -44,12 +41,7 @@ _MAX_SECONDS = 1e9
     metavar="FACTOR",
     help="Speed factor; default: as fast as possible.",
 )
-@click.option(
-    "--until",
-    type=FiniteRange(0, _MAX_SECONDS),
-    metavar="SECONDS",
-    help="Stop at this time of the recording.",
-)
+@with_end_of_replay
 @click.option(
     "--set",
     "settings",

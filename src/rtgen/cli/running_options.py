@@ -80,6 +80,14 @@ with_value_checks = grouped(
 )
 
 
+with_end_of_replay = click.option(
+    "--until",
+    type=FiniteRange(0, 1e9),
+    metavar="SECONDS",
+    help="Stop at this time of the recording.",
+)
+
+
 with_clock = click.option(
     "--clock",
     type=click.Choice(["sim", "real"]),

@@ -88,7 +88,7 @@ def test_the_site_of_the_reference_build_is_whole(
     pytest.importorskip("material")
     monkeypatch.chdir(ROOT)
     assert run(["docs", "--build", "-q", "-o", str(tmp_path)]) == 0
-    built = tmp_path / "site"
+    built = tmp_path
     assert check_links(built) > 5000
     system = (built / "systems" / "rh3_goal.svg").read_text(encoding="utf-8")
     assert 'href="../components/PathFollower.html"' in system
@@ -107,7 +107,34 @@ def test_the_site_of_a_golden_project_is_whole(
     shutil.copy(definition, tmp_path)
     include = ["-I", str(GOLDEN), "-I", str(ROOT / "specs" / "idl")]
     assert run(["docs", *include, definition.name, "--build", "-q"]) == 0
-    assert check_links(tmp_path / "build" / "docs" / "site") > 100
+    assert check_links(tmp_path / "build" / "site") > 100
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("folder", ["build/site", "site", "build/docs"])
+def test_a_site_is_built_in_its_folder(
+    folder: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    """Also where its pages were written before; never among files of a user."""
+    pytest.importorskip("material")
+    monkeypatch.chdir(tmp_path)
+    Path("a.idl").write_text("struct A { long x; };\n")
+    assert run(["docs", "a.idl", "-q", "-o", "build/docs"]) == 0
+    assert not Path("build/docs/index.html").exists()
+    for _ in range(2):
+        capfd.readouterr()
+        assert run(["docs", "a.idl", "--build", "-o", folder]) == 0
+        assert capfd.readouterr().err == f"open {folder}/index.html\n"
+    assert Path(folder, "index.html").is_file()
+    assert not Path(folder, "site").exists()
+    Path("mine").mkdir()
+    Path("mine/notes.txt").write_text("mine")
+    assert run(["docs", "a.idl", "--build", "-o", "mine"]) == 3
+    assert "mine holds other files" in capfd.readouterr().err
+    assert [path.name for path in Path("mine").iterdir()] == ["notes.txt"]
 
 
 @pytest.mark.nightly

@@ -19,6 +19,7 @@ from rtgen.tools.can.live.live_bus import frames, opened
 from rtgen.tools.can.parsing import logs
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import NO, OK
+from rtgen.tools.kit.files import values_file
 
 if TYPE_CHECKING:
     from can import Message
@@ -37,10 +38,10 @@ if TYPE_CHECKING:
     "-o",
     "outputs",
     multiple=True,
-    required=True,
     type=click.Path(dir_okay=False, path_type=Path),
     metavar="FILE",
-    help="Output file: .svg, .png, .pdf or .csv; may be repeated.",
+    help="Output file: .svg, .png, .pdf or .csv; may be repeated; default: "
+    "build/NAME/values.svg.",
 )
 @with_span
 @with_nodes
@@ -63,7 +64,7 @@ def plot_(
     command stops at Ctrl-C, or according to --for and --count. Exit code 1: there was no value.
     """
     node_index = node_files.read(console)
-    for path in outputs:
+    for path in outputs or (Path("values.svg"),):
         check_output(path)
     curves = _series(node_index, objects)
     decoder = MessageDecoder(node_index)
@@ -75,6 +76,9 @@ def plot_(
             frames(bus, seconds, count) as received,
         ):
             _collect(received, decoder, curves)
+    if not outputs:
+        outputs = (values_file("can" if record is None else record.stem, ".svg"),)
+        console.say(f"results: {outputs[0]}")
     for path in outputs:
         if path.suffix.lower() == ".csv":
             write_csv(path, list(curves.values()))

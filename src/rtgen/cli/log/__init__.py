@@ -9,6 +9,7 @@ from rtgen.cli.groups import LazyGroup
 COMMANDS: dict[str, str] = {
     "info": "Show the contents of a file.",
     "cat": "Print the events of a file as JSON lines.",
+    "play": "Print the events of a file, each at its time.",
     "csv": "Write values of ports as CSV.",
     "plot": "Plot values of ports over time.",
     "diff": "Compare two files.",

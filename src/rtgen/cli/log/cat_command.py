@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import click
@@ -10,10 +9,9 @@ import click
 from rtgen.cli.help import command
 from rtgen.cli.log.common import with_choice
 from rtgen.cli.options import with_console
-from rtgen.tools.kit.console import Console, for_output
-from rtgen.tools.kit.exits import OK
-from rtgen.tools.recording.events import Log
-from rtgen.tools.recording.selection import choice, reported, say_losses
+from rtgen.tools.kit.console import Console
+from rtgen.tools.recording.selection import choice
+from rtgen.tools.running.replaying import printed
 
 
 @command("cat")
@@ -27,9 +25,4 @@ def cat_(
 
     Names select instances, ports and buses; the default is all events.
     """
-    with reported():
-        log = Log(file)
-        for event in log.events(choice(names, kinds)):
-            click.echo(for_output(json.dumps(event, ensure_ascii=False)))
-    say_losses(console, log)
-    return OK
+    return printed(console, file, wanted=choice(names, kinds))

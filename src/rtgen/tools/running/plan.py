@@ -12,7 +12,6 @@ from rtgen.compiler.diagnostics import (
     InputError,
     Severity,
     Span,
-    ToolError,
     has_errors,
     in_order,
 )
@@ -25,10 +24,10 @@ from rtgen.compiler.systems.measures import Measure
 from rtgen.compiler.systems.reading import read_file
 from rtgen.compiler.systems.rules import CONDITION
 from rtgen.compiler.systems.timeline import SetParameter, Step
-from rtgen.facts.files import make_folder
 from rtgen.runtime.services.transports import ForeignComponent
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import BAD_INPUT, ReportedError
+from rtgen.tools.kit.files import results_of, values_file
 from rtgen.tools.running import foreign, partition
 from rtgen.tools.running.curves import divided
 from rtgen.tools.running.factories import Factories
@@ -193,8 +192,8 @@ class Outputs:
         options, profile = plan.options, plan.profile
         csv, in_table = divided(options.table, "--csv", profile)
         plot, in_picture = divided(options.picture, "--plot", profile)
-        csv = csv or (_result(profile, ".csv") if in_table else None)
-        plot = plot or (_result(profile, ".svg") if in_picture else None)
+        csv = csv or (str(values_file(profile.name, ".csv")) if in_table else None)
+        plot = plot or (str(values_file(profile.name, ".svg")) if in_picture else None)
         check_picture(plot)
         if plan.condition == Condition() and options.simulated:
             hint = "--until SECONDS, or --until INSTANCE=STATE"
@@ -223,7 +222,7 @@ class Outputs:
     def add_defaults(self, folder: Path, console: Console) -> None:
         """Name the files of an experiment's results. Raises ToolError."""
         name = folder.resolve().name
-        results = _results_of(name)
+        results = results_of(name)
         self.csv = self.csv or str(results / f"{name}.csv")
         if self.plot is None:
             if find_spec("matplotlib") is not None:
@@ -231,18 +230,3 @@ class Outputs:
             else:
                 console.say("no picture without matplotlib: pip install 'rtgen[plot]'")
         console.say(self.text)
-
-
-def _result(profile: System, ending: str) -> str:
-    """Return the default file for values."""
-    return str(_results_of(profile.name) / f"values{ending}")
-
-
-def _results_of(name: str) -> Path:
-    """Return the folder for results, created if missing. Raises ToolError."""
-    results = Path("build") / name
-    try:
-        make_folder(results)
-    except OSError as error:
-        raise ToolError(f"cannot make {results}: {error.strerror}") from error
-    return results

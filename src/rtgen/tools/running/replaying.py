@@ -5,10 +5,11 @@ from __future__ import annotations
 import dataclasses
 import json
 import time
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from msgspec.structs import replace
 
@@ -250,13 +251,20 @@ def _steps(
 
 
 def printed(
-    console: Console, file: Path, rate: float | None, until: float | None
+    console: Console,
+    file: Path,
+    rate: float | None = None,
+    until: float | None = None,
+    wanted: Callable[[Mapping[str, Any]], bool] = lambda event: True,
 ) -> int:
-    """Print the events until a time [s], paced if there is a rate. Raises ToolError."""
+    """Print the events, those that are wanted, until a time [s], paced if there is a rate.
+
+    Raises ToolError.
+    """
     clock = None if rate is None else Pace(rate)
     with reported():
         log = Log(file)
-        for event in _until(log.events(), until):
+        for event in _until(log.events(wanted), until):
             if clock is not None:
                 clock.wait(event["t"])
             text = for_output(json.dumps(event, ensure_ascii=False))
