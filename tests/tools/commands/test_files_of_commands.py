@@ -194,6 +194,7 @@ ROWS: Mapping[str, tuple[Row, ...]] = {
     "replay recorded": (Row("replay a.mcap --record @", ".mcap", kind="written"),),
     "log info file": (Row("log info @", *MCAP),),
     "log cat file": (Row("log cat @", *MCAP),),
+    "log play file": (Row("log play @ --rate 1000", *MCAP),),
     "log csv file": (Row("log csv @ Scaler0.state", *MCAP),),
     "log csv output": (
         Row("log csv a.mcap Scaler0.state -o @", ".csv", kind="written"),
