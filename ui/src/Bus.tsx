@@ -82,8 +82,8 @@ function Load({ bus }: { bus: Bus }) {
     if (!loads) return undefined;
     const measured = loads.map((each) => each.load * 100);
     const times = loads.map((each) => each.time);
-    if (bus.computed_load < 0) return { names: ["measured"], data: [times, measured] };
-    return { names: ["measured", "computed"], data: [times, measured, times.map(() => bus.computed_load * 100)] };
+    if (bus.computed_load < 0) return { names: ["measured"], units: ["%"], data: [times, measured] };
+    return { names: ["measured", "computed"], units: ["%", "%"], data: [times, measured, times.map(() => bus.computed_load * 100)] };
   };
   const last = store.traffic.loads.get(bus.name)?.at(-1);
   return (
@@ -93,7 +93,7 @@ function Load({ bus }: { bus: Bus }) {
         {last ? `${bus.bit_rate > 0 ? `load ${(last.load * 100).toFixed(1)} %, ` : ""}${last.frames} frames/s` : "load not measured yet"}
         {bus.computed_load >= 0 && `, computed ${(bus.computed_load * 100).toFixed(1)} %`}
       </p>
-      {bus.bit_rate > 0 && <Plot source={bus.name} read={read} unit="%" label={`Load of ${bus.name} over time`} />}
+      {bus.bit_rate > 0 && <Plot source={bus.name} read={read} label={`Load of ${bus.name} over time`} />}
     </>
   );
 }
@@ -139,9 +139,12 @@ function Signals({ bus }: { bus: string }) {
   });
   const read = (): Curves | undefined => {
     if (!shown.length) return undefined;
-    return { names: shown.map((each) => each.name), data: uPlot.join(shown.map((each) => [each.times, each.numbers])) };
+    return {
+      names: shown.map((each) => each.name),
+      units: shown.map((each) => each.unit),
+      data: uPlot.join(shown.map((each) => [each.times, each.numbers])),
+    };
   };
-  const units = new Set(shown.map((each) => each.unit));
   return (
     <section aria-label="Signals">
       <h2>Signals</h2>
@@ -161,7 +164,7 @@ function Signals({ bus }: { bus: string }) {
           <bdi>{name}</bdi> ×
         </button>
       ))}
-      {shown.length > 0 && <Plot source={chosen.join()} read={read} unit={units.size === 1 ? [...units].join("") : ""} label="Signals over time" />}
+      {shown.length > 0 && <Plot source={chosen.join()} read={read} label="Signals over time" />}
     </section>
   );
 }

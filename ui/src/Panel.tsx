@@ -7,7 +7,7 @@ import { Configuration } from "./Configuration.tsx";
 import { Connections } from "./Connections.tsx";
 import { Drive } from "./Drive.tsx";
 import { MapView } from "./MapView.tsx";
-import { Plot, Span, curvesOf, overlaid } from "./Plot.tsx";
+import { Plot, Span, curvesOf, inPlots, ofUnits, overlaid } from "./Plot.tsx";
 import type { Channel, Component, SystemState } from "./protocol/Ui.ts";
 import { Services } from "./Services.tsx";
 import type { Line, Statistics } from "./store.ts";
@@ -50,12 +50,14 @@ function Values({ system, component }: Selection) {
   const sections = shown.filter((each) => !each.beside).map((channel) => {
     const name = `${channel.port.instance}.${channel.port.port}`;
     const owner = system.components.find((each) => each.instance === channel.port.instance);
-    const unit = owner?.ports.find((each) => each.name === channel.port.port)?.unit ?? "";
+    const port = owner?.ports.find((each) => each.name === channel.port.port && each.kind === "PORT_OUT");
+    const units = new Map(port?.units.map((each) => [each.name, each.text]));
+    const unitOf = (path: string) => units.get(path.replace(/\[[^\]]*\]/g, "")) ?? "";
     const track = store.tracks.get(channel.id);
     const other = partner(channel);
     const beside = other && store.tracks.get(other.id);
     const values = new Map(beside && leaves(beside.value));
-    const curves = () => overlaid(curvesOf(store.tracks.get(channel.id)), other && curvesOf(store.tracks.get(other.id)));
+    const curves = () => overlaid(curvesOf(store.tracks.get(channel.id), unitOf), other && curvesOf(store.tracks.get(other.id), unitOf));
     const rows = track ?? beside;
     return (
       <section key={channel.id} aria-label={name}>
@@ -63,7 +65,9 @@ function Values({ system, component }: Selection) {
         {track?.refused && <p className="reason">The last sample could not be read: {track.refused}</p>}
         {rows?.times.length ? (
           <>
-            {rows.numbers.size > 0 && <Plot source={String(channel.id)} read={curves} unit={unit} label="Values over time" />}
+            {inPlots(curves()?.units ?? []).map((shown, i) => (
+              <Plot key={i} source={`${channel.id} ${shown}`} read={() => ofUnits(curves(), shown)} label={i ? `Values over time in ${shown.filter(Boolean).join(", ")}` : "Values over time"} />
+            ))}
             {rows.thinned && <p className="thinned">Of older samples some are left out of the plot.</p>}
             <table>
               {other && (
@@ -82,7 +86,7 @@ function Values({ system, component }: Selection) {
                     <th scope="row">{path}</th>
                     <td className={cell(value)}>{track ? written(value) : ""}</td>
                     {other && <td className={cell(value)}>{values.has(path) ? written(values.get(path)) : ""}</td>}
-                    <td className="text">{/^tm\b/.test(path) ? "" : unit}</td>
+                    <td className="text">{unitOf(path)}</td>
                   </tr>
                 ))}
               </tbody>

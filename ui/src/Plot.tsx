@@ -7,6 +7,8 @@ import type { Track } from "./store.ts";
 import { store } from "./store.ts";
 
 const MAX_CURVES = 8;
+/** Number of axes of values of a plot. */
+const AXES = 2;
 /** Height of a plot [px]. */
 const HEIGHT = 180;
 
@@ -15,29 +17,59 @@ const SPANS = [5, 30, 0];
 
 export interface Curves {
   names: string[];
+  /** The unit of each curve; empty without one. Each unit has a scale of its own. */
+  units: string[];
   data: uPlot.AlignedData;
   /** Number of curves of this run, which come first; the rest, dashed, belong to the compared run. */
   own?: number;
 }
 
 /** The curves of a track of samples. */
-export function curvesOf(track: Track | undefined): Curves | undefined {
+export function curvesOf(track: Track | undefined, unitOf: (name: string) => string): Curves | undefined {
   if (!track) return undefined;
   const curves = [...track.numbers].filter(([name]) => !/^tm\b/.test(name)).slice(0, MAX_CURVES);
-  return { names: curves.map(([name]) => name), data: [track.times, ...curves.map(([, row]) => row)] };
+  const names = curves.map(([name]) => name);
+  return { names, units: names.map(unitOf), data: [track.times, ...curves.map(([, row]) => row)] };
+}
+
+/** The curves of these units. */
+export function ofUnits(curves: Curves | undefined, shown: readonly string[]): Curves | undefined {
+  if (!curves) return undefined;
+  const own = curves.own ?? curves.names.length;
+  const kept = curves.units.flatMap((unit, i) => (shown.includes(unit) ? [i] : []));
+  const [times, ...rows] = curves.data;
+  return {
+    names: kept.map((i) => curves.names[i]!),
+    units: kept.map((i) => curves.units[i]!),
+    data: [times, ...kept.map((i) => rows[i]!)],
+    own: kept.filter((i) => i < own).length,
+  };
+}
+
+/** Units in groups for one plot each, which has an axis on its left and one on its right. */
+export function inPlots(units: Iterable<string>): string[][] {
+  const all = [...new Set(units)];
+  return all.flatMap((_, i) => (i % AXES ? [] : [all.slice(i, i + AXES)]));
 }
 
 /** The curves of two runs over a common time; the names of the second run are marked. */
 export function overlaid(curves: Curves | undefined, beside: Curves | undefined): Curves | undefined {
   if (!beside) return curves;
   const names = beside.names.map((each) => `${each} (beside)`);
-  if (!curves) return { names, data: beside.data, own: 0 };
-  return { names: [...curves.names, ...names], data: uPlot.join([curves.data, beside.data]), own: curves.names.length };
+  if (!curves) return { ...beside, names, own: 0 };
+  return {
+    names: [...curves.names, ...names],
+    units: [...curves.units, ...beside.units],
+    data: uPlot.join([curves.data, beside.data]),
+    own: curves.names.length,
+  };
 }
 
-function series({ names, own = names.length }: Curves): uPlot.Series[] {
-  return names.map((label, i) => ({
-    label,
+function series({ names, units, own = names.length }: Curves): uPlot.Series[] {
+  const several = new Set(units).size > 1;
+  return names.map((name, i) => ({
+    label: several && units[i] ? `${name} [${units[i]}]` : name,
+    scale: units[i] || "none",
     spanGaps: true,
     stroke: colour(i < own ? i : i - own),
     width: 2,
@@ -70,7 +102,7 @@ const space = (_: unknown, labels: readonly string[] | null): number => 20 + 7 *
 const range = (_: unknown, first: number, last: number): [number, number] => [store.page.span ? Math.max(first, last - store.page.span) : first, last];
 
 /** `read` is called before each drawing; another `source` creates a new plot. */
-export function Plot({ source, read, unit, label }: { source: string; read: () => Curves | undefined; unit: string; label: string }) {
+export function Plot({ source, read, label }: { source: string; read: () => Curves | undefined; label: string }) {
   const place = useRef<HTMLDivElement>(null);
   const reading = useRef(read);
   reading.current = read;
@@ -85,7 +117,7 @@ export function Plot({ source, read, unit, label }: { source: string; read: () =
       if (!curves || !place.current) return;
       const { data } = curves;
       const size = { width: place.current.clientWidth, height: HEIGHT };
-      const now = [dark.matches, ...curves.names].join();
+      const now = [dark.matches, ...curves.names, ...curves.units].join();
       const stamp = `${store.page.span} ${data.length} ${data[0].length} ${data[0][0]} ${data[0].at(-1)}`;
       if (!plot || now !== names) {
         plot?.destroy();
@@ -97,7 +129,16 @@ export function Plot({ source, read, unit, label }: { source: string; read: () =
             ...size,
             scales: { x: { time: false, range } },
             legend: { live: false, markers: { dash: (_, i) => (i > (curves.own ?? curves.names.length) ? "dashed" : "solid") } },
-            axes: [{ ...axis, size: 30, label: "time [s]", labelSize: 16 }, { ...axis, size: space, ...(unit && { label: unit }) }],
+            axes: [
+              { ...axis, size: 30, label: "time [s]", labelSize: 16 },
+              ...[...new Set(curves.units)].map((unit, i) => ({
+                ...axis,
+                scale: unit || "none",
+                size: space,
+                ...(unit && { label: unit }),
+                ...(i > 0 && { side: 1 as const, grid: { show: false } }),
+              })),
+            ],
             series: [{ label: "t" }, ...series(curves)],
           },
           data,
@@ -115,6 +156,6 @@ export function Plot({ source, read, unit, label }: { source: string; read: () =
       cancelAnimationFrame(frame);
       plot?.destroy();
     };
-  }, [source, unit]);
+  }, [source]);
   return <div className="plot" ref={place} role="img" aria-label={label} />;
 }

@@ -13,6 +13,7 @@ from rtgen.runtime.services.calls import calls_of
 from rtgen.runtime.services.servants import ServiceError, operations_of
 from rtgen.runtime.system.joining import Connector, instances_of
 from rtgen.runtime.system.system import System
+from rtgen.tools.kit.member_units import MemberUnits, units_of
 from rtgen.tools.recording.recorder import cdr_encoder
 from rtgen.ui.protocol import ui
 from rtgen.ui.type_table import NO_TYPE, TypeTable
@@ -75,9 +76,12 @@ class Description:
 
     def ports(self, component: Rtc) -> list[ui.Port]:
         """Describe the ports of a component, data ports first."""
-        described = {p.name: p for p in component.profile.ports if not p.port}
+        profile = component.profile
+        described = {p.name: p for p in profile.ports if not p.port}
         data_ports = [
-            self._data_port(kind, name, port.type, described.get(name))
+            self._data_port(
+                kind, name, port.type, described.get(name), units_of(profile, port)
+            )
             for kind, ports in (
                 (ui.PortKind.PORT_IN, component.in_ports),
                 (ui.PortKind.PORT_OUT, component.out_ports),
@@ -101,7 +105,12 @@ class Description:
         return data_ports
 
     def _data_port(
-        self, kind: ui.PortKind, name: str, type_: Any, profile: PortProfile | None
+        self,
+        kind: ui.PortKind,
+        name: str,
+        type_: Any,
+        profile: PortProfile | None,
+        units: MemberUnits,
     ) -> ui.Port:
         return ui.Port(
             name=name,
@@ -109,6 +118,7 @@ class Description:
             type=type_._descriptor_.name,
             type_number=self.type_number(type_),
             unit=profile.unit if profile is not None else "",
+            units=member_units(units),
             doc=profile.description if profile is not None else "",
         )
 
@@ -155,6 +165,11 @@ def _doc(interface: Any, operation: str) -> str:
     """Return the documentation of an operation in its definition."""
     member = getattr(interface, operations_of(interface)[operation].python_name)
     return getdoc(member) or ""
+
+
+def member_units(units: MemberUnits) -> list[ui.Value]:
+    """Describe the units of the members of samples."""
+    return [ui.Value(".".join(path), unit) for path, unit in units.units.items()]
 
 
 def connection(connector: Connector) -> ui.Connection:

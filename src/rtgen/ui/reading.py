@@ -13,7 +13,7 @@ from rtgen.runtime.timing.clocks import SECOND
 from rtgen.runtime.timing.traffic import BusFrame
 from rtgen.tools.recording import messages
 from rtgen.tools.recording.errors import RecordingError
-from rtgen.tools.recording.events import Decoders, Log
+from rtgen.tools.recording.events import Decoders, Log, units_by_path
 from rtgen.tools.recording.mcap_reader import Channel, McapFile, Message
 from rtgen.tools.recording.recorder import METADATA
 from rtgen.tools.recording.schema_types import decoder, type_of
@@ -134,6 +134,7 @@ class Reading:
                 type=shown.schema.name,
                 type_number=number,
                 unit=shown.get("unit"),
+                units=[ui.Value(*pair) for pair in units_by_path(shown).items()],
             )
             self._component(address.instance).ports.append(port)
         return channel

@@ -30,12 +30,13 @@ from rtgen.runtime.timing.traffic import (
     ParameterChange,
 )
 from rtgen.runtime.timing.traffic import Event as Happening
+from rtgen.tools.kit.member_units import MemberUnits
 from rtgen.tools.recording.recorder import cdr_encoder
 from rtgen.ui import boards, compared_run, description
 from rtgen.ui.buses import Buses
 from rtgen.ui.changes import Changes
 from rtgen.ui.compared_run import ComparedRun
-from rtgen.ui.description import STATES, Description, palette_entry
+from rtgen.ui.description import STATES, Description, member_units, palette_entry
 from rtgen.ui.documents.document import Document, DocumentError
 from rtgen.ui.edits import Edits
 from rtgen.ui.errors import FILE, UNKNOWN, CommandError
@@ -404,9 +405,10 @@ class Session:
 
     def _completed(self, port: ui.Port) -> ui.Port:
         """Return a port of another process, completed with the project's types."""
-        number = NO_TYPE
+        number, units = NO_TYPE, port.units
         if port.type and (type_ := self.project.data_type(port.type)) is not None:
             number = self.describe.type_number(type_)
+            units = member_units(MemberUnits(type_, port.unit))
         interfaces = [
             (
                 replace(each, operations=self.describe.operations(interface))
@@ -415,7 +417,7 @@ class Session:
             )
             for each in port.interfaces
         ]
-        return replace(port, type_number=number, interfaces=interfaces)
+        return replace(port, type_number=number, units=units, interfaces=interfaces)
 
     def _open_remote(self) -> list[ui.Channel]:
         """Return the channels of new OutPorts of other processes."""

@@ -74,6 +74,23 @@ def test_connections_are_cut_and_made_while_it_runs(bench: Bench, page: Page) ->
     assert system.state("RefHardRh30") is ACTIVE_STATE
 
 
+def test_members_of_samples_have_their_own_units(page: Page) -> None:
+    system = whole(page.events())
+    ports = {
+        f"{c.instance}.{p.name}": {v.name: v.text for v in p.units}
+        for c in system.components
+        for p in c.ports
+    }
+    lengths, angle = dict.fromkeys("xyr", "m"), {"theta": "rad"}
+    speeds = {"v": "m/s", "w": "rad/s"}
+    assert ports["Navigation0.path"] == {**lengths, **angle, **speeds}
+    assert ports["PathFollower0.velocity"] == {
+        "data.vx": "m/s",
+        "data.vy": "m/s",
+        "data.va": "rad/s",
+    }
+
+
 def test_only_ports_that_fit_are_offered(page: Page) -> None:
     port = ui.PortAddress("Odometry0", "OdometryPosition")
     fits = page.done("ends", port).fits

@@ -191,14 +191,19 @@ def _head(channel: Channel) -> Event:
     return {"event": kind, **{key: channel.get(key) for key in keys.get(kind, ())}}
 
 
-def _units(channel: Channel) -> Units:
-    """Return the units of the members of a channel's samples."""
+def units_by_path(channel: Channel) -> Mapping[str, str]:
+    """Return the units of the members of a channel's samples, by paths with dots."""
     try:
         units = json.loads(channel.get("units") or "{}")
     except (ValueError, RecursionError):
         units = {}
     by_path = units if isinstance(units, dict) else {}
-    return lambda path: str(by_path.get(".".join(path), ""))
+    return {path: str(unit) for path, unit in by_path.items()}
+
+
+def _units(channel: Channel) -> Units:
+    by_path = units_by_path(channel)
+    return lambda path: by_path.get(".".join(path), "")
 
 
 def _is_shared(head: Event) -> bool:

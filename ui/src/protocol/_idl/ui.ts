@@ -4,7 +4,7 @@
 import { type CdrType, boolean, branch, double, enumeration, field, long, longlong, octets, sequence, string, struct, ulong, ulonglong, union } from "../_cdr.ts";
 
 /** Version of the protocol; a page with another version reloads. */
-export const Ui$VERSION = 5;
+export const Ui$VERSION = 6;
 
 /** Maximum number of past samples of a channel that a page gets at once: the newest half, and some older ones. */
 export const Ui$MAX_SAMPLES = 2000;
@@ -157,7 +157,10 @@ export interface Ui$Port {
   type: string;
   /** In the table of types; -1: the page has no codec for the samples. */
   type_number: number;
+  /** As stated at the port: of several members, with commas between them. */
   unit: string;
+  /** Of the numbers in samples, by paths without indices; none for others. */
+  units: Ui$ValueList;
   doc: string;
   interfaces: Ui$ServiceInterface[];
 }
@@ -167,6 +170,7 @@ export const Ui$Port: CdrType<Ui$Port> = struct("Ui::Port", [
   field("type", string()),
   field("type_number", long),
   field("unit", string()),
+  field("units", Ui$ValueList),
   field("doc", string()),
   field("interfaces", sequence(Ui$ServiceInterface)),
 ]);

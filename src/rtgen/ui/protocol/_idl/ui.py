@@ -9,7 +9,7 @@ from typing import ClassVar, Final, Self, TypeAlias
 from rtgen.runtime import idl
 from rtgen.runtime.cdr import Aggregated, AliasCodec, Enumeration, Union, field
 
-VERSION: Final = 5
+VERSION: Final = 6
 """Version of the protocol; a page with another version reloads."""
 MAX_SAMPLES: Final = 2000
 """Maximum number of past samples of a channel that a page gets at once: the newest half, and some older ones."""
@@ -258,6 +258,7 @@ class Port(Aggregated):
         type=idl.STRING,
         type_number=idl.LONG,
         unit=idl.STRING,
+        units=_ValueList_alias,
         doc=idl.STRING,
         interfaces=idl.sequence(ServiceInterface),
     )
@@ -269,6 +270,9 @@ class Port(Aggregated):
     type_number: int = 0
     """In the table of types; -1: the page has no codec for the samples."""
     unit: str = ""
+    """As stated at the port: of several members, with commas between them."""
+    units: ValueList = field(default_factory=list)
+    """Of the numbers in samples, by paths without indices; none for others."""
     doc: str = ""
     interfaces: list[ServiceInterface] = field(default_factory=list)
 
