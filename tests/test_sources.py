@@ -31,6 +31,10 @@ NUMBERS = {
 }
 """The figures and tables of each document; A begins in the midst of a report."""
 
+LONG = re.compile(
+    r"python|rtgen run specs/(canopen|experiments|navigation/(obstacles|map))"
+)
+"""Commands that take seconds; their systems are run by tests/reference, too."""
 SECTIONS = {
     "B": (
         *("1.1-3", "2.1-3", "3.1.1-8", "3.2.1-9", "3.3.1-8", "3.4.1-7"),
@@ -165,7 +169,11 @@ def runner(repository: Path) -> Runner:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "command", dict.fromkeys(command for row in rows() for command in row.commands)
+    "command",
+    [
+        pytest.param(command, marks=pytest.mark.nightly if LONG.match(command) else ())
+        for command in dict.fromkeys(each for row in rows() for each in row.commands)
+    ],
 )
 def test_the_command_of_a_row_succeeds(
     command: str, runner: Runner, repository: Path
