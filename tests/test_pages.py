@@ -29,6 +29,11 @@ from rtgen.cli import SECTIONS
 LONG = frozenset({"experiments", "reference-build"})
 """Pages with runs of whole systems, which tests/reference runs, too."""
 README = ROOT / "README.md"
+START = (
+    *("first-component", "first-board", "first-can-device", "first-system"),
+    "tutorial",
+)
+"""Pages that need no more than what `make demo` installs, and the tutorial."""
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 HEADING = re.compile(r"^#+ +(.*)$", re.MULTILINE)
 
@@ -49,7 +54,7 @@ def test_a_page_shows_what_happens(page: Path, tmp_path: Path) -> None:
 
 @pytest.mark.nightly
 @pytest.mark.slow
-def test_a_newcomer_follows_the_readme_from_a_clean_clone(tmp_path: Path) -> None:
+def test_a_newcomer_starts_from_a_clean_clone(tmp_path: Path) -> None:
     fetch = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "click"]
     if subprocess.run(fetch, cwd=tmp_path, capture_output=True).returncode:
         pytest.skip("a package index is missing")
@@ -62,6 +67,14 @@ def test_a_newcomer_follows_the_readme_from_a_clean_clone(tmp_path: Path) -> Non
         if (ROOT / name).exists():
             shutil.copy(ROOT / name, clone / name)
     Runner(tmp_path, clone).run(README)
+    # As the tutorial says, which the other pages do not need.
+    install = [clone / ".venv" / "bin" / "pip", "install", "-q", "pytest", "mypy"]
+    for name in START:
+        if name == "tutorial":
+            subprocess.run(install, check=True)
+        folder = tmp_path / name
+        folder.mkdir()
+        Runner(folder, clone).run(ROOT / "docs" / f"{name}.md")
 
 
 def test_the_readme_is_read_in_a_few_minutes() -> None:
