@@ -29,7 +29,7 @@ async function activate(context) {
   } catch (error) {
     window.showErrorMessage(
       `${command} does not start: ${error.message}. ` +
-        "It comes with pip install 'rtgen[lsp]'; the setting rtgen.command says where it is.",
+        "It comes with pip install ./runtime '.[lsp]' in a clone of rtgen; the setting rtgen.command says where it is.",
     );
   }
 }

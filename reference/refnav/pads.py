@@ -63,7 +63,7 @@ class RealPad:
             import pygame
         except ImportError as error:
             raise PadError(
-                "a real game pad needs pygame: pip install 'rtgen[joystick]'"
+                "a real game pad needs pygame: the extra joystick of rtgen"
             ) from error
         self._pygame: Any = pygame
         pygame.display.init()

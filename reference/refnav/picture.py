@@ -35,7 +35,7 @@ class Picture:
                 f"{path.name} is not a picture; one of {', '.join(KINDS)}"
             )
         if find_spec("matplotlib") is None:
-            raise PictureError("a picture needs matplotlib: pip install 'rtgen[plot]'")
+            raise PictureError("a picture needs matplotlib: the extra plot of rtgen")
         self._path = path
         self._items: list[tuple[str, Any, str, str]] = []
 

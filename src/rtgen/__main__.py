@@ -10,7 +10,7 @@ except ModuleNotFoundError as error:
         raise
     sys.exit(
         "error: rtgen needs rtgen-runtime of its own version, which is not installed\n"
-        "  hint: pip install rtgen-runtime, or ./runtime in a checkout"
+        "  hint: pip install ./runtime in a clone of rtgen"
     )
 
 

@@ -142,7 +142,7 @@ def test_a_script_that_is_none(
 
 
 def test_a_device_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("pygame", reason="pygame is not installed: rtgen[joystick]")
+    pytest.importorskip("pygame", reason="pygame is not installed: the extra joystick")
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     bench = Bench(GamePad("GamePad0"), 66.0)
     bench.set(str_port="/dev/input/js99")

@@ -49,8 +49,8 @@ def docs(
 ) -> int:
     """Generate a site about the project's types, components, devices, boards and systems.
 
-    FOLDER gets the pages in Markdown, for MkDocs with the theme Material (pip install
-    'rtgen[docs]'); with --build it gets the site that MkDocs makes of them, which needs no server
+    FOLDER gets the pages in Markdown, for MkDocs with the theme Material (the extra
+    `docs`); with --build it gets the site that MkDocs makes of them, which needs no server
     and no network. It belongs to rtgen: obsolete files of earlier runs are removed.
     """
     from rtgen.compiler import compilation

@@ -19,6 +19,7 @@ from rtgen.compiler.project import Project, load, shown
 from rtgen.compiler.project import files as files_below
 from rtgen.compiler.project.output import Change
 from rtgen.compiler.project.rewriting import rewrite
+from rtgen.facts.extras import installation
 from rtgen.facts.files import UnreadableError, read_file
 from rtgen.tools.can.common import counted
 from rtgen.tools.fmt import Options, toml
@@ -164,7 +165,7 @@ def _has_no_formatter(path: Path) -> bool:
 
 def _left_out(path: Path) -> Diagnostic:
     message = f"{path.as_posix()} is left as it is: tombi is not installed"
-    return NO_FORMATTER.at(None, message, hint="pip install 'rtgen[fmt]'")
+    return NO_FORMATTER.at(None, message, hint=installation("fmt"))
 
 
 def _content(path: Path) -> bytes:

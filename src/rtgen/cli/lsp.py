@@ -13,6 +13,7 @@ import click
 from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.compiler.diagnostics import ToolError
+from rtgen.facts.extras import installation
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import OK
 
@@ -31,7 +32,7 @@ def lsp(console: Console, log_level: str) -> int:
 
     The server implements the Language Server Protocol on standard input and output until its
     editor stops it. Editors start the server; docs/editors.md has the settings of each. The server
-    requires the extra `lsp`: pip install "rtgen[lsp]".
+    requires the extra `lsp`: pip install ./runtime '.[lsp]' in a clone of rtgen.
     """
     logging.basicConfig(level=log_level.upper(), stream=sys.stderr)
     if log_level != "debug":  # it logs rejected requests with a traceback
@@ -45,7 +46,7 @@ def lsp(console: Console, log_level: str) -> int:
         if (error.name or "").partition(".")[0] not in ("attrs", "pygls", "lsprotocol"):
             raise
         message = "the language server needs pygls"
-        raise ToolError(message, 'pip install "rtgen[lsp]"') from None
+        raise ToolError(message, installation("lsp")) from None
     # Responses are sent between the steps of an analysis; large collections are rare.
     sys.setswitchinterval(0.001)
     gc.set_threshold(100_000, 20, 20)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from rtgen import runtime
 from rtgen.compiler.diagnostics import ToolError
 from rtgen.compiler.project.rules import NO_PAGE
+from rtgen.facts.extras import installation
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import Refusal
 from rtgen.tools.kit.signals import terminable
@@ -88,7 +89,7 @@ def _require_libraries(options: UiOptions, console: Console) -> None:
     if missing:
         raise ToolError(
             f"not installed: {', '.join(missing)}; rtgen ui needs them",
-            hint="pip install 'rtgen[ui]'",
+            hint=installation("ui"),
         )
     from rtgen.ui.server import PAGE
 
@@ -99,7 +100,7 @@ def _require_libraries(options: UiOptions, console: Console) -> None:
     if options.name_servers and find_spec("omniORB") is None:
         raise ToolError(
             "--nameserver needs omniORBpy, which is not installed",
-            hint="pip install 'rtgen[corba]'",
+            hint=installation("corba"),
         )
 
 

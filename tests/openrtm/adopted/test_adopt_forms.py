@@ -93,7 +93,7 @@ def test_python_2_without_its_converter(
     assert found.code == rules.UNREADABLE.code
     assert found.span is not None
     assert found.span.line == 10
-    assert "rtgen[python2]" in (found.hint or "")
+    assert ".[python2]" in (found.hint or "")
 
 
 @pytest.fixture

@@ -497,7 +497,7 @@ def test_plot_live_and_refusals(
     assert command("plot", *missing) == 2
     monkeypatch.setattr("rtgen.tools.running.trajectory.find_spec", lambda name: None)
     assert command("plot", *base, "-o", str(tmp_path / "p.svg")) == 3
-    assert "rtgen[plot]" in shown(capfd.readouterr().err)
+    assert ".[plot]" in shown(capfd.readouterr().err)
 
 
 def test_timing(capfd: pytest.CaptureFixture[str]) -> None:
@@ -521,7 +521,7 @@ def test_a_command_without_its_extra(
     monkeypatch.setitem(sys.modules, "can", None)
     for words in (["scan"], ["send", "080#"], ["sdo", "read", "1", "1000"]):
         assert run(["can", *words, "--interface", "virtual"]) == 3
-        assert "pip install 'rtgen[can]'" in capfd.readouterr().err
+        assert "pip install ./runtime '.[can]' in a clone of rtgen" in capfd.readouterr().err
 
 
 def test_the_commands_of_nmt_are_all_known() -> None:

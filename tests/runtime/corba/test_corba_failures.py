@@ -245,4 +245,4 @@ def test_a_missing_package_is_reported_with_its_extra(
     assert rtgen(command) == 3
     errors = capfd.readouterr().err
     assert "--transport corba needs omniORBpy, which is not installed" in errors
-    assert "pip install 'rtgen[corba]'" in errors
+    assert "pip install ./runtime '.[corba]' in a clone of rtgen" in errors

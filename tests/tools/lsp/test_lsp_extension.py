@@ -192,5 +192,5 @@ def test_the_extension_says_what_is_missing() -> None:
     found = activated("/no/such/rtgen", "lsp")
     [message] = found["asked"]["errors"]
     assert "/no/such/rtgen does not start" in message
-    assert "rtgen[lsp]" in message
+    assert ".[lsp]" in message
     assert found["exit"] is None

@@ -185,7 +185,7 @@ def test_each_is_removed_without_the_other(
         [python, "-m", "rtgen", "--version"], capture_output=True, text=True
     )
     assert done.returncode == 1
-    assert "hint: pip install rtgen-runtime" in done.stderr
+    assert "hint: pip install ./runtime in a clone" in done.stderr
     subprocess.run([*pip, "install", "--quiet", str(runtime)], check=True)
     subprocess.run([python, "-m", "rtgen", "--version"], check=True)
 

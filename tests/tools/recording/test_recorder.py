@@ -279,7 +279,7 @@ def test_without_mcap_the_message_says_what_to_install(
     )
     with pytest.raises(RecordingError, match="mcap, which is not installed") as caught:
         McapWriter(tmp_path / "a.mcap")
-    assert caught.value.hint == "pip install 'rtgen[record]'"
+    assert caught.value.hint == "pip install ./runtime '.[record]' in a clone of rtgen"
     assert not (tmp_path / "a.mcap").exists()
 
 

@@ -52,7 +52,7 @@ def test_what_is_not_installed_is_named(
 ) -> None:
     monkeypatch.setattr(launch, "find_spec", lambda name: None)
     assert run(["ui", str(GOAL), "--no-open"]) == 3
-    assert "pip install 'rtgen[ui]'" in capfd.readouterr().err
+    assert "pip install ./runtime '.[ui]' in a clone of rtgen" in capfd.readouterr().err
 
 
 @pytest.mark.parametrize("built", [False, True])
@@ -80,7 +80,7 @@ def test_naming_services_need_omniorb(
 
     monkeypatch.setattr(launch, "find_spec", found)
     assert run(["ui", "--no-open", "--nameserver", "127.0.0.1"]) == 3
-    assert "pip install 'rtgen[corba]'" in capfd.readouterr().err
+    assert "pip install ./runtime '.[corba]' in a clone of rtgen" in capfd.readouterr().err
 
 
 def test_it_listens_on_loopback_alone() -> None:

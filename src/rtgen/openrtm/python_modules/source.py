@@ -17,6 +17,7 @@ from typing import Any
 from rtgen.compiler.diagnostics import Diagnostic, Span
 from rtgen.facts.decoded_text import with_line_feeds
 from rtgen.facts.encodings import decode, labelled
+from rtgen.facts.extras import installation
 from rtgen.facts.files import UnreadableError, read_file
 from rtgen.openrtm.python_modules import rules
 
@@ -122,7 +123,7 @@ def _parsed(text: str, file: str) -> tuple[ast.Module | None, Diagnostic | None]
         line, column = error.lineno or 1, max(error.offset or 1, 1)
         span = Span(file, line, column, line, column + 1)
         message = f"{_NOT_PYTHON_3}: {error.msg}"
-        hint = "modules of Python 2 need the extra: pip install 'rtgen[python2]'"
+        hint = f"modules of Python 2 need the extra: {installation('python2')}"
         return None, rules.UNREADABLE.at(span, message, hint=hint)
     except (ValueError, RecursionError, MemoryError, SystemError) as error:
         span = Span(file, 1, 1, 1, 2)

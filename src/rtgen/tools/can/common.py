@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rtgen.compiler.diagnostics import ToolError
+from rtgen.facts.extras import installation
 
 
 def require_python_can() -> None:
@@ -12,7 +13,7 @@ def require_python_can() -> None:
     except ImportError as error:
         raise ToolError(
             "this command needs the package python-can, which is not installed",
-            hint="pip install 'rtgen[can]'",
+            hint=installation("can"),
         ) from error
 
 

@@ -12,6 +12,7 @@ from typing import TypeAlias
 
 from rtgen.compiler.diagnostics import InputError, ToolError
 from rtgen.compiler.project import FILE_NAME, find
+from rtgen.facts.extras import installation
 from rtgen.tools.compiling.generation import Request, generate_once
 from rtgen.tools.compiling.shown_stages import shown
 from rtgen.tools.kit.console import Console
@@ -31,7 +32,7 @@ def watch(console: Console, request: Request) -> int:
     except ImportError as error:
         raise ToolError(
             "--watch needs the package watchfiles, which is not installed",
-            hint="pip install 'rtgen[watch]'",
+            hint=installation("watch"),
         ) from error
     files: tuple[Path, ...] = ()
     try:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rtgen.compiler.diagnostics import ToolError
+from rtgen.facts.extras import installation
 from rtgen.facts.idl_files import IDL_SUFFIXES
 from rtgen.tools.can.access import BusAccess
 from rtgen.tools.conformance.check import Permission
@@ -112,7 +113,7 @@ def tested(file: Path | None, subject: Subject, console: Console) -> Report:
     except ImportError as error:
         raise ToolError(
             "a test of a component needs omniORBpy, which is not installed",
-            hint="pip install 'rtgen[corba]'",
+            hint=installation("corba"),
         ) from error
     return components.tested(
         file,

@@ -11,6 +11,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from rtgen.compiler.diagnostics import ToolError
+from rtgen.facts.extras import installation
 from rtgen.facts.files import make_folder
 from rtgen.tools.docs.pages import File
 
@@ -28,7 +29,7 @@ def build(files: Sequence[File], target: Path) -> None:
     if find_spec("material") is None or find_spec("mkdocs") is None:
         raise ToolError(
             "MkDocs with the theme Material is missing",
-            hint="pip install 'rtgen[docs]'",
+            hint=installation("docs"),
         )
     _require_own(target)
     with TemporaryDirectory(prefix="rtgen-docs-") as name:

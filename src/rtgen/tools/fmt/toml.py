@@ -18,6 +18,7 @@ from typing import Any
 
 from rtgen.compiler.diagnostics import InputError, ToolError
 from rtgen.compiler.kit import toml_text
+from rtgen.facts.extras import installation
 from rtgen.tools.fmt import Options
 from rtgen.tools.fmt.rules import NO_TOKENS
 
@@ -77,7 +78,7 @@ def _formatted(text: str, name: str, options: Options) -> str:
     if program is None:
         raise ToolError(
             f"{name} is formatted by tombi, which is not installed",
-            hint="pip install 'rtgen[fmt]'",
+            hint=installation("fmt"),
         )
     settings = _SETTINGS.format(indent=options.indent, line_length=options.line_length)
     with tempfile.TemporaryDirectory() as folder:

@@ -18,6 +18,7 @@ from enum import Enum
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
+from rtgen.facts.extras import installation
 from rtgen.facts.parameter_texts import text_of
 from rtgen.runtime.errors import RtcError
 from rtgen.runtime.requests import Allowance, Queues, Requests
@@ -107,7 +108,7 @@ class LiveView:
         if find_spec("foxglove") is None:
             raise RecordingError(
                 "the live view needs foxglove-sdk, which is not installed",
-                hint="pip install 'rtgen[foxglove]'",
+                hint=installation("foxglove"),
             )
         from foxglove import Context, start_server
         from foxglove.websocket import Capability

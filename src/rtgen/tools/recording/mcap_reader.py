@@ -18,6 +18,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
+from rtgen.facts.extras import installation
 from rtgen.facts.files import open_file
 from rtgen.tools.recording.errors import RecordingError
 from rtgen.tools.recording.mcap_writer import MAGIC as MAGIC
@@ -77,7 +78,7 @@ class McapFile:
         if find_spec("mcap") is None:
             raise RecordingError(
                 "recordings need mcap, which is not installed",
-                hint="pip install 'rtgen[record]'",
+                hint=installation("record"),
             )
         self.path = Path(path)
         self.damaged = 0

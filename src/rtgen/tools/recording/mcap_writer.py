@@ -16,6 +16,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
 
+from rtgen.facts.extras import installation
 from rtgen.facts.files import create_file
 from rtgen.runtime.closable import Closable
 from rtgen.tools.recording.errors import RecordingError
@@ -50,7 +51,7 @@ class McapWriter(Closable):
         if find_spec("mcap") is None:
             raise RecordingError(
                 "recordings need mcap, which is not installed",
-                hint="pip install 'rtgen[record]'",
+                hint=installation("record"),
             )
         from mcap import records
 

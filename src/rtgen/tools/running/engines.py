@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from rtgen import runtime
 from rtgen.compiler.diagnostics import ToolError
+from rtgen.facts.extras import installation
 from rtgen.tools.kit.exits import Refusal
 
 if TYPE_CHECKING:
@@ -105,7 +106,7 @@ def _dds(options: EngineOptions, partition: str, lease: float | None) -> Medium:
     except ImportError as error:
         raise ToolError(
             "--transport dds needs cyclonedds, which is not installed",
-            hint="pip install 'rtgen[dds]'",
+            hint=installation("dds"),
         ) from error
     from rtgen.runtime.distribution.medium import MediumError
 
@@ -141,7 +142,7 @@ def _zenoh(options: EngineOptions, partition: str, lease: float | None) -> Mediu
     except ImportError as error:
         raise ToolError(
             "--transport zenoh needs eclipse-zenoh, which is not installed",
-            hint="pip install 'rtgen[zenoh]'",
+            hint=installation("zenoh"),
         ) from error
     from rtgen.runtime.distribution.medium import MediumError
 

@@ -24,6 +24,7 @@ from rtgen.compiler.systems.measures import Measure
 from rtgen.compiler.systems.reading import read_file
 from rtgen.compiler.systems.rules import CONDITION
 from rtgen.compiler.systems.timeline import SetParameter, Step
+from rtgen.facts.extras import installation
 from rtgen.runtime.services.transports import ForeignComponent
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import BAD_INPUT, ReportedError
@@ -228,5 +229,5 @@ class Outputs:
             if find_spec("matplotlib") is not None:
                 self.plot = str(results / f"{name}.svg")
             else:
-                console.say("no picture without matplotlib: pip install 'rtgen[plot]'")
+                console.say(f"no picture without matplotlib: {installation('plot')}")
         console.say(self.text)

@@ -17,6 +17,7 @@ from rtgen.compiler.systems.rules import ROS_TOPIC
 from rtgen.facts import ros_names
 from rtgen.facts.connector_properties import MARSHALING
 from rtgen.facts.connector_properties import ROS_TOPIC as TOPIC
+from rtgen.facts.extras import installation
 from rtgen.facts.ros import is_interface
 from rtgen.facts.ros_marshaling import DEFAULT_TOPIC, messages_for, parse
 from rtgen.facts.ros_qos import PROFILES
@@ -300,7 +301,7 @@ def _network(
     except ImportError as error:
         needed = {"dds": "cyclonedds", "zenoh": "eclipse-zenoh"}[kind]
         message = f"--ros2 {kind} needs {needed}, which is not installed"
-        raise ToolError(message, hint=f"pip install 'rtgen[{kind}]'") from error
+        raise ToolError(message, hint=installation(kind)) from error
     config = settings.zenoh
     return open_zenoh(
         node, config=None if config is None else Path(project.root, config)

@@ -23,6 +23,7 @@ from rtgen.compiler.diagnostics import ToolError
 from rtgen.compiler.diagnostics.printable import printable
 from rtgen.compiler.model import System
 from rtgen.compiler.systems.rules import NOTICE
+from rtgen.facts.extras import installation
 from rtgen.runtime.errors import TransportError
 from rtgen.runtime.timing.clocks import SECOND
 from rtgen.tools.kit.console import Console
@@ -371,7 +372,7 @@ def _name_server() -> NameServer:
     except ImportError as error:
         raise ToolError(
             "--transport corba needs omniORBpy, which is not installed",
-            hint="pip install 'rtgen[corba]'",
+            hint=installation("corba"),
         ) from error
     except TransportError as error:
         raise ToolError(str(error)) from error

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, TextIO, TypeAlias
 
 from rtgen.compiler.diagnostics import ToolError
 from rtgen.compiler.diagnostics.printable import printable
+from rtgen.facts.extras import installation
 from rtgen.facts.files import check_output, create_file, make_folder
 
 if TYPE_CHECKING:
@@ -103,7 +104,7 @@ def check_picture(path: str | None, command: str = "--plot") -> None:
         raise ToolError(f"cannot write {path}: {error.strerror}") from error
 
 
-def require_matplotlib(user: str, hint: str = "pip install 'rtgen[plot]'") -> None:
+def require_matplotlib(user: str, hint: str = installation("plot")) -> None:
     """Raise ToolError if matplotlib is missing, or rejects its environment (MPLBACKEND).
 
     `user` is the option or format that draws, `hint` is for a missing matplotlib.

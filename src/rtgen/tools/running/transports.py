@@ -14,6 +14,7 @@ from rtgen import runtime
 from rtgen.compiler.diagnostics import InputError, ToolError
 from rtgen.compiler.kit import plugins
 from rtgen.compiler.systems.rules import CONNECTION, PARAMETER
+from rtgen.facts.extras import installation
 from rtgen.runtime.errors import NoNamingServiceError
 from rtgen.runtime.services.transports import AwaitingTransport
 from rtgen.tools.kit.console import Console
@@ -146,7 +147,7 @@ def _corba(
     except ImportError as error:
         raise ToolError(
             "--transport corba needs omniORBpy, which is not installed",
-            hint="pip install 'rtgen[corba]'",
+            hint=installation("corba"),
         ) from error
     host = carrying.endpoint or LOOPBACK
     timeout = carrying.call_timeout or CALL_TIMEOUT

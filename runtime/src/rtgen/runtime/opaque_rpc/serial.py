@@ -16,6 +16,7 @@ from contextlib import contextmanager
 from time import monotonic
 from typing import TYPE_CHECKING
 
+from rtgen.facts.extras import installation
 from rtgen.facts.opaque_rpc import TIMEOUT
 from rtgen.runtime.opaque_rpc.ends import ConnectedChannel, ConnectedServer
 from rtgen.runtime.opaque_rpc.errors import E_OBJ, E_TMOUT, ChannelError
@@ -80,7 +81,7 @@ class _Line:
             from serial import Serial
         except ImportError as error:
             raise ChannelError(
-                E_OBJ, "serial lines need pyserial: pip install 'rtgen[serial]'"
+                E_OBJ, f"serial lines need pyserial: {installation('serial')}"
             ) from error
         self._silence = silence(baudrate)
         self._closing = threading.Lock()

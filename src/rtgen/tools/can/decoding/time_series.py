@@ -8,6 +8,7 @@ from io import TextIOWrapper
 from pathlib import Path
 
 from rtgen.compiler.diagnostics import ToolError
+from rtgen.facts.extras import installation
 from rtgen.facts.files import create_file
 from rtgen.tools.kit.exits import Refusal
 from rtgen.tools.running.trajectory import (
@@ -48,7 +49,7 @@ def check_output(path: Path) -> None:
         return
     if suffix not in PICTURES:
         raise Refusal(f"{path}: the suffix is one of {', '.join(PICTURES)}, .csv")
-    require_matplotlib(suffix, "pip install 'rtgen[plot]', or write .csv")
+    require_matplotlib(suffix, f"{installation('plot')}; or write .csv")
 
 
 def write_csv(path: Path, curves: Sequence[Series]) -> None:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 import msgspec
 
+from rtgen.facts.extras import installation
 from rtgen.runtime.canopen.bus.messages import frame_of, message_of
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.wire.frames import Frame
@@ -229,7 +230,7 @@ def open_bus(address: BusAddress) -> OpenBus:
         import can
     except ImportError as error:
         raise LinkError(
-            f"{address}: CAN buses need python-can: pip install 'rtgen[can]'"
+            f"{address}: CAN buses need python-can: {installation('can')}"
         ) from error
     from can.interfaces import BACKENDS
 

@@ -19,7 +19,7 @@ if not defined FOLDER (
 )
 where omniidl >nul 2>nul
 if errorlevel 1 (
-    echo idlcompile.bat: omniidl is missing; pip install rtgen[corba] brings it 1>&2
+    echo idlcompile.bat: omniidl is missing; pip install ./runtime .[corba] in a clone of rtgen brings it 1>&2
     exit /b 3
 )
 set FILES= idl\relay.idl

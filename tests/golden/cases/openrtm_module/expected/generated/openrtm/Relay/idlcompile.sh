@@ -33,7 +33,7 @@ if [ ! -f "$folder/BasicDataType.idl" ]; then
     exit 3
 fi
 if ! command -v omniidl >/dev/null 2>&1; then
-    echo "idlcompile.sh: omniidl is missing; pip install 'rtgen[corba]' brings it" >&2
+    echo "idlcompile.sh: omniidl is missing; pip install ./runtime '.[corba]' in a clone of rtgen brings it" >&2
     exit 3
 fi
 set -- idl/relay.idl
