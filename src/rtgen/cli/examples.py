@@ -32,6 +32,7 @@ EXAMPLES = {
     "ctl get": "rtgen ctl get Arm0.gain --transport dds --partition bench",
     "ctl set": "rtgen ctl set Arm0.gain=2 --transport dds --partition bench",
     "ctl use": "rtgen ctl use Arm0 fast --transport dds --partition bench",
+    "ctl call": "rtgen ctl call 'Arm0.hand.open(30.0)' --transport dds --partition bench",
     "ctl watch": "rtgen ctl watch --json --transport zenoh --partition bench",
     "ui": "rtgen ui systems/bench.xml",
     "replay": "rtgen replay goal.mcap --into systems/bench.xml --only Arm0",

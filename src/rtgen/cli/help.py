@@ -86,7 +86,10 @@ def write_example(ctx: click.Context, formatter: click.HelpFormatter) -> None:
 
 
 def command(
-    name: str | None = None, cls: type[Command] = Command
+    name: str | None = None, cls: type[Command] = Command, **settings: bool
 ) -> Callable[[Callable[..., int]], Command]:
-    """Return a decorator that makes a function a command, by default of its own name."""
-    return click.command(name, cls)
+    """Return a decorator that makes a function a command, by default of its own name.
+
+    `settings` are those of click for its context.
+    """
+    return click.command(name, cls, context_settings=settings)

@@ -168,3 +168,75 @@ def test_what_is_missing_is_named(node: Process, ctl: Ctl) -> None:
     assert "no process has nobody" in text
     assert ctl("set", "gain=1")[0] == 2
     assert ctl("list", "--endpoint", "x")[0] == 2
+
+
+def activate(node: Process) -> None:
+    """Activate the component `b`, so that it serves calls."""
+    node.system.activate("b")
+    until(lambda: node.system.state("b") is runtime.ACTIVE_STATE)
+
+
+def test_call(node: Process, ctl: Ctl) -> None:
+    activate(node)
+    assert ctl("call", "b.given.begin([1, 2], 2)") == (0, "[1, 2, 1, 2]\n", "")
+    assert ctl("call", "b.given.rpc.begin", "[1, 2]", "3")[1] == "[1, 2, 1, 2, 1, 2]\n"
+    assert ctl("call", "b.given.begin(first=1, request=[0x10])")[1] == "[16]\n"
+    assert ctl("call", "b.given.end") == (0, "", "")
+    assert node.nodes["b"].servant.calls == ["begin"] * 3 + ["end"]
+    code, out, _ = ctl("call", "b.given.begin([1], 1)", "--json")
+    assert code == 0
+    assert valid(out, "ctl.schema.json", "call") == {"result": [1], "out": {}}
+
+
+def test_call_raises(node: Process, ctl: Ctl) -> None:
+    activate(node)
+    code, out, err = ctl("call", "b.given.begin([], 7)")
+    assert (code, out) == (1, "")
+    assert "b.given.begin([], 7) raises" in err
+    assert "raises OpaqueRpc::Failed: code=7, reason='nothing was given'" in err
+    code, out, _ = ctl("call", "b.given.begin", "[]", "7", "--json")
+    raised = valid(out, "ctl.schema.json", "call")
+    assert code == 1
+    assert raised["exception"]["members"]["code"] == 7
+    assert ctl("call", "b.given.begin([100, 101, 102, 101, 99, 116], 1)")[0] == 1
+    node.system.deactivate("b")
+    until(lambda: node.system.state("b") is runtime.INACTIVE_STATE)
+    code, _, err = ctl("call", "b.given.end()")
+    assert code == 1
+    assert "raises ObjectNotExist: b.given:rpc is not active" in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "what"),
+    [
+        (["b.given.begin(300, 1)"], 2, "300 is not a list"),
+        (["b.given.begin([1])"], 2, "first is missing"),
+        (["b.given.begin([256], 1)"], 2, "256"),
+        (["b.given.begin", "[1]", "-7"], 2, "-7"),
+        (["b.given.bgin([1], 1)"], 2, "did you mean begin?"),
+        (["b.gven.begin([1], 1)"], 2, "did you mean given?"),
+        (["b.begin"], 2, "is not INSTANCE.PORT.OPERATION"),
+        (["b.given.begin", "[1"], 2, "expected at the end"),
+        (["c.given.end", "--wait", "0.1"], 3, "no process has c; known: b"),
+    ],
+)
+def test_call_refused(
+    node: Process, ctl: Ctl, arguments: list[str], code: int, what: str
+) -> None:
+    printed = ctl("call", *arguments)
+    assert printed[0] == code
+    assert what in printed[2]
+    assert node.nodes["b"].servant.calls == []
+
+
+def test_a_call_that_waits_keeps_no_other_request_waiting(
+    node: Process, ctl: Ctl
+) -> None:
+    activate(node)
+    servant = node.nodes["b"].servant
+    code, _, err = ctl("call", "b.given.more(3)", "--call-timeout", "0.2")
+    assert code == 3
+    assert servant.held.is_set()
+    assert "b: " in err
+    assert ctl("deactivate", "b")[0] == 0
+    servant.wait.set()

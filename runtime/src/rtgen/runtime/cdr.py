@@ -10,7 +10,7 @@ Codecs and copiers are compiled from a type's descriptor at first use (`rtgen.ru
 from __future__ import annotations
 
 from enum import IntEnum, IntFlag
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Generic, Self, TypeVar
 
 import msgspec
 from msgspec import field as field
@@ -277,6 +277,10 @@ class Union(Aggregated):
         return self.value
 
 
+_SDO_ABORT: Final = "CANopen::SdoAbort"
+"""The exception whose codes people know in hexadecimal (CiA 301, table 22)."""
+
+
 class UserException(Exception):
     """Base class of generated exceptions, equal if class and members are equal."""
 
@@ -313,7 +317,15 @@ class UserException(Exception):
 
     def __str__(self) -> str:
         pairs = zip(self._descriptor_.members, self._values(), strict=True)
-        return ", ".join(f"{member.attribute}={value!r}" for member, value in pairs)
+        is_abort = self._descriptor_.name == _SDO_ABORT
+        return ", ".join(
+            (
+                f"{member.attribute}={value:#010x}"
+                if is_abort and isinstance(value, int)
+                else f"{member.attribute}={value!r}"
+            )
+            for member, value in pairs
+        )
 
     def __reduce__(self) -> tuple[type[Self], tuple[object, ...]]:
         return (type(self), self._values())

@@ -15,6 +15,7 @@ COMMANDS = {
     "get": "Print the values of parameters.",
     "set": "Set parameters.",
     "use": "Activate a configuration set.",
+    "call": "Call an operation of a service.",
     "watch": "Print changes of state.",
 }
 """Commands with their help lines; a module has a function `<command>_` for each."""
@@ -25,7 +26,8 @@ _OF_PARAMETERS = ("get", "set", "use")
     cls=LazyGroup,
     summaries=COMMANDS,
     target="rtgen.cli.ctl.commands:{0}_",
-    elsewhere=dict.fromkeys(_OF_PARAMETERS, "rtgen.cli.ctl.parameter_commands:{0}_"),
+    elsewhere=dict.fromkeys(_OF_PARAMETERS, "rtgen.cli.ctl.parameter_commands:{0}_")
+    | {"call": "rtgen.cli.ctl.call_command:{0}_"},
 )
 def ctl() -> None:
     """Watch and control components in other processes, over DDS or Zenoh.

@@ -31,5 +31,6 @@ FOREIGN = Rule("SYS0026", "foreign component out of reach", Severity.ERROR)
 SKIPPED = Rule("SYS0027", "event of a timeline that is skipped", Severity.WARNING)
 MISSING = Rule("SYS0028", "samples that could not be written", Severity.ERROR)
 SYSTEM_PROPERTY = Rule("SYS0029", "unknown property of a system", Severity.ERROR)
+CALL = Rule("SYS0030", "call of a timeline that failed", Severity.ERROR)
 
 RULES = rules_of(globals())

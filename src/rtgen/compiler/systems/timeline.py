@@ -14,6 +14,8 @@ from rtgen.compiler.kit import toml_text
 from rtgen.compiler.kit.xml_text import NOT_IN_XML
 from rtgen.compiler.model import PortReference, System
 from rtgen.compiler.systems import measures
+from rtgen.compiler.systems.call_texts import CallText, CallTextError
+from rtgen.compiler.systems.call_texts import parse as parse_call
 from rtgen.compiler.systems.conditions import SECOND, require_instance
 from rtgen.compiler.systems.measures import Measure
 from rtgen.compiler.systems.rules import (
@@ -30,7 +32,7 @@ from rtgen.facts.files import UnreadableError, read_file
 _ENTRY = re.compile(r"\s*\[\[\s*(\w+)\s*\]\]")
 _SUB = re.compile(r"\s*(?:\[\s*at\s*\.\s*)?[\"']?(\w+)[\"']?\s*[\]=.]")
 _REQUESTS: Final = ("deactivate", "reset", "activate")
-_ORDER = ("disconnect", "connect", "set", *_REQUESTS)
+_ORDER = ("disconnect", "connect", "set", *_REQUESTS, "call")
 """Order of events at the same time."""
 _SECTIONS = ("at", "measure", "follows")
 _LINK_KEYS = frozenset({"from", "to", "name", "properties"})
@@ -74,9 +76,27 @@ class StateRequest:
     instance: str
 
 
-Action: TypeAlias = Disconnect | Connect | SetParameter | StateRequest
+@dataclass(frozen=True, slots=True)
+class Call:
+    """Call an operation; `raises` is the exception that it is to raise, empty for none."""
 
-_KINDS = {Disconnect: "disconnect", Connect: "connect", SetParameter: "set"}
+    text: CallText
+    raises: str = ""
+
+    @property
+    def instance(self) -> str:
+        """The instance that provides the operation."""
+        return self.text.instance
+
+
+Action: TypeAlias = Disconnect | Connect | SetParameter | StateRequest | Call
+
+_KINDS = {
+    Disconnect: "disconnect",
+    Connect: "connect",
+    SetParameter: "set",
+    Call: "call",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -299,6 +319,8 @@ class _Reader:
                 yield self._between(value, span)
             case "set", dict():
                 yield from self._settings(value, span)
+            case "call", {"to": str(text), **others} if {*others} <= {"raises"}:
+                yield self._call(text, others.get("raises", ""), span)
             case _, str():
                 yield self._named(kind, value, span)
             case _:
@@ -312,6 +334,8 @@ class _Reader:
                 return assignment(value, self._system, span)
             case "disconnect":
                 return Disconnect(self._link(value, span, self.links).name)
+            case "call":
+                return self._call(value, "", span)
         if kind in _REQUESTS:
             return StateRequest(kind, require_instance(value, self._system, span))
         links = self._own
@@ -323,6 +347,17 @@ class _Reader:
             connection.target,
             embedded_properties(connection.properties),
         )
+
+    def _call(self, text: str, raises: object, span: Span) -> Call:
+        try:
+            call = parse_call(text)
+        except CallTextError as error:
+            raise InputError([TIMELINE.at(span, str(error))]) from None
+        if not isinstance(raises, str):
+            message = f"'raises' names an exception, not {raises!r}"
+            raise InputError([TIMELINE.at(span, message)])
+        require_instance(call.instance, self._system, span)
+        return Call(call, raises)
 
     def _link(self, text: str, span: Span, links: list[_Link]) -> _Link:
         """Find a connection by name, or else by connector id."""
@@ -429,6 +464,7 @@ _FORMS = {
     "connect": "names, or a table of from, to, name and properties",
     "disconnect": "names, or a table of from and to",
     "set": "INSTANCE.PARAMETER=VALUE, or a table",
+    "call": "INSTANCE.PORT.OPERATION(arguments), or a table of to and raises",
 }
 
 

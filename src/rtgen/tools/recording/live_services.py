@@ -8,21 +8,21 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Final
 
-from rtgen.runtime.cdr import CdrError, UserException
-from rtgen.runtime.services.calls import Call, calls_of
+from rtgen.runtime.services.calls import calls_of
 from rtgen.runtime.services.ports import Provider
 from rtgen.runtime.services.servants import ServiceError
-from rtgen.runtime.system.json_printers import plain
+from rtgen.runtime.system.json_calls import (
+    NOTHING,
+    RESULT,
+    CallError,
+    JsonCall,
+    call_of,
+    forms_of,
+)
 from rtgen.runtime.system.system import System
-from rtgen.tools.recording.json_values import NoJsonError, json_form
 
 _MAX_LENGTH: Final = 1 << 20
 """Maximum length of a request in octets."""
-_NOTHING: Final[dict[str, Any]] = {
-    "type": "object",
-    "properties": {},
-    "additionalProperties": False,
-}
 _RESULT: Final[dict[str, Any]] = {
     "type": "object",
     "properties": {"result": {"type": "string"}},
@@ -58,7 +58,7 @@ def services_of(system: System) -> Iterator[LiveService]:
         for request in ("activate", "deactivate", "reset"):
             prepare = partial(_life_cycle, getattr(system, request), instance)
             name = f"/{instance}/{request}"
-            yield LiveService(name, f"rtgen/{request}", _NOTHING, _RESULT, prepare)
+            yield LiveService(name, f"rtgen/{request}", NOTHING, _RESULT, prepare)
         for provider in system.component(instance).providers.values():
             yield from _operations(instance, provider)
 
@@ -77,71 +77,33 @@ def _operations(instance: str, provider: Provider[Any]) -> Iterator[LiveService]
         calls = calls_of(provider.interface)
     except ServiceError:
         return
-    for operation, call in calls.items():
-        if call.refused or any((*call.request_objects, *call.reply_objects)):
-            continue
+    for operation in calls:
         try:
-            request, convert = _form(call.request)
-            reply, _ = _form(call.reply)
-        except NoJsonError:
+            request, reply, _ = forms_of(call_of(provider, operation))
+        except CallError:
             continue
-        prepare = partial(_call, provider, operation, call, convert)
+        prepare = partial(_call, provider, operation)
         name = f"/{instance}/{provider.port}/{provider.instance}/{operation}"
         type_ = f"{provider.interface._descriptor_.name}::{operation}"
         yield LiveService(name, type_, request, reply, prepare)
 
 
-def _form(type_: Any) -> tuple[dict[str, Any], Callable[[Any], Any]]:
-    if type_ is None:
-        return _NOTHING, _no_members
-    if any(member.name == "_context" for member in type_._descriptor_.members):
-        raise NoJsonError("a context clause")
-    return json_form(type_._descriptor_)
-
-
-def _no_members(value: dict[str, Any]) -> None:
-    if value:
-        raise ValueError("the request has no members")
-
-
 def _call(
-    provider: Provider[Any],
-    operation: str,
-    call: Call,
-    convert: Callable[[Any], Any],
-    payload: bytes,
+    provider: Provider[Any], operation: str, payload: bytes
 ) -> Callable[[], bytes]:
     try:
-        request = convert(_object(payload))
-        arguments: tuple[object, ...] = ()
-        if call.request is not None:
-            request.to_cdr(True)  # raises CdrError for values out of range
-            arguments = _values(request)
-    except (CdrError, ValueError) as error:
-        raise RefusedError(f"{operation}: {error}") from None
+        call = JsonCall(provider, operation, [*_object(payload).items()])
+    except CallError as error:
+        raise RefusedError(str(error)) from None
 
     def carry_out() -> bytes:
-        try:
-            result = provider.call(operation, arguments)
-        except UserException as error:
-            raise RefusedError(f"{type(error).__name__}: {error}") from error
-        except ServiceError as error:
-            raise RefusedError(str(error)) from error
-        names = [] if call.reply is None else _member_names(call.reply)
-        results = (result,) if len(names) == 1 else result
-        values = results if isinstance(results, tuple) else ()
-        return _text(dict(zip(names, map(plain, values), strict=False)))
+        outcome = call()
+        if outcome.exception:
+            raise RefusedError(f"{outcome.exception}: {outcome.message}")
+        returned = {} if outcome.result is None else {RESULT: outcome.result}
+        return _text(returned | outcome.out)
 
     return carry_out
-
-
-def _values(request: Any) -> tuple[object, ...]:
-    members = request._descriptor_.members
-    return tuple(getattr(request, member.attribute) for member in members)
-
-
-def _member_names(type_: Any) -> list[str]:
-    return [member.name for member in type_._descriptor_.members]
 
 
 def _object(payload: bytes) -> dict[str, Any]:

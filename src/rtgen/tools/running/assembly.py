@@ -33,6 +33,7 @@ from rtgen.compiler.systems.rules import (
 )
 from rtgen.compiler.systems.timeline import (
     Action,
+    Call,
     Connect,
     Disconnect,
     SetParameter,
@@ -44,6 +45,7 @@ from rtgen.facts.connector_properties import ALLOW, embedded_properties
 from rtgen.facts.openrtm_ports import IN, OUT, SERVICE, registered_names
 from rtgen.runtime.rtc.conf_file import read as read_conf
 from rtgen.runtime.services.transports import ForeignTransport, PublishingTransport
+from rtgen.runtime.system.json_calls import JsonCall, provider_of
 from rtgen.runtime.system.watchdog import calling
 from rtgen.runtime.timing.clocks import SECOND
 from rtgen.tools.kit.console import Console
@@ -113,7 +115,7 @@ def assemble(
             if prepare is not None:
                 prepare(system)
             _fill(system, profile, steps, transport, patience, report.notice)
-            _schedule(system, steps, report.notice, skipped)
+            _schedule(system, steps, report, skipped)
     except runtime.TransportError as error:
         system.close()
         raise ToolError(str(error)) from error
@@ -195,8 +197,13 @@ def _fill(
         findings += (replace(finding, hint=hint) for finding in diagnostics)
     instances = system.instances
     for step in steps:
-        if isinstance(step.action, SetParameter) and step.action.instance in instances:
-            findings += _findings(PARAMETER, step.span, _checking(system, step.action))
+        match step.action:
+            case SetParameter(instance=instance) if instance in instances:
+                checking = _checking(system, step.action)
+                findings += _findings(PARAMETER, step.span, checking)
+            case Call(instance=instance) if instance in instances:
+                prepare = partial(_prepared, system, step.action)
+                findings += _findings(TIMELINE, step.span, prepare)
     _raise_if_any(findings)
     before: list[str] = []
     earlier: list[str] = []
@@ -222,7 +229,7 @@ def _fill(
 def _schedule(
     system: runtime.System,
     steps: Sequence[Step],
-    warn: Callable[[Diagnostic], None],
+    report: FailureReport,
     skipped: Callable[[Diagnostic], None] | None,
 ) -> None:
     """Add a timeline to the system; see `assemble`."""
@@ -231,12 +238,15 @@ def _schedule(
     def carry_out(step: Step) -> None:
         try:
             if isinstance(step.action, Connect):
-                _join(system, step.action, step.span, skipped or warn)
+                _join(system, step.action, step.span, skipped or report.notice)
+            elif isinstance(step.action, Call):
+                outcome = _prepared(system, step.action)()
+                report.called(system.time, step, step.action, outcome)
             else:
                 _performing(system, step.action)()
         except outdated as error:
             message = f"{error}: the event is skipped"
-            (skipped or warn)(SKIPPED.at(step.span, message))
+            (skipped or report.notice)(SKIPPED.at(step.span, message))
         except runtime.TransportError as error:
             raise ToolError(str(error)) from error
         except runtime.RtcError as error:
@@ -440,6 +450,14 @@ def _activate(system: runtime.System, instance: str) -> None:
 def _checking(system: runtime.System, action: SetParameter) -> Callable[[], object]:
     sets = system.component(action.instance).configuration_sets
     return partial(sets.check, action.parameter, action.text)
+
+
+def _prepared(system: runtime.System, action: Call) -> JsonCall:
+    """Return a call with its typed arguments. Raises RtcError."""
+    call = action.text
+    component = system.component(call.instance)
+    provider = provider_of(component, call.port, call.operation)
+    return JsonCall(provider, call.operation, call.arguments)
 
 
 def _performing(

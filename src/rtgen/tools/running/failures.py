@@ -18,14 +18,19 @@ from typing import Any
 from rtgen.compiler.diagnostics import Diagnostic, Related, Rule, Span
 from rtgen.compiler.diagnostics.printable import printable
 from rtgen.compiler.project import shown
-from rtgen.compiler.systems.rules import BLOCKED, IMPORT, NOTICE, RAISED
+from rtgen.compiler.systems.rules import BLOCKED, CALL, IMPORT, NOTICE, RAISED
+from rtgen.compiler.systems.timeline import Call as TimelineCall
+from rtgen.compiler.systems.timeline import Step
 from rtgen.runtime import BlockedError, CallbackError, Failure, ObservableError
 from rtgen.runtime.failures import NOTE, described, ends_run
 from rtgen.runtime.stack_frames import is_rtgens, is_users
+from rtgen.runtime.system.json_calls import Outcome
 from rtgen.runtime.system.watchdog import Call, calls_under_way
+from rtgen.runtime.timing.clocks import SECOND
 from rtgen.tools.kit.console import Console
 from rtgen.tools.running import factories
 from rtgen.tools.running.factories import FactoryImportError
+from rtgen.tools.running.texts import outcome_text
 
 _QUIET_STATES = ("on_activated", "on_execute", "on_state_update", "on_rate_changed")
 """Callbacks whose error code leads to ERROR, which the final report shows."""
@@ -133,6 +138,24 @@ class FailureReport:
         span = _span(FrameSummary(call.file, call.line, call.callback))
         message = f"{call.instance}.{call.callback} {what}"
         self.notice(BLOCKED.at(span, message, hint=hint))
+
+    def called(
+        self, time: int, step: Step, call: TimelineCall, outcome: Outcome
+    ) -> None:
+        """Report the outcome of a call of the timeline, at a time [ns]; a failure counts."""
+        said, expected = outcome_text(outcome), call.raises
+        if expected in (outcome.exception, outcome.exception.rpartition("::")[2]):
+            text = f"{time / SECOND:.3f} s: {call.text.text}{said}"
+            self._console.say(printable(text))
+            return
+        self.raised = True
+        hint = None
+        if expected:
+            hint = f"the timeline expects that it raises {expected}"
+        elif outcome.exception == "ObjectNotExist":
+            hint = "a component serves calls once it is ACTIVE, after its first tick"
+        message = f"{call.text.text} at {time / SECOND:.3f} s{said}"
+        self.notice(CALL.at(step.span, message, hint=hint))
 
     def still_blocked(self) -> dict[str, Call]:
         """Return the reported calls that have still not returned, by instance."""

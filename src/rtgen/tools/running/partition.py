@@ -14,6 +14,7 @@ from rtgen.compiler.systems.measures import Measure
 from rtgen.compiler.systems.rules import ELSEWHERE
 from rtgen.compiler.systems.timeline import (
     Action,
+    Call,
     Connect,
     Disconnect,
     SetParameter,
@@ -159,7 +160,7 @@ def _concerns(action: Action, names: Collection[str], here: Collection[str]) -> 
             return name in names
         case Disconnect(name, others):
             return not {name, *others}.isdisjoint(names)
-        case StateRequest() | SetParameter():
+        case StateRequest() | SetParameter() | Call():
             return action.instance in here
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 from typing import Final
 
 from rtgen.runtime import LifeCycleState
+from rtgen.runtime.system.json_calls import Outcome
 
 ERROR: Final = "ERROR"
 FINISHED: Final = "finished"
@@ -15,6 +17,28 @@ _UNITS: Final = (("s", 10**9), ("ms", 10**6), ("us", 10**3))
 def name_of(state: LifeCycleState) -> str:
     """Return the name of a state in reports and conditions."""
     return state.name.removesuffix("_STATE")
+
+
+def outcome_text(outcome: Outcome) -> str:
+    """Return what follows the text of a call: the results, or the exception."""
+    if outcome.exception:
+        return f" raises {outcome.exception}: {outcome.message}".removesuffix(": ")
+    values = [] if outcome.result is None else [value_text(outcome.result)]
+    values += (f"{name} = {value_text(value)}" for name, value in outcome.out.items())
+    return f" -> {', '.join(values)}" if values else ""
+
+
+def outcome_json(outcome: Outcome) -> dict[str, object]:
+    """Return an outcome for --json: `result` and `out`, or the exception."""
+    if outcome.exception:
+        raised = {"name": outcome.exception, "message": outcome.message}
+        return {"exception": raised | {"members": outcome.members}}
+    return {"result": outcome.result, "out": outcome.out}
+
+
+def value_text(value: object) -> str:
+    """Return a value of a call as JSON."""
+    return json.dumps(value, ensure_ascii=False)
 
 
 def duration(time: int) -> str:

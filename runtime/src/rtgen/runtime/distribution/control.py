@@ -7,6 +7,7 @@ Requests and replies are JSON. A request is an object with `do` and further memb
 from __future__ import annotations
 
 import re
+import secrets
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -17,11 +18,22 @@ from rtgen.runtime.distribution import descriptions
 from rtgen.runtime.distribution.descriptions import Description, describe
 from rtgen.runtime.distribution.medium import Medium, MediumError, Reply, Token
 from rtgen.runtime.distribution.names import control_name
-from rtgen.runtime.distribution.rpc_header import OctetsClient, serve_clients
-from rtgen.runtime.distribution.workers import Desk
+from rtgen.runtime.distribution.rpc_header import (
+    Doubles,
+    OctetsClient,
+    serve_clients,
+)
+from rtgen.runtime.distribution.workers import Desk, Workers
 from rtgen.runtime.errors import RtcError
 from rtgen.runtime.failures import log
 from rtgen.runtime.rtc.component import Component
+from rtgen.runtime.system.json_calls import (
+    Arguments,
+    CallError,
+    JsonCall,
+    Outcome,
+    provider_of,
+)
 
 if TYPE_CHECKING:
     from rtgen.runtime.system.system import System
@@ -34,6 +46,8 @@ _MAX_REQUEST = 1 << 20
 """Maximum length of a request [octets]."""
 _FIRST = re.compile(rb'"do":\s*"(?:activate|deactivate|reset)"')
 """Requests for states, by which people stop a robot: they wait for no others."""
+_CALL = b'{"do":"call",'
+"""The beginning of a call of a service, which may take long, so that others do not wait for it."""
 _MAX_FIRST = 1000
 SHARE = 0.2
 """The part of the time for other requests."""
@@ -70,6 +84,12 @@ class _Request(msgspec.Struct):
     arguments: dict[str, str] = {}
 
 
+class _Call(msgspec.Struct):
+    port: str
+    operation: str
+    arguments: list[tuple[str, Any]]
+
+
 class _Answer(msgspec.Struct, omit_defaults=True):
     result: Any = None
     error: str = ""
@@ -85,10 +105,13 @@ class Served:
         self,
         medium: Medium,
         desk: Desk,
+        workers: Workers,
         component: Component,
         system: Callable[[], System | None],
     ) -> None:
         self._desk = desk
+        self._workers = workers
+        self._doubles = Doubles()
         self._component = component
         self._system = system
         name = control_name(component.instance_name)
@@ -99,18 +122,29 @@ class Served:
         self._token.close()
 
     def _on_request(self, client: bytes, octets: bytes, reply: Reply) -> None:
-        first = len(octets) < _MAX_FIRST and _FIRST.search(octets) is not None
-        work = partial(self._answer, octets, reply)
-        if not self._desk.submit(work, client, first=first):
+        if octets.startswith(_CALL):
+            work = partial(self._answer, octets, reply, self._called, client)
+            accepted = self._workers.submit(work, client)
+        else:
+            first = len(octets) < _MAX_FIRST and _FIRST.search(octets) is not None
+            work = partial(self._answer, octets, reply, self._result, client)
+            accepted = self._desk.submit(work, client, first=first)
+        if not accepted:
             reply(msgspec.json.encode(_Answer(error="too many requests wait")))
 
-    def _answer(self, octets: bytes, reply: Reply) -> None:
+    def _answer(
+        self,
+        octets: bytes,
+        reply: Reply,
+        carry_out: Callable[[_Request, bytes], Any],
+        client: bytes,
+    ) -> None:
         instance = self._component.instance_name
         try:
             if len(octets) > _MAX_REQUEST:
                 raise ValueError(f"a request of {len(octets)} octets")
             request = msgspec.json.decode(octets, type=_Request)
-            answer = _Answer(self._result(request))
+            answer = _Answer(carry_out(request, client))
         except RtcError as error:
             answer = _Answer(error=str(error))
         except (ValueError, KeyError) as error:
@@ -118,7 +152,19 @@ class Served:
             answer = _Answer(error=f"the request is wrong: {error!r}")
         reply(msgspec.json.encode(answer))
 
-    def _result(self, request: _Request) -> Any:
+    def _called(self, request: _Request, client: bytes) -> Any:
+        """Call an operation. Raises ControlError for a duplicate of a request."""
+        values = request.arguments
+        if request.do != "call" or self._doubles.is_double((client, int(values["id"]))):
+            raise ControlError("a call that is made already")
+        call = msgspec.json.decode(values["call"], type=_Call)
+        try:
+            provider = provider_of(self._component, call.port, call.operation)
+            return JsonCall(provider, call.operation, call.arguments)()
+        except CallError as error:
+            return Outcome(refused=str(error))
+
+    def _result(self, request: _Request, client: bytes) -> Any:
         if request.do == "describe":
             return describe(self._component)
         system = self._system()
@@ -207,10 +253,22 @@ class Asker:
         """Activate a configuration set."""
         self._request("activate_set", None, set=set_id)
 
+    def call(self, port: str, operation: str, arguments: Arguments) -> Outcome:
+        """Call an operation of a provider with values as JSON, which are typed there.
+
+        `port` is `PORT`, or `PORT.INTERFACE` if it has several.
+        """
+        call = msgspec.json.encode(_Call(port, operation, [*arguments])).decode()
+        number = str(secrets.randbits(63))
+        request = _Request("call", {"id": number, "call": call})
+        return self._answered(request, Outcome)
+
     def _request(self, do: str, type_: type[_T] | None, **arguments: str) -> _T:
-        request = msgspec.json.encode(_Request(do, arguments))
+        return self._answered(_Request(do, arguments), type_)
+
+    def _answered(self, request: _Request, type_: type[_T] | None) -> _T:
         try:
-            octets = self._client.call(request, self._timeout)
+            octets = self._client.call(msgspec.json.encode(request), self._timeout)
             if len(octets) > descriptions.MAX_OCTETS:
                 raise ControlError(
                     f"{self.instance}: an answer of {len(octets)} octets"

@@ -130,7 +130,13 @@ class DistributedTransport(Closable):
                     served = ServedProvider(medium, self._workers, provider)
                     published.tokens.append(served)
                 published.tokens.append(
-                    Served(medium, self._desk, component, lambda: self._system)
+                    Served(
+                        medium,
+                        self._desk,
+                        self._workers,
+                        component,
+                        lambda: self._system,
+                    )
                 )
                 presence = presence_name(instance, self._process)
                 published.tokens.append(medium.announce(presence))

@@ -1,6 +1,6 @@
 """Values of IDL types from JSON, in the form of logs, and their JSON Schemas.
 
-For types of numbers, texts, enums, sequences, arrays and structs.
+For types of numbers, texts, enums, bitmasks, sequences, arrays, structs and unions.
 """
 
 from __future__ import annotations
@@ -13,11 +13,13 @@ from rtgen.runtime.marshalling.descriptors import (
     ArrayDescriptor,
     Descriptor,
     EnumDescriptor,
+    FlagsDescriptor,
     LinkDescriptor,
     PrimitiveDescriptor,
     SequenceDescriptor,
     StringDescriptor,
     StructDescriptor,
+    UnionDescriptor,
     plain,
 )
 
@@ -43,18 +45,26 @@ def json_form(descriptor: Descriptor) -> tuple[dict[str, Any], Convert]:
             return {"type": "integer", "minimum": low, "maximum": high}, _of(int)
         case PrimitiveDescriptor(name) if name in FLOAT_LIMITS:
             return {"type": "number"}, _number
+        case PrimitiveDescriptor("char" | "wchar"):
+            return {"type": "string", "minLength": 1, "maxLength": 1}, _character
         case StringDescriptor():
             return {"type": "string"}, _of(str)
+        case FlagsDescriptor(class_=class_):
+            convert = _of(int)
+            return {"type": "integer", "minimum": 0}, lambda v: class_(convert(v))
         case EnumDescriptor() as enum:
             return {"type": "string", "enum": [n for n, _ in enum.members]}, _enum(enum)
         case SequenceDescriptor(element, bound):
             limits = {} if bound is None else {"maxItems": bound}
             return _list(element, limits, plain(element))
-        case ArrayDescriptor(element, (size,)):
+        case ArrayDescriptor(element, (size, *rest)):
             limits = {"minItems": size, "maxItems": size}
-            return _list(element, limits, plain(element))
+            inner = ArrayDescriptor(element, tuple(rest)) if rest else element
+            return _list(inner, limits, plain(inner))
         case StructDescriptor() as struct:
             return _struct(struct)
+        case UnionDescriptor() as union:
+            return _union(union)
         case other:
             raise NoJsonError(str(other))
 
@@ -68,10 +78,19 @@ def _of(kind: type) -> Convert:
     return convert
 
 
+_NOT_FINITE: Final = ("nan", "inf", "-inf")
 _NAMES: Final = {bool: "true or false", int: "an integer", str: "a string"}
 
 
+def _character(value: Any) -> str:
+    if not isinstance(value, str) or len(value) != 1:
+        raise ValueError(f"{_short(value)} is not a character")
+    return value
+
+
 def _number(value: Any) -> float:
+    if value in _NOT_FINITE:
+        return float(value)
     if type(value) not in (int, float):
         raise ValueError(f"{_short(value)} is not a number")
     try:
@@ -110,10 +129,9 @@ def _list(
 
 
 def _struct(struct: StructDescriptor) -> tuple[dict[str, Any], Convert]:
-    if any(member.optional for member in struct.members):
-        raise NoJsonError(f"{struct} has optional members")
     forms = {member.name: json_form(member.type) for member in struct.members}
     attributes = {member.name: member.attribute for member in struct.members}
+    optional = {member.name for member in struct.members if member.optional}
 
     def convert(value: Any) -> Any:
         if not isinstance(value, dict):
@@ -122,6 +140,8 @@ def _struct(struct: StructDescriptor) -> tuple[dict[str, Any], Convert]:
             raise ValueError(f"{_short(unknown[0])} is not one of {', '.join(forms)}")
         members = {}
         for name, (_, convert_member) in forms.items():
+            if name in optional and value.get(name) is None:
+                continue
             if name not in value:
                 raise ValueError(f"{name} is missing")
             try:
@@ -133,8 +153,42 @@ def _struct(struct: StructDescriptor) -> tuple[dict[str, Any], Convert]:
     schema = {
         "type": "object",
         "properties": {name: schema for name, (schema, _) in forms.items()},
-        "required": [*forms],
+        "required": [name for name in forms if name not in optional],
         "additionalProperties": False,
+    }
+    return schema, convert
+
+
+def _union(union: UnionDescriptor) -> tuple[dict[str, Any], Convert]:
+    """Return the form of a union: its discriminator and value, or the name of a branch."""
+    switch, convert_switch = json_form(union.switch)
+    forms = {branch.name: json_form(branch.type) for branch in union.branches}
+
+    def convert(value: Any) -> Any:
+        match value:
+            case {"discriminator": selected, **others} if set(others) <= {"value"}:
+                discriminator = convert_switch(selected)
+                branch = union.branch(discriminator)
+                inner = value.get("value")
+            case {**members} if len(members) == 1 and next(iter(members)) in forms:
+                [(name, inner)] = members.items()
+                branch = next(b for b in union.branches if b.name == name)
+                if not branch.labels:
+                    raise ValueError(f"{name} is the default: state the discriminator")
+                discriminator = branch.labels[0]
+            case _:
+                names = ", ".join(forms)
+                raise ValueError(
+                    f"{_short(value)} is not an object with one of {names}"
+                )
+        if branch is None:
+            return union.class_(discriminator, None)
+        return union.class_(discriminator, forms[branch.name][1](inner))
+
+    schema = {
+        "type": "object",
+        "properties": {"discriminator": switch, "value": {}},
+        "required": ["discriminator"],
     }
     return schema, convert
 
