@@ -10,9 +10,16 @@ import click
 from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.stages import with_stages
+from rtgen.compiler.diagnostics import Span
 from rtgen.compiler.kit import stages
 from rtgen.tools.diff.changes import Break
-from rtgen.tools.diff.reading import Source, at_revision, opened, source_of
+from rtgen.tools.diff.reading import (
+    Source,
+    at_revision,
+    default_source,
+    opened,
+    source_of,
+)
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import NO, OK, Refusal
 
@@ -44,8 +51,9 @@ def diff(
 ) -> int:
     """Compare two versions of definitions: changes, their classes, and affected readers.
 
-    OLD and NEW are files, folders, or git revisions (main, HEAD~3, v1.2:specs/idl); NEW defaults
-    to the project of the working folder. Exit code 0: no change of the selected classes; 1: some
+    OLD and NEW are files, folders, or git revisions (main, HEAD~3, v1.2:specs/idl); OLD defaults to
+    `[diff] against` in rtgen.toml, else to the main branch, NEW to the project of the working
+    folder. Exit code 0: no change of the selected classes; 1: some
     changes; 2: errors. Allowed breaks are listed in rtgen.toml, each with a reason.
     """
     from contextlib import ExitStack
@@ -55,8 +63,8 @@ def diff(
     from rtgen.tools.diff.compare import compare
     from rtgen.tools.diff.settings import settings
 
-    sources = _sources(versions, against)
     chosen = settings()
+    sources = _sources(versions, against, chosen.against)
     asked = _selected(use, chosen.use)
     with ExitStack() as stack:
         old, new = (stack.enter_context(opened(each)) for each in sources)
@@ -77,7 +85,9 @@ def diff(
     return NO if broken else OK
 
 
-def _sources(versions: Sequence[str], against: str | None) -> list[Source]:
+def _sources(
+    versions: Sequence[str], against: str | None, default: tuple[str, Span] | None
+) -> list[Source]:
     """Return the old and the new version."""
     if against is not None:
         if len(versions) > 1:
@@ -88,7 +98,7 @@ def _sources(versions: Sequence[str], against: str | None) -> list[Source]:
         path = Path(versions[0])
         return [at_revision(old, path), source_of(versions[0])]
     if not versions:
-        raise Refusal("name OLD, or --against REVISION")
+        return [default_source(default), Source("the working tree")]
     if len(versions) > 2:
         raise Refusal("two versions are compared, OLD and NEW")
     sources = [source_of(word) for word in versions]

@@ -19,7 +19,7 @@ EXAMPLES = {
     "generate": "rtgen generate --watch",
     "check": "rtgen check --diagnostics github",
     "docs": "rtgen docs --build",
-    "diff": "rtgen diff --against main --use wire,stored",
+    "diff": "rtgen diff --against v1.2 --use wire,stored",
     "fmt": "rtgen fmt --check specs",
     "lint": "rtgen lint --fix definitions",
     "inspect": "rtgen inspect --json definitions/arm.idl",

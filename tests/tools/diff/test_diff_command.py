@@ -147,7 +147,7 @@ def test_an_unused_allowance_is_reported(
     err = capfd.readouterr().err
     assert "rtgen.toml:4:3: warning[DIF0004]" in err
     assert "rtgen.toml:10:3: warning[DIF0004]" in err
-    assert "warning[DIF0110]" in err
+    assert "error[DIF0110]" in err
 
 
 @pytest.mark.parametrize(
@@ -195,7 +195,7 @@ def test_settings_choose_the_classes() -> None:
 @pytest.mark.usefixtures("project")
 def test_forms_for_machines(capfd: pytest.CaptureFixture[str]) -> None:
     run(["diff", "main", "--diagnostics", "github"])
-    assert capfd.readouterr().err.startswith("::warning file=specs/pose.idl,line=1,")
+    assert capfd.readouterr().err.startswith("::error file=specs/pose.idl,line=1,")
     run(["diff", "main", "--diagnostics", "json"])
     [finding] = json.loads(capfd.readouterr().err)
     assert finding["related"][0]["file"] == "main:robot/specs/pose.idl"
@@ -212,7 +212,6 @@ def test_forms_for_machines(capfd: pytest.CaptureFixture[str]) -> None:
         (["--help:x"], "or git revision"),
         (["main:robot/none.idl"], "main has no robot/none.idl"),
         (["main", "none.idl"], "'none.idl' is not a file"),
-        ([], "name OLD"),
         (["a", "b", "c"], "two versions"),
         (["--against", "main", "a", "b"], "one argument"),
         (["main", "--use", "wires"], "'wires' is none of"),
@@ -262,6 +261,39 @@ def test_too_large_a_revision(
     monkeypatch.setattr(revisions, "MAX_FILES", 2)
     assert run(["diff", "main"]) == 2
     assert "error[DIF0003]" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize("branch", ["main", "master", "trunk", "develop"])
+@pytest.mark.usefixtures("project")
+def test_the_old_version_is_the_main_branch(
+    branch: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """`trunk` is that of the remote, `develop` that of rtgen.toml."""
+    git("commit", "-q", "-a", "-m", "new")
+    git("branch", "-q", "-m", "main", "mine")
+    assert run(["diff"]) == 2
+    assert "name OLD, or --against REVISION" in capfd.readouterr().err
+    if branch == "trunk":
+        git("update-ref", "refs/remotes/origin/trunk", "HEAD~1")
+        git("symbolic-ref", "refs/remotes/origin/HEAD", "refs/remotes/origin/trunk")
+        git("branch", "main")  # of someone else's making
+    else:
+        git("branch", branch, "HEAD~1")
+    if branch == "develop":
+        with Path("rtgen.toml").open("a") as stream:
+            stream.write('[diff]\nagainst = "develop"\n')
+    assert run(["diff", "--json"]) == 1
+    assert "DIF0110" in [change["code"] for change in changes(capfd)]
+
+
+@pytest.mark.usefixtures("project")
+def test_an_unknown_revision_is_reported_at_its_place(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    with Path("rtgen.toml").open("a") as stream:
+        stream.write('[diff]\nagainst = "nain"\n')
+    assert run(["diff"]) == 2
+    assert "rtgen.toml:4:1: error[DIF0001]" in capfd.readouterr().err
 
 
 @pytest.mark.usefixtures("project")

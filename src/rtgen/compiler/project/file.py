@@ -326,7 +326,7 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
         "actions": partial(_ros_names, 1, "INSTANCE.PORT", "action"),
     },
     "templates": {"path": _path},
-    "diff": {"use": _breaks, "allow": _allowances},
+    "diff": {"use": _breaks, "against": _text, "allow": _allowances},
     "fmt": {"line-length": _number(20, 1000), "indent": _number(1, 16)},
     "lint": {"ignore": _texts, "select": _texts, "per-file-ignores": _patterns},
     "plugin": _table,

@@ -66,7 +66,7 @@ class Kind:
     @property
     def rule(self) -> Rule:
         """The rule of `rtgen explain`; its severity is that of a change of a selected class."""
-        return Rule(self.code, self.title, Severity.WARNING)
+        return Rule(self.code, self.title, Severity.ERROR)
 
     @property
     def why(self) -> str:

@@ -26,8 +26,15 @@ from rtgen.compiler.project import (
 from rtgen.compiler.project import file as project_file
 from rtgen.compiler.systems import reading as systems
 from rtgen.tools.diff.kinds.catalogue import NO_VERSION
-from rtgen.tools.diff.revisions import commit_of, extract, top_level, unknown_revision
+from rtgen.tools.diff.revisions import (
+    commit_of,
+    extract,
+    main_branch,
+    top_level,
+    unknown_revision,
+)
 from rtgen.tools.diff.versions import Version
+from rtgen.tools.kit.exits import Refusal
 
 Relabel = Callable[[Span], Span]
 
@@ -65,6 +72,24 @@ def source_of(word: str, *, revision: bool = False) -> Source:
     if inside.startswith("./"):
         inside = (Path.cwd().relative_to(repository) / inside).as_posix()
     return Source(name, Path(inside), commit, repository)
+
+
+def default_source(against: tuple[str, Span] | None) -> Source:
+    """Return OLD if none is named: the revision of `[diff] against`, else the main branch.
+
+    Raises InputError, Refusal.
+    """
+    if against is not None:
+        revision, span = against
+        try:
+            return source_of(revision, revision=True)
+        except InputError as error:
+            raise InputError(replace(d, span=span) for d in error.diagnostics) from None
+    repository = top_level(Path())
+    branch = None if repository is None else main_branch(repository)
+    if branch is None:
+        raise Refusal("name OLD, or --against REVISION: git has no main branch here")
+    return source_of(branch, revision=True)
 
 
 def at_revision(source: Source, path: Path) -> Source:

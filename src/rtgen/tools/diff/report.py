@@ -24,19 +24,19 @@ def is_asked(change: Change, use: Collection[Break]) -> bool:
 def finding(
     change: Change, use: Collection[Break], allowance: Allowance | None
 ) -> Diagnostic:
-    """Return the diagnostic of a change: a warning if selected and not allowed."""
+    """Return the diagnostic of a change: an error if selected and not allowed."""
     span = change.new or change.old
     related = []
     if change.new is not None and change.old is not None:
         related.append(Related(change.old, "before"))
-    warned = is_asked(change, use) and allowance is None
+    breaks = is_asked(change, use) and allowance is None
     made = change.kind.rule.at(
         span,
         f"{change.message} [{classes_text(change)}]",
         related=related,
         hint=_hint(change, allowance),
     )
-    return made if warned else replace(made, severity=Severity.NOTE)
+    return made if breaks else replace(made, severity=Severity.NOTE)
 
 
 def classes_text(change: Change) -> str:

@@ -25,6 +25,7 @@ _MAX_LISTING = 16 * 1024 * 1024
 _MAX_HEADER = 128
 """Maximum octets of git around the content of a file."""
 _MAX_MESSAGE = 4096
+_REMOTE_HEAD = "refs/remotes/origin/HEAD"
 _SHOWN = 100
 """Maximum characters of a path in a message."""
 _TIMEOUT = 120.0
@@ -54,6 +55,15 @@ def commit_of(repository: Path, revision: str) -> str | None:
     )
     text = result.output.decode("ascii", "replace").strip()
     return text.splitlines()[-1] if result.code == 0 and text else None
+
+
+def main_branch(repository: Path) -> str | None:
+    """Return the branch that others build on: that of the remote `origin`, else main or master."""
+    head = _git(repository, "symbolic-ref", "--quiet", "--short", _REMOTE_HEAD)
+    name = head.output.decode("utf-8", "surrogateescape").strip()
+    names = [name] if head.code == 0 and name else []
+    names += ["origin/main", "origin/master", "main", "master"]
+    return next((each for each in names if commit_of(repository, each)), None)
 
 
 def unknown_revision(repository: Path | None, word: str) -> InputError:
