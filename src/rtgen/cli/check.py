@@ -14,6 +14,7 @@ from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.stages import with_stages
 from rtgen.compiler.diagnostics import has_errors
+from rtgen.compiler.diagnostics.printable import printable
 from rtgen.compiler.project import Project, cache, shown
 from rtgen.compiler.project.output import MANIFEST
 from rtgen.tools.can.common import counted
@@ -97,7 +98,8 @@ def _print_differences(console: Console, project: Project, result: Checked) -> N
     from rtgen.tools.compiling.diffs import diff
 
     text = diff(result.changes, most=MAX_LINES)
-    write_out(text + "".join(f"Only in the tree: {shown(s)}\n" for s in strays))
+    names = (printable(shown(path)) for path in strays)
+    write_out(text + "".join(f"Only in the tree: {name}\n" for name in names))
     manifest = project.output / MANIFEST
     files = [change for change in result.changes if change.path != manifest]
     stale = len(files or result.changes) + len(result.planned.leftovers)

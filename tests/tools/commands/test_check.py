@@ -347,3 +347,41 @@ def test_no_code_of_the_user_is_executed(capfd: pytest.CaptureFixture[str]) -> N
 def test_no_builtin_rule_of_lint_is_an_error() -> None:
     """So `rtgen check` runs those of plug-ins only."""
     assert Severity.ERROR not in {rule.severity for rule in lint_rules.RULES}
+
+
+@pytest.mark.usefixtures("system")
+def test_a_host_shows_each_fault_at_its_line(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Drift, a broken system, units in conflict, a renamed port, in a part of a repository."""
+    Path("src/thermostat.py").write_text(
+        "from kitchen.components.thermostat import ThermostatBase\n\n\n"
+        "class Thermostat(ThermostatBase):\n    def on_execute(self, ec_id):\n"
+        "        measured = self.measured.read()\n"
+    )
+    Path("systems/units.xml").write_text(SYSTEM.replace('"measured"', '"seen"'))
+    change(
+        "publishes Kitchen::Temperature", '@unit("degC") publishes Kitchen::Temperature'
+    )
+    change(
+        "consumes Kitchen::Temperature measured",
+        '@unit("W") consumes Kitchen::Temperature seen',
+    )
+    monkeypatch.setenv("GITHUB_WORKSPACE", str(Path.cwd().parent))
+    capfd.readouterr()
+    assert run(["check", "--diagnostics", "github"]) == 2
+    lines = capfd.readouterr().err.splitlines()
+    form = r"::(\w+) file=(.*?),line=(\d+),col=\d+,endLine=\d+,endColumn=\d+,title=(\w+)::.+"
+    matches = [re.fullmatch(form, line) for line in lines]
+    places = {m.groups() for m in matches if m is not None}
+    assert None not in matches
+    assert places == {
+        (level, f"{Path.cwd().name}/{file}", str(line), code)
+        for level, file, line, code in (
+            ("error", FILE, LINES["Oven"], "PRJ0017"),
+            ("error", FILE, LINES["Thermostat"], "PRJ0017"),
+            ("error", KITCHEN, 18, "RTC0581"),
+            ("error", "systems/units.xml", 13, "RTC0593"),
+            ("warning", "src/thermostat.py", 6, "PRJ0013"),
+        )
+    }

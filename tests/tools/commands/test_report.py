@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
 
-from rtgen.compiler.diagnostics import Diagnostic, Related, Severity, Span
+from rtgen.compiler.diagnostics import Diagnostic, Related, Severity, Span, explain
 from rtgen.compiler.diagnostics.report import report, summary
 
 
@@ -148,6 +149,105 @@ def test_github() -> None:
     assert text == (
         "::error file=a.idl,line=1,col=1,endLine=1,endColumn=2,title=IDL0001::100%25%0Abad%0Aso\n"
     )
+
+
+# What GitHub documents and its runner does: the parameters of a workflow command, by name.
+PARAMETERS = {"file", "line", "endLine", "col", "endColumn", "title"}
+
+
+def commands(text: str) -> list[tuple[str, dict[str, str], str]]:
+    """Parse workflow commands as GitHub's runner does: level, parameters, message."""
+    parsed = []
+    for line in text.splitlines():
+        match = re.fullmatch(r"::(error|warning|notice) (.*?)::(.*)", line)
+        assert match is not None, line
+        pairs = [each.split("=", 1) for each in match[2].split(",")]
+        plain = {k: re.sub("%(..)", _character, v) for k, v in pairs}
+        parsed.append((match[1], plain, re.sub("%(..)", _character, match[3])))
+    return parsed
+
+
+def _character(match: re.Match[str]) -> str:
+    return chr(int(match[1], 16))
+
+
+@pytest.mark.parametrize("severity", Severity)
+def test_annotations_have_the_form_that_the_host_documents(severity: Severity) -> None:
+    spans = [
+        Span("a,b:c%.idl", 2, 3, 2, 8),
+        Span("a.idl", 2, 9, 4, 1),  # columns stand for one line only
+        None,
+    ]
+    given = [Diagnostic("IDL0001", severity, "100%: a,b\r\n::c", s) for s in spans]
+    for span, (level, parameters, message) in zip(
+        sorted(spans, key=str), commands(report(given, {}, "github")), strict=True
+    ):
+        assert level == {"note": "notice"}.get(severity.value, severity.value)
+        assert message == "100%: a,b\r\n::c"
+        assert parameters.pop("title") == "IDL0001"
+        assert parameters.keys() <= PARAMETERS
+        if span is None:
+            assert parameters == {}
+            continue
+        assert parameters.pop("file") == span.file
+        lines = {"line": str(span.line), "endLine": str(span.end_line)}
+        columns = {"col": str(span.column), "endColumn": str(span.end_column)}
+        assert parameters == (lines | columns if span.line == span.end_line else lines)
+
+
+def test_paths_are_those_of_the_repository_on_the_host(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The host takes relative paths from the root of the repository, not the working folder."""
+    (tmp_path / "robot/idl").mkdir(parents=True)
+    monkeypatch.chdir(tmp_path / "robot")
+    monkeypatch.setenv("GITHUB_WORKSPACE", str(tmp_path))
+    outside = Path(__file__).as_posix()
+    files = {
+        "idl/a.idl": "robot/idl/a.idl",
+        "../b.idl": "b.idl",
+        str(tmp_path / "robot/c.idl"): "robot/c.idl",
+        outside: outside,
+    }
+    for file, shown in files.items():
+        given = [Diagnostic("IDL0001", Severity.ERROR, "bad", Span(file, 1, 1, 1, 2))]
+        [(_, parameters, _)] = commands(report(given, {}, "github"))
+        assert parameters["file"] == shown
+        [run] = json.loads(report(given, {}, "sarif"))["runs"]
+        [place] = run["results"][0]["locations"]
+        uri = place["physicalLocation"]["artifactLocation"]["uri"]
+        assert uri == (f"file://{outside}" if file == outside else shown)
+        assert f"{file}:1:1: error" in report(
+            given, {}
+        )  # for people, from where they are
+
+
+def test_sarif_has_all_that_code_scanning_requires(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As GitHub lists it, for every rule, and for findings without a place."""
+    monkeypatch.chdir(tmp_path)
+    Path("rtgen.toml").write_text("")
+    codes = [*explain.rules(), "OTHER1"]
+    assert log["$schema"]
+    assert log["version"] == "2.1.0"
+    log = json.loads(report(given, {}, "sarif"))
+    assert log["$schema"] and log["version"] == "2.1.0"
+    [run] = log["runs"]
+    rules = run["tool"]["driver"]["rules"]
+    assert len(rules) == len(run["results"]) == len(codes)
+    for rule in rules:
+        assert 0 < len(rule["shortDescription"]["text"]) <= 1024
+        assert 0 < len(rule["fullDescription"]["text"]) <= 1024
+        assert rule["help"]["text"]
+        assert rule["defaultConfiguration"]["level"] in ("note", "warning", "error")
+    for result in run["results"]:
+        assert result["message"]["text"]
+        [place] = result["locations"]
+        assert place["physicalLocation"] == {
+            "artifactLocation": {"uri": "rtgen.toml"},
+            "region": {"startLine": 1, "startColumn": 1, "endLine": 1, "endColumn": 1},
+        }
 
 
 def test_sarif() -> None:

@@ -6,7 +6,9 @@ A printer takes diagnostics and the texts that they refer to, and returns the te
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TypeAlias
 from unicodedata import category, east_asian_width
@@ -15,7 +17,7 @@ from urllib.parse import quote
 from rtgen.compiler.diagnostics import Diagnostic, Fix, Rule, Severity, Span, in_order
 from rtgen.compiler.diagnostics.printable import printable
 from rtgen.facts.encodings import decode
-from rtgen.facts.files import MAX_BYTES, read_start
+from rtgen.facts.files import MAX_BYTES, is_file, read_start
 from rtgen.facts.version import __version__
 
 FORMS = ("text", "json", "sarif", "github")
@@ -24,6 +26,9 @@ _TAB = 4
 _WINDOW = 100
 _COLOURS = {Severity.ERROR: "1;31", Severity.WARNING: "1;33", Severity.NOTE: "1;36"}
 _BEFORE = 40
+_MAX_DESCRIPTION = 1024
+"""Maximum length of a rule's description for GitHub."""
+_PROJECT = "rtgen.toml"
 _SARIF_SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 
 
@@ -204,20 +209,35 @@ def _shown(text: str) -> str:
 
 
 def _github(d: Diagnostic) -> str:
+    """Return a workflow command of GitHub; columns are of one line only, as it requires."""
     level = "notice" if d.severity is Severity.NOTE else d.severity.value
     properties = {"title": d.code}
     if d.span is not None:
+        is_line = d.span.line == d.span.end_line
         properties = {
-            "file": d.span.file,
+            "file": _in_repository(d.span.file),
             "line": str(d.span.line),
-            "col": str(d.span.column),
+            **({"col": str(d.span.column)} if is_line else {}),
             "endLine": str(d.span.end_line),
-            "endColumn": str(d.span.end_column),
+            **({"endColumn": str(d.span.end_column)} if is_line else {}),
             **properties,
         }
     text = ",".join(f"{k}={_escaped(v, ',:')}" for k, v in properties.items())
     message = d.message if d.hint is None else f"{d.message}\n{d.hint}"
     return f"::{level} {text}::{_escaped(message)}\n"
+
+
+def _in_repository(file: str) -> str:
+    """Return the path from the root of the repository in a workflow of GitHub, else as shown.
+
+    GitHub takes relative paths as such, whatever the working folder is.
+    """
+    root = os.environ.get("GITHUB_WORKSPACE")
+    if root:
+        path = Path(os.path.realpath(file))
+        with suppress(ValueError):
+            return path.relative_to(os.path.realpath(root)).as_posix()
+    return file
 
 
 def _escaped(text: str, further: str = "") -> str:
@@ -255,14 +275,17 @@ def _rules() -> Mapping[str, Rule]:
 
 
 def _sarif_rule(code: str, rule: Rule | None) -> dict[str, object]:
-    if rule is None:
-        return {"id": code}
-    text = rule.explanation.strip()
+    """Return a rule; code scanning of GitHub requires each of the texts."""
+    title = code if rule is None else rule.title
+    text = "" if rule is None else rule.explanation.strip()
+    summary = text.partition("\n\n")[0].replace("\n", " ")
+    severity = Severity.WARNING if rule is None else rule.severity
     return {
         "id": code,
-        "shortDescription": {"text": rule.title},
-        "defaultConfiguration": {"level": rule.severity.value},
-        "help": {"text": text, "markdown": text},
+        "shortDescription": {"text": title},
+        "fullDescription": {"text": (summary or title)[:_MAX_DESCRIPTION]},
+        "defaultConfiguration": {"level": severity.value},
+        "help": {"text": text or title, "markdown": text or title},
     }
 
 
@@ -274,8 +297,9 @@ def _sarif_result(d: Diagnostic, rule_index: int) -> dict[str, object]:
         "level": d.severity.value,
         "message": {"text": text},
     }
-    if d.span is not None:
-        result["locations"] = [{"physicalLocation": _sarif_place(d.span)}]
+    span = d.span or _of_project()
+    if span is not None:
+        result["locations"] = [{"physicalLocation": _sarif_place(span)}]
     if d.related:
         result["relatedLocations"] = [
             {"physicalLocation": _sarif_place(r.span), "message": {"text": r.label}}
@@ -284,6 +308,11 @@ def _sarif_result(d: Diagnostic, rule_index: int) -> dict[str, object]:
     if d.fix is not None:
         result["fixes"] = [_sarif_fix(d.fix)]
     return result
+
+
+def _of_project() -> Span | None:
+    """Return the place of a diagnostic without one: hosts show none that has no location."""
+    return Span(_PROJECT, 1, 1, 1, 1) if is_file(Path(_PROJECT)) else None
 
 
 def _sarif_fix(fix: Fix) -> dict[str, object]:
@@ -300,10 +329,11 @@ def _sarif_fix(fix: Fix) -> dict[str, object]:
 
 
 def _sarif_place(span: Span) -> dict[str, object]:
-    path = Path(span.file)
+    file = _in_repository(span.file)
+    path = Path(file)
     return {
         "artifactLocation": {
-            "uri": path.as_uri() if path.is_absolute() else quote(span.file)
+            "uri": path.as_uri() if path.is_absolute() else quote(file)
         },
         "region": {
             "startLine": span.line,
