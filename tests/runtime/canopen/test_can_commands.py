@@ -521,7 +521,10 @@ def test_a_command_without_its_extra(
     monkeypatch.setitem(sys.modules, "can", None)
     for words in (["scan"], ["send", "080#"], ["sdo", "read", "1", "1000"]):
         assert run(["can", *words, "--interface", "virtual"]) == 3
-        assert "pip install ./runtime '.[can]' in a clone of rtgen" in capfd.readouterr().err
+        assert (
+            "pip install ./runtime '.[can]' in a clone of rtgen"
+            in capfd.readouterr().err
+        )
 
 
 def test_the_commands_of_nmt_are_all_known() -> None:

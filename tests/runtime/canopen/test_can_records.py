@@ -279,7 +279,9 @@ def test_without_python_can(
 ) -> None:
     monkeypatch.setitem(sys.modules, "can", None)
     assert run(["can", "monitor", "--interface", "virtual"]) == 3
-    assert "pip install ./runtime '.[can]' in a clone of rtgen" in capfd.readouterr().err
+    assert (
+        "pip install ./runtime '.[can]' in a clone of rtgen" in capfd.readouterr().err
+    )
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

@@ -264,3 +264,18 @@ def test_a_transport_carries_a_run(capfd: pytest.CaptureFixture[str]) -> None:
     assert "withdraws Quiet0" in output
     assert run(["run", "s.xml", "--until", "1", "--transport", "acne"]) == 2
     assert "'acne' is not one of 'direct', 'corba'" in capfd.readouterr().err
+
+
+def test_options_of_a_plugin_that_is_not_there(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    settings('[plugin.acne]\nprefix = "My"\n')
+    assert run(["check", "--only", "lint"]) == 2
+    err = capfd.readouterr().err
+    assert "rtgen.toml:3:2: error[PRJ0002]: no plug-in 'acne' is installed" in err
+    assert "hint: did you mean 'acme'?" in err
+    settings("[plugin.other]\nx = 1\n[plugin.acme]\nleast = 2\n")
+    run(["inspect"])
+    err = capfd.readouterr().err
+    assert "rtgen.toml:3:2: warning[PRJ0021]: no plug-in 'other' is installed" in err
+    assert "acme" not in err.replace("known: ", "")[: err.index("hint")]

@@ -498,7 +498,9 @@ def test_a_missing_extra_ends_it_before_the_run(
 ) -> None:
     monkeypatch.setattr("rtgen.tools.running.trajectory.find_spec", lambda name: None)
     assert rtgen(["run", "m.xml", "--plot", "x.svg"]) == 3
-    assert "pip install ./runtime '.[plot]' in a clone of rtgen" in capfd.readouterr().err
+    assert (
+        "pip install ./runtime '.[plot]' in a clone of rtgen" in capfd.readouterr().err
+    )
 
 
 def test_a_factory_that_cannot_be_imported(capfd: pytest.CaptureFixture[str]) -> None:

@@ -417,3 +417,29 @@ def test_short_tracebacks_have_no_frames_of_rtgen(
     err = capfd.readouterr().err
     assert f'File "{CONTROLLER}", line 17' in err
     assert bool(re.search(r'File "[^"]*rtgen/', err)) is (form == "full")
+
+
+def test_a_run_says_that_definitions_have_changed(
+    project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    file = project / "idl/heating.idl"
+    text = file.read_text()
+    manifest = project / "generated/.rtgen.json"
+    warning = (
+        "warning[PRJ0020]: definitions have changed since the last rtgen generate: "
+    )
+    for change, names in (
+        (lambda: None, ""),
+        (lambda: file.write_text(text.replace("double watt", "float watt")), "idl/heating.idl"),
+        (lambda: file.write_bytes(text.replace("\n", "\r\n").encode()), ""),
+        (lambda: (project / "idl/more.idl").write_text("struct More {};\n"), "idl/more.idl"),
+        (lambda: file.rename(project / "heating.txt"), "idl/heating.idl, idl/more.idl"),
+        (manifest.unlink, ""),
+    ):  # fmt: skip
+        change()
+        forget_modules()
+        run([*WARM, "-q"])
+        err = capfd.readouterr().err
+        assert [line for line in err.splitlines() if "PRJ0020" in line] == (
+            [warning + names] if names else []
+        )

@@ -131,5 +131,7 @@ def test_without_the_library(
     monkeypatch.chdir(folder)
     monkeypatch.setitem(sys.modules, "watchfiles", None)
     assert run(["generate", "--watch"]) == 3
-    assert "pip install ./runtime '.[watch]' in a clone of rtgen" in capfd.readouterr().err
+    assert (
+        "pip install ./runtime '.[watch]' in a clone of rtgen" in capfd.readouterr().err
+    )
     assert not (folder / "generated").exists()

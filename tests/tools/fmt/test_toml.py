@@ -159,7 +159,9 @@ def test_without_tombi(
     Path("bus.toml").write_text("[bus]\nbit_rate=500\n")
     Path("a.idl").write_text("struct  S{long a;};\n")
     assert run(["fmt", "bus.toml"]) == 3
-    assert "pip install ./runtime '.[fmt]' in a clone of rtgen" in capfd.readouterr().err
+    assert (
+        "pip install ./runtime '.[fmt]' in a clone of rtgen" in capfd.readouterr().err
+    )
     assert run(["fmt", "."]) == 0
     printed = capfd.readouterr().err
     assert "FMT0003" in printed

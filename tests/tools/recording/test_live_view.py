@@ -510,7 +510,9 @@ def test_without_the_sdk_the_message_says_what_to_install(
     monkeypatch.setattr(live_view, "find_spec", lambda name: None)
     with System() as system, pytest.raises(RecordingError) as caught:
         LiveView(system, "test")
-    assert caught.value.hint == "pip install ./runtime '.[foxglove]' in a clone of rtgen"
+    assert (
+        caught.value.hint == "pip install ./runtime '.[foxglove]' in a clone of rtgen"
+    )
 
 
 @pytest.mark.parametrize(

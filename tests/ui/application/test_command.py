@@ -80,7 +80,9 @@ def test_naming_services_need_omniorb(
 
     monkeypatch.setattr(launch, "find_spec", found)
     assert run(["ui", "--no-open", "--nameserver", "127.0.0.1"]) == 3
-    assert "pip install ./runtime '.[corba]' in a clone of rtgen" in capfd.readouterr().err
+    assert (
+        "pip install ./runtime '.[corba]' in a clone of rtgen" in capfd.readouterr().err
+    )
 
 
 def test_it_listens_on_loopback_alone() -> None:

@@ -5,16 +5,23 @@ from __future__ import annotations
 import keyword
 import re
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from rtgen.compiler.diagnostics import Diagnostic, InputError, Span, ToolError
+from rtgen.compiler.diagnostics import (
+    Diagnostic,
+    InputError,
+    Span,
+    ToolError,
+    has_errors,
+)
 from rtgen.compiler.kit.toml_text import TomlError, parse
 from rtgen.compiler.project.rules import (
     FILE_UNREADABLE,
+    NO_PLUGIN,
     PATH_MISSING,
     UNKNOWN_KEY,
     WRONG_TYPE,
@@ -166,6 +173,12 @@ def _adapter(value: Any) -> str | None:
         )
         fine = fine and all(map(_is_constant, constants.values()))
         fine = fine and all(map(_is_pair, units.values()))
+    keys = dict.fromkeys(("from", "to", "map", "set", "units"))
+    unknown = (
+        [key for key in value if key not in keys] if isinstance(value, dict) else []
+    )
+    if unknown:
+        return f"has an unknown key {unknown[0]!r}; {_did_you_mean(unknown[0], keys)}"
     form = (
         'from = "TYPE", to = "TYPE", map = { "MEMBER" = "MEMBER" }, '
         'set = { "MEMBER" = VALUE }, units = { "MEMBER" = ["UNIT", "UNIT"] }'
@@ -458,10 +471,27 @@ def read(file: Path, name: str) -> Settings:
 
         problems = characters.read(data, name, standard="TOML").problems
     settings = Settings(name, decoded.normal, content, tuple(problems))
-    findings = [*_check(settings)]
-    if findings:
+    findings = [*_check(settings)] or [*_check_plugins(settings)]
+    if has_errors(findings):
         raise InputError(findings)
-    return settings
+    return replace(settings, problems=(*problems, *findings))
+
+
+def _check_plugins(settings: Settings) -> Iterator[Diagnostic]:
+    """Yield diagnostics for options of plug-ins that are not installed."""
+    tables = settings.tables("plugin")
+    if not tables:
+        return
+    from rtgen.compiler.kit import plugins
+
+    installed = dict.fromkeys(each.name for each in plugins.announced(*plugins.Group))
+    for name in tables:
+        if name not in installed:
+            hint = _did_you_mean(name, installed) if installed else None
+            is_misspelt = hint is not None and hint.startswith("did")
+            rule = UNKNOWN_KEY if is_misspelt else NO_PLUGIN
+            message = f"no plug-in {name!r} is installed, so its options do nothing"
+            yield rule.at(settings.span("plugin", name), message, hint=hint)
 
 
 def _check(settings: Settings) -> Iterator[Diagnostic]:

@@ -31,6 +31,12 @@ STRAY_FILE = Rule(
 RUN_CONFLICT = Rule(
     "PRJ0019", "values of [run] that exclude each other", Severity.ERROR
 )
+CHANGED_INPUTS = Rule(
+    "PRJ0020", "definitions that changed after their files", Severity.WARNING
+)
+NO_PLUGIN = Rule(
+    "PRJ0021", "options of a plug-in that is not installed", Severity.WARNING
+)
 SAME_PATH = Rule("PRJ0101", "two files of one name", Severity.ERROR)
 LEAVES_OUTPUT = Rule("PRJ0102", "file outside the output folder", Severity.ERROR)
 LINK_IN_OUTPUT = Rule("PRJ0103", "link in the output folder", Severity.ERROR)

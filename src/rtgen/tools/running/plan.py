@@ -16,7 +16,7 @@ from rtgen.compiler.diagnostics import (
     in_order,
 )
 from rtgen.compiler.model import System
-from rtgen.compiler.project import Project, cache, load_around
+from rtgen.compiler.project import Project, cache, changed_inputs, load_around
 from rtgen.compiler.systems import conditions, timeline
 from rtgen.compiler.systems.checks import check_properties
 from rtgen.compiler.systems.conditions import Condition
@@ -121,6 +121,7 @@ def planned(options: RunOptions, console: Console) -> Plan:
     course = timeline.of_system(Path(options.system), options.timeline_file, profile)
     console.findings(course.skipped)
     project = load_around(Path(options.system))
+    console.findings([*changed_inputs.findings(project)])
     require_fitting(project, profile, course.steps, console)
     factories = Factories(project)
     languages = factories.foreign

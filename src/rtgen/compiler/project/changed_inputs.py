@@ -1,0 +1,59 @@
+"""Definitions that have changed since files were generated from them, by the manifest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import msgspec
+
+from rtgen.compiler.diagnostics import Diagnostic
+from rtgen.compiler.frontends import key_of
+from rtgen.compiler.project.kinds import FILE_NAME
+from rtgen.compiler.project.loading import Project
+from rtgen.compiler.project.output import MANIFEST
+from rtgen.compiler.project.rules import CHANGED_INPUTS
+from rtgen.facts.encodings import digest
+from rtgen.facts.files import MAX_BYTES, read_file, read_start
+
+_LIBRARY = "rtgen/"
+"""How the keys of files that come with rtgen begin."""
+_MAX_NAMES = 3
+
+
+class _Manifest(msgspec.Struct):
+    inputs: Mapping[str, str] = {}
+
+
+def findings(project: Project) -> Iterator[Diagnostic]:
+    """Yield a warning if definitions differ from those that the output folder was made from.
+
+    Nothing is said without a manifest. Settings of rtgen.toml are not compared.
+    """
+    try:
+        octets = read_start(project.output / MANIFEST, MAX_BYTES)
+        before = msgspec.json.decode(octets, type=_Manifest).inputs
+    except (OSError, msgspec.DecodeError, RecursionError):
+        return
+    changed = sorted(_changed(project, before))
+    if changed:
+        names = ", ".join(changed[:_MAX_NAMES])
+        more = len(changed) - _MAX_NAMES
+        names += f" and {more} more" if more > 0 else ""
+        message = f"definitions have changed since the last rtgen generate: {names}"
+        yield CHANGED_INPUTS.at(None, message)
+
+
+def _changed(project: Project, before: Mapping[str, str]) -> Iterator[str]:
+    """Yield the keys of definitions that are changed, new or missing."""
+    for key, sha256 in before.items():
+        if key.startswith(_LIBRARY) or key == FILE_NAME:
+            continue
+        try:
+            if digest(read_file(project.root / key)) != sha256:
+                yield key
+        except OSError:
+            if (project.root / key).parent != project.root:  # others may lie elsewhere
+                yield key
+    if before:
+        keys = (key_of(path, project.root) for path in project.sources)
+        yield from (key for key in keys if key not in before)
