@@ -34,11 +34,8 @@ class CanopenManagerConfiguration(Configuration):
 class CanopenManagerBase(
     CanopenManager,
     type_name="CanopenManager",
-    category="CANopen",
-    vendor="rtgen",
-    version="1.0.0",
     description="Manager of a CANopen network",
-    rate=100.0,
+    max_instances=1,
 ):
     """Runs a CANopen network: checks, configures, starts and supervises its nodes.
 

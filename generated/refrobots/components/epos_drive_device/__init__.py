@@ -131,12 +131,7 @@ class EposDriveDeviceConfiguration(DeviceConfiguration):
 class EposDriveDeviceBase(
     EposDriveSlave,
     type_name="EposDriveDevice",
-    category="CANopen",
-    vendor="rtgen",
-    version="1.0.0",
     description="Device Wheel drive 24/5",
-    rate=100.0,
-    max_instances=0,
 ):
     """Device on a CANopen bus: Wheel drive 24/5.
 

@@ -45,12 +45,7 @@ class EposDriveProxyConfiguration(ProxyConfiguration):
 class EposDriveProxyBase(
     CanopenProxy,
     type_name="EposDriveProxy",
-    category="CANopen",
-    vendor="rtgen",
-    version="1.0.0",
     description="Proxy of Wheel drive 24/5",
-    rate=100.0,
-    max_instances=0,
 ):
     """Proxy of a device on a CANopen bus: Wheel drive 24/5.
 
@@ -186,11 +181,7 @@ def encode_rpdo4(Target_torque: int) -> bytes:
 
 
 class EposDriveProxy(EposDriveProxyBase):
-    """Proxy of a device on a CANopen bus: Wheel drive 24/5.
-
-    OutPorts send the data received from the device, InPorts take the data for it.
-    The life cycle follows the NMT state of the device.
-    """
+    """What the component EposDriveProxy does, apart from its ports."""
 
     description = DESCRIPTION
     networks = "refrobots.canopen.networks"

@@ -100,12 +100,7 @@ class FPaletteDeviceConfiguration(DeviceConfiguration):
 class FPaletteDeviceBase(
     FPaletteSlave,
     type_name="FPaletteDevice",
-    category="CANopen",
-    vendor="rtgen",
-    version="1.0.0",
     description="Device f-palette",
-    rate=100.0,
-    max_instances=0,
 ):
     """Device on a CANopen bus: f-palette.
 

@@ -10,7 +10,6 @@ from struct import Struct as _Struct, error as _error
 from rtgen.runtime import configuration, inport, outport, provider
 from rtgen.runtime.canopen import pdo as _pdo
 from rtgen.runtime.canopen.configuration import ProxyConfiguration
-from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue
 from rtgen.runtime.canopen.hooks import Receiver, Sender
 from rtgen.runtime.canopen.master.proxy import CanopenProxy
 from rtgen.runtime.canopen.master.sdo_service import SdoService
@@ -31,12 +30,7 @@ class FPaletteProxyConfiguration(ProxyConfiguration):
 class FPaletteProxyBase(
     CanopenProxy,
     type_name="FPaletteProxy",
-    category="CANopen",
-    vendor="rtgen",
-    version="1.0.0",
     description="Proxy of f-palette",
-    rate=100.0,
-    max_instances=0,
 ):
     """Proxy of a device on a CANopen bus: f-palette.
 
@@ -165,11 +159,7 @@ def encode_rpdo2(
 
 
 class FPaletteProxy(FPaletteProxyBase):
-    """Proxy of a device on a CANopen bus: f-palette.
-
-    OutPorts send the data received from the device, InPorts take the data for it.
-    The life cycle follows the NMT state of the device.
-    """
+    """What the component FPaletteProxy does, apart from its ports."""
 
     description = DESCRIPTION
     networks = "refrobots.canopen.networks"
@@ -190,9 +180,6 @@ class FPaletteProxy(FPaletteProxyBase):
 
     def _senders(self) -> Mapping[int, Sender]:
         return {1: self._send_rpdo1, 2: self._send_rpdo2}
-
-    def _parameter_values(self) -> Mapping[ObjectNumber, ObjectValue]:
-        return {}
 
     def _receive_tpdo1(self, data: bytes, now: int) -> None:
         self.tpdo1.write(

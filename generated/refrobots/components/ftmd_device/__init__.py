@@ -114,12 +114,7 @@ class FtmdDeviceConfiguration(DeviceConfiguration):
 class FtmdDeviceBase(
     FtmdSlave,
     type_name="FtmdDevice",
-    category="CANopen",
-    vendor="rtgen",
-    version="1.0.0",
     description="Device FTMD 1 axis",
-    rate=100.0,
-    max_instances=0,
 ):
     """Device on a CANopen bus: FTMD 1 axis.
 

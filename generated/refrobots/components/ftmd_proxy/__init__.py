@@ -47,12 +47,7 @@ class FtmdProxyConfiguration(ProxyConfiguration):
 class FtmdProxyBase(
     CanopenProxy,
     type_name="FtmdProxy",
-    category="CANopen",
-    vendor="rtgen",
-    version="1.0.0",
     description="Proxy of FTMD 1 axis",
-    rate=100.0,
-    max_instances=0,
 ):
     """Proxy of a device on a CANopen bus: FTMD 1 axis.
 
@@ -182,11 +177,7 @@ def encode_rpdo4(Target_torque: int) -> bytes:
 
 
 class FtmdProxy(FtmdProxyBase):
-    """Proxy of a device on a CANopen bus: FTMD 1 axis.
-
-    OutPorts send the data received from the device, InPorts take the data for it.
-    The life cycle follows the NMT state of the device.
-    """
+    """What the component FtmdProxy does, apart from its ports."""
 
     description = DESCRIPTION
     networks = "refrobots.canopen.networks"

@@ -122,12 +122,7 @@ class MotorCoreUnitDeviceConfiguration(DeviceConfiguration):
 class MotorCoreUnitDeviceBase(
     MotorCoreUnitSlave,
     type_name="MotorCoreUnitDevice",
-    category="CANopen",
-    vendor="rtgen",
-    version="1.0.0",
     description="Device Motor core unit",
-    rate=100.0,
-    max_instances=0,
 ):
     """Device on a CANopen bus: Motor core unit.
 

@@ -35,12 +35,7 @@ class MotorCoreUnitProxyConfiguration(ProxyConfiguration):
 class MotorCoreUnitProxyBase(
     CanopenProxy,
     type_name="MotorCoreUnitProxy",
-    category="CANopen",
-    vendor="rtgen",
-    version="1.0.0",
     description="Proxy of Motor core unit",
-    rate=100.0,
-    max_instances=0,
 ):
     """Proxy of a device on a CANopen bus: Motor core unit.
 
@@ -184,11 +179,7 @@ def encode_rpdo4(Target_torque: int) -> bytes:
 
 
 class MotorCoreUnitProxy(MotorCoreUnitProxyBase):
-    """Proxy of a device on a CANopen bus: Motor core unit.
-
-    OutPorts send the data received from the device, InPorts take the data for it.
-    The life cycle follows the NMT state of the device.
-    """
+    """What the component MotorCoreUnitProxy does, apart from its ports."""
 
     description = DESCRIPTION
     networks = "refrobots.canopen.networks"

@@ -1,4 +1,4 @@
-"""Configuration parameters that all CANopen proxies, and all devices, have."""
+"""Facts and configuration parameters that all CANopen proxies, and all devices, have."""
 
 from __future__ import annotations
 
@@ -15,6 +15,14 @@ class SharedParameter(NamedTuple):
     minimum: int | None = None
     maximum: int | None = None
 
+
+COMPONENT_FACTS: Final = {
+    "category": "CANopen",
+    "vendor": "rtgen",
+    "rate": 100.0,
+    "max_instances": 0,
+}
+"""Members of their profiles."""
 
 MAX_NODE_ID: Final = 127
 LSS: Final = 255

@@ -202,7 +202,7 @@ def _place(project: Project, artifact: Artifact) -> Path:
 def _manifest(
     own: Iterable[Artifact], contents: Mapping[str, bytes], run: Compilation
 ) -> bytes:
-    """Return the content of the manifest."""
+    """Return the content of the manifest, which has a line for each file."""
     content: dict[str, object] = {
         "format": _FORMAT,
         "generator": f"rtgen {__version__}",
@@ -212,15 +212,21 @@ def _manifest(
             for table, entries in msgspec.structs.asdict(run.components).items()
             if entries
         },
-        "files": {
-            a.path: {
-                "sha256": sha256(contents[a.path]).hexdigest(),
-                "inputs": list(a.origin),
-            }
-            for a in sorted(own, key=lambda a: a.path)
-        },
     }
-    return (json.dumps(content, indent=2, ensure_ascii=False) + "\n").encode()
+    files = ",\n".join(
+        f"    {_json(a.path)}: {_json(_entry(a, contents[a.path]))}"
+        for a in sorted(own, key=lambda a: a.path)
+    )
+    head = json.dumps(content, indent=2, ensure_ascii=False).removesuffix("\n}")
+    return f'{head},\n  "files": {{\n{files}\n  }}\n}}\n'.encode()
+
+
+def _entry(artifact: Artifact, data: bytes) -> dict[str, object]:
+    return {"sha256": sha256(data).hexdigest(), "inputs": list(artifact.origin)}
+
+
+def _json(value: object) -> str:
+    return json.dumps(value, ensure_ascii=False)
 
 
 def component_types(output: Path) -> ComponentTypes:

@@ -68,12 +68,12 @@ class ProxyHooks(CanopenHooks):
     def _senders(self) -> Mapping[int, Sender]:
         """Return the senders by RPDO number; called once, during construction."""
 
-    @abstractmethod
     def _parameter_values(self) -> Mapping[ObjectNumber, ObjectValue]:
         """Return the configuration parameters that correspond to objects, as values of the objects.
 
         Raises PdoError for a parameter outside the range of its object's type.
         """
+        return {}
 
     @abstractmethod
     def read_object(self, index: int, subindex: int = 0) -> ObjectValue:

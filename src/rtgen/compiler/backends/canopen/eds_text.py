@@ -1,13 +1,15 @@
 """Device descriptions as EDS or DCF files (CiA 306).
 
-The whole model is written, in the forms that every reader supports: sub-objects one by one,
-unsigned numbers in hexadecimal, signed ones in decimal digits, formulas as `$NODEID+0x180`. The
-modules of a modular device are written as the objects that they add.
+The whole model is written, without the defaults of CiA 306, and in the forms that every reader
+supports: sub-objects one by one, unsigned numbers in hexadecimal, signed ones in decimal digits,
+formulas as `$NODEID+0x180`. The modules of a modular device are written as the objects that they
+add.
 """
 
 from __future__ import annotations
 
 import math
+import re
 import struct
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeAlias
@@ -31,6 +33,7 @@ BIT_RATES = (10, 20, 50, 125, 250, 500, 800, 1000)
 """CiA 301's bit rates in kbit/s, each with a key in the file."""
 
 _MANDATORY = (0x1000, 0x1001, 0x1018)
+_SUB_OBJECT = re.compile(r"[0-9A-F]{4}sub[0-9A-F]+")
 _MANUFACTURER = range(0x2000, 0x6000)
 _REALS: Mapping[int, tuple[str, str]] = {
     DataType.REAL32: ("<f", "<I"),
@@ -51,7 +54,9 @@ def eds_text(device: Device, header: Sequence[str] = ()) -> str:
     """
     lines = [f"; {line}" for line in header]
     for name, pairs in _sections(device):
-        lines += ["", f"[{name}]"] if lines else [f"[{name}]"]
+        if lines and not _SUB_OBJECT.fullmatch(name):
+            lines.append("")
+        lines.append(f"[{name}]")
         lines += [eds_line(f"{key}={value}") for key, value in pairs]
     return "\n".join(lines) + "\n"
 
@@ -61,10 +66,12 @@ def _sections(device: Device) -> Iterator[_Section]:
     yield "DeviceInfo", list(_device_info(device.info))
     if device.commissioning is not None:
         yield "DeviceComissioning", list(_commissioning(device.commissioning))
-    yield "DummyUsage", list(_dummies(device.dummies))
-    comments = device.comments.split("\n") if device.comments else []
-    numbered = [(f"Line{n}", line) for n, line in enumerate(comments, 1)]
-    yield "Comments", [("Lines", str(len(comments))), *numbered]
+    if device.dummies:
+        yield "DummyUsage", list(_dummies(device.dummies))
+    if device.comments:
+        comments = device.comments.split("\n")
+        numbered = [(f"Line{n}", line) for n, line in enumerate(comments, 1)]
+        yield "Comments", [("Lines", str(len(comments))), *numbered]
     lists: dict[str, list[Object]] = {
         "MandatoryObjects": [],
         "OptionalObjects": [],
@@ -189,13 +196,13 @@ def _variable(
     factor = variable.factor
     yield from _given(
         ParameterName=variable.name,
-        ObjectType=_hex(type_),
+        ObjectType=None if type_ is ObjectType.VAR else _hex(type_),
         DataType=_hex(int(code), 4),
         AccessType=variable.access.value,
         LowLimit=value_text(variable.low, code),
         HighLimit=value_text(variable.high, code),
         DefaultValue=value_text(variable.default, code),
-        PDOMapping=int(variable.pdo_mappable),
+        PDOMapping=int(variable.pdo_mappable) or None,
         ParameterValue=value_text(variable.value, code),
         Denotation=denotation,
         ObjFlags=_hex(variable.flags or None),

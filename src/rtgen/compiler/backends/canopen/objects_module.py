@@ -69,8 +69,8 @@ def objects_module(path: str, ports: DevicePorts, options: Options) -> PythonMod
         vendor_id=_hex(identity_of(device, 1)),
         product_code=_hex(identity_of(device, 2)),
         revision_number=_hex(identity_of(device, 3)),
-        dummies=items([f"0x{code:04X}" for code in device.dummies]),
-        bit_rates=items(list(map(str, info.bit_rates if info.lss else ()))),
+        dummies=device.dummies and items([f"0x{c:04X}" for c in device.dummies]),
+        bit_rates=info.lss and info.bit_rates and items([*map(str, info.bit_rates)]),
     )
     return python_module(
         path,

@@ -19,7 +19,7 @@ from rtgen.compiler.backends.canopen.objects_module import (
 from rtgen.compiler.backends.canopen.pdo_codec import Codecs, PdoCodec
 from rtgen.compiler.backends.components.locations import base_location
 from rtgen.compiler.backends.kit.python_module import PythonModule
-from rtgen.compiler.backends.kit.quoting.python import Python, docstring, number_literal
+from rtgen.compiler.backends.kit.quoting.python import Python, number_literal
 from rtgen.compiler.backends.kit.rendering import render
 from rtgen.compiler.layouts.can_startup import configuration
 from rtgen.compiler.lowering.canopen.components import SERVICE_PORT
@@ -70,7 +70,6 @@ class ProxyModule(ComponentModule):
             "canopen/proxy.py.j2",
             **self.values,
             base=base_location(self.names.package, self.component),
-            docstring=docstring(self.component.doc, 4),
             changes=changes,
             codecs=Codecs(_codecs(received), _codecs(sent)),
             service_port=self.attributes[PortKind.PROVIDER.value, SERVICE_PORT],

@@ -46,7 +46,7 @@ from rtgen.compiler.typemap.components.names import CONFIGURATION_NAMES
 from rtgen.compiler.typemap.components.parameters import Parameters
 from rtgen.compiler.typemap.python.idl_names import PythonNames
 from rtgen.compiler.typemap.python.support import BASE_NAMES, CANOPEN_NAMES
-from rtgen.facts.canopen_parameters import SHARED
+from rtgen.facts.canopen_parameters import COMPONENT_FACTS, SHARED
 from rtgen.facts.constraints import parse, text_of
 from rtgen.facts.parameter_texts import default_text
 
@@ -61,13 +61,22 @@ _DECLARATIONS = {
 """The functions of the runtime that declare a port."""
 _RUNTIME = "rtgen.runtime"
 _DATA = (PortKind.INPORT, PortKind.OUTPORT)
-_FACTS = {
+_FACTS: Mapping[str, object] = {
     "kind": "DataFlowComponent",
     "activity": "PERIODIC",
     "activity_type": "",
     "execution": "PeriodicExecutionContext",
+    "category": "",
+    "vendor": "",
+    "version": "",
+    "description": "",
+    "rate": 0.0,
+    "max_instances": 1,
 }
-"""Facts of a profile that are only printed if they differ."""
+"""Facts of a profile, which are printed if they differ from these."""
+
+_INHERITED = {**_FACTS, "version": "1.0.0", **COMPONENT_FACTS}
+"""The same for proxies and devices."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,19 +208,14 @@ class _BaseModule:
         """Return the bases of the class and the facts of its profile."""
         component = self._component
         facts = {name: getattr(component, name) for name in _FACTS}
-        texts = {
-            "type_name": component.name[-1],
-            **{name: text for name, text in facts.items() if text != _FACTS[name]},
-            "category": component.category,
-            "vendor": component.vendor,
-            "version": component.version,
-            "description": summary(component),
-        }
-        written = [runtime_base]
-        written += (f"{k}={string_literal(t)}" for k, t in texts.items() if t)
-        written.append(f"rate={number_literal(float(component.rate))}")
-        if component.max_instances != 1:
-            written.append(f"max_instances={component.max_instances}")
+        facts |= {"description": summary(component), "rate": float(component.rate)}
+        common = _INHERITED if component.runtime_base else _FACTS
+        written = [runtime_base, f"type_name={string_literal(component.name[-1])}"]
+        for name, value in facts.items():
+            if value not in ("", common[name]):
+                text = isinstance(value, str)
+                literal = string_literal(value) if text else number_literal(value)
+                written.append(f"{name}={literal}")
         return ", ".join(written)
 
     # The configuration class.

@@ -34,6 +34,7 @@ from rtgen.compiler.typemap.canopen.ports import (
 )
 from rtgen.compiler.typemap.python.names import module_name
 from rtgen.facts.canopen_parameters import (
+    COMPONENT_FACTS,
     DEVICE_CONFIGURATION,
     OF_DEVICES,
     OF_PROXIES,
@@ -128,10 +129,7 @@ def _head(name: str, file: str, span: Span) -> dict[str, Any]:
         "repository_id": f"IDL:{name}:1.0",
         "file": file,
         "span": span,
-        "category": "CANopen",
-        "vendor": "rtgen",
-        "rate": 100.0,
-        "max_instances": 0,
+        **COMPONENT_FACTS,
     }
 
 

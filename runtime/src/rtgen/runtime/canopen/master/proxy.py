@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Final
 
+from rtgen.facts.canopen_parameters import COMPONENT_FACTS
 from rtgen.runtime.canopen import values
 from rtgen.runtime.canopen.bus.links import open_link
 from rtgen.runtime.canopen.bus.sdo_channel import Outcome, SdoChannel
@@ -54,7 +55,7 @@ _BLOCK: Final = 128
 """Length in octets from which a value is written by block transfer."""
 
 
-class CanopenProxy(ProxyHooks, Component):
+class CanopenProxy(ProxyHooks, Component, **COMPONENT_FACTS):
     """Base class of generated proxies.
 
     A proxy is on the bus from its start, and follows its node: an unsolicited change of the node's

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any, Final
 
+from rtgen.facts.canopen_parameters import COMPONENT_FACTS
 from rtgen.runtime.canopen import values
 from rtgen.runtime.canopen.bus.link import Link
 from rtgen.runtime.canopen.bus.links import open_link
@@ -46,7 +47,7 @@ _BUFFER: Final = {"dataport.buffer.length": "64"}
 """Buffer between ports and the bus; overwritten samples count as lost."""
 
 
-class CanopenDevice(DeviceHooks, Component):
+class CanopenDevice(DeviceHooks, Component, **COMPONENT_FACTS):
     """Base class of generated devices; the device is on the bus from its initialization.
 
     Changes of `objects` and samples written to OutPorts are transmitted at the end of the tick.

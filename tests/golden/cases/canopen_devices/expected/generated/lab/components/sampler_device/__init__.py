@@ -103,12 +103,7 @@ class SamplerDeviceConfiguration(DeviceConfiguration):
 class SamplerDeviceBase(
     SamplerSlave,
     type_name="SamplerDevice",
-    category="CANopen",
-    vendor="rtgen",
-    version="1.0.0",
     description="Device Sampler",
-    rate=100.0,
-    max_instances=0,
 ):
     """Device on a CANopen bus: Sampler.
 

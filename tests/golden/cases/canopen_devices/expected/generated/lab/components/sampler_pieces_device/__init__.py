@@ -147,12 +147,7 @@ class SamplerPiecesDeviceConfiguration(DeviceConfiguration):
 class SamplerPiecesDeviceBase(
     SamplerPiecesSlave,
     type_name="SamplerPiecesDevice",
-    category="CANopen",
-    vendor="rtgen",
-    version="1.0.0",
     description="Device Sampler",
-    rate=100.0,
-    max_instances=0,
 ):
     """Device on a CANopen bus: Sampler.
 

@@ -10,7 +10,6 @@ from struct import Struct as _Struct, error as _error
 from rtgen.runtime import configuration, inport, outport, provider
 from rtgen.runtime.canopen import pdo as _pdo
 from rtgen.runtime.canopen.configuration import ProxyConfiguration
-from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue
 from rtgen.runtime.canopen.hooks import Receiver, Sender
 from rtgen.runtime.canopen.master.proxy import CanopenProxy
 from rtgen.runtime.canopen.master.sdo_service import SdoService
@@ -32,12 +31,7 @@ class SamplerPiecesProxyConfiguration(ProxyConfiguration):
 class SamplerPiecesProxyBase(
     CanopenProxy,
     type_name="SamplerPiecesProxy",
-    category="CANopen",
-    vendor="rtgen",
-    version="1.0.0",
     description="Proxy of Sampler",
-    rate=100.0,
-    max_instances=0,
 ):
     """Proxy of a device on a CANopen bus: Sampler.
 
@@ -170,11 +164,7 @@ def encode_rpdo2(Offset: int, Distance: int) -> bytes:
 
 
 class SamplerPiecesProxy(SamplerPiecesProxyBase):
-    """Proxy of a device on a CANopen bus: Sampler.
-
-    OutPorts send the data received from the device, InPorts take the data for it.
-    The life cycle follows the NMT state of the device.
-    """
+    """What the component SamplerPiecesProxy does, apart from its ports."""
 
     description = DESCRIPTION
     networks = "lab.canopen.networks"
@@ -209,9 +199,6 @@ class SamplerPiecesProxy(SamplerPiecesProxyBase):
 
     def _senders(self) -> Mapping[int, Sender]:
         return {1: self._send_rpdo1, 2: self._send_rpdo2}
-
-    def _parameter_values(self) -> Mapping[ObjectNumber, ObjectValue]:
-        return {}
 
     def _receive_tpdo1(self, data: bytes, now: int) -> None:
         v0, v1, v2, v3, v4 = decode_tpdo1(data)

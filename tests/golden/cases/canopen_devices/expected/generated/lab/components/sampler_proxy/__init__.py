@@ -45,12 +45,7 @@ class SamplerProxyConfiguration(ProxyConfiguration):
 class SamplerProxyBase(
     CanopenProxy,
     type_name="SamplerProxy",
-    category="CANopen",
-    vendor="rtgen",
-    version="1.0.0",
     description="Proxy of Sampler",
-    rate=100.0,
-    max_instances=0,
 ):
     """Proxy of a device on a CANopen bus: Sampler.
 
@@ -169,11 +164,7 @@ def encode_rpdo2(Offset: int, Distance: int) -> bytes:
 
 
 class SamplerProxy(SamplerProxyBase):
-    """Proxy of a device on a CANopen bus: Sampler.
-
-    OutPorts send the data received from the device, InPorts take the data for it.
-    The life cycle follows the NMT state of the device.
-    """
+    """What the component SamplerProxy does, apart from its ports."""
 
     description = DESCRIPTION
     networks = "lab.canopen.networks"
