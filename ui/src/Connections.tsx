@@ -2,6 +2,8 @@
 
 import { useEffect, useState } from "react";
 import type { Component, Fit, PortAddress, SystemState } from "./protocol/Ui.ts";
+import type { Misfit } from "./Purpose.tsx";
+import { Purpose } from "./Purpose.tsx";
 import { store } from "./store.ts";
 
 const named = ({ instance, port }: PortAddress): string => `${instance}.${port}`;
@@ -27,6 +29,7 @@ function Refusal({ name, reason }: { name: string; reason: string }) {
 export function Connections({ system, component, full }: { system: SystemState; component: Component; full: boolean }) {
   const [chosen, choose] = useState("");
   const [fits, setFits] = useState<readonly Fit[]>();
+  const [misfit, ask] = useState<Misfit>();
   const port = component.ports.find((each) => each.name === chosen);
   const here: PortAddress = { instance: component.instance, port: chosen };
   const own = system.connections.filter(({ source, target }) => [named(source), named(target)].includes(named(here)));
@@ -100,12 +103,18 @@ export function Connections({ system, component, full }: { system: SystemState; 
               {refused.map((each) => (
                 <li key={named(each.port)}>
                   <Refusal name={named(each.port)} reason={each.refused} />
+                  {each.allow && (
+                    <button type="button" disabled={!full} aria-label={`Connect ${named(here)} with ${named(each.port)} on purpose`} onClick={() => ask({ here, fit: each })}>
+                      Connect on purpose
+                    </button>
+                  )}
                 </li>
               ))}
             </ul>
           </details>
         </>
       )}
+      {misfit && <Purpose misfit={misfit} close={() => ask(undefined)} />}
     </>
   );
 }

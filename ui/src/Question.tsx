@@ -1,5 +1,6 @@
 /** A question that must be answered before anything else. */
 
+import type { ReactNode } from "react";
 import { useEffect, useId, useRef } from "react";
 
 interface Props {
@@ -8,9 +9,11 @@ interface Props {
   name: string;
   yes: () => void;
   close: () => void;
+  /** Fields, which must be valid for `yes`. */
+  children?: ReactNode;
 }
 
-export function Question({ text, name, yes, close }: Props) {
+export function Question({ text, name, yes, close, children }: Props) {
   const dialog = useRef<HTMLDialogElement>(null);
   const id = useId();
   useEffect(() => dialog.current!.showModal(), []);
@@ -18,10 +21,11 @@ export function Question({ text, name, yes, close }: Props) {
     <dialog ref={dialog} className="question" role="alertdialog" aria-labelledby={id} onClose={close}>
       <p id={id}>{text}</p>
       <form method="dialog">
-        <button type="submit" onClick={yes}>
+        {children}
+        <button type="submit" onClick={(e) => e.currentTarget.form!.checkValidity() && yes()}>
           {name}
         </button>
-        <button type="submit" autoFocus>
+        <button type="submit" formNoValidate autoFocus={!children}>
           Cancel
         </button>
       </form>

@@ -12,13 +12,15 @@ import { Menu } from "./Menu.tsx";
 import type { Item, Place } from "./Menu.tsx";
 import type { Tab } from "./Panel.tsx";
 import type { Bus, Component, Connection, Fit, Port, PortAddress } from "./protocol/Ui.ts";
+import type { Misfit } from "./Purpose.tsx";
+import { Purpose } from "./Purpose.tsx";
 import type { Statistics } from "./store.ts";
 import { stateName, store } from "./store.ts";
 
 interface BoxData extends Record<string, unknown> {
   component: Component;
   overruns: bigint;
-  fits: ReadonlyMap<string, string> | undefined;
+  fits: ReadonlyMap<string, Fit> | undefined;
 }
 
 type Box = Node<BoxData, "component">;
@@ -41,7 +43,7 @@ export function hue(type: string): number {
 function PortRow({ component, port, fits }: { component: Component; port: Port; fits: BoxData["fits"] }) {
   const service = port.kind === "PORT_SERVICE";
   const kind = service ? "service" : port.kind === "PORT_IN" ? "in" : "out";
-  const refused = fits?.get(address({ instance: component.instance, port: port.name }));
+  const refused = fits?.get(address({ instance: component.instance, port: port.name }))?.refused;
   const type = service ? port.interfaces.map((each) => `${each.provided ? "provides" : "uses"} ${each.type}`).join(", ") : port.type;
   const title = [port.name, type, port.unit && `[${port.unit}]`, port.doc, refused && `Does not fit: ${refused}`].filter(Boolean).join("\n");
   const mark = fits ? (refused === undefined ? "other" : refused ? "refused" : "fits") : "";
@@ -120,7 +122,8 @@ export const Wiring = memo(function Wiring(props: {
   /** Whether the user has moved the view. */
   const moved = useRef(false);
   const [picked, pick] = useState<ReadonlySet<string>>(new Set());
-  const [fits, setFits] = useState<ReadonlyMap<string, string>>();
+  const [fits, setFits] = useState<ReadonlyMap<string, Fit>>();
+  const [misfit, ask] = useState<Misfit>();
   const [menu, setMenu] = useState<Place & { edge: boolean }>();
   const drags = useRef(0);
   /** Places of boxes moved by arrow keys, until they are stored. */
@@ -260,7 +263,7 @@ export const Wiring = memo(function Wiring(props: {
     const drag = ++drags.current;
     const result = await store.ask({ case: "ends", value: port });
     // An answer after the end of its drag would be applied to the next drag.
-    if (result.done && drag === drags.current) setFits(new Map(result.fits.map((each: Fit) => [address(each.port), each.refused])));
+    if (result.done && drag === drags.current) setFits(new Map(result.fits.map((each: Fit) => [address(each.port), each])));
   };
   const connect = (drawn: Drawn) =>
     store.order({
@@ -349,13 +352,15 @@ export const Wiring = memo(function Wiring(props: {
           onConnectStart={(_, from) => void begin(portOf(from.nodeId, from.handleId))}
           onConnectEnd={(_, state) => {
             const end = state.toHandle;
-            const refused = end && fits?.get(address(portOf(end.nodeId, end.id)));
-            if (refused) store.notify(refused);
+            const fit = end && fits?.get(address(portOf(end.nodeId, end.id)));
+            const from = state.fromHandle;
+            if (fit?.allow && from && full) ask({ here: portOf(from.nodeId, from.id), fit });
+            else if (fit?.refused) store.notify(fit.refused);
             drags.current++;
             setFits(undefined);
           }}
           isValidConnection={(drawn) => {
-            const refused = (...end: Parameters<typeof portOf>) => fits?.get(address(portOf(...end)));
+            const refused = (...end: Parameters<typeof portOf>) => fits?.get(address(portOf(...end)))?.refused;
             return !(refused(drawn.target, drawn.targetHandle) || refused(drawn.source, drawn.sourceHandle));
           }}
           onConnect={(drawn) => void connect(drawn)}
@@ -390,6 +395,7 @@ export const Wiring = memo(function Wiring(props: {
         </OpenBuses.Provider>
       )}
       {menu && <Menu place={menu} items={items(menu)} close={() => setMenu(undefined)} />}
+      {misfit && <Purpose misfit={misfit} close={() => ask(undefined)} />}
     </section>
   );
 });

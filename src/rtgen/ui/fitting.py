@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from rtgen.compiler.diagnostics import Diagnostic, Severity
 from rtgen.compiler.model import PortReference
+from rtgen.compiler.systems.connections import ALLOWABLE
 from rtgen.ui.errors import NO_FIT, UNKNOWN, CommandError
 from rtgen.ui.protocol import ui
 
@@ -48,10 +49,7 @@ def fits(session: Session, address: ui.PortAddress) -> list[ui.Fit]:
             for there in within
             if there != address
         )
-    return [
-        ui.Fit(port=there, refused=_refusal(session, address, there, obstacle))
-        for there, obstacle in obstacles
-    ]
+    return [_fit(session, address, *each) for each in obstacles]
 
 
 def require_fitting(session: Session, command: ui.Connect) -> None:
@@ -69,14 +67,17 @@ def require_fitting(session: Session, command: ui.Connect) -> None:
         session.notice("warning", "", f"{_text(finding)}{hint}")
 
 
-def _refusal(
+def _fit(
     session: Session, here: ui.PortAddress, there: ui.PortAddress, obstacle: str
-) -> str:
-    """Return why two ports are not connected; the run's reason has more to say of types."""
+) -> ui.Fit:
+    """Return the verdict on two ports; the run's reason has more to say of types."""
     for finding in _judged(session, here, there, {}):
+        if finding.severity is Severity.ERROR and obstacle:
+            return ui.Fit(port=there, refused=f"{finding.code}: {obstacle}")
         if finding.severity is Severity.ERROR:
-            return f"{finding.code}: {obstacle}" if obstacle else _text(finding)
-    return obstacle
+            allow = finding.code if finding.code in ALLOWABLE else ""
+            return ui.Fit(port=there, refused=_text(finding), allow=allow)
+    return ui.Fit(port=there, refused=obstacle)
 
 
 def _judged(

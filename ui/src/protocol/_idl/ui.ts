@@ -684,10 +684,13 @@ export interface Ui$Fit {
   port: Ui$PortAddress;
   /** Reason why not; empty if possible. */
   refused: string;
+  /** Code of `refused`, if a property `rtgen.allow.CODE` of the connection allows it. */
+  allow: string;
 }
 export const Ui$Fit: CdrType<Ui$Fit> = struct("Ui::Fit", [
   field("port", Ui$PortAddress),
   field("refused", string()),
+  field("allow", string()),
 ]);
 
 export interface Ui$Result {

@@ -916,11 +916,18 @@ class Moved(Aggregated):
 class Fit(Aggregated):
     """Whether a connection from the queried port to `port` is possible."""
 
-    _descriptor_: ClassVar = idl.struct("Ui::Fit", port=PortAddress, refused=idl.STRING)
+    _descriptor_: ClassVar = idl.struct(
+        "Ui::Fit",
+        port=PortAddress,
+        refused=idl.STRING,
+        allow=idl.STRING,
+    )
 
     port: PortAddress = field(default_factory=PortAddress)
     refused: str = ""
     """Reason why not; empty if possible."""
+    allow: str = ""
+    """Code of `refused`, if a property `rtgen.allow.CODE` of the connection allows it."""
 
 
 class Result(Aggregated):
