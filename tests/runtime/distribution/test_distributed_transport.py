@@ -31,7 +31,7 @@ from rtgen.runtime.distribution.workers import Workers
 from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 from rtgen.runtime.opaque_rpc.interface import OpaqueRpc, OpaqueRpcFailed
 from rtgen.runtime.xcdr import deserialize, serialize
-from rtgen.tools.running.run_view import losses
+from rtgen.tools.running.losses import Losses
 
 Start = Callable[..., Process]
 
@@ -79,11 +79,12 @@ def test_missed_deadlines_are_in_the_report_of_a_run(
 ) -> None:
     connector = connect(*pair, qos__deadline="0.01")
     node = pair[1].node("b")
-    assert not list(losses(node, runtime.ACTIVE_STATE))
+    losses = Losses(pair[1].system)
+    assert not list(losses.notes("b", runtime.ACTIVE_STATE))
     pair[0].node("a").out.write(sample(1))
     arrived(node, [1])
     until(lambda: connector.missed_deadlines > 1)
-    [line] = losses(node, runtime.ACTIVE_STATE)
+    [line] = losses.notes("b", runtime.ACTIVE_STATE)
     assert line.startswith("b.in: no sample of a.out within 0.01 s, ")
     assert line.endswith(" times: dataport.qos.deadline")
 
