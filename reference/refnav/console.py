@@ -11,12 +11,16 @@ from collections import deque
 from collections.abc import Callable
 from typing import TextIO
 
+WAITS = os.name == "posix"
+"""Whether `select` waits for terminals and pipes, not only for sockets."""
+
 
 class ConsoleReader:
     """Reads lines of a text stream in a thread of its own, until the end or `close`.
 
     A stream with a file descriptor (a terminal, a pipe) is waited for together with a wake-up
-    pipe, so that `close` ends the thread at once; any other stream is read to its end.
+    pipe, so that `close` ends the thread at once; any other stream is read to its end. Where such
+    descriptors cannot be waited for (Windows), `close` leaves a thread that waits for a line.
     """
 
     def __init__(self, stream: TextIO) -> None:
@@ -25,7 +29,8 @@ class ConsoleReader:
         self._lines: deque[str] = deque()
         self._ended = threading.Event()
         self._wake_read, self._wake_write = os.pipe()
-        read = self._follow if _descriptor(stream) is not None else self._drain
+        follows = WAITS and _descriptor(stream) is not None
+        read = self._follow if follows else self._drain
         self._thread = threading.Thread(
             target=self._run, args=(read, stream), name="console", daemon=True
         )
@@ -47,7 +52,8 @@ class ConsoleReader:
     def close(self) -> None:
         """End the thread and wait for it."""
         os.write(self._wake_write, b"x")
-        self._thread.join()
+        if WAITS:
+            self._thread.join()
         os.close(self._wake_read)
         os.close(self._wake_write)
 

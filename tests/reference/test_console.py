@@ -5,6 +5,10 @@ from __future__ import annotations
 import io
 import os
 
+import pytest
+from patience import until
+
+from refnav import console
 from refnav.console import ConsoleReader
 
 
@@ -36,6 +40,22 @@ def test_closing_ends_the_thread_while_nobody_types() -> None:
         reader.close()
         assert reader.ended
     os.close(write)
+
+
+def test_where_pipes_cannot_be_waited_for_closing_does_not_wait_either(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(console, "WAITS", False)
+    read, write = os.pipe()
+    stream = os.fdopen(read, encoding="utf-8")
+    reader = ConsoleReader(stream)
+    os.write(write, b"path\n")
+    until(lambda: reader.take() == "path")
+    reader.close()
+    assert not reader.ended
+    os.close(write)
+    reader.wait_for_end()
+    stream.close()
 
 
 def test_a_stream_in_memory_is_read_to_its_end() -> None:

@@ -64,7 +64,19 @@ def generate_once(console: Console, request: Request) -> tuple[int, Iterable[Pat
     diagnostics = [*run.diagnostics, *of_users.diagnostics]
     console.findings(diagnostics, run.sources)
     console.say(_summary(project, done))
+    if _lacks_build_scripts(project, done):
+        console.say(
+            "of a line through(RTCPlugin), build.bat and build.sh, and the profile of the "
+            "marshaller, come with corba = true in [tecs] of rtgen.toml, or --target openrtm"
+        )
     return OK, looked_for
+
+
+def _lacks_build_scripts(project: Project, done: writer.Plan) -> bool:
+    """Return whether the files of a board were written now, without those for CORBA."""
+    if project.tecs_corba or project.target == "openrtm":
+        return False
+    return any(c.path.name == "RTCPlugin.rb" and c.new for c in done.changes)
 
 
 def _summary(project: Project, done: writer.Plan) -> str:
