@@ -10,6 +10,7 @@ import sys
 import tomllib
 from pathlib import Path
 
+import click
 import pytest
 from pages import (
     PAGES,
@@ -24,7 +25,7 @@ from pages import (
     parts,
 )
 
-from rtgen.cli import SECTIONS
+from rtgen.cli import SECTIONS, application
 
 LONG = frozenset({"experiments", "reference-build"})
 """Pages with runs of whole systems, which tests/reference runs, too."""
@@ -134,6 +135,16 @@ def test_every_command_has_a_row_in_its_section() -> None:
             r"^\| `rtgen (\w+)", sections[title.capitalize()], re.MULTILINE
         )
         assert list(dict.fromkeys(rows)) == list(summaries)
+
+
+@pytest.mark.parametrize("name", ["new", "log", "ctl", "can", "rpc"])
+def test_the_row_of_a_group_has_its_commands(name: str) -> None:
+    text = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
+    [listed] = re.findall(rf"^\| `rtgen {name} ([\w|\\]+)", text, re.MULTILINE)
+    context = click.Context(application, info_name="rtgen")
+    group = application.get_command(context, name)
+    assert isinstance(group, click.Group)
+    assert set(listed.split("\\|")) == set(group.list_commands(context))
 
 
 def test_every_extra_of_users_has_a_row() -> None:
