@@ -136,6 +136,51 @@ def test_what_is_refused_before_the_run(
     assert "ACTIVE" not in err
 
 
+def test_an_exception_that_cannot_be_raised(capfd: pytest.CaptureFixture[str]) -> None:
+    assert run(timeline("Hand0.hand.open(1)", raises="Jamed")) == 2
+    assert "open raises no 'Jamed': did you mean Jammed?" in capfd.readouterr().err
+    assert run(timeline("Hand0.hand.hold()", raises="UnknownException")) == 0
+
+
+@pytest.mark.parametrize(
+    ("call", "what"),
+    [
+        ("Hand0.hand.open(4)", ""),
+        ("Hand0.hand.Gripper.turn(ON, speed=1)", ""),
+        (f"Hand0.hand.work({JOB})", ""),
+        ("Hand0.hand._get_count()", ""),
+        ("Hand0.hand.opn(4)", "has no operation 'opn'\n"),
+        ("Hand0.hnd.open(4)", "Hand0 provides no 'hnd'\n"),
+        ("Hand0.hand.open()", "open: width is missing\n"),
+        ("Hand0.hand.open(1, 2)", "open: 2 arguments; parameters: width\n"),
+        ("Hand0.hand.open(widht=1)", "open: no parameter 'widht'\n"),
+        ("Hand0.hand.open('a')", "open: width: 'a' is not a number\n"),
+        ("Hand0.hand.turn(ONN, 1)", "turn: how: 'ONN' is not one of OFF, ON\n"),
+        ("Hand0.hand.kick(256)", "kick: strength: 256 is out of the range of octet\n"),
+        ("Hand0.hand.work(1, 2, 3, 4, 5)", "work: what: 1 is not an object\n"),
+    ],
+)
+def test_check_reads_calls_without_a_run(
+    call: str, what: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    folder = Path("systems")
+    folder.mkdir(exist_ok=True)
+    (folder / "system.xml").write_text(Path("s.xml").read_text())
+    timeline(call)
+    (folder / "timeline.toml").write_text(Path("t.toml").read_text())
+    settings = Path("rtgen.toml")
+    text = settings.read_text()
+    settings.write_text(text.replace('["grips.idl"]', '["grips.idl", "systems"]'))
+    try:
+        code = run(["check", "--only", "timelines"])
+    finally:
+        settings.write_text(text)
+    err = capfd.readouterr().err
+    assert code == (2 if what else 0)
+    assert ("systems/timeline.toml:3:1: error[SYS0007]: " in err) is bool(what)
+    assert what in err
+
+
 def test_an_unknown_instance_is_skipped(capfd: pytest.CaptureFixture[str]) -> None:
     assert run(timeline("Hnd0.hand.open(1)")) == 0
     assert "warning[SYS0027]" in capfd.readouterr().err

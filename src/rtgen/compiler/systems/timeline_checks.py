@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from rtgen.compiler.diagnostics import Diagnostic, InputError, Span, ToolError
 from rtgen.compiler.model import Connection, Model, System
 from rtgen.compiler.model.system_links import Known, definitions_of, known_components
-from rtgen.compiler.systems import connections
+from rtgen.compiler.systems import connections, timeline_calls
 from rtgen.compiler.systems.reading import as_defined, read_file
 from rtgen.compiler.systems.rules import SKIPPED, TIMELINE, TIMELINE_FILE
 from rtgen.compiler.systems.timeline import Connect, Disconnect, Step, load
@@ -44,6 +44,7 @@ def findings(
         else:
             yield from plan.skipped
             yield from _in_vain(plan.steps, system)
+            yield from timeline_calls.findings(plan.steps, system, components)
             links = new_connections(plan.steps, system, components)
             [named] = as_defined([replace(system, connections=tuple(links))], models)
             yield from connections.findings(named, components)

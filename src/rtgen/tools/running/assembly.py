@@ -457,7 +457,10 @@ def _prepared(system: runtime.System, action: Call) -> JsonCall:
     call = action.text
     component = system.component(call.instance)
     provider = provider_of(component, call.port, call.operation)
-    return JsonCall(provider, call.operation, call.arguments)
+    prepared = JsonCall(provider, call.operation, call.arguments)
+    if action.raises:
+        prepared.require_exception(action.raises)
+    return prepared
 
 
 def _performing(

@@ -67,8 +67,17 @@ class JsonCall:
         except (CdrError, ValueError) as error:
             raise CallError(f"{operation}: {error}") from None
 
-    def __str__(self) -> str:
-        return f"{self._provider}.{self._operation}"
+    def require_exception(self, name: str) -> None:
+        """Raise CallError unless the operation may raise an exception of this name."""
+        declared = [type_._descriptor_.name for _, type_ in self._call.raises]
+        names = [
+            *declared,
+            *(each.rpartition("::")[2] for each in declared),
+            *(each.__name__ for each in ServiceError.__subclasses__()),
+        ]
+        if name not in names:
+            near = _near(name, names)
+            raise CallError(f"{self._operation} raises no {name!r}: {near}")
 
     def __call__(self) -> Outcome:
         """Make the call; exceptions are part of the outcome."""
