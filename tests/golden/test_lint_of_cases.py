@@ -12,8 +12,8 @@ import pytest
 from rtgen.cli import run
 
 CASES = Path(__file__).parent / "cases"
-OF_OUTPUT = {"PRJ0106", "RTC0109"}
-"""Errors about files in the folders of outputs and skeletons, not about definitions."""
+OF_OUTPUT = {"PRJ0022", "PRJ0106", "RTC0109"}
+"""Errors about files in the folders of outputs and skeletons, and renames, not definitions."""
 OPTIONS = {"-o": 1, "--target": 1, "--no-cache": 0, "-q": 0}
 """Options of generate that lint does not have, with their numbers of arguments."""
 

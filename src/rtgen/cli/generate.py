@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import click
 
 from rtgen.cli.definition_options import (
@@ -18,6 +20,17 @@ from rtgen.tools.compiling.generation import Request, generate_once
 from rtgen.tools.kit.console import Console
 
 
+def _renames(
+    context: click.Context, parameter: click.Parameter, values: Sequence[str]
+) -> tuple[tuple[str, str], ...]:
+    pairs = [tuple(part.strip() for part in text.split("=")) for text in values]
+    for text, pair in zip(values, pairs, strict=True):
+        if len(pair) != 2 or not all(pair):
+            message = f"{text!r} is not OLD=NEW, as in Heater=Radiator"
+            raise click.BadParameter(message, context, parameter)
+    return tuple((old, new) for old, new in pairs)
+
+
 @command()
 @with_definitions
 @with_output("Write below")
@@ -27,6 +40,14 @@ from rtgen.tools.kit.console import Console
     "--representation",
     type=click.Choice(["cdr", "xcdr2"]),
     help="Representation of types without an annotation; default: from rtgen.toml, else cdr.",
+)
+@click.option(
+    "--rename",
+    "renames",
+    multiple=True,
+    metavar="OLD=NEW",
+    callback=_renames,
+    help="Rename a component, port, parameter or type first, with all that uses it.",
 )
 @click.option(
     "--diff", "only_diff", is_flag=True, help="Print what would change; write nothing."
@@ -47,6 +68,7 @@ def generate(
     node_id: int | None,
     target: str | None,
     representation: str | None,
+    renames: tuple[tuple[str, str], ...],
     only_diff: bool,
     watching: bool,
 ) -> int:
@@ -57,7 +79,13 @@ def generate(
     sources, so that the generated tree stays complete; with -o, PATH replaces them. Files that
     rtgen owns are overwritten, and removed when no definition needs them. Skeletons are created
     once and never overwritten.
+
+    --rename Heater=Radiator, Heater.power=strength or Heating::Power::watt=watts changes the name
+    in the definitions, unless that is done already, and in what follows: profiles, systems,
+    timelines, settings and behaviours, whose modules are moved. All files are changed, or none.
     """
+    if renames and (watching or only_diff):
+        raise click.UsageError("--rename goes with neither --watch nor --diff")
     request = Request(
         definitions=definitions,
         output=output,
@@ -66,6 +94,7 @@ def generate(
         representation=representation,
         cached=not no_cache,
         only_diff=only_diff,
+        renames=renames,
     )
     if watching:
         from rtgen.tools.compiling.watch import watch

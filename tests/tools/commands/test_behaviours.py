@@ -38,7 +38,7 @@ def test_nothing_is_reported_of_a_project_that_fits(
     assert capfd.readouterr() == ("", "")
 
 
-def test_a_renamed_component_leaves_a_skeleton(
+def test_the_behaviour_of_a_renamed_component_stays(
     capfd: pytest.CaptureFixture[str],
 ) -> None:
     _rename("component Controller", "component Controllers")
@@ -46,11 +46,14 @@ def test_a_renamed_component_leaves_a_skeleton(
     [finding] = _findings(capfd)
     assert (finding["code"], finding["severity"]) == ("PRJ0012", "warning")
     assert (finding["file"], finding["line"], finding["column"]) == (CONTROLLER, 6, 24)
-    assert finding["hint"] == "was it renamed to controllers?"
-    assert run(["check", "--diagnostics", "json"]) == 1
-    assert _findings(capfd) == [finding]
-    Path(CONTROLLER).unlink()
-    assert run(["check"]) == 0
+    command = "rtgen generate --rename Controller=Controllers"
+    assert finding["hint"] == f"was it renamed to Controllers? {command}"
+    assert not Path(CONTROLLER).with_stem("controllers").exists()
+    for command in ("check", "generate"):
+        run([command, "--diagnostics", "json"])
+        assert _findings(capfd) == [finding]
+    assert Path(CONTROLLER).exists()
+    assert not Path(CONTROLLER).with_stem("controllers").exists()
 
 
 def test_a_renamed_port_is_still_used(capfd: pytest.CaptureFixture[str]) -> None:
@@ -61,7 +64,7 @@ def test_a_renamed_port_is_still_used(capfd: pytest.CaptureFixture[str]) -> None
         f"{CONTROLLER}:18:18: warning[PRJ0013]: the definition has no port 'power'"
         in err
     )
-    assert "hint: did you mean powers?" in err
+    assert "rtgen generate --rename Controller.power=powers" in err
     assert run(["check"]) == 1
 
 

@@ -9,6 +9,8 @@ from lsprotocol.types import (
     Position,
     Range,
     TextDocumentContentChangePartial,
+    TextDocumentEdit,
+    TextEdit,
     WorkspaceEdit,
 )
 
@@ -101,13 +103,18 @@ class Editor:
     def applied(self, edit: WorkspaceEdit) -> dict[str, str]:
         """Return the texts of the files after an edit, by name."""
         made = {}
-        for uri, edits in (edit.changes or {}).items():
+        changes = dict(edit.changes or {}) | {
+            each.text_document.uri: each.edits
+            for each in edit.document_changes or ()
+            if isinstance(each, TextDocumentEdit)
+        }
+        for uri, edits in changes.items():
             path = path_of(uri)
             assert path is not None
             text = self.workspace.text_of(path)
             assert text is not None
             for each in sorted(
-                edits,
+                (each for each in edits if isinstance(each, TextEdit)),
                 key=lambda e: (e.range.start.line, e.range.start.character),
                 reverse=True,
             ):

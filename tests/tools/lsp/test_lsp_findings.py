@@ -175,7 +175,7 @@ def test_findings_of_behaviours(editor: Editor) -> None:
     )
     editor.open("types_idl")
     [found] = editor.findings("types_idl")["painter.py"]
-    assert found.hint == "did you mean where?"
+    assert (found.hint or "").startswith("did you mean where?")
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,8 @@ from projects import PROJECT
 
 from rtgen.tools.lsp.features.definition import definition
 from rtgen.tools.lsp.features.references import highlights, references
-from rtgen.tools.lsp.features.rename import RenameError, prepared, renamed
+from rtgen.tools.lsp.features.rename import prepared, renamed
+from rtgen.tools.renaming.definitions import RenameError
 
 
 @pytest.fixture

@@ -8,9 +8,12 @@ from hypothesis import strategies as st
 from lsprotocol.types import Position, PositionEncodingKind, Range
 
 from rtgen.compiler.diagnostics import Span
-from rtgen.tools.lsp.text import UTF_8, UTF_16, UTF_32, Shift, Text
+from rtgen.tools.indexing.text import Shift, Text
 
 TEXTS = st.text(alphabet="ab \n\r\t\u00e9\u5bb6\U0001f916\u2028\x0c", max_size=60)
+UTF_8 = PositionEncodingKind.Utf8
+UTF_16 = PositionEncodingKind.Utf16
+UTF_32 = PositionEncodingKind.Utf32
 ENCODINGS = st.sampled_from([UTF_8, UTF_16, UTF_32])
 
 

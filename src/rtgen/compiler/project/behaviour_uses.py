@@ -59,18 +59,28 @@ def findings(
 
 
 class _Use:
-    """A use of a name that is not there."""
+    """A use of a name that is not there; `owner` is what has it, as a rename names it."""
 
     def __init__(
-        self, node: ast.AST, name: str, message: str, candidates: Iterable[str] = ()
+        self,
+        node: ast.AST,
+        name: str,
+        message: str,
+        candidates: Iterable[str] = (),
+        owner: str = "",
+        likely: str | None = None,
     ) -> None:
-        from rtgen.compiler.frontends.kit.suggestions import guess
+        from rtgen.compiler.frontends.kit.suggestions import nearest
 
         self.node = node
         self.name = name
         self.message = message
         public = {each for each in candidates if not each.startswith("_")}
-        self.hint = guess(name, sorted(public))
+        near = nearest(name, sorted(public)) or likely
+        command = f"rtgen generate --rename {owner}{name}={near}"
+        self.hint = (
+            f"did you mean {near}? If it was renamed: {command}" if near else None
+        )
 
 
 def _span(file: str, lines: Sequence[str], node: ast.AST, name: str) -> Span:
@@ -162,6 +172,14 @@ class _Behaviour:
     ) -> None:
         self._modules = modules
         self._names = modules.names(class_)
+        self._component = next(
+            (
+                each.node.name
+                for each in ancestors
+                if isinstance(each, Class) and _is_generated(each)
+            ),
+            "",
+        ).removesuffix("Base")
         self._declared: dict[str, tuple[str, Class | RuntimeClass | None]] = {}
         """Kind and class of what the generated classes declare, by name."""
         for each in reversed(ancestors):
@@ -170,6 +188,11 @@ class _Behaviour:
             elif isinstance(each, Class):
                 for name in own_names(each, annotated=False) or ():
                     self._declared.pop(name, None)
+
+        used = {n.attr for n in ast.walk(class_.node) if isinstance(n, ast.Attribute)}
+        unused = [name for name in self._declared if name not in used | {"config"}]
+        self._unused = unused[0] if len(unused) == 1 else None
+        """What the class does not use, if it is one name: likely that of something renamed."""
 
     def _declarations(
         self, class_: Class | RuntimeClass
@@ -212,12 +235,18 @@ class _Behaviour:
                     if further in _OF_PORTS
                     else f"neither the definition nor the class has {first!r}"
                 )
-                yield _Use(node, first, message, self._declared or self._names)
+                candidates = self._declared or self._names
+                owner = f"{self._component}."
+                yield _Use(node, first, message, candidates, owner, self._unused)
             return
         kind, type_ = self._declared.get(first, ("", None))
         names, what = self._members(kind, type_, path[1:])
         if names is not None and path[-1] not in names:
-            yield _Use(node, path[-1], f"{first!r}, {what}, has no {path[-1]!r}", names)
+            message = f"{first!r}, {what}, has no {path[-1]!r}"
+            of_type = isinstance(type_, Class) and kind == "consumer"
+            owner = type_.node.name if of_type else self._component
+            separator = "::" if of_type else "."
+            yield _Use(node, path[-1], message, names, f"{owner}{separator}")
 
     def _members(
         self, kind: str, type_: Class | RuntimeClass | None, path: Sequence[str]

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
 from pathlib import Path, PurePosixPath
 
 from rtgen.compiler.backends import Artifact, Owner
 from rtgen.compiler.diagnostics import Diagnostic, Span, ToolError
 from rtgen.compiler.kit import stages
-from rtgen.compiler.project import Project, shown
+from rtgen.compiler.project import Project, renames, shown
 from rtgen.compiler.project import behaviour_uses as uses
 from rtgen.compiler.project.behaviour_classes import Modules
 from rtgen.compiler.project.rules import (
@@ -18,6 +19,7 @@ from rtgen.compiler.project.rules import (
     MISSPELT_CALLBACK,
     UNKNOWN_NAME,
 )
+from rtgen.compiler.project.skeletons import is_skeleton
 from rtgen.compiler.typemap.components.actions import ACTIONS
 from rtgen.facts.encodings import decode
 from rtgen.facts.files import UnreadableError, is_file, read_file
@@ -38,7 +40,116 @@ def check(project: Project, artifacts: Sequence[Artifact]) -> list[Diagnostic]:
     `artifacts` are those of the current definitions. Raises ToolError for an unreadable module.
     """
     with stages.stage("check behaviours"):
-        return [*_findings(project, artifacts)]
+        return [*Behaviours(project, artifacts).findings()]
+
+
+def awaited(project: Project, artifacts: Sequence[Artifact]) -> frozenset[str]:
+    """Return the skeletons that are not made, since a behaviour of before is likely theirs.
+
+    Raises ToolError for an unreadable module.
+    """
+    missing = [
+        each
+        for each in artifacts
+        if each.owner is Owner.USER and not (project.skeletons / each.path).exists()
+    ]
+    return Behaviours(project, artifacts).awaited() if missing else frozenset()
+
+
+class Behaviours:
+    """The user's behaviours beside the artifacts of the current definitions."""
+
+    def __init__(self, project: Project, artifacts: Sequence[Artifact]) -> None:
+        self._project = project
+        self._artifacts = artifacts
+        base = f"{project.options.folder}/components/*/__init__.py"
+        self._bases = {
+            path.parent.name: artifact.text
+            for artifact in artifacts
+            if (path := PurePosixPath(artifact.path)).match(base)
+        }
+        self._texts = _texts(project, artifacts) if self._bases else {}
+        pattern = (
+            rf"^from {re.escape(project.package)}\.components\.(\w+)(?:\.\w+)? import"
+        )
+        imported = re.compile(pattern, re.M)
+        self._used = {
+            file: {match[1]: match for match in imported.finditer(text)}
+            for file, text in self._texts.items()
+        }
+        self._orphans = {
+            module: renames.Orphan(module, self._texts[file], self._former(module))
+            for file, used in self._used.items()
+            for module in used.keys() - self._bases.keys()
+        }
+
+    def _former(self, module: str) -> str:
+        """Return the generated module of a former component, if it is still there."""
+        folder = self._project.output / self._project.options.folder / "components"
+        path = folder / module / "__init__.py"
+        return _text(path) if is_file(path) else ""
+
+    @cached_property
+    def _became(self) -> Mapping[str, tuple[str, ...]]:
+        """The modules that the component of each orphan may have now."""
+        busy = {
+            module
+            for file, used in self._used.items()
+            for module in used
+            if not is_skeleton(self._texts[file])
+        }
+        newcomers = {m: text for m, text in self._bases.items() if m not in busy}
+        return renames.became([*self._orphans.values()], newcomers)
+
+    def awaited(self) -> frozenset[str]:
+        """Return the paths of skeletons in whose place a behaviour will be moved."""
+        if not self._orphans:
+            return frozenset()
+        possible = {module for some in self._became.values() for module in some}
+        imports = tuple(
+            f"from {self._project.package}.components.{module} import"
+            for module in possible
+        )
+        return frozenset(
+            artifact.path
+            for artifact in self._artifacts
+            if artifact.owner is Owner.USER and any(i in artifact.text for i in imports)
+        )
+
+    def findings(self) -> Iterator[Diagnostic]:
+        """Yield the diagnostics of all behaviours."""
+        if not self._bases:
+            return
+        project = self._project
+        known = Modules(
+            {e.path: e.text for e in self._artifacts if e.owner is Owner.RTGEN},
+            {uses.module_of(project, file): t for file, t in self._texts.items()},
+        )
+        for file, text in self._texts.items():
+            yield from _callbacks(project, file, text)
+            used = self._used[file]
+            for module in used.keys() - self._bases.keys():
+                yield LEFTOVER_SKELETON.at(
+                    _span(file, text, used[module].start(1), used[module].end(1)),
+                    "no definition has the component of"
+                    f" {project.package}.components.{module}",
+                    hint=self._renamed(module),
+                )
+            yield from uses.findings(project, known, file, text)
+
+    def _renamed(self, module: str) -> str:
+        """Return what to do about a behaviour whose component has gone."""
+        old = self._orphans[module].name
+        names = [renames.type_name(self._bases[m]) for m in self._became[module]]
+        if not names:
+            return (
+                f"if {old} has another name now: rtgen generate --rename {old}=NAME;"
+                " the file is yours, and stays as it is"
+            )
+        commands = " or ".join(
+            f"rtgen generate --rename {old}={name}" for name in names
+        )
+        return f"was it renamed to {' or '.join(names)}? {commands}"
 
 
 def misspelt_callbacks(project: Project) -> list[Diagnostic]:
@@ -52,36 +163,6 @@ def misspelt_callbacks(project: Project) -> list[Diagnostic]:
             for file, text in _texts(project, ()).items()
             for f in _callbacks(project, file, text)
         ]
-
-
-def _findings(project: Project, artifacts: Sequence[Artifact]) -> Iterator[Diagnostic]:
-    base = f"{project.options.folder}/components/*/__init__.py"
-    bases = {
-        path.parent.name: artifact.text
-        for artifact in artifacts
-        if (path := PurePosixPath(artifact.path)).match(base)
-    }
-    if not bases:
-        return
-    imported = re.compile(
-        rf"^from {re.escape(project.package)}\.components\.(\w+)(?:\.\w+)? import", re.M
-    )
-    texts = _texts(project, artifacts)
-    known = Modules(
-        {each.path: each.text for each in artifacts if each.owner is Owner.RTGEN},
-        {uses.module_of(project, file): text for file, text in texts.items()},
-    )
-    for file, text in texts.items():
-        yield from _callbacks(project, file, text)
-        used = {match[1]: match for match in imported.finditer(text)}
-        for module in used.keys() - bases.keys():
-            near = _nearest(module, bases)
-            yield LEFTOVER_SKELETON.at(
-                _span(file, text, used[module].start(1), used[module].end(1)),
-                f"no definition has the component of {project.package}.components.{module}",
-                hint=f"was it renamed to {near}?" if near else "remove the file",
-            )
-        yield from uses.findings(project, known, file, text)
 
 
 def modules(project: Project, artifacts: Sequence[Artifact]) -> list[Path]:
@@ -160,13 +241,6 @@ def _callback_meant(name: str) -> str | None:
     word = name.replace("_", "").lower()
     close = get_close_matches(word, folded, n=1, cutoff=0.85)
     return folded[close[0]] if close else None
-
-
-def _nearest(word: str, candidates: Iterable[str]) -> str | None:
-    # imported lazily, for reports only
-    from rtgen.compiler.frontends.kit.suggestions import nearest
-
-    return nearest(word, sorted(candidates))
 
 
 def _span(file: str, text: str, begin: int, end: int) -> Span:

@@ -96,21 +96,28 @@ class Plan(msgspec.Struct, frozen=True):
         return not (self.changes or self.skeletons or self.leftovers or self.barren)
 
 
-def plan(project: Project, run: Compilation) -> Plan:
+def plan(
+    project: Project, run: Compilation, awaited: frozenset[str] = frozenset()
+) -> Plan:
     """Return the changes that make the folder match the artifacts of a run.
 
+    `awaited` are the paths of skeletons that are not made: a behaviour will be moved there.
     Raises InputError if a file would leave its folder, ToolError if the disk fails.
     """
     with stages.stage("compare with the tree"):
-        return _plan(project, run)
+        return _plan(project, run, awaited)
 
 
-def _plan(project: Project, run: Compilation) -> Plan:
+def _plan(project: Project, run: Compilation, awaited: frozenset[str]) -> Plan:
     artifacts = run.artifacts
     _check(project, artifacts)
     own = [a for a in artifacts if a.owner is Owner.RTGEN]
     users = [(_place(project, a), a) for a in artifacts if a.owner is Owner.USER]
-    absent = [(place, a) for place, a in users if not os.path.lexists(place)]
+    absent = [
+        (place, a)
+        for place, a in users
+        if a.path not in awaited and not os.path.lexists(place)
+    ]
     ours = [a.path for a in own]
     contents = {a.path: a.text.encode() for a in own}
     with _disk_failures():
@@ -155,18 +162,20 @@ def _plan(project: Project, run: Compilation) -> Plan:
         )
 
 
-def write(project: Project, run: Compilation) -> Plan:
+def write(
+    project: Project, run: Compilation, awaited: frozenset[str] = frozenset()
+) -> Plan:
     """Make the folder match the artifacts of a run; return what was done.
 
-    Raises as `plan` does, before anything is written, and ToolError if the disk fails while
-    writing.
+    `awaited` is as for `plan`. Raises as `plan` does, before anything is written, and ToolError if
+    the disk fails while writing.
     """
     with _disk_failures():
         if not project.output.is_dir():
             _check(project, run.artifacts)  # checked before the folder is made
             project.output.mkdir(parents=True, exist_ok=True)
         with _lock(project.output):
-            planned = plan(project, run)
+            planned = plan(project, run, awaited)
             with stages.stage("write"):
                 _apply(project, planned)
     return planned

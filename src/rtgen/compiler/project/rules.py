@@ -37,6 +37,8 @@ CHANGED_INPUTS = Rule(
 NO_PLUGIN = Rule(
     "PRJ0021", "options of a plug-in that is not installed", Severity.WARNING
 )
+NO_RENAME = Rule("PRJ0022", "rename that cannot be done", Severity.ERROR)
+NOT_FOLLOWED = Rule("PRJ0023", "use that a rename did not follow", Severity.WARNING)
 SAME_PATH = Rule("PRJ0101", "two files of one name", Severity.ERROR)
 LEAVES_OUTPUT = Rule("PRJ0102", "file outside the output folder", Severity.ERROR)
 LINK_IN_OUTPUT = Rule("PRJ0103", "link in the output folder", Severity.ERROR)

@@ -8,7 +8,8 @@ from pathlib import Path
 import msgspec
 from msgspec.structs import replace
 
-from rtgen.compiler.project import Project, cache, shown
+from rtgen.compiler.kit import stages
+from rtgen.compiler.project import Project, behaviours, cache, shown
 from rtgen.compiler.project import output as writer
 from rtgen.tools.compiling.cached import build, of_behaviours
 from rtgen.tools.compiling.definitions import Definitions, project_of
@@ -26,6 +27,7 @@ class Request(msgspec.Struct, frozen=True, kw_only=True):
     representation: str | None
     cached: bool
     only_diff: bool
+    renames: tuple[tuple[str, str], ...] = ()
 
     def project(self) -> Project:
         """Return the project as it is now. Raises InputError, and ToolError for a target."""
@@ -45,6 +47,8 @@ class Request(msgspec.Struct, frozen=True, kw_only=True):
 
 def generate_once(console: Console, request: Request) -> tuple[int, Iterable[Path]]:
     """Return the exit code, and the paths of the files that the run searched for."""
+    for old, new in request.renames:
+        _rename(console, request, old, new)
     project = request.project()
     runs = cache.default() if request.cached else None
     run = build(project, runs)
@@ -52,15 +56,18 @@ def generate_once(console: Console, request: Request) -> tuple[int, Iterable[Pat
     if run.failed:
         console.findings(run.diagnostics, run.sources)
         return BAD_INPUT, looked_for
+    awaited = behaviours.awaited(project, run.artifacts)
     if request.only_diff:
         from rtgen.tools.compiling.diffs import diff
 
-        planned = writer.plan(project, run)
+        planned = writer.plan(project, run, awaited)
         write_out(diff((*planned.changes, *planned.skeletons)))
         console.findings(run.diagnostics, run.sources)
         return OK, looked_for
-    done = writer.write(project, run)
-    of_users = of_behaviours(project, run, runs)
+    # What has the base of before tells best what became of a component.
+    of_users = of_behaviours(project, run, runs) if awaited else None
+    done = writer.write(project, run, awaited)
+    of_users = of_users or of_behaviours(project, run, runs)
     diagnostics = [*run.diagnostics, *of_users.diagnostics]
     console.findings(diagnostics, run.sources)
     console.say(_summary(project, done))
@@ -77,6 +84,21 @@ def _lacks_build_scripts(project: Project, done: writer.Plan) -> bool:
     if project.tecs_corba or project.target == "openrtm":
         return False
     return any(c.path.name == "RTCPlugin.rb" and c.new for c in done.changes)
+
+
+def _rename(console: Console, request: Request, old: str, new: str) -> None:
+    """Rename what definitions name, with all that follows. Raises InputError, ToolError."""
+    from rtgen.tools.renaming import plan, writing
+
+    with stages.stage("rename"):
+        planned = plan.by_names(request.project, old, new)
+        writing.write(planned)
+    console.findings(planned.doubts)
+    moves = "".join(f"; {shown(a)} is now {shown(b)}" for a, b in planned.moves)
+    changed = len(planned.contents)
+    console.say(
+        f"{old} is now {planned.new}: {changed} file{'s' * (changed != 1)} changed{moves}"
+    )
 
 
 def _summary(project: Project, done: writer.Plan) -> str:

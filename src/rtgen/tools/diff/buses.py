@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from operator import attrgetter
 
+from rtgen.compiler.matching import matching
 from rtgen.compiler.model.can_bus import Bus, BusNode, DeviceKind, PdoLink
 from rtgen.tools.diff.changes import Change, change
 from rtgen.tools.diff.devices import compare_device, shown
@@ -18,7 +19,6 @@ from rtgen.tools.diff.items import (
     start_of,
 )
 from rtgen.tools.diff.kinds import devices as kinds
-from rtgen.tools.diff.matching import matching
 from rtgen.tools.diff.versions import Version
 
 _NODES = Group("node", kinds.NODE_ADDED, kinds.NODE_REMOVED, kinds.NODE_RENAMED)

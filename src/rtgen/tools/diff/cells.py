@@ -8,6 +8,7 @@ from operator import attrgetter
 
 from rtgen.compiler.lowering.tecs.options import TECSGEN_OPTIONS, read_options
 from rtgen.compiler.lowering.tecs.plan import PLUGIN
+from rtgen.compiler.matching import Matching, matching
 from rtgen.compiler.model.tecs import (
     Cell,
     Celltype,
@@ -22,7 +23,6 @@ from rtgen.compiler.model.types import ScopedName
 from rtgen.tools.diff.changes import Change, Wire, change
 from rtgen.tools.diff.items import Fact, Group, differing, fact_changes, item_changes
 from rtgen.tools.diff.kinds import signatures as kinds
-from rtgen.tools.diff.matching import Matching, matching
 from rtgen.tools.diff.signatures import TecsSides, declared
 from rtgen.tools.diff.versions import Version
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from rtgen.compiler.matching import Matching, matching
 from rtgen.compiler.model import (
     Adapter,
     Component,
@@ -24,7 +25,6 @@ from rtgen.tools.diff.items import (
 )
 from rtgen.tools.diff.kinds import components as kinds
 from rtgen.tools.diff.kinds import types as type_kinds
-from rtgen.tools.diff.matching import Matching, matching
 from rtgen.tools.diff.member_facts import is_narrower, shown, value_text
 from rtgen.tools.diff.type_expressions import ENCODINGS, TypeExpressions
 from rtgen.tools.diff.versions import Version

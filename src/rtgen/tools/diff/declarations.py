@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 from rtgen.compiler.inspection.facts import kind_of
+from rtgen.compiler.matching import matching
 from rtgen.compiler.model import (
     Bitmask,
     Bitset,
@@ -24,7 +25,6 @@ from rtgen.compiler.model import (
 from rtgen.tools.diff.changes import Change, Kind, User, Wire, change, in_wire_order
 from rtgen.tools.diff.enums import compare_bitmasks, compare_bitsets, compare_enums
 from rtgen.tools.diff.kinds import types as kinds
-from rtgen.tools.diff.matching import matching
 from rtgen.tools.diff.member_facts import defaults, other_annotations, value_text
 from rtgen.tools.diff.structs import (
     Compared,

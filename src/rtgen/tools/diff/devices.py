@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rtgen.compiler.diagnostics import Span
+from rtgen.compiler.matching import matching
 from rtgen.compiler.model.canopen import (
     INVALID,
     Device,
@@ -18,7 +19,6 @@ from rtgen.facts.canopen import PDOS
 from rtgen.tools.diff.changes import Change, change
 from rtgen.tools.diff.items import Fact, Group, by_name, fact_changes, item_changes
 from rtgen.tools.diff.kinds import devices as kinds
-from rtgen.tools.diff.matching import matching
 from rtgen.tools.diff.versions import Version
 
 NumberOrRelative = int | float | NodeRelative | None

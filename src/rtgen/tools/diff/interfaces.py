@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeVar
 
 from rtgen.compiler.diagnostics import Span
+from rtgen.compiler.matching import Matching, matching
 from rtgen.compiler.model import (
     Attribute,
     Interface,
@@ -29,7 +30,6 @@ from rtgen.tools.diff.items import (
 )
 from rtgen.tools.diff.kinds import interfaces as kinds
 from rtgen.tools.diff.kinds import types as type_kinds
-from rtgen.tools.diff.matching import Matching, matching
 from rtgen.tools.diff.member_facts import member_facts
 from rtgen.tools.diff.type_expressions import TypeExpressions
 from rtgen.tools.diff.versions import Version

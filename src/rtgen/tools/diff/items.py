@@ -8,8 +8,8 @@ from operator import attrgetter
 from typing import Any, Protocol, TypeVar
 
 from rtgen.compiler.diagnostics import Span
+from rtgen.compiler.matching import Matching
 from rtgen.tools.diff.changes import Change, Kind, change
-from rtgen.tools.diff.matching import Matching
 
 Spans = tuple[Span | None, Span | None]
 

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 from rtgen.compiler.diagnostics import Span
 from rtgen.compiler.layouts.signature_digest import signature_text
 from rtgen.compiler.layouts.tdr_messages import is_error_code
+from rtgen.compiler.matching import Matching, matching
 from rtgen.compiler.model.c_types import CType
 from rtgen.compiler.model.tecs import (
     Signature,
@@ -38,7 +39,6 @@ from rtgen.tools.diff.items import (
     part_changes,
 )
 from rtgen.tools.diff.kinds import signatures as kinds
-from rtgen.tools.diff.matching import Matching, matching
 from rtgen.tools.diff.versions import Version
 
 Declared = TypeVar("Declared", bound=TecsDeclaration)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from rtgen.compiler.matching import matching
 from rtgen.compiler.model import Connection, System, SystemComponent
 from rtgen.tools.diff.changes import Change, change
 from rtgen.tools.diff.items import (
@@ -16,7 +17,6 @@ from rtgen.tools.diff.items import (
     start_of,
 )
 from rtgen.tools.diff.kinds import systems as kinds
-from rtgen.tools.diff.matching import matching
 from rtgen.tools.diff.versions import Version
 
 _PROPERTY_KINDS = {

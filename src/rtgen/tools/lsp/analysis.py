@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
-
-import msgspec
 
 from rtgen.compiler import compilation, linting
 from rtgen.compiler.diagnostics import (
@@ -18,28 +15,16 @@ from rtgen.compiler.diagnostics import (
     in_order,
 )
 from rtgen.compiler.frontends import FrontendResult
-from rtgen.compiler.frontends.cdl.names.table import Table
-from rtgen.compiler.frontends.cdl.syntax.unit import Unit as CdlUnit
-from rtgen.compiler.frontends.idl.names.tables import Tables
 from rtgen.compiler.frontends.kit.memo import Memo
 from rtgen.compiler.kit import stages
 from rtgen.compiler.linting import unknown_codes
 from rtgen.compiler.model import Model
-from rtgen.compiler.project import Project, behaviours, shown
-from rtgen.compiler.systems import reading
-from rtgen.facts.encodings import decode
-from rtgen.facts.files import absolute_path, overlaid, read_start
+from rtgen.compiler.project import Project, behaviours
+from rtgen.facts.files import absolute_path, overlaid
+from rtgen.tools.indexing import reading
+from rtgen.tools.indexing.index import FileIndex, Index
+from rtgen.tools.indexing.text import Text
 from rtgen.tools.lsp.documents import Snapshot
-from rtgen.tools.lsp.indexing.cdl import CdlNames
-from rtgen.tools.lsp.indexing.devices import BusNames, add_device
-from rtgen.tools.lsp.indexing.idl import IdlNames
-from rtgen.tools.lsp.indexing.index import Collector, FileIndex, Index
-from rtgen.tools.lsp.indexing.profiles import ProfileNames
-from rtgen.tools.lsp.indexing.project_file import add_project_file
-from rtgen.tools.lsp.text import Text
-
-_MAX_SETTINGS_BYTES = 1024 * 1024
-_MAX_HEADER_BYTES = 1024 * 1024
 
 
 class SupersededError(Exception):
@@ -48,21 +33,34 @@ class SupersededError(Exception):
 
 @dataclass(frozen=True, eq=False)
 class Analysis:
-    """Result of analysing a project; `texts`, by displayed path, are its inputs.
+    """Result of analysing a project, with its `names`.
 
-    `findings` are those of `rtgen lint`, `reading` those of front ends and of systems, including
+    `findings` are those of `rtgen lint`, `read_with` those of front ends and of systems, including
     suppressed ones; `emitting` are those of lowerings, back ends and behaviours, which `rtgen
     check` reports in addition. Until back ends have run, `complete` are the definitions for them.
     """
 
     project: Project
-    model: Model
     findings: tuple[Diagnostic, ...]
-    texts: Mapping[str, Text]
-    index: Index
-    reading: frozenset[Diagnostic] = frozenset()
+    names: reading.Reading
+    read_with: frozenset[Diagnostic] = frozenset()
     complete: FrontendResult | None = None
     emitting: tuple[Diagnostic, ...] = ()
+
+    @property
+    def model(self) -> Model:
+        """The definitions and systems."""
+        return self.names.result.model
+
+    @property
+    def texts(self) -> Mapping[str, Text]:
+        """The inputs by displayed path."""
+        return self.names.texts
+
+    @property
+    def index(self) -> Index:
+        """The names with their places."""
+        return self.names.index
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,20 +86,6 @@ class _Stages:
             raise SupersededError
 
 
-class _Names:
-    """Collects the names that front ends resolve."""
-
-    def __init__(self, collector: Collector) -> None:
-        self._idl = IdlNames(collector)
-        self._cdl = CdlNames(collector)
-
-    def idl(self, tables: Tables) -> None:
-        self._idl.add(tables)
-
-    def cdl(self, table: Table, units: Sequence[CdlUnit]) -> None:
-        self._cdl.add(table, units)
-
-
 def analyse(
     project: Project,
     snapshot: Snapshot,
@@ -117,34 +101,24 @@ def analyse(
     that cannot be read keep their names from `before`. Raises SupersededError if `is_superseded`
     returns true.
     """
-    collector = Collector()
     with overlaid(snapshot.contents), stages.observed(_Stages(is_superseded)):
-        memo.begin()
-        names = _Names(collector)
-        result = compilation.read(project, observer=names, memo=memo)
-        complete = None
-        if not has_errors(result.diagnostics):
-            complete = compilation.read(project, lowered=True, memo=memo)
-        of_systems: list[Diagnostic] = []
-        result = _with_systems(project, result, complete, of_systems, memo)
+        names = reading.read(
+            project,
+            memo,
+            texts=snapshot.texts,
+            before=None if before is None else before.names,
+        )
         findings = [*unknown_codes(project)]
         if not has_errors(findings):
-            findings = linting.findings(project, result, beside=of_systems, whole=whole)
-        texts = _texts(project, result, before, snapshot)
-        _add_unread(collector, texts, project.encoding)
-    _add_others(collector, project, result.model, texts)
-    files = {file.path: file for file in collector.indexes(texts)}
-    for path, index in (before.index.files if before is not None else {}).items():
-        if path not in files and (path in snapshot.texts or Path(path).is_file()):
-            files[path] = index
+            findings = linting.findings(
+                project, names.result, beside=names.of_systems, whole=whole
+            )
     return Analysis(
         project,
-        result.model,
         tuple(in_order(findings)),
-        texts,
-        Index(files.values()),
-        frozenset((*result.diagnostics, *of_systems)),
-        complete,
+        names,
+        frozenset((*names.result.diagnostics, *names.of_systems)),
+        names.complete,
     )
 
 
@@ -166,104 +140,9 @@ def emitted(
         diagnostics = list(outcome.diagnostics)
         if not outcome.failed:
             diagnostics += behaviours.check(project, outcome.artifacts)
-    dependencies = analysis.reading.union(analysis.findings)
+    dependencies = analysis.read_with.union(analysis.findings)
     emitting = tuple(d for d in in_order(diagnostics) if d not in dependencies)
     return replace(analysis, complete=None, emitting=emitting)
-
-
-def _with_systems(
-    project: Project,
-    result: FrontendResult,
-    complete: FrontendResult | None,
-    findings: list[Diagnostic],
-    memo: Memo,
-) -> FrontendResult:
-    """Return the result with the project's systems, whose diagnostics are added."""
-    if not project.systems:
-        return result
-    read = [_system(project, path, memo) for path in project.systems]
-    systems = [system for each in read for system in each.systems]
-    _, more = reading.against(systems, complete or result)
-    findings += [*(d for each in read for d in each.diagnostics), *more]
-    sources = {name: text for each in read for name, text in each.sources.items()}
-    return msgspec.structs.replace(
-        result,
-        model=msgspec.structs.replace(result.model, systems=tuple(systems)),
-        sources={**result.sources, **sources},
-    )
-
-
-def _system(project: Project, path: Path, memo: Memo) -> reading.Systems:
-    def make() -> reading.Systems:
-        return reading.read(
-            [path],
-            root=project.root,
-            output=project.output,
-            encoding=project.encoding,
-        )
-
-    place = (str(Path.cwd()), project.root, project.output, path)
-    key = ("system", *place, project.encoding)
-    return memo.read(key, make, lambda read: read.dependencies[0].sha256 is not None)
-
-
-def _texts(
-    project: Project,
-    result: FrontendResult,
-    before: Analysis | None,
-    snapshot: Snapshot,
-) -> dict[str, Text]:
-    """Return the texts that were read: of open documents, or of `before` if unchanged."""
-    sources = dict(result.sources)
-    if project.file is not None:
-        data = read_start(project.file, _MAX_SETTINGS_BYTES)
-        sources[shown(project.file)] = decode(data, standard=True).normal
-    texts = {}
-    for name, source in sources.items():
-        text_of_file = snapshot.texts.get(absolute_path(name))
-        if text_of_file is None and before is not None:
-            text_of_file = before.texts.get(name)
-        same = text_of_file is not None and text_of_file.normal == source
-        texts[name] = (
-            text_of_file if text_of_file is not None and same else Text(source)
-        )
-    return texts
-
-
-def _add_unread(collector: Collector, texts: dict[str, Text], encoding: str) -> None:
-    """Add the texts of C headers, which are not sources of diagnostics."""
-    for file in collector.files:
-        if file not in texts:
-            try:
-                data = read_start(Path(file), _MAX_HEADER_BYTES)
-            except OSError:
-                continue
-            texts[file] = Text(decode(data, encoding).normal)
-
-
-def _add_others(
-    collector: Collector, project: Project, model: Model, texts: Mapping[str, Text]
-) -> None:
-    """Add the names of languages whose models have places."""
-    for device in model.devices:
-        add_device(collector, device)
-    described = {absolute_path(device.file) for device in model.devices}
-    for bus in model.buses:
-        for kind in bus.kinds:
-            path = absolute_path(kind.device.file)
-            if path not in described and kind.described is None:
-                described.add(path)
-                add_device(collector, kind.device)
-        if bus.file in texts:
-            BusNames(collector, bus, texts[bus.file]).add()
-    profiles = ProfileNames(collector, model, texts)
-    for profile in model.profiles:
-        profiles.add_component(profile)
-    for system in model.systems:
-        profiles.add_system(system)
-    if project.file is not None:
-        file = shown(project.file)
-        add_project_file(collector, file, texts[file])
 
 
 def problems_of(error: InputError | ToolError) -> tuple[Diagnostic, ...]:

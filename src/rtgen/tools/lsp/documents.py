@@ -21,7 +21,7 @@ from rtgen.facts.encodings import Encoded, decode
 from rtgen.facts.file_names import MAX_PATH, problem
 from rtgen.facts.files import UnreadableError, absolute_path, read_file
 from rtgen.facts.idl_files import IDL_SUFFIXES
-from rtgen.tools.lsp.text import UTF_16, Shift, Shifts, Text
+from rtgen.tools.indexing.text import Shift, Shifts, Text
 
 MAX_CHARACTERS = 8 * 1024 * 1024
 """Maximum length of a document; of a larger one, the text on the disk is used."""
@@ -146,7 +146,7 @@ class Documents:
     """The open documents by path."""
 
     def __init__(self) -> None:
-        self.encoding: PositionEncodingKind = UTF_16
+        self.encoding = PositionEncodingKind.Utf16
         self._open: dict[str, Document] = {}
 
     def open(self, uri: str, version: int, source: str) -> Document | None:

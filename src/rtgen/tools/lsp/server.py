@@ -11,12 +11,14 @@ import time
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
+from functools import partial
 from typing import Any, BinaryIO, TypeVar, cast
 
 from lsprotocol import types
 from pygls.exceptions import JsonRpcException, JsonRpcInternalError
 from pygls.lsp.server import LanguageServer
 
+from rtgen.compiler.diagnostics import ToolError
 from rtgen.facts.version import __version__
 from rtgen.tools.lsp.analysis import SupersededError
 from rtgen.tools.lsp.documents import Document, uri_of
@@ -29,12 +31,13 @@ from rtgen.tools.lsp.features.formatting import formatting
 from rtgen.tools.lsp.features.hover import hover
 from rtgen.tools.lsp.features.inlay_hints import inlay_hints
 from rtgen.tools.lsp.features.references import highlights, references
-from rtgen.tools.lsp.features.rename import RenameError, prepared, renamed
+from rtgen.tools.lsp.features.rename import prepared, renamed
 from rtgen.tools.lsp.features.semantic_tokens import LEGEND, semantic_tokens
 from rtgen.tools.lsp.features.symbols import document_symbols, workspace_symbols
 from rtgen.tools.lsp.messages import FramingError, Messages
 from rtgen.tools.lsp.protocol import Protocol
 from rtgen.tools.lsp.workspace import Findings, ProjectKey, View, Workspace
+from rtgen.tools.renaming.definitions import RenameError
 
 DEBOUNCE = 0.15
 """Minimum seconds without an edit before a project is analysed; more if analyses take longer."""
@@ -92,6 +95,22 @@ class Server(LanguageServer):
         )
         level = logging.INFO if refused else logging.ERROR
         _log.log(level, "%s: %s", type(error).__name__, error)
+
+    @property
+    def moves_files(self) -> bool:
+        """Whether the editor moves files as part of an edit."""
+        workspace = self.client_capabilities.workspace
+        edits = None if workspace is None else workspace.workspace_edit
+        kinds = None if edits is None else edits.resource_operations
+        return bool(
+            edits is not None
+            and edits.document_changes
+            and types.ResourceOperationKind.Rename in (kinds or ())
+        )
+
+    async def in_background(self, work: Callable[[], T]) -> T:
+        """Return the result of work that takes longer, in the thread of analyses."""
+        return await asyncio.get_running_loop().run_in_executor(self._thread, work)
 
     # Analyses
 
@@ -394,15 +413,23 @@ def _add_names(server: Server) -> None:
     @server.feature(
         types.TEXT_DOCUMENT_RENAME, types.RenameOptions(prepare_provider=True)
     )
-    def rename(params: types.RenameParams) -> types.WorkspaceEdit | None:
+    async def rename(params: types.RenameParams) -> types.WorkspaceEdit | None:
         view = server.view(params.text_document)
         if view is None:
             return None
+        code = types.LSPErrorCodes.RequestFailed.value
+        if prepared(view, params.position) is None:
+            raise JsonRpcException("there is no name here that can be changed", code)
         try:
-            return renamed(view, params.position, params.new_name)
-        except RenameError as error:
-            code = types.LSPErrorCodes.RequestFailed.value
-            raise JsonRpcException(str(error), code) from None
+            return await server.in_background(
+                partial(
+                    renamed,
+                    *(view, params.position, params.new_name),
+                    moves=server.moves_files,
+                )
+            )
+        except (RenameError, ToolError) as error:
+            raise JsonRpcException(error.message, code) from None
 
 
 def _add_outlines(server: Server) -> None:

@@ -17,16 +17,16 @@ from rtgen.compiler.frontends.kit.memo import Memo
 from rtgen.compiler.project import FILE_NAME, Project, load, shown, with_arguments
 from rtgen.compiler.project.kinds import is_definition
 from rtgen.facts.files import absolute_path, overlaid
-from rtgen.tools.lsp.analysis import Analysis, analyse, emitted, problems_of
-from rtgen.tools.lsp.documents import Document, Documents, Language, Snapshot, uri_of
-from rtgen.tools.lsp.indexing.index import (
+from rtgen.tools.indexing.index import (
     Definition,
     FileIndex,
     Index,
     Occurrence,
     Place,
 )
-from rtgen.tools.lsp.text import Shift, Shifts, Text
+from rtgen.tools.indexing.text import Shift, Shifts, Text
+from rtgen.tools.lsp.analysis import Analysis, analyse, emitted, problems_of
+from rtgen.tools.lsp.documents import Document, Documents, Language, Snapshot, uri_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,6 +86,10 @@ class Workspace:
         with self._lock:
             self._keys[path] = key
         return key
+
+    def project_of(self, path: str) -> Project:
+        """Return the project of a file as it is now. Raises InputError, ToolError."""
+        return _loaded(self.key_of(path))
 
     def _around(self, folder: Path) -> ProjectKey | None:
         """Return the project around a folder whose settings were valid before."""

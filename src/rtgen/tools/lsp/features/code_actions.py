@@ -14,11 +14,13 @@ from lsprotocol.types import (
     WorkspaceEdit,
 )
 
+from rtgen.tools.indexing.index import path_of
 from rtgen.tools.lsp.features.diagnostics import SOURCE
-from rtgen.tools.lsp.indexing.index import path_of
 from rtgen.tools.lsp.workspace import View
 
-_NEAR = re.compile(r"\nhint: did you mean (?:the keyword )?'?([\w:.]+)'?\?$")
+_NEAR = re.compile(
+    r"\nhint: did you mean (?:the keyword )?'?([\w:.]+)'?\?(?: If it was renamed: .*)?$"
+)
 _WRITE = re.compile(r"\nhint: write ([\w:]+)$")
 _INCLUDE = re.compile(
     r"\nhint: it is declared in [^:]+: write (#include \"[^\"\n]+\")$"

@@ -18,9 +18,9 @@ from rtgen.compiler.frontends.idl.names.annotation_definitions import DEFINITION
 from rtgen.compiler.kit.resources import IDL_FILES
 from rtgen.compiler.typemap.idl_keywords import CORBA_3, RESERVED
 from rtgen.facts.idl_files import IDL_SUFFIXES
+from rtgen.tools.indexing.index import Definition, Index, Kind
 from rtgen.tools.lsp.documents import Language
 from rtgen.tools.lsp.features import schema
-from rtgen.tools.lsp.indexing.index import Definition, Index, Kind
 from rtgen.tools.lsp.workspace import View
 
 MAX_ITEMS = 500

@@ -35,10 +35,10 @@ from rtgen.compiler.model import (
 from rtgen.compiler.model.canopen import Device, Object, Variable
 from rtgen.compiler.model.initial import default_of
 from rtgen.compiler.model.tecs import Signature, TecsDeclaration, TecsUnit
+from rtgen.tools.indexing.cdl import file_and_name
+from rtgen.tools.indexing.devices import object_of
+from rtgen.tools.indexing.index import path_of
 from rtgen.tools.lsp.analysis import Analysis
-from rtgen.tools.lsp.indexing.cdl import file_and_name
-from rtgen.tools.lsp.indexing.devices import object_of
-from rtgen.tools.lsp.indexing.index import path_of
 
 _MAX_ROWS = 40
 _GROUPS = (

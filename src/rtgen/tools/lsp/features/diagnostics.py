@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from lsprotocol import types
 
 from rtgen.compiler import diagnostics
+from rtgen.tools.indexing.index import path_of
+from rtgen.tools.indexing.text import Text
 from rtgen.tools.lsp.documents import uri_of
-from rtgen.tools.lsp.indexing.index import path_of
-from rtgen.tools.lsp.text import Text
 from rtgen.tools.lsp.workspace import Workspace
 
 _SEVERITIES = {

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 
 from lsprotocol.types import FoldingRange, FoldingRangeKind
 
+from rtgen.tools.indexing.text import Text
 from rtgen.tools.lsp.documents import Language
-from rtgen.tools.lsp.text import Text
 from rtgen.tools.lsp.workspace import View
 
 _TOKENS = re.compile(

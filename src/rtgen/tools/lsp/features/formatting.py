@@ -9,8 +9,8 @@ from lsprotocol.types import Range, TextEdit
 from rtgen.compiler.diagnostics import InputError, ToolError
 from rtgen.tools.fmt import DEFAULT, LexicalError, Options, changed_text, edits, toml
 from rtgen.tools.fmt import Language as Form
+from rtgen.tools.indexing.text import Shift
 from rtgen.tools.lsp.documents import Language
-from rtgen.tools.lsp.text import Shift
 from rtgen.tools.lsp.workspace import View
 
 _FORMS = {Language.IDL: Form.IDL, Language.CDL: Form.CDL}

@@ -8,9 +8,9 @@ from lsprotocol.types import InlayHint, Range
 
 from rtgen.compiler.model import Struct
 from rtgen.compiler.model.canopen import Device, PdoEntry
+from rtgen.tools.indexing.index import Kind, path_of
 from rtgen.tools.lsp.documents import Language
 from rtgen.tools.lsp.features.describe import find, layout_of_struct, place_text
-from rtgen.tools.lsp.indexing.index import Kind, path_of
 from rtgen.tools.lsp.workspace import View
 
 

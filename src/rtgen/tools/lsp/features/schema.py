@@ -9,7 +9,7 @@ from typing import Any
 
 from rtgen.compiler.frontends.bus.schema import SCHEMA as BUS
 from rtgen.compiler.project.file import SCHEMA as PROJECT
-from rtgen.tools.lsp.text import Text
+from rtgen.tools.indexing.text import Text
 
 _HEADER = re.compile(r"^[ \t]*(\[\[?)[ \t]*([^\]\n]*?)[ \t]*\]", re.MULTILINE)
 _KEY = re.compile(r"[ \t]*([\w-]+)[ \t]*=")

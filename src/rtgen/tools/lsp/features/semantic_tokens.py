@@ -10,8 +10,8 @@ from lsprotocol.types import (
     SemanticTokenTypes,
 )
 
-from rtgen.tools.lsp.indexing.index import Kind
-from rtgen.tools.lsp.text import UTF_32
+from rtgen.tools.indexing.index import Kind
+from rtgen.tools.indexing.text import UTF_32
 from rtgen.tools.lsp.workspace import View
 
 _TYPES = {

@@ -11,8 +11,8 @@ from lsprotocol.types import (
     WorkspaceSymbol,
 )
 
+from rtgen.tools.indexing.index import Kind, Place
 from rtgen.tools.lsp.documents import uri_of
-from rtgen.tools.lsp.indexing.index import Kind, Place
 from rtgen.tools.lsp.workspace import View, Workspace
 
 SYMBOLS = {

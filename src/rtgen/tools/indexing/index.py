@@ -16,7 +16,7 @@ from pathlib import Path
 from rtgen.compiler.diagnostics import Span
 from rtgen.compiler.kit.resources import IDL_FILES, idl_file
 from rtgen.facts.files import absolute_path, is_file
-from rtgen.tools.lsp.text import Text
+from rtgen.tools.indexing.text import Text
 
 
 class Kind(StrEnum):

@@ -7,20 +7,21 @@ from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-
-from lsprotocol.types import Position, PositionEncodingKind, Range
+from typing import TYPE_CHECKING
 
 from rtgen.compiler.diagnostics import Span
 from rtgen.facts.decoded_text import with_line_feeds
 
+if TYPE_CHECKING:  # an extra; imported lazily, since only editors need positions
+    from lsprotocol.types import Position, PositionEncodingKind, Range
+
 _LINE_END = re.compile(r"\r\n|\n|\r")
 _MARK = "\ufeff"
 
-UTF_8 = PositionEncodingKind.Utf8
-UTF_16 = PositionEncodingKind.Utf16
-UTF_32 = PositionEncodingKind.Utf32
+UTF_8, UTF_16, UTF_32 = "utf-8", "utf-16", "utf-32"
+"""The protocol's names of encodings."""
 
-_UNITS: dict[PositionEncodingKind, Callable[[str], int]] = {
+_UNITS: dict[str, Callable[[str], int]] = {
     UTF_8: lambda text: len(text.encode("utf-8", "surrogatepass")),
     UTF_16: lambda text: len(text.encode("utf-16-le", "surrogatepass")) // 2,
     UTF_32: len,
@@ -77,6 +78,8 @@ class Text:
 
     def position(self, offset: int, encoding: PositionEncodingKind) -> Position:
         """Return the position of an offset."""
+        from lsprotocol.types import Position
+
         line = bisect_right(self._starts, offset) - 1
         start = self._starts[line]
         if self._ascii or encoding == UTF_32:
@@ -86,6 +89,8 @@ class Text:
 
     def range(self, start: int, end: int, encoding: PositionEncodingKind) -> Range:
         """Return the range of [start, end)."""
+        from lsprotocol.types import Range
+
         return Range(self.position(start, encoding), self.position(end, encoding))
 
     @cached_property

@@ -12,7 +12,7 @@ from rtgen.compiler.frontends.idl.names.tables import Tables
 from rtgen.compiler.frontends.idl.syntax import tree
 from rtgen.compiler.frontends.idl.text.unit import Inclusion, Unit
 from rtgen.compiler.model import ScopedName
-from rtgen.tools.lsp.indexing.index import Collector, Kind, path_of
+from rtgen.tools.indexing.index import Collector, Kind, path_of
 
 _KINDS = {
     scopes.Kind.MODULE: Kind.MODULE,

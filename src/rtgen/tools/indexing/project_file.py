@@ -6,9 +6,9 @@ from pathlib import Path
 
 from rtgen.compiler.frontends.kit.located_toml import Toml
 from rtgen.compiler.kit.toml_text import TomlError
-from rtgen.tools.lsp.indexing.idl import key_of
-from rtgen.tools.lsp.indexing.index import Collector, Kind, path_of
-from rtgen.tools.lsp.text import Text
+from rtgen.tools.indexing.idl import key_of
+from rtgen.tools.indexing.index import Collector, Kind, path_of
+from rtgen.tools.indexing.text import Text
 
 
 def add_project_file(collector: Collector, file: str, text: Text) -> None:

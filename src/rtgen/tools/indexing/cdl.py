@@ -12,7 +12,7 @@ from rtgen.compiler.frontends.cdl.names.scopes import Entity, Scope
 from rtgen.compiler.frontends.cdl.names.table import Table
 from rtgen.compiler.frontends.cdl.syntax import statements, tree
 from rtgen.compiler.frontends.cdl.syntax.unit import Unit
-from rtgen.tools.lsp.indexing.index import Collector, Kind, path_of
+from rtgen.tools.indexing.index import Collector, Kind, path_of
 
 _KINDS = {
     scopes.Kind.SIGNATURE: Kind.SIGNATURE,

@@ -12,8 +12,8 @@ from rtgen.compiler.kit.toml_text import TomlError
 from rtgen.compiler.model.can_bus import Bus
 from rtgen.compiler.model.canopen import Device, Variable
 from rtgen.facts.canopen import RPDO_COMMUNICATION, TPDO_COMMUNICATION
-from rtgen.tools.lsp.indexing.index import Collector, Kind, path_of
-from rtgen.tools.lsp.text import Text
+from rtgen.tools.indexing.index import Collector, Kind, path_of
+from rtgen.tools.indexing.text import Text
 
 _MAPPINGS = (range(0x1600, 0x1800), range(0x1A00, 0x1C00))
 _OBJECT = re.compile(r"([0-9A-Fa-f]{4})(?::([0-9A-Fa-f]{1,2}))?")

@@ -1,0 +1,1 @@
+"""Renames of what definitions name, with all that follows: systems, timelines, behaviours."""
