@@ -243,10 +243,10 @@ class _Behaviour:
         names, what = self._members(kind, type_, path[1:])
         if names is not None and path[-1] not in names:
             message = f"{first!r}, {what}, has no {path[-1]!r}"
-            of_type = isinstance(type_, Class) and kind == "consumer"
-            owner = type_.node.name if of_type else self._component
-            separator = "::" if of_type else "."
-            yield _Use(node, path[-1], message, names, f"{owner}{separator}")
+            owner = f"{self._component}."
+            if kind == "consumer" and isinstance(type_, Class):
+                owner = f"{type_.node.name}::"
+            yield _Use(node, path[-1], message, names, owner)
 
     def _members(
         self, kind: str, type_: Class | RuntimeClass | None, path: Sequence[str]
