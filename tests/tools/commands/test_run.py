@@ -485,6 +485,13 @@ def test_files_that_cannot_be_written_end_it_before_the_run(
     assert "M0 ACTIVE" not in err
 
 
+def test_two_results_in_one_file(capfd: pytest.CaptureFixture[str]) -> None:
+    assert rtgen(["run", "m.xml", "--csv", "a.csv", "--log", "./a.csv"]) == 2
+    assert "--csv and --log both write ./a.csv" in capfd.readouterr().err
+    assert not Path("a.csv").exists()
+    assert rtgen(["run", "m.xml", "--csv", "/dev/null", "--log", "/dev/null"]) == 0
+
+
 @pytest.mark.parametrize("option", ["--csv", "--log", "--plot", "--record"])
 def test_missing_folders_are_made(option: str) -> None:
     suffix = {"--csv": "csv", "--log": "log", "--plot": "svg", "--record": "mcap"}

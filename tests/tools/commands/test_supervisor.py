@@ -29,7 +29,7 @@ supervision._FIRST_DELAY = supervision._MAX_DELAY = 0.05
 supervision._SHUTDOWN_TIMEOUT = {patience}
 supervision._INSISTING = 0.0
 workers = [
-    Worker(f"P{{n}}", [sys.executable, "-Sc", code], False)
+    Worker(f"P{{n}}", [sys.executable, "-Sc", code], False, {limit})
     for n, code in enumerate(sys.argv[1:])
 ]
 console = Console("text", False, False)
@@ -52,8 +52,11 @@ Start = Callable[..., LoggedProcess]
 def start(tmp_path: Path) -> Iterator[Start]:
     runs: list[LoggedProcess] = []
 
-    def started(*children: str, patience: float = 20.0) -> LoggedProcess:
-        command = ["-c", SUPERVISE.format(patience=patience), *children]
+    def started(
+        *children: str, patience: float = 20.0, limit: float = 1e9
+    ) -> LoggedProcess:
+        script = SUPERVISE.format(patience=patience, limit=limit)
+        command = ["-c", script, *children]
         log = tmp_path / f"log-{len(runs)}.txt"
         runs.append(LoggedProcess(command, tmp_path, dict(os.environ), log))
         return runs[-1]
@@ -91,6 +94,15 @@ def test_a_process_that_dies_at_once_has_so_many_restarts(
     assert run.text.count("it is not started again after 2 restarts") == 2
     assert "condition: failed, without P0, P1\n" in run.text
     assert len([*tmp_path.glob("*.pid")]) == 6
+
+
+def test_a_process_whose_time_is_over_is_not_started_again(
+    start: Start, tmp_path: Path
+) -> None:
+    run = start(f"{WRITES} raise SystemExit(1)", limit=0.0)
+    assert run.code() == 1
+    assert "ended with exit code 1; its time was over" in run.text
+    assert len([*tmp_path.glob("*.pid")]) == 1
 
 
 def test_a_process_that_ignores_the_end_is_killed(start: Start, tmp_path: Path) -> None:
