@@ -24,6 +24,8 @@ module Units {{
     struct Grid {{ float cells[2][3]; }};
     struct Table {{ sequence<Three> rows; }};
     struct Count {{ long number; }};
+    struct Counts {{ long id; long speed; ///< [deg/s]
+    }};
     struct Maybe {{ @optional double value; }};
 }};
 @rtc(category="Units", vendor="me")
@@ -104,7 +106,13 @@ SILENT = "does not say its unit"
         (POSE, "", "", ""),
         (POSE, "", "mm", SILENT),
         (DOUBLE, "", "mm", SILENT),
+        (POSE, "", "N*m", "error[RTC0593]: Source.given gives m, rad"),
+        (POSE, "m, rad", "N*m", "error[RTC0593]"),
         ("Units::Partly", "", "s", SILENT),
+        ("Units::Partly", "", "N*m", SILENT),
+        ("Units::Partly", "", "ms", ""),
+        ("Units::Counts", "", "N*m", "error[RTC0593]: Source.given gives deg/s"),
+        ("Units::Counts", "", "deg/s", ""),
         ("Units::Odd", "", "s", SILENT),
         ("Units::Gas", "", "mmHg", ""),
     ],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 from rtgen.compiler.diagnostics import Diagnostic, Related, Rule, Severity, rules_of
 from rtgen.compiler.model import Connection, Model, NamedType, Port, Struct
@@ -37,10 +38,11 @@ def check(
     if sent == received and (sent or model is target_model):
         return
     silent = (not sent, not received)
-    sent = sent or _defined(source, model)
-    received = received or _defined(target, target_model)
-    if sent == received:
+    known = _of_type(source, model), _of_type(target, target_model)
+    if any(silent) and _are_equal(sent or known[0].text, received or known[1].text):
         return
+    sent = sent or known[0].whole
+    received = received or known[1].whole
     related = [
         Related(port.span, f"{end}: {_shown(text, is_silent)}")
         for end, port, text, is_silent in (
@@ -49,7 +51,7 @@ def check(
         )
     ]
     is_vague = any(silent) and sent.count(",") != received.count(",")
-    if not sent or not received or is_vague:
+    if not sent or not received or (is_vague and not _is_strange(sent, received)):
         end = connection.source if silent[0] else connection.target
         unit = received if silent[0] else sent
         message = f"{end} does not say its unit, the other end has {unit}"
@@ -70,15 +72,57 @@ def _shown(unit: str, is_silent: bool) -> str:
     return f"{unit}, by its type" if is_silent else unit
 
 
-def _defined(port: Port, model: Model) -> str:
-    """Return the units of a port without one: those of its type, if each number has one.
+class _OfType(NamedTuple):
+    """The units of the numbers in a type, each once; `is_whole` if each number has one."""
+
+    text: str
+    is_whole: bool
+
+    @property
+    def whole(self) -> str:
+        """The units, if they are all."""
+        return self.text if self.is_whole else ""
+
+
+def _of_type(port: Port, model: Model) -> _OfType:
+    """Return the units by the type of a port.
 
     Integers count only in a type without real numbers, since many are no quantities.
     """
     members = _reals(port, model) or _integers(port, model)
     units = [leaf.unit for leaf in members]
     valid = [unit for unit in units if unit and _is_unit(unit)]
-    return ", ".join(dict.fromkeys(valid)) if len(valid) == len(units) else ""
+    return _OfType(", ".join(dict.fromkeys(valid)), len(valid) == len(units))
+
+
+def _are_equal(sent: str, received: str) -> bool:
+    """Return whether two lists denote the same units."""
+    from rtgen.compiler.kit.units import Relation, UnitError, parse_list, relation
+
+    if not sent or sent == received:
+        return sent == received
+    try:
+        units = parse_list(sent), parse_list(received)
+    except UnitError:
+        return False
+    return len(units[0]) == len(units[1]) and all(
+        relation(*pair) is Relation.EQUAL for pair in zip(*units, strict=True)
+    )
+
+
+def _is_strange(sent: str, received: str) -> bool:
+    """Return whether one of two lists has a unit of another dimension than all of the other's."""
+    from rtgen.compiler.kit.units import Relation, UnitError, parse_list, relation
+
+    try:
+        units = parse_list(sent), parse_list(received)
+    except UnitError:
+        return False
+    return any(
+        all(relation(unit, other) is Relation.DIFFERENT for other in others)
+        for those, others in (units, units[::-1])
+        for unit in (those if len(those) < len(others) else ())
+    )
 
 
 def _is_unit(text: str) -> bool:
@@ -103,6 +147,8 @@ def _compared(
     except UnitError as error:
         return MAY_DIFFER, f"correct @unit: {error}"
     if len(units[0]) != len(units[1]):
+        if _is_strange(sent, received):
+            return DIMENSIONS_DIFFER, _OTHERWISE
         return MAY_DIFFER, "name one unit for each member at both ports"
     related = [relation(*pair) for pair in zip(*units, strict=True)]
     if Relation.DIFFERENT in related:
