@@ -90,8 +90,9 @@ class PositionInput(PositionInputBase):
         elif self.console_reader is None:
             return self.fail(ALL_DONE)
         elif self.console_reader.ended:
-            failure = self.console_reader.failure
-            return self.fail(f"console: {failure}" if failure else ALL_DONE)
+            if failure := self.console_reader.failure:
+                raise OSError(f"console: {failure}")  # not the end of its work
+            return self.fail(ALL_DONE)
         return RTC_OK
 
     def _send(self) -> None:

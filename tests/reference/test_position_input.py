@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from bench import Bench
+from patience import until
 
 from refnav.position_input import PositionInput
 from refrobots import iis, rtc
@@ -156,6 +157,19 @@ def test_an_execution_does_not_wait_for_the_console() -> None:
         assert goals(b) == [([], 1, 2, 3)]
         b.deactivate()
         assert b.component.console_reader is None
+
+
+def test_a_console_that_fails_is_not_the_end_of_the_work() -> None:
+    stream = io.StringIO("goal 1 2 3\n")
+    stream.close()
+    b = on_console(stream)
+
+    def has_failed() -> bool:
+        b.run(0.1)
+        return b.state is LifeCycleState.ERROR_STATE
+
+    until(has_failed)
+    assert b.component.reason.startswith("on_execute: OSError: console: ")
 
 
 def test_what_is_refused_is_sent_again(tmp_path: Path) -> None:
