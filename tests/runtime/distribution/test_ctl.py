@@ -11,7 +11,7 @@ import media
 import pytest
 from distributed_system import Process
 from json_schemas import valid
-from patience import until
+from patience import PATIENCE, until
 
 from rtgen import runtime
 from rtgen.cli import run as rtgen
@@ -68,7 +68,13 @@ def test_components_are_listed_and_shown(node: Process, ctl: Ctl) -> None:
     assert (listed["instance"], listed["state"]) == ("b", "INACTIVE")
     code, text, _ = ctl("show", "b", "--wait", "20")
     assert code == 0
-    assert text.splitlines() == [
+    operations = [line for line in text.splitlines() if line.startswith("  ")]
+    assert operations[0] == (
+        "  OpaqueRpc::Octets begin(in OpaqueRpc::Octets request, in unsigned long first)"
+        " raises (OpaqueRpc::Failed)"
+    )
+    assert operations[2:] == ["  void end()", "  void reset()"]
+    assert [line for line in text.splitlines() if line not in operations] == [
         "b: Node, INACTIVE",
         "in in: RTC::TimedDouble",
         "out out: RTC::TimedDouble",
@@ -226,6 +232,29 @@ def test_call_refused(
     printed = ctl("call", *arguments)
     assert printed[0] == code
     assert what in printed[2]
+    assert node.nodes["b"].servant.calls == []
+
+
+def test_hostile_calls_are_refused(
+    node: Process, start: Callable[..., Process]
+) -> None:
+    activate(node)
+    transport = start().transport
+    transport.await_instance("b", PATIENCE)
+    asker = transport.peers.asker("b")
+    deep: object = 1
+    for _ in range(900):
+        deep = [deep]
+    for arguments in ([("", deep)], [("", 1)] * 10_000, [("x" * 100_000, 1)]):
+        assert asker.call("given", "begin", arguments).refused
+    for port, operation in (
+        ("", ""),
+        ("given", "__init__"),
+        ("given", "\0"),
+        ("x" * 9999, "end"),
+    ):
+        assert asker.call(port, operation, []).refused
+    assert asker.state().state == "ACTIVE_STATE"
     assert node.nodes["b"].servant.calls == []
 
 

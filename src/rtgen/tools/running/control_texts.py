@@ -64,3 +64,5 @@ def port_lines(described: Description) -> Iterator[str]:
     ):
         for each in interfaces:
             yield f"{kind} {each.port}.{each.instance}: {each.name}"
+            if kind == "provides":
+                yield from (f"  {operation}" for operation in each.operations)

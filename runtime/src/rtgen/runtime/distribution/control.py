@@ -157,12 +157,14 @@ class Served:
         values = request.arguments
         if request.do != "call" or self._doubles.is_double((client, int(values["id"]))):
             raise ControlError("a call that is made already")
-        call = msgspec.json.decode(values["call"], type=_Call)
         try:
+            call = msgspec.json.decode(values["call"], type=_Call)
             provider = provider_of(self._component, call.port, call.operation)
             return JsonCall(provider, call.operation, call.arguments)()
         except CallError as error:
             return Outcome(refused=str(error))
+        except RecursionError:
+            return Outcome(refused="a value is nested too deep")
 
     def _result(self, request: _Request, client: bytes) -> Any:
         if request.do == "describe":
