@@ -103,15 +103,16 @@ class Descriptions(msgspec.Struct, eq=False):
         return f"{py.idl}.link({', '.join([*linked, *self._own_id(declaration)])})"
 
     def struct(self, declaration: Struct | ExceptionDecl, representation: int) -> str:
-        """Return the class variable with the descriptor of a struct or exception, as lines."""
+        """Return the descriptor of a struct or exception, split like that of a class variable."""
         py = self._py
         kind = "struct" if isinstance(declaration, Struct) else "exception"
         facts: list[str] = [string_literal(declaration.scoped)]
         facts += self._traits(declaration, representation)
         names = self._names.members(declaration)
         facts += [self._member(m, names[m.name]) for m in declaration.members]
-        head = f"_descriptor_{py.class_variable} = {py.idl}.{kind}("
-        return fit_bracketed(Bracketed(head, facts), 4)
+        variable = f"_descriptor_{py.class_variable} = "
+        statement = Bracketed(f"{variable}{py.idl}.{kind}(", facts)
+        return fit_bracketed(statement, 4).removeprefix(f"    {variable}")
 
     def _member(self, member: Member, attribute: str) -> str:
         """Return a member as an argument."""

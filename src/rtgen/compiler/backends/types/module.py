@@ -20,7 +20,7 @@ from rtgen.compiler.backends.types.descriptions import Descriptions
 from rtgen.compiler.backends.types.interfaces import Interfaces
 from rtgen.compiler.backends.types.scope import Scope
 from rtgen.compiler.backends.types.unions import Unions
-from rtgen.compiler.backends.types.valuetypes import Valuetypes
+from rtgen.compiler.backends.types.valuetypes import Statement, Valuetypes
 from rtgen.compiler.layouts.cdr_types import CdrTypes, NotMarshalledError
 from rtgen.compiler.layouts.representations import Representations
 from rtgen.compiler.model import (
@@ -51,13 +51,6 @@ from rtgen.compiler.model.initial import selected
 from rtgen.compiler.typemap.member_units import member_text
 from rtgen.compiler.typemap.python.idl import PythonMapping, is_boolean
 from rtgen.compiler.typemap.python.idl_names import PythonNames, is_emitted
-
-
-class Statement(msgspec.Struct, frozen=True):
-    """A statement in a class body, with its docstring."""
-
-    text: str
-    docstring: str
 
 
 class Block(msgspec.Struct, frozen=True):
@@ -172,23 +165,25 @@ class TypesModule:
     # Structs and exceptions.
 
     def _struct(self, declaration: Struct | ExceptionDecl) -> str:
-        py = self.scope
+        is_exception = isinstance(declaration, ExceptionDecl)
         names = self._names.members(declaration)
-        fields = [
-            f"    {names[m.name]}: {self._field(declaration, m)}\n{docstring(member_text(m), 4)}"
-            for m in declaration.members
-        ]
-        is_struct = isinstance(declaration, Struct)
-        version = self._version(declaration)
-        # Not a template: a render takes as long as all else that is done for a struct.
-        lines = [] if is_struct else [f"@{py.dataclass}(eq=False)\n"]
-        lines += [
-            f"class {self._local(declaration)}({self._bases(declaration)}):\n",
-            f"{self._doc(declaration)}\n",
-            f"{self._describe.struct(declaration, version)}\n",
-        ]
-        lines += [f"    {attribute}\n" for attribute in self._nested(declaration)]
-        return "".join([*lines, "\n", *fields] if fields else lines)
+        return render(
+            "types/struct.py.j2",
+            py=self.scope,
+            decorator=is_exception and f"{self.scope.dataclass}(eq=False)",
+            name=self._local(declaration),
+            bases=self._bases(declaration),
+            docstring=self._doc(declaration),
+            descriptor=self._describe.struct(declaration, self._version(declaration)),
+            nested=self._nested(declaration),
+            fields=[
+                Statement(
+                    f"{names[m.name]}: {self._field(declaration, m)}",
+                    docstring(member_text(m), 4),
+                )
+                for m in declaration.members
+            ],
+        )
 
     def _version(self, declaration: Struct | ExceptionDecl | Union) -> int:
         """The version of XCDR that `to_cdr` returns; 0 for classic CDR."""
@@ -346,12 +341,14 @@ class TypesModule:
                 fields.append(Statement(text, docstring(field.doc, 4)))
         base = declaration.base
         return render(
-            "types/bitset.py.j2",
+            "types/struct.py.j2",
             py=self.scope,
+            decorator="",
             name=self._local(declaration),
-            base=self.scope.reference(base) if base else self.scope.Bitset,
+            bases=f"{self.scope.reference(base) if base else self.scope.Bitset}, frozen=True",
             docstring=self._doc(declaration),
             descriptor=self._describe.bitset(declaration),
+            nested=(),
             fields=fields,
         )
 

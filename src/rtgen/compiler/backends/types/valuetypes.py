@@ -36,7 +36,9 @@ class _Property(msgspec.Struct, frozen=True):
     message: str
 
 
-class _State(msgspec.Struct, frozen=True):
+class Statement(msgspec.Struct, frozen=True):
+    """A statement in a class body, with its docstring."""
+
     text: str
     docstring: str
 
@@ -81,13 +83,14 @@ class Valuetypes(msgspec.Struct, eq=False):
         return render(
             "types/valuetype.py.j2",
             py=py,
+            decorator=f"{py.dataclass}(eq=False, slots=True)",
             name=py.reference(declaration.name),
             bases=", ".join(bases or [py.Value]),
             docstring=docstring(declaration.doc, 4, f"`{declaration.scoped}`."),
             descriptor=self._describe.value(declaration),
             nested=nested,
             fields=[
-                _State(
+                Statement(
                     f"{names[m.name]}: {self.field(m.type, m.initial)}",
                     docstring(member_text(m), 4),
                 )
@@ -103,12 +106,13 @@ class Valuetypes(msgspec.Struct, eq=False):
         return render(
             "types/valuetype.py.j2",
             py=py,
+            decorator=f"{py.dataclass}(eq=False, slots=True)",
             name=py.reference(declaration.name),
             bases=py.Box,
             docstring=docstring(declaration.doc, 4, f"`{declaration.scoped}`."),
             descriptor=self._describe.box(declaration),
             nested=[],
-            fields=[_State(f"value: {self.field(declaration.type)}", "")],
+            fields=[Statement(f"value: {self.field(declaration.type)}", "")],
             methods=[],
             properties=[],
         )
