@@ -291,7 +291,7 @@ ROWS: Mapping[str, tuple[Row, ...]] = {
         f"ctl {verb.split()[0]} {option}": (Row(f"ctl {verb} {given}", *file),)
         for verb in (
             *("list", "show A0", "activate A0", "deactivate A0", "reset A0"),
-            *("get A0", "set A0.a=1", "use A0 a", "watch --for 0.1"),
+            *("get A0", "set A0.a=1", "use A0 a", "call A0.p.o()", "watch --for 0.1"),
         )
         for option, given, file in (
             ("system", "--transport dds --wait 0.1 --system @", SYSTEM),
