@@ -246,6 +246,10 @@ def test_the_command(
     every = ["--actuate", "--defaults", "--exit"]
     assert rtgen([*command, by_name, "--json", *every]) == 0
     assert valid(capfd.readouterr().out, "conformance.schema.json")["passed"]
+    assert rtgen(["conformance", *command[2:], place]) == 0
+    assert "Gauge Gauge0: 19 passed, 0 failed" in capfd.readouterr().out
+    assert rtgen(["conformance", "--connect", place]) == 2
+    assert "the project defines " in capfd.readouterr().err
     command[3] = "Idle"
     assert rtgen([*command, place]) == 1
     assert "the definition has no port level" in capfd.readouterr().out

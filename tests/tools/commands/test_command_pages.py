@@ -16,6 +16,7 @@ import pytest
 
 from rtgen.cli import application, run
 from rtgen.cli.examples import EXAMPLES
+from rtgen.cli.help import Command
 
 ROOT = Path(__file__).parents[3]
 CONSOLE = re.compile(r"```console\n(.*?)```", re.DOTALL)
@@ -98,6 +99,7 @@ def test_a_help_is_short(name: str, capfd: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize("name", ALL)
 def test_options_are_under_titles(name: str, capfd: pytest.CaptureFixture[str]) -> None:
     """Each option once; those that all commands have come last, under one title."""
+    assert isinstance(command_of(name), Command)
     lines = help_of(name, capfd)
     first = next(n for n, line in enumerate(lines) if re.fullmatch(r"\w+:", line))
     shown = [
