@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from rtgen.compiler.diagnostics import Span
 from rtgen.facts.encodings import decode
 from rtgen.facts.files import read_start
 
 _MAX_BYTES = 256 * 1024
+_OWN = re.compile(r"\bself\.(?!\w+\.set_servant\()")
+"""A use of something of the component, which skeletons do not have."""
 
 
 def is_untouched(file: Path) -> bool:
@@ -18,8 +22,25 @@ def is_untouched(file: Path) -> bool:
     return is_skeleton(decode(data, standard=True).normal)
 
 
+def place(file: Path, name: str, class_: str) -> Span | None:
+    """Return the place of a class in a skeleton displayed as `name`; None for anything else."""
+    try:
+        text = decode(read_start(file, _MAX_BYTES), standard=True).normal
+    except OSError:
+        return None
+    if not is_skeleton(text):
+        return None
+    for number, line in enumerate(text.split("\n"), 1):
+        if line.startswith((f"class {class_}(", f"class {class_}:")):
+            start = len("class ") + 1
+            return Span(name, number, start, number, start + len(class_))
+    return None
+
+
 def is_skeleton(text: str) -> bool:
     """Return whether a module's classes have callbacks, and none of their methods does anything."""
+    if _OWN.search(text) is not None or "RTC_OK" not in text:
+        return False
     try:
         tree = ast.parse(text)
     except (SyntaxError, ValueError, RecursionError):

@@ -32,5 +32,6 @@ SKIPPED = Rule("SYS0027", "event of a timeline that is skipped", Severity.WARNIN
 MISSING = Rule("SYS0028", "samples that could not be written", Severity.ERROR)
 SYSTEM_PROPERTY = Rule("SYS0029", "unknown property of a system", Severity.ERROR)
 CALL = Rule("SYS0030", "call of a timeline that failed", Severity.ERROR)
+SKELETON = Rule("SYS0031", "behaviour that does nothing", Severity.WARNING)
 
 RULES = rules_of(globals())

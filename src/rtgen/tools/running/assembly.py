@@ -50,6 +50,7 @@ from rtgen.runtime.system.watchdog import calling
 from rtgen.runtime.timing.clocks import SECOND
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import BAD_INPUT, FAILED, ReportedError
+from rtgen.tools.running import idle
 from rtgen.tools.running.factories import Factories, FactoryImportError
 from rtgen.tools.running.failures import FailureOptions, FailureReport
 
@@ -114,6 +115,9 @@ def assemble(
             _add_all(system, profile, factories, settings, report)
             if prepare is not None:
                 prepare(system)
+            if skipped is None:
+                for finding in idle.findings(system):
+                    report.notice(finding)
             _fill(system, profile, steps, transport, patience, report.notice)
             _schedule(system, steps, report, skipped)
     except runtime.TransportError as error:
