@@ -50,7 +50,10 @@ def test_graph(tmp_path: Path, capfdbinary: pytest.CaptureFixture[bytes]) -> Non
 
 
 def test_graph_into_a_folder_that_is_not_there(tmp_path: Path) -> None:
-    assert run(["graph", str(SYSTEM), "-o", str(tmp_path / "gone" / "x.svg")]) == 3
+    picture = tmp_path / "new" / "folder" / "x.svg"
+    assert run(["graph", str(SYSTEM), "-o", str(picture)]) == 0
+    assert picture.stat().st_size > 0
+    assert run(["graph", str(SYSTEM), "-o", str(picture / "x.svg")]) == 3
 
 
 def test_graph_refuses_other_formats(
