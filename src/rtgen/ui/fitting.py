@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Final
 
-from rtgen.compiler.diagnostics import Diagnostic, Severity
-from rtgen.compiler.model import PortReference
+from rtgen.compiler.diagnostics import Diagnostic, Severity, Span
+from rtgen.compiler.model import Connection, PortReference
 from rtgen.compiler.systems.connections import ALLOWABLE
+from rtgen.tools.running.joins import unit_findings
 from rtgen.ui.errors import NO_FIT, UNKNOWN, CommandError
 from rtgen.ui.protocol import ui
 
@@ -87,12 +88,22 @@ def _judged(
     properties: Mapping[str, str],
 ) -> Sequence[Diagnostic]:
     types = {each.instance: _type(session, each.instance) for each in (source, target)}
-    return session.project.judged(
-        PortReference(instance=source.instance, port=source.port),
-        PortReference(instance=target.instance, port=target.port),
-        types,
-        properties,
+    ends = [PortReference(instance=e.instance, port=e.port) for e in (source, target)]
+    findings = session.project.judged(ends[0], ends[1], types, properties)
+    system = session.system
+    if findings or not types.keys() <= {*system.instances}:
+        return findings
+    if source.port not in system.component(source.instance).out_ports:
+        ends.reverse()
+    connection = Connection(
+        name="",
+        source=ends[0],
+        target=ends[1],
+        service=False,
+        span=Span("", 1, 1, 1, 1),
+        properties=tuple(properties.items()),
     )
+    return [*unit_findings(system, connection)]
 
 
 def _type(session: Session, instance: str) -> str:

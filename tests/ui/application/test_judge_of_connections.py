@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import sys
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Final, NamedTuple
@@ -332,3 +333,54 @@ def test_a_run_leaves_out_what_only_other_programs_join(
     said = capfd.readouterr().err
     assert "warning[SYS0003]" in said
     assert f"it is left out: {REASON}" in said
+
+
+BY_HAND = """
+from rtgen.runtime import Component, ComponentProfile, PortProfile
+from rtgen.runtime.library.rtc import TimedDouble
+
+
+def port(kind, name, unit):
+    return PortProfile(name, name, kind, "RTC::TimedDouble", "", unit=unit)
+
+
+class ByHand(Component):
+    ports = port("outport", "given", "m"), port("inport", "taken", "s")
+    profile = ComponentProfile("ByHand", ports=ports)
+
+    def __init__(self, instance_name=None):
+        super().__init__(instance_name)
+        self.given = self.add_out_port("given", TimedDouble)
+        self.taken = self.add_in_port("taken", TimedDouble)
+"""
+
+
+def test_a_page_compares_what_profiles_state(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    Path("src").mkdir()
+    Path("src/judged_by_hand.py").write_text(BY_HAND)
+    Path("rtgen.toml").write_text('[components]\nByHand = "judged_by_hand:ByHand"\n')
+    Path("s.xml").write_text(
+        SYSTEM.format(source="ByHand", target="ByHand", connector="").replace(
+            "ByHand0", "A0", 1
+        )
+    )
+    bench = Bench("s.xml")
+    try:
+        page = bench.page()
+        given, taken = ui.PortAddress("A0", "given"), ui.PortAddress("ByHand0", "taken")
+        for here, there in ((given, taken), (taken, given)):
+            offers = {
+                (f.port.instance, f.port.port): f for f in page.done("ends", here).fits
+            }
+            offer = offers[there.instance, there.port]
+            assert offer.allow == "RTC0593"
+            assert "A0.given gives m, ByHand0.taken takes s" in offer.refused
+            assert page.ask("wire", ui.Connect(here, there, "", [])).code == "UIS0004"
+        reason = [ui.Value("rtgen.allow.RTC0593", REASON)]
+        page.done("wire", ui.Connect(given, taken, "", reason))
+    finally:
+        bench.close()

@@ -87,25 +87,25 @@ def compared(connection: Connection, ends: Mapping[str, Known]) -> Iterator[Diag
     joined = {connection.source.instance, connection.target.instance}
     if OWN_PORT in properties or not joined <= ends.keys():
         return
-    reasons = {
-        key.removeprefix(ALLOW): text.strip()
-        for key, text in connection.properties
-        if key.startswith(ALLOW)
-    }
-    codes = set()
     judge = _service if connection.service else _data
+    codes = set()
     for finding in judge(connection, ends):
         codes.add(finding.code)
-        if reason := finding.code in ALLOWABLE and reasons.get(finding.code):
-            message = f"{finding.message}; the system allows it: {reason}"
-            finding = replace(
-                finding, severity=Severity.NOTE, message=message, hint=None
-            )
-        yield finding
-    for code in reasons.keys() & ALLOWABLE.keys() - codes:
-        span = connection.places.get(f"{ALLOW}{code}", connection.span)
-        message = f"{connection.source} and {connection.target} have no {code}"
-        yield ALLOWED_IN_VAIN.at(span, message, hint="remove the property")
+        yield allowed(finding, properties)
+    for code in ALLOWABLE.keys() - codes:
+        if properties.get(f"{ALLOW}{code}", "").strip():
+            span = connection.places.get(f"{ALLOW}{code}", connection.span)
+            message = f"{connection.source} and {connection.target} have no {code}"
+            yield ALLOWED_IN_VAIN.at(span, message, hint="remove the property")
+
+
+def allowed(finding: Diagnostic, properties: Mapping[str, str]) -> Diagnostic:
+    """Return a diagnostic as a note if its connection has a property that allows it."""
+    reason = properties.get(f"{ALLOW}{finding.code}", "").strip()
+    if not reason or finding.code not in ALLOWABLE:
+        return finding
+    message = f"{finding.message}; the system allows it: {reason}"
+    return replace(finding, severity=Severity.NOTE, message=message, hint=None)
 
 
 def link(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from pathlib import Path
@@ -15,14 +15,12 @@ from rtgen.compiler.diagnostics import (
     Diagnostic,
     InputError,
     Rule,
-    Severity,
     Span,
     ToolError,
     has_errors,
 )
 from rtgen.compiler.frontends.kit.suggestions import nearest
 from rtgen.compiler.model import Connection, System, SystemComponent
-from rtgen.compiler.systems.connections import PORTS_DIFFER
 from rtgen.compiler.systems.rules import (
     CONNECTION,
     NO_COMPONENT,
@@ -41,7 +39,7 @@ from rtgen.compiler.systems.timeline import (
     Step,
 )
 from rtgen.compiler.typemap.openrtm_ports import InstancePorts, with_definition_names
-from rtgen.facts.connector_properties import ALLOW, embedded_properties
+from rtgen.facts.connector_properties import embedded_properties
 from rtgen.facts.openrtm_ports import IN, OUT, SERVICE, registered_names
 from rtgen.runtime.rtc.conf_file import read as read_conf
 from rtgen.runtime.services.transports import ForeignTransport, PublishingTransport
@@ -53,6 +51,7 @@ from rtgen.tools.kit.exits import BAD_INPUT, FAILED, ReportedError
 from rtgen.tools.running import idle
 from rtgen.tools.running.factories import Factories, FactoryImportError
 from rtgen.tools.running.failures import FailureOptions, FailureReport
+from rtgen.tools.running.joins import join, unit_errors
 
 if TYPE_CHECKING:
     from rtgen.runtime.services.transports import ProcessTransport
@@ -118,7 +117,8 @@ def assemble(
             if skipped is None:
                 for finding in idle.findings(system):
                     report.notice(finding)
-            _fill(system, profile, steps, transport, patience, report.notice)
+            defined = factories.defined
+            _fill(system, profile, steps, transport, patience, report.notice, defined)
             _schedule(system, steps, report, skipped)
     except runtime.TransportError as error:
         system.close()
@@ -179,12 +179,14 @@ def _fill(
     transport: ProcessTransport | None,
     patience: float,
     warn: Callable[[Diagnostic], None],
+    defined: Collection[str],
 ) -> None:
     """Add connections and activations to the system, and check the timeline.
 
-    Raises as `assemble` does.
+    The judge has compared the ends of connections of `defined` types. Raises as `assemble` does.
     """
     findings: list[Diagnostic] = []
+    others = {c.instance for c in profile.components if c.type not in defined}
     profile = with_definition_names(
         profile, {name: _ports(system.component(name)) for name in system.instances}
     )
@@ -195,9 +197,11 @@ def _fill(
             connection.target,
             embedded_properties(connection.properties),
         )
+        if {connection.source.instance, connection.target.instance} & others:
+            findings += unit_errors(system, connection, warn)
         span, hint = _failed_end(system, connection)
-        join = partial(_join, system, action, span, warn)
-        diagnostics = _findings(CONNECTION, span, join)
+        connect = partial(join, system, action, span, warn)
+        diagnostics = _findings(CONNECTION, span, connect)
         findings += (replace(finding, hint=hint) for finding in diagnostics)
     instances = system.instances
     for step in steps:
@@ -242,7 +246,7 @@ def _schedule(
     def carry_out(step: Step) -> None:
         try:
             if isinstance(step.action, Connect):
-                _join(system, step.action, step.span, skipped or report.notice)
+                join(system, step.action, step.span, skipped or report.notice)
             elif isinstance(step.action, Call):
                 outcome = _prepared(system, step.action)()
                 report.called(system.time, step, step.action, outcome)
@@ -258,26 +262,6 @@ def _schedule(
 
     for step in steps:
         system.at(step.time, partial(carry_out, step))
-
-
-def _join(
-    system: runtime.System,
-    action: Connect,
-    span: Span | None,
-    warn: Callable[[Diagnostic], None],
-) -> None:
-    """Connect two ports; those that differ by permission of the system are left out."""
-    given = action.properties
-    own = {key: text for key, text in given.items() if not key.startswith(ALLOW)}
-    joined = Connect(action.name, action.source, action.target, own)
-    try:
-        _performing(system, joined)()
-    except (runtime.PortTypeError, runtime.PolarityError) as error:
-        reason = given.get(f"{ALLOW}{PORTS_DIFFER.code}", "").strip()
-        if not reason:
-            raise
-        finding = CONNECTION.at(span, f"{error}; it is left out: {reason}")
-        warn(replace(finding, severity=Severity.WARNING, hint=None))
 
 
 def _ports(component: runtime.Component) -> InstancePorts:
@@ -479,9 +463,6 @@ def _performing(
                 system.deactivate(action.instance)
             case StateRequest("reset"):
                 system.reset(action.instance)
-            case Connect(name, source, target, properties):
-                ends = (source.instance, source.port), (target.instance, target.port)
-                system.connect(*ends, properties, name)
             case Disconnect(name, others):
                 names = {each.name for each in system.connectors}
                 instances = (each for each in (name, *others) if each in names)

@@ -37,6 +37,8 @@ class Factories:
             **generated.factories,
             **dict(project.components),
         }
+        self.defined = {*generated.factories} if project.sources else set()
+        """Types with a definition in the project, by which the judge knows their ports."""
         self.foreign: dict[str, str] = {
             name: language
             for name, language in generated.languages.items()
