@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
@@ -49,7 +49,7 @@ class Module:
     """All nodes; of a generated module, its statements."""
 
     def __post_init__(self) -> None:
-        self.nodes += self.tree.body if self.is_generated else ast.walk(self.tree)
+        self.nodes += self.tree.body if self.is_generated else walk(self.tree)
         for node in self.nodes:
             if isinstance(node, ast.ImportFrom):
                 home = self._home(node)
@@ -87,7 +87,8 @@ class Modules:
         self._users = users
         self._modules: dict[str, Module | None] = {}
         self._names: dict[tuple[str, str], frozenset[str] | None] = {}
-        self._own: dict[tuple[str, str], frozenset[str] | None] = {}
+        self._own: dict[tuple[str, str, bool], frozenset[str] | None] = {}
+        self._nodes: dict[ast.AST, list[ast.AST]] = {}
         self._bound: dict[str, frozenset[str] | None] = {}
 
     def find(self, name: str) -> Module | None:
@@ -194,14 +195,33 @@ class Modules:
             self._names[key] = frozenset().union(*known) if is_known else None
         return self._names[key]
 
-    def own_names(self, class_: Class | RuntimeClass) -> frozenset[str] | None:
-        """Return what `own_names` does, for each class once."""
+    def own_names(
+        self, class_: Class | RuntimeClass, *, annotated: bool = True
+    ) -> frozenset[str] | None:
+        """Return the names of a class; those of one of the runtime with those of its bases.
+
+        None if it may have further ones. `annotated`: those that are only annotated count, too.
+        """
         if isinstance(class_, RuntimeClass):
-            return own_names(class_)
-        key = (class_.module.name, class_.node.name)
+            return _runtime_names(class_.module, class_.name)
+        key = (class_.module.name, class_.node.name, annotated)
         if key not in self._own:
-            self._own[key] = own_names(class_)
+            body = [
+                statement
+                for statement in class_.node.body
+                if annotated
+                or not isinstance(statement, ast.AnnAssign)
+                or statement.value
+            ]
+            names = {*bound(body), *_assigned(self.nodes(class_.node))}
+            self._own[key] = None if _DYNAMIC & names else frozenset(names)
         return self._own[key]
+
+    def nodes(self, node: ast.AST) -> list[ast.AST]:
+        """Return the nodes of a class or method, which are collected once."""
+        if node not in self._nodes:
+            self._nodes[node] = walk(node)
+        return self._nodes[node]
 
     def bound_in(self, name: str) -> frozenset[str] | None:
         """Return the names that a generated module binds; None if they are not all known."""
@@ -213,22 +233,18 @@ class Modules:
         return self._bound[name]
 
 
-def own_names(
-    class_: Class | RuntimeClass, *, annotated: bool = True
-) -> frozenset[str] | None:
-    """Return the names of a class; those of one of the runtime with those of its bases.
-
-    None if it may have further ones. `annotated`: those that are only annotated count, too.
-    """
-    if isinstance(class_, RuntimeClass):
-        return _runtime_names(class_.module, class_.name)
-    body = [
-        statement
-        for statement in class_.node.body
-        if annotated or not isinstance(statement, ast.AnnAssign) or statement.value
-    ]
-    names = {*bound(body), *_assigned(class_.node)}
-    return None if _DYNAMIC & names else frozenset(names)
+def walk(node: ast.AST) -> list[ast.AST]:
+    """Return a node and those below it but contexts, in two thirds of the time of `ast.walk`."""
+    nodes = [node]
+    for each in nodes:
+        for name in each._fields:
+            if name != "ctx":
+                value = getattr(each, name, None)
+                if isinstance(value, ast.AST):
+                    nodes.append(value)
+                elif isinstance(value, list):
+                    nodes += [item for item in value if isinstance(item, ast.AST)]
+    return nodes
 
 
 def bound(body: list[ast.stmt]) -> Iterator[str]:
@@ -247,9 +263,9 @@ def bound(body: list[ast.stmt]) -> Iterator[str]:
             waiting += ast.iter_child_nodes(node)
 
 
-def _assigned(node: ast.ClassDef) -> Iterator[str]:
+def _assigned(nodes: Iterable[ast.AST]) -> Iterator[str]:
     """Yield the attributes that code of a class sets, of any object, and marks of dynamic ones."""
-    for each in ast.walk(node):
+    for each in nodes:
         if isinstance(each, ast.Attribute):
             if isinstance(each.ctx, ast.Store | ast.Del) or each.attr == "__dict__":
                 yield each.attr

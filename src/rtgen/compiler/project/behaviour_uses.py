@@ -14,8 +14,8 @@ from rtgen.compiler.project.behaviour_classes import (
     Module,
     Modules,
     RuntimeClass,
-    own_names,
     receiver,
+    walk,
 )
 from rtgen.compiler.project.rules import UNKNOWN_NAME
 
@@ -186,10 +186,11 @@ class _Behaviour:
             if _is_generated(each):
                 self._declared.update(self._declarations(each))
             elif isinstance(each, Class):
-                for name in own_names(each, annotated=False) or ():
+                for name in modules.own_names(each, annotated=False) or ():
                     self._declared.pop(name, None)
 
-        used = {n.attr for n in ast.walk(class_.node) if isinstance(n, ast.Attribute)}
+        nodes = modules.nodes(class_.node)
+        used = {n.attr for n in nodes if isinstance(n, ast.Attribute)}
         unused = [name for name in self._declared if name not in used | {"config"}]
         self._unused = unused[0] if len(unused) == 1 else None
         """What the class does not use, if it is one name: likely that of something renamed."""
@@ -260,11 +261,11 @@ class _Behaviour:
                 return None, ""
             what = f"a consumer of {type_.node.name}"
             if len(path) == 1:
-                own = own_names(_PORTS[kind], annotated=True)
+                own = self._modules.own_names(_PORTS[kind])
                 return (None, "") if own is None else (own | of_type, what)
             return (of_type, what) if [*path[:-1]] == ["object"] else (None, "")
         if kind in _PORTS and len(path) == 1:
-            return own_names(_PORTS[kind], annotated=True), f"an {_PORTS[kind].name}"
+            return self._modules.own_names(_PORTS[kind]), f"an {_PORTS[kind].name}"
         return None, ""
 
     def _all(self, type_: Class | RuntimeClass | None) -> frozenset[str] | None:
@@ -292,7 +293,7 @@ def _aliases(
     """Return the attributes that local names stand for; None if the receiver is bound anew."""
     stores: list[str] = []
     assigned = []
-    for node in ast.walk(method):
+    for node in walk(method):
         if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
             stores.append(node.id)
         elif isinstance(node, ast.Assign) and isinstance(node.value, ast.Attribute):
@@ -319,7 +320,7 @@ def _visible(
         if isinstance(node, ast.ClassDef):
             continue
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
-            arguments = (a.arg for a in ast.walk(node.args) if isinstance(a, ast.arg))
+            arguments = (a.arg for a in walk(node.args) if isinstance(a, ast.arg))
             if not names.isdisjoint(arguments):
                 continue
         yield node
