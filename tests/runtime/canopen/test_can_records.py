@@ -266,10 +266,11 @@ def test_files_that_are_no_records(
         assert "this is no" in captured.err
 
 
-def test_a_folder_cannot_be_written(
+def test_a_folder_that_cannot_be_made(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    path = tmp_path / "missing" / "a.log"
+    (tmp_path / "file").touch()
+    path = tmp_path / "file" / "a.log"
     assert command("none", "record", str(path), "--for", "0.1") == 3
     assert "cannot write" in capfd.readouterr().err
 
