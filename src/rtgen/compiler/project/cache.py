@@ -303,12 +303,12 @@ def _stamp(files: Iterator[_File]) -> str:
 
     A changed file has another time of change (on Windows of modification), whatever sets its times.
     """
-    digest = sha256()
+    stamps = []
     for file in files:
         status = file.stat()
-        times = status.st_mtime_ns, status.st_ctime_ns
-        digest.update(os.fsencode(f"{os.fspath(file)}\0{status.st_size}\0{times}\0"))
-    return digest.hexdigest()
+        times = f"{status.st_mtime_ns} {status.st_ctime_ns}"
+        stamps.append(f"{os.fspath(file)}\0{status.st_size} {times}")
+    return sha256(os.fsencode("\0".join(stamps))).hexdigest()
 
 
 @cache
