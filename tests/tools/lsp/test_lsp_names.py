@@ -151,3 +151,16 @@ def test_edits_far_apart_leave_what_is_between_them(editor: Editor) -> None:
     assert "struct Spot {" in text
     assert "typedef sequence<Spot> Points;" in text
     assert "MOST = 12;" in text
+
+
+@pytest.mark.parametrize("header", ["[device.wheel]", '[device."wheel"]'])
+def test_a_device_of_a_bus_with_tables_in_it(editor: Editor, header: str) -> None:
+    text = editor.path("bus_toml").read_text().replace("[device.wheel]", header)
+    text += '\n[device.wheel.units]\n"2000" = "m/s"\n' * (".units]" not in text)
+    view = editor.open("bus_toml", text)
+    position = editor.at(view, 'device = "whe^el"')
+    changed = editor.applied(renamed(view, position, "caster"))
+    assert "wheel" not in changed["bus.toml"]
+    editor.open("bus_toml", changed["bus.toml"])
+    found = editor.findings("bus_toml")["bus.toml"]
+    assert [each for each in found if each.severity.value == "error"] == []

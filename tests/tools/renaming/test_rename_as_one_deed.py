@@ -216,6 +216,39 @@ def test_a_file_in_the_way_is_left(
     assert texts(project) == before
 
 
+@pytest.mark.parametrize(
+    ("rename", "place"),
+    [
+        ("Heater=Settings", "src/heating/heater.py:33:7"),
+        ("Heating::Power=ROOM", "src/heating/heater.py:7:43"),
+        ("Heater.temperature=celsius", "src/heating/heater.py:58:14"),
+    ],
+)
+def test_a_name_that_a_behaviour_has_is_left(
+    rename: str, place: str, project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    before = texts(project)
+    assert run(["generate", "--rename", rename]) == 2
+    message = capfd.readouterr().err.split("\n")[0]
+    new = rename.partition("=")[2]
+    assert f"src/heating/heater.py has something that is called {new}" in message
+    assert message.startswith(place.rpartition(":")[0].rpartition(":")[0])
+    assert texts(project) == before
+
+
+def test_attributes_of_what_is_not_known_stay_if_nothing_of_them_is_renamed(
+    project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    file = project / "src/heating/shown.py"
+    file.write_text("def shown(body):\n    return body.heater, body.watt\n")
+    assert run(["generate", "-q", "--rename", "Heater=Radiator"]) == 0
+    assert capfd.readouterr().err == ""
+    assert "body.heater" in file.read_text()
+    assert run(["generate", "-q", "--rename", "Heating::Power::watt=watts"]) == 0
+    assert "body.watt" in file.read_text()  # `self.watt` of the behaviour may be meant
+    assert "shown.py:2:30: warning[PRJ0023]" in capfd.readouterr().err
+
+
 def test_a_skeleton_makes_way_for_a_behaviour(project: Path) -> None:
     idl = (project / IDL).read_text()
     (project / IDL).write_text(idl.replace("component Heater", "component Radiator"))

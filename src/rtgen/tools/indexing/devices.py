@@ -69,6 +69,12 @@ def _key(device: Device, index: int, subindex: int | None) -> str | None:
     return None
 
 
+_HEADER = re.compile(
+    r"""^[ \t]*\[\s*(device|node)\s*\.\s*["']?([\w-]+)["']?\s*[.\]]""", re.M
+)
+"""The header of a table of a device or a node, or of one in it."""
+
+
 class BusNames:
     """Adds the names of a bus file."""
 
@@ -103,6 +109,10 @@ class BusNames:
             self._use(("node", name, "device"), f"bus {self._file}#{kind}", table)
             if isinstance(kind, str) and kind in devices:
                 self._objects(("node", name), table, devices[kind])
+        for match in _HEADER.finditer(self._text.source):
+            space = "node " if match[1] == "node" else ""
+            span = self._text.span(self._bus.file, *match.span(2))
+            self._collector.refer(f"bus {self._file}#{space}{match[2]}", span)
         nodes = {node.name: node.device for node in self._bus.nodes}
         for number, link in enumerate(content.get("link", ())):
             for end in ("from", "to"):

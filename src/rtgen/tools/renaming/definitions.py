@@ -77,7 +77,7 @@ def named(index: Index, text: str) -> list[str]:
         key = definition.key
         if language_of(key) not in LANGUAGES or not wanted:
             continue
-        parts = _parts(key.partition(" ")[2].rpartition("#")[2])
+        parts = _parts(key.partition(" ")[2].rpartition("#")[2].removeprefix("node "))
         if parts[-len(wanted) :] == wanted:
             depths.setdefault(len(parts), []).append(key)
     if not depths and len(wanted) > 1:

@@ -113,15 +113,23 @@ class Modules:
             parts.append(part)
         return ".".join(parts)
 
-    def definitions(self) -> Iterator[tuple[str, str]]:
-        """Yield the absolute name of each definition, and its last part."""
+    def definitions(self) -> Iterator[tuple[str, Scope, Scope]]:
+        """Yield the absolute name of each definition, the scope that has it, and its own."""
         yield from _below(self.root, "")
 
 
-def _below(scope: Scope, prefix: str) -> Iterator[tuple[str, str]]:
+def _below(scope: Scope, prefix: str) -> Iterator[tuple[str, Scope, Scope]]:
     for name, child in scope.names.items():
-        yield prefix + name, name
+        yield prefix + name, scope, child
         yield from _below(child, f"{prefix}{name}.")
+
+
+def _add_attributes(scope: Scope, node: ast.ClassDef) -> None:
+    """Add the attributes that the methods of a class set on `self`."""
+    for each in ast.walk(node):
+        match each:
+            case ast.Attribute(value=ast.Name(id="self"), attr=name, ctx=ast.Store()):
+                scope.child(name, "value")
 
 
 def _add_body(scope: Scope, body: Iterable[ast.stmt], package: str) -> None:
@@ -136,6 +144,7 @@ def _add_body(scope: Scope, body: Iterable[ast.stmt], package: str) -> None:
                     ):
                         inner.type_name = str(keyword.value.value)
                 _add_body(inner, node.body, package)
+                _add_attributes(inner, node)
             case ast.FunctionDef() | ast.AsyncFunctionDef():
                 inner = scope.child(node.name, "function")
                 arguments = node.args

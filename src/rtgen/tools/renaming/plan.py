@@ -75,7 +75,7 @@ def by_names(load: Callable[[], Project], old: str, new: str) -> Renaming:
         with overlaid(contents):
             before = _read(load(), {})
             keys = definitions.named(before.index, old)
-    return _planned(load, before, keys, name, contents)
+    return _planned(load, before, keys, name, contents, is_whole=not contents)
 
 
 def by_key(
@@ -124,6 +124,8 @@ def _planned(
     keys: Sequence[str],
     name: str,
     contents: Mapping[str, bytes],
+    *,
+    is_whole: bool = True,
 ) -> Renaming:
     for key in keys:
         definitions.check(before.index, key, name)
@@ -143,7 +145,7 @@ def _planned(
     edits += further
     names = {**dict.fromkeys(keys, name), **_type_keys(before, types)}
     with overlaid(contents):
-        of_python = _python(project, before, old, new, names)
+        of_python = _python(project, before, old, new, names, is_whole=is_whole)
         edits += [edit for each in of_python.edits.values() for edit in each]
         result.doubts = of_python.doubts
         for edit in edits:
@@ -233,6 +235,8 @@ def _python(
     old: Compilation,
     new: Compilation,
     keys: Mapping[str, str],
+    *,
+    is_whole: bool,
 ) -> python.PythonRename:
     modules, others = Modules(), Modules()
     modules.add_artifacts(old.artifacts, project.skeleton_package)
@@ -254,6 +258,7 @@ def _python(
             components=before.followers.components,
             instances=before.followers.instances,
             keys=keys,
+            is_whole=is_whole,
         )
         return python.renamed(sources)
 

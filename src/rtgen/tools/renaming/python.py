@@ -19,6 +19,7 @@ from rtgen.compiler.project import shown
 from rtgen.compiler.project.rules import NOT_FOLLOWED
 from rtgen.tools.indexing.components import KnownComponents
 from rtgen.tools.indexing.text import Text
+from rtgen.tools.renaming.definitions import RenameError
 from rtgen.tools.renaming.generated import Modules, dotted
 
 
@@ -37,7 +38,8 @@ class Sources:
     `files` are the texts of users' modules by path, `modules` these and the generated ones before
     the rename, `names` the new last parts of absolute names in them. `folders` are searched for
     imports: the generated modules of before are in the first one. `keys` are the names renamed in
-    definitions, `instances` the types of instances in systems.
+    definitions, `instances` the types of instances in systems. `is_whole`: no part of the rename
+    has been done by hand.
     """
 
     root: Path
@@ -48,6 +50,7 @@ class Sources:
     components: KnownComponents
     instances: Mapping[str, str]
     keys: Mapping[str, str]
+    is_whole: bool = True
 
 
 def renamed(sources: Sources) -> PythonRename:
@@ -66,9 +69,31 @@ def renamed(sources: Sources) -> PythonRename:
                 edits[edit.span.line, edit.span.column] = edit
         for edit in in_texts.edits(file, text):
             edits[edit.span.line, edit.span.column] = edit
+        if edits and sources.is_whole:
+            _check(file, text, edits.values())
         if edits:
             result.edits[file] = [edits[place] for place in sorted(edits)]
     return result
+
+
+def _check(file: str, text: str, edits: Iterable[Edit]) -> None:
+    """Raise RenameError if a module has something of a new name where it would be used."""
+    modules = Modules()
+    modules.add("module", text)
+    scope = modules.find("module")
+    assert scope is not None
+    bound = scope.names.keys() | scope.imports.keys()
+    lines = text.split("\n")
+    for edit in edits:
+        before = lines[edit.span.line - 1][: edit.span.column - 1]
+        own = before.endswith("self.") and any(
+            edit.new in each.names and edit.new not in bound
+            for each in scope.names.values()
+            if each.kind == "class"
+        )
+        if own or (edit.old in bound and edit.new in bound):
+            message = f"{file} has something that is called {edit.new}"
+            raise RenameError(message, edit.span, "give that another name first")
 
 
 class _Resolver:
@@ -89,14 +114,16 @@ class _Resolver:
         )
         self._script: Callable[..., Any] = jedi.Script
         names: dict[str, set[str | None]] = {}
-        for name, last in sources.modules.definitions():
-            if last in words:
+        for name, scope, _ in sources.modules.definitions():
+            last = name.rpartition(".")[2]
+            if last in words and scope.kind in ("class", "function"):
                 names.setdefault(last, set()).add(self._of_definition(name))
         self._clear = {
-            last: new
+            last: (found.pop() or "") if len(found) == 1 else ""
             for last, found in names.items()
-            if len(found) == 1 and (new := next(iter(found))) is not None
+            if found != {None}
         }
+        """The new names of members and arguments by word, empty if the word means several."""
 
     def edits(self, path: Path, text: str, doubts: list[Diagnostic]) -> Iterator[Edit]:
         """Yield the edits of a module."""
@@ -204,7 +231,7 @@ class _Resolver:
 
         It is empty if the word means several things, None if something is known.
         """
-        return None if _definitions(name) else self._clear.get(name.name, "")
+        return None if _definitions(name) else self._clear.get(name.name)
 
 
 def _definitions(name: Any) -> list[Any]:
@@ -241,8 +268,8 @@ class _Texts:
         self._sources = sources
         self._types = {
             name: scope.type_name
-            for name, _ in sources.modules.definitions()
-            if (scope := sources.modules.find(name)) is not None and scope.type_name
+            for name, _, scope in sources.modules.definitions()
+            if scope.type_name
         }
         last = {re.split(r"[ .:]", key)[-1] for key in sources.keys}
         self._words = re.compile(rf"\b(?:{'|'.join(map(re.escape, last))})\b")
