@@ -156,7 +156,7 @@ def test_edits_far_apart_leave_what_is_between_them(editor: Editor) -> None:
 @pytest.mark.parametrize("header", ["[device.wheel]", '[device."wheel"]'])
 def test_a_device_of_a_bus_with_tables_in_it(editor: Editor, header: str) -> None:
     text = editor.path("bus_toml").read_text().replace("[device.wheel]", header)
-    text += '\n[device.wheel.units]\n"2000" = "m/s"\n' * (".units]" not in text)
+    text += header.replace("]", ".values]") + '\n"1017" = 100\n'
     view = editor.open("bus_toml", text)
     position = editor.at(view, 'device = "whe^el"')
     changed = editor.applied(renamed(view, position, "caster"))
