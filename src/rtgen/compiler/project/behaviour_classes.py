@@ -10,7 +10,7 @@ import ast
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, cached_property
 from importlib import import_module
 from inspect import getsource
 from typing import TypeAlias
@@ -20,6 +20,9 @@ _WITHOUT_NAMES = ("typing", "typing_extensions", "abc")
 """Modules whose classes add no names that a behaviour uses."""
 _MAX_DEPTH = 32
 _ASSIGNED = re.compile(r"\bself\.(\w+)\b[^=\n]*=[^=]")
+_INDENTED_IMPORT = re.compile(
+    r"^[ \t]+(?:from|import)[ \t]|;[ \t]*(?:from|import)[ \t]", re.M
+)
 _DYNAMIC = frozenset({"__getattr__", "__getattribute__", "__dict__"})
 """Names of a class that may have further ones."""
 
@@ -34,7 +37,7 @@ class RuntimeClass:
     name: str
 
 
-@dataclass(slots=True)
+@dataclass(eq=False)
 class Module:
     """A module: its classes and imports by the names that it binds."""
 
@@ -45,12 +48,11 @@ class Module:
     classes: dict[str, ast.ClassDef] = field(default_factory=dict)
     imports: dict[str, tuple[str, str]] = field(default_factory=dict)
     """Module and name there; the name is empty for a module."""
-    nodes: list[ast.AST] = field(default_factory=list)
-    """All nodes; of a generated module, its statements."""
+    is_flat: bool = True
+    """Whether all imports are statements of the module itself."""
 
     def __post_init__(self) -> None:
-        self.nodes += self.tree.body if self.is_generated else walk(self.tree)
-        for node in self.nodes:
+        for node in self.tree.body if self.is_flat else self.nodes:
             if isinstance(node, ast.ImportFrom):
                 home = self._home(node)
                 for alias in node.names:
@@ -62,6 +64,11 @@ class Module:
         for statement in self.tree.body:
             if isinstance(statement, ast.ClassDef):
                 self.classes[statement.name] = statement
+
+    @cached_property
+    def nodes(self) -> list[ast.AST]:
+        """All nodes of the tree."""
+        return walk(self.tree)
 
     def _home(self, node: ast.ImportFrom) -> str:
         if not node.level:
@@ -87,7 +94,7 @@ class Modules:
         self._users = users
         self._modules: dict[str, Module | None] = {}
         self._names: dict[tuple[str, str], frozenset[str] | None] = {}
-        self._own: dict[tuple[str, str, bool], frozenset[str] | None] = {}
+        self._own: dict[tuple[str, str], frozenset[str] | None] = {}
         self._nodes: dict[ast.AST, list[ast.AST]] = {}
         self._bound: dict[str, frozenset[str] | None] = {}
 
@@ -118,7 +125,8 @@ class Modules:
         except (SyntaxError, ValueError, RecursionError):
             return None  # reported when the module is imported
         is_package = is_generated and f"{path}.py" not in self._generated
-        return Module(name, tree, is_package, is_generated)
+        is_flat = is_generated or _INDENTED_IMPORT.search(text) is None
+        return Module(name, tree, is_package, is_generated, is_flat=is_flat)
 
     def resolve(
         self, module: Module, expression: ast.expr
@@ -195,25 +203,17 @@ class Modules:
             self._names[key] = frozenset().union(*known) if is_known else None
         return self._names[key]
 
-    def own_names(
-        self, class_: Class | RuntimeClass, *, annotated: bool = True
-    ) -> frozenset[str] | None:
+    def own_names(self, class_: Class | RuntimeClass) -> frozenset[str] | None:
         """Return the names of a class; those of one of the runtime with those of its bases.
 
-        None if it may have further ones. `annotated`: those that are only annotated count, too.
+        None if it may have further ones.
         """
         if isinstance(class_, RuntimeClass):
             return _runtime_names(class_.module, class_.name)
-        key = (class_.module.name, class_.node.name, annotated)
+        key = (class_.module.name, class_.node.name)
         if key not in self._own:
-            body = [
-                statement
-                for statement in class_.node.body
-                if annotated
-                or not isinstance(statement, ast.AnnAssign)
-                or statement.value
-            ]
-            names = {*bound(body), *_assigned(self.nodes(class_.node))}
+            assigned = _assigned(self.nodes(class_.node))
+            names = {*bound(class_.node.body), *assigned}
             self._own[key] = None if _DYNAMIC & names else frozenset(names)
         return self._own[key]
 

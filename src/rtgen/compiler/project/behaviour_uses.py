@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from functools import cached_property
 from pathlib import Path
 
 from rtgen.compiler.diagnostics import Diagnostic, Span
@@ -14,6 +15,7 @@ from rtgen.compiler.project.behaviour_classes import (
     Module,
     Modules,
     RuntimeClass,
+    bound,
     receiver,
     walk,
 )
@@ -30,6 +32,10 @@ _PORTS = {
 }
 """The runtime's class of each kind of declaration in a generated class."""
 
+_SET = re.compile(r"\bself\.(\w+)\s*(?::[^=\n]*)?=[^=]")
+_ALIAS = re.compile(
+    r"\b(\w+)\s*=\s*\(*\s*self((?:[\s\\]*\.[\s\\]*\w+)+)\s*\)*[ \t]*(?=$|[;#])", re.M
+)
 _OF_PORTS = ("is_new", "read", "read_newest", "write")
 
 
@@ -51,7 +57,11 @@ def findings(
         return
     lines = text.split("\n")
     seen = set()
-    for use in (*_imports(project, modules, module), *_of_classes(modules, module)):
+    for use in (
+        *_imports(project, modules, module),
+        *_attributes_of_modules(modules, module, text),
+        *_of_classes(modules, module, lines),
+    ):
         if (use.message, use.hint) not in seen:
             seen.add((use.message, use.hint))
             span = _span(file, lines, use.node, use.name)
@@ -100,7 +110,7 @@ def _span(file: str, lines: Sequence[str], node: ast.AST, name: str) -> Span:
 def _imports(project: Project, modules: Modules, module: Module) -> Iterator[_Use]:
     """Yield imports from generated modules, and attributes of these, that do not exist."""
     components = f"{project.package}.components."
-    for node in module.nodes:
+    for node in module.tree.body if module.is_flat else module.nodes:
         if not isinstance(node, ast.ImportFrom) or node.level or not node.module:
             continue
         home = node.module
@@ -119,45 +129,77 @@ def _imports(project: Project, modules: Modules, module: Module) -> Iterator[_Us
                     continue
                 message = f"{home} has no {alias.name!r}"
                 yield _Use(alias, alias.name, message, names)
-    yield from _attributes_of_modules(modules, module)
 
 
-def _attributes_of_modules(modules: Modules, module: Module) -> Iterator[_Use]:
-    rebound = {
+def _attributes_of_modules(
+    modules: Modules, module: Module, text: str
+) -> Iterator[_Use]:
+    """Yield attributes of imported generated modules that do not exist."""
+    imported = {
+        name: f"{home}.{original}" if original else home
+        for name, (home, original) in module.imports.items()
+    }
+    homes = {n: home for n, home in imported.items() if modules.is_generated(home)}
+    unknown = {
+        (name, attribute)
+        for name, home in homes.items()
+        for attribute in re.findall(rf"\b{name}[\s\\]*\.[\s\\]*(\w+)", text)
+        if not _has(modules, home, attribute)
+    }
+    if not unknown:
+        return
+    bound_anew = {
         node.arg if isinstance(node, ast.arg) else node.id
         for node in module.nodes
         if isinstance(node, ast.arg)
         or (isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load))
     }
-    packages = {
-        name: f"{home}.{original}" if original else home
-        for name, (home, original) in module.imports.items()
-        if name not in rebound
-    }
-    packages = {n: home for n, home in packages.items() if modules.is_generated(home)}
-    for node in module.nodes if packages else ():
-        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
-            home = packages.get(node.value.id, "")
-            if not home:
-                continue
-            names = modules.bound_in(home)
-            if names is None or node.attr in names or node.attr.startswith("__"):
-                continue
-            if not modules.is_generated(f"{home}.{node.attr}"):
-                yield _Use(node, node.attr, f"{home} has no {node.attr!r}", names)
+    for node in module.nodes:
+        match node:
+            case ast.Attribute(value=ast.Name(id=name), attr=attribute) if (
+                name not in bound_anew and (name, attribute) in unknown
+            ):
+                home = homes[name]
+                message = f"{home} has no {attribute!r}"
+                yield _Use(node, attribute, message, modules.bound_in(home) or ())
 
 
-def _of_classes(modules: Modules, module: Module) -> Iterator[_Use]:
+def _has(modules: Modules, home: str, name: str) -> bool:
+    names = modules.bound_in(home)
+    is_known = names is None or name in names or name.startswith("__")
+    return is_known or modules.is_generated(f"{home}.{name}")
+
+
+def _of_classes(
+    modules: Modules, module: Module, lines: Sequence[str]
+) -> Iterator[_Use]:
     for node in module.classes.values():
         ancestors = modules.ancestors(Class(module, node))
         if ancestors is None or not any(map(_is_generated, ancestors)):
             continue
-        behaviour = _Behaviour(modules, Class(module, node), ancestors)
-        for statement in node.body:
-            if isinstance(statement, ast.FunctionDef | ast.AsyncFunctionDef):
-                name = receiver(statement)
-                if name is not None:
-                    yield from behaviour.uses(statement, name)
+        text = "\n".join(lines[node.lineno - 1 : node.end_lineno])
+        behaviour = _Behaviour(modules, Class(module, node), ancestors, text)
+        methods = [
+            (statement, receiver(statement))
+            for statement in node.body
+            if isinstance(statement, ast.FunctionDef | ast.AsyncFunctionDef)
+        ]
+        if {name for _, name in methods} <= {"self", None} and behaviour.is_plain(text):
+            continue
+        for statement, name in methods:
+            if name is not None:
+                yield from behaviour.uses(statement, name)
+
+
+def _valued(class_: Class) -> Iterator[ast.stmt]:
+    """Yield the statements of a class without those that only annotate a name."""
+    for statement in class_.node.body:
+        if not isinstance(statement, ast.AnnAssign) or statement.value:
+            yield statement
+
+
+def _parts(path: str) -> tuple[str, ...]:
+    return tuple(re.findall(r"\w+", path))
 
 
 def _is_generated(class_: Class | RuntimeClass) -> bool:
@@ -168,10 +210,13 @@ class _Behaviour:
     """A class derived from a generated one."""
 
     def __init__(
-        self, modules: Modules, class_: Class, ancestors: Sequence[Class | RuntimeClass]
+        self,
+        modules: Modules,
+        class_: Class,
+        ancestors: Sequence[Class | RuntimeClass],
+        text: str,
     ) -> None:
         self._modules = modules
-        self._names = modules.names(class_)
         self._component = next(
             (
                 each.node.name
@@ -180,20 +225,55 @@ class _Behaviour:
             ),
             "",
         ).removesuffix("Base")
+        self._class = class_
+        self._ancestors = ancestors
+        self._own = {*bound([*_valued(class_)]), *_SET.findall(text)}
+        """Names that the class sets, as far as its text tells."""
         self._declared: dict[str, tuple[str, Class | RuntimeClass | None]] = {}
         """Kind and class of what the generated classes declare, by name."""
         for each in reversed(ancestors):
             if _is_generated(each):
                 self._declared.update(self._declarations(each))
             elif isinstance(each, Class):
-                for name in modules.own_names(each, annotated=False) or ():
+                own = self._own if each is class_ else {*bound([*_valued(each)])}
+                for name in own:
                     self._declared.pop(name, None)
 
-        nodes = modules.nodes(class_.node)
-        used = {n.attr for n in nodes if isinstance(n, ast.Attribute)}
-        unused = [name for name in self._declared if name not in used | {"config"}]
-        self._unused = unused[0] if len(unused) == 1 else None
+    @cached_property
+    def _unused(self) -> str | None:
         """What the class does not use, if it is one name: likely that of something renamed."""
+        nodes = self._modules.nodes(self._class.node)
+        used = {node.attr for node in nodes if isinstance(node, ast.Attribute)}
+        unused = [name for name in self._declared if name not in used | {"config"}]
+        return unused[0] if len(unused) == 1 else None
+
+    @cached_property
+    def _names(self) -> frozenset[str] | None:
+        return self._modules.names(self._class)
+
+    def is_plain(self, text: str) -> bool:
+        """Return whether each name that the text of the class uses is known, without its tree."""
+        bases = [self._modules.own_names(each) for each in self._ancestors[1:]]
+        known = {*self._own, *bound(self._class.node.body)}.union(*filter(None, bases))
+        if None in bases:
+            return False
+        paths: dict[str, tuple[str, ...]] = {"self": ()}
+        for name, path in _ALIAS.findall(text):
+            if paths.setdefault(name, _parts(path)) != _parts(path):
+                return False
+        return all(
+            self._is_known((*prefix, *_parts(match[1])), known)
+            for name, prefix in paths.items()
+            for match in re.finditer(rf"\b{name}((?:[\s\\]*\.[\s\\]*\w+)+)", text)
+        )
+
+    def _is_known(self, path: Sequence[str], known: set[str]) -> bool:
+        kind, type_ = self._declared.get(path[0], ("", None))
+        members = [self._members(kind, type_, path[1:n])[0] for n in (2, 3)]
+        return path[0] in known and all(
+            names is None or len(path) < n or path[n - 1] in names
+            for n, names in enumerate(members, 2)
+        )
 
     def _declarations(
         self, class_: Class | RuntimeClass
