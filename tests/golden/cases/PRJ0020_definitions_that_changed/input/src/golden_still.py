@@ -1,0 +1,5 @@
+from rtgen.runtime import Component
+
+
+class Still(Component):
+    pass
