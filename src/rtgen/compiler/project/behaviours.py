@@ -125,7 +125,10 @@ class Behaviours:
             {e.path: e.text for e in self._artifacts if e.owner is Owner.RTGEN},
             {uses.module_of(project, file): t for file, t in self._texts.items()},
         )
+        skeletons = {e.text for e in self._artifacts if e.owner is Owner.USER}
         for file, text in self._texts.items():
+            if text in skeletons:  # as rtgen has written it
+                continue
             yield from _callbacks(project, file, text)
             used = self._used[file]
             for module in used.keys() - self._bases.keys():
