@@ -249,6 +249,42 @@ def test_attributes_of_what_is_not_known_stay_if_nothing_of_them_is_renamed(
     assert "shown.py:2:30: warning[PRJ0023]" in capfd.readouterr().err
 
 
+def test_a_new_project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
+    assert run(["new", "project", "plant"]) == 0
+    folder = tmp_path / "plant"
+    monkeypatch.chdir(folder)
+    for rename in (
+        "Scaler.state=output",
+        "Scaler=Multiplier",
+        "Multiplier.gain=factor",
+    ):
+        assert run(["generate", "-q", "--rename", rename]) == 0
+    assert run(["check"]) == 0
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout
+
+
+def test_copies_with_other_values_of_members(project: Path) -> None:
+    file = project / "src/heating/half.py"
+    file.write_text(
+        "from copy import deepcopy\nfrom dataclasses import replace\n\n"
+        "from warmth.heating import Power\n\n\n"
+        "def half(power: Power, watt: float) -> Power:\n"
+        "    return replace(deepcopy(power), watt=watt / 2) or replace(power, watt=watt)\n"
+    )
+    assert run(["generate", "-q", "--rename", "Heating::Power::watt=watts"]) == 0
+    text = file.read_text()
+    assert "replace(power, watts=watt)" in text
+    assert "def half(power: Power, watt: float)" in text
+
+
 def test_a_skeleton_makes_way_for_a_behaviour(project: Path) -> None:
     idl = (project / IDL).read_text()
     (project / IDL).write_text(idl.replace("component Heater", "component Radiator"))

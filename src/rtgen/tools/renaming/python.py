@@ -14,6 +14,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+from rtgen import runtime
 from rtgen.compiler.diagnostics import Diagnostic, Edit, Span
 from rtgen.compiler.project import shown
 from rtgen.compiler.project.rules import NOT_FOLLOWED
@@ -113,17 +114,12 @@ class _Resolver:
             str(sources.root), sys_path=folders, smart_sys_path=False
         )
         self._script: Callable[..., Any] = jedi.Script
-        names: dict[str, set[str | None]] = {}
-        for name, scope, _ in sources.modules.definitions():
-            last = name.rpartition(".")[2]
-            if last in words and scope.kind in ("class", "function"):
-                names.setdefault(last, set()).add(self._of_definition(name))
-        self._clear = {
-            last: (found.pop() or "") if len(found) == 1 else ""
-            for last, found in names.items()
-            if found != {None}
-        }
-        """The new names of members and arguments by word, empty if the word means several."""
+        self._members = {
+            name.rpartition(".")[2]
+            for name, scope, _ in sources.modules.definitions()
+            if scope.kind in ("class", "function") and self._of_definition(name)
+        } - _names_of_the_runtime()
+        """The last parts of the names of members and arguments that are renamed."""
 
     def edits(self, path: Path, text: str, doubts: list[Diagnostic]) -> Iterator[Edit]:
         """Yield the edits of a module."""
@@ -147,10 +143,12 @@ class _Resolver:
             new = self._new_name(name, is_attribute)
             function = keywords.get((name.line, name.column))
             if new is None and function is not None:
-                new = self._argument(script.goto(*function, follow_imports=True), old)
-            if new is None and (is_attribute or function is not None):
-                new = self._guessed(name)
-            if new == "":
+                functions = script.goto(*function.name, follow_imports=True)
+                new = self._argument(functions, old)
+                if new is None and function.first and _is_replace(functions):
+                    new = self._member(script.infer(*function.first), old)
+            is_member = is_attribute or function is not None
+            if new == "" or (new is None and is_member and self._is_doubtful(name)):
                 doubts.append(self._doubt(span, old))
             elif new is not None:
                 yield Edit(span, old, new)
@@ -226,12 +224,22 @@ class _Resolver:
                     return new
         return None
 
-    def _guessed(self, name: Any) -> str | None:
-        """Return the new name of an attribute or argument that nothing is known of.
+    def _member(self, types: Iterable[Any], word: str) -> str | None:
+        """Return the new name of a member of one of the types."""
+        found = (
+            self._inherited(each.full_name, word) for each in types if each.full_name
+        )
+        return next((new for new in found if new is not None), None)
 
-        It is empty if the word means several things, None if something is known.
-        """
-        return None if _definitions(name) else self._clear.get(name.name)
+    def _is_doubtful(self, name: Any) -> bool:
+        """Return whether nothing is known of what has a member or argument of that name."""
+        return name.name in self._members and not _definitions(name)
+
+
+def _names_of_the_runtime() -> set[str]:
+    """Return the names of members of the runtime's classes, which a rename never means."""
+    classes = (each for each in vars(runtime).values() if isinstance(each, type))
+    return {name for each in classes for name in dir(each)}
 
 
 def _definitions(name: Any) -> list[Any]:
@@ -239,8 +247,21 @@ def _definitions(name: Any) -> list[Any]:
     return [each for each in found if each.type != "namespace"]
 
 
-def _keywords(text: str) -> dict[tuple[int, int], tuple[int, int]]:
-    """Return the places of keyword arguments, with those of the names of their functions."""
+def _is_replace(functions: Iterable[Any]) -> bool:
+    """Return whether a function copies its first argument with other values of members."""
+    return any((each.full_name or "").endswith(".replace") for each in functions)
+
+
+@dataclass(frozen=True, slots=True)
+class _Call:
+    """The places of the name of a function, and of the end of its first argument."""
+
+    name: tuple[int, int]
+    first: tuple[int, int] | None
+
+
+def _keywords(text: str) -> dict[tuple[int, int], _Call]:
+    """Return the calls of a module by the places of their keyword arguments."""
     try:
         tree = ast.parse(text)
     except (SyntaxError, ValueError, RecursionError):
@@ -250,9 +271,12 @@ def _keywords(text: str) -> dict[tuple[int, int], tuple[int, int]]:
     def place(line: int, octets: int) -> tuple[int, int]:
         return line, len(lines[line - 1].encode()[:octets].decode(errors="replace"))
 
+    def end(node: ast.expr) -> tuple[int, int]:
+        return place(node.end_lineno or 1, (node.end_col_offset or 1) - 1)
+
     return {
-        place(keyword.lineno, keyword.col_offset): place(
-            node.func.end_lineno or 1, (node.func.end_col_offset or 1) - 1
+        place(keyword.lineno, keyword.col_offset): _Call(
+            end(node.func), end(node.args[0]) if node.args else None
         )
         for node in ast.walk(tree)
         if isinstance(node, ast.Call)
