@@ -159,7 +159,7 @@ def test_the_adapter_of_the_hint_removes_the_finding(
     assert found is not None, hint
     assert re.findall(r'"([\w.]+)" = ', found[3]) == members
     (folder / "rtgen.toml").write_text(
-        "\n".join(['[sources]\npaths = ["a.idl"]\n[adapter.Conv]', *found.groups(), ""])
+        "\n".join(['[sources]\npaths = ["."]\n[adapter.Conv]', *found.groups(), ""])
     )
     (folder / "s.xml").write_text(
         system(

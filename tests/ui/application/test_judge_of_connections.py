@@ -282,6 +282,7 @@ ASKERS: Final[dict[str, Asker]] = {
     "lint": command("lint", file=WIRED, source=True),
     "check": command("check", file=WIRED, source=True),
     "inspect": command("inspect", WIRED, "ends.idl", file=WIRED),
+    "inspect of a system alone": command("inspect", WIRED, file=WIRED),
     "generate": command(
         *("generate", "--target", "openrtm", "-o", "openrtm"), file=WIRED, source=True
     ),

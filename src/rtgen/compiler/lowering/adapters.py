@@ -206,9 +206,11 @@ class _Maker:
         )
 
     def _units(self, struct: Struct, stated: Mapping[tuple[str, ...], str]) -> str:
-        """Return each unit of a struct's members once: the stated ones, else the defined ones."""
+        """Return each unit of a struct's real numbers once: stated ones, else the defined."""
         every = (
-            stated.get(leaf.path, leaf.unit) for leaf in leaves(self.model, struct)
+            stated.get(leaf.path, leaf.unit)
+            for leaf in leaves(self.model, struct)
+            if leaf.path in stated or is_real(self.model, leaf.type)
         )
         return ", ".join(dict.fromkeys(unit for unit in every if unit))
 

@@ -142,11 +142,17 @@ def _inspected(
 def _checked(
     system: System, project: Project | None
 ) -> tuple[Sequence[System], Sequence[Diagnostic]]:
-    """Return the system with the definitions' port names; without a project, unchanged."""
+    """Return the system with the definitions' port names; without a project, unchanged.
+
+    Without one, its connections are judged by the project around it.
+    """
     from rtgen.compiler import compilation
+    from rtgen.compiler.judging import Judge
+    from rtgen.compiler.project import load_around
     from rtgen.compiler.systems import checks, reading
 
     if project is None:
-        diagnostics = checks.check_properties(system)
-        return [system], checks.as_warnings(diagnostics)
+        of_properties = checks.as_warnings(checks.check_properties(system))
+        judgement = Judge(load_around(Path(system.file))).of_system(system)
+        return [system], [*of_properties, *judgement.diagnostics]
     return reading.against([system], compilation.read(project, lowered=True))
