@@ -115,7 +115,7 @@ def _findings(
         result = replace(result, sources=added.sources)
     reported = {*result.diagnostics, *of_systems}
     of_outputs = [each for each in of_outputs if each not in reported]
-    of_behaviours = behaviours.misspelt_callbacks(project) if whole else []
+    of_behaviours = behaviours.check_texts(project) if whole else []
     diagnostics = findings(
         project,
         result,

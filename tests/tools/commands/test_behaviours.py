@@ -168,6 +168,56 @@ def test_a_callback_can_be_ignored(capfd: pytest.CaptureFixture[str]) -> None:
     assert "PRJ0014" not in err
 
 
+@pytest.mark.parametrize(
+    ("text", "code", "line", "severity"),
+    [
+        ("def f(:\n", "PRJ0024", 1, "error"),
+        ("x = 1\n\ny = 'unclosed\n", "PRJ0024", 3, "error"),
+        ("if x:\npass\n", "PRJ0024", 2, "error"),
+        ("x = '\0'\n", "PRJ0024", 1, "error"),
+        ("class Controler: ...\n", "PRJ0025", 1, "warning"),
+        ("", "PRJ0025", 1, "warning"),
+    ],
+)
+def test_a_module_that_no_run_can_use(
+    text: str, code: str, line: int, severity: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    Path(CONTROLLER).write_text(text)
+    assert run(["check", "--diagnostics", "json"]) == (2 if severity == "error" else 1)
+    [finding] = _findings(capfd)
+    assert (finding["code"], finding["severity"]) == (code, severity)
+    assert (finding["file"], finding["line"]) == (CONTROLLER, line)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "class Controller: ...\n",
+        "from elsewhere import Controller\n",
+        "from elsewhere import *\n",
+        "Controller = make()\n",
+        "def Controller(name): ...\n",
+        "if True:\n    class Controller: ...\n",
+    ],
+)
+def test_a_behaviour_is_whatever_has_its_name(text: str) -> None:
+    Path(CONTROLLER).write_text(text)
+    assert run(["check", "--only", "behaviours"]) == 0
+
+
+def test_a_behaviour_that_does_not_exist_is_created_or_named(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    Path(CONTROLLER).unlink()
+    assert run(["check"]) == 1
+    err = capfd.readouterr().err
+    assert f"warning[PRJ0025]: {CONTROLLER}, the behaviour of Controller" in err
+    assert "rtgen generate creates its skeleton" in err
+    with Path("rtgen.toml").open("a") as settings:
+        settings.write('\n[components]\nController = "elsewhere:Controller"\n')
+    assert run(["check", "--only", "behaviours"]) == 0
+
+
 KITCHEN = """\
 module Kitchen {
     enum Mode { OFF, BAKE };
@@ -208,8 +258,8 @@ def oven(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def _uses(file: Path, text: str, capfd: pytest.CaptureFixture[str]) -> list[str]:
-    """Return the words at the places of the findings of a check."""
-    file.write_text(text)
+    """Return the words at the places of the findings of a check of a module with an Oven."""
+    file.write_text(text if "class Oven" in text else f"{text}\n\nclass Oven: ...\n")
     capfd.readouterr()
     code = run(["check", "--only", "behaviours", "--diagnostics", "json"])
     findings = _findings(capfd)
@@ -297,7 +347,6 @@ MODULES = {
     f"{HEAD}class First(OvenBase): ...\nclass Oven(First):\n"
     "    def m(self): return self.gone": ["gone"],
     f"{HEAD}class Oven(OvenBase):\n    gone: int\n    def m(self): return self.gone": [],
-    f"{HEAD}class Oven(OvenBase):\n    def m(self): self.gone(\n": [],
     "import myrobot.components.oven as o\nclass Oven(o.OvenBase):\n"
     "    def m(self): return self.gone": ["gone"],
 }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path, PurePosixPath
 
@@ -17,6 +17,8 @@ from rtgen.compiler.project.behaviour_classes import Modules
 from rtgen.compiler.project.rules import (
     LEFTOVER_SKELETON,
     MISSPELT_CALLBACK,
+    NO_BEHAVIOUR,
+    NOT_PYTHON,
     UNKNOWN_NAME,
 )
 from rtgen.compiler.project.skeletons import is_skeleton
@@ -24,7 +26,13 @@ from rtgen.compiler.typemap.components.actions import ACTIONS
 from rtgen.facts.encodings import decode
 from rtgen.facts.files import UnreadableError, is_file, read_file
 
-RULES = (LEFTOVER_SKELETON, UNKNOWN_NAME, MISSPELT_CALLBACK)
+RULES = (
+    LEFTOVER_SKELETON,
+    UNKNOWN_NAME,
+    MISSPELT_CALLBACK,
+    NOT_PYTHON,
+    NO_BEHAVIOUR,
+)
 """The rules of behaviours."""
 
 _CALLBACKS = frozenset(action.method for action in ACTIONS)
@@ -125,11 +133,12 @@ class Behaviours:
             {e.path: e.text for e in self._artifacts if e.owner is Owner.RTGEN},
             {uses.module_of(project, file): t for file, t in self._texts.items()},
         )
+        yield from self._missing(known)
         skeletons = {e.text for e in self._artifacts if e.owner is Owner.USER}
         for file, text in self._texts.items():
             if text in skeletons:  # as rtgen has written it
                 continue
-            yield from _callbacks(project, file, text)
+            yield from _of_text(project, file, text)
             used = self._used[file]
             for module in used.keys() - self._bases.keys():
                 yield LEFTOVER_SKELETON.at(
@@ -139,6 +148,38 @@ class Behaviours:
                     hint=self._renamed(module),
                 )
             yield from uses.findings(project, known, file, text)
+
+    def _missing(self, known: Modules) -> Iterator[Diagnostic]:
+        """Yield the components whose module, or class in it, is not where a run looks for it."""
+        awaited = self.awaited()
+        elsewhere = dict(self._project.components)
+        for artifact in self._artifacts:
+            if artifact.owner is not Owner.USER or artifact.path in awaited:
+                continue
+            name = [*re.finditer(r"^class (\w+)\(", artifact.text, re.M)][-1][1]
+            file = self._project.skeletons / artifact.path
+            if name in elsewhere:
+                continue
+            if not is_file(file):
+                yield NO_BEHAVIOUR.at(
+                    Span(artifact.origin[0], 1, 1, 1, 2) if artifact.origin else None,
+                    f"{shown(file)}, the behaviour of {name}, does not exist",
+                    hint="rtgen generate creates its skeleton",
+                )
+                continue
+            if re.search(rf"^class {name}\b", self._texts[shown(file)], re.M):
+                continue
+            module = uses.module_of(self._project, shown(file))
+            names = known.bound_in(module)
+            if names is not None and name not in names:
+                found = known.find(module)
+                near = _nearest(name, found.classes if found else ())
+                advice = f"rename {near}" if near else "define it"
+                yield NO_BEHAVIOUR.at(
+                    Span(shown(file), 1, 1, 1, 2),
+                    f"the module has no class {name}, the behaviour that a run looks for here",
+                    hint=f"{advice}, or name it in [components] of rtgen.toml",
+                )
 
     def _renamed(self, module: str) -> str:
         """Return what to do about a behaviour whose component has gone."""
@@ -155,8 +196,10 @@ class Behaviours:
         return f"was it renamed to {' or '.join(names)}? {commands}"
 
 
-def misspelt_callbacks(project: Project) -> list[Diagnostic]:
-    """Return diagnostics for misspelt callbacks in the modules of the folder of skeletons.
+def check_texts(project: Project) -> list[Diagnostic]:
+    """Return what the modules of the folder of skeletons show by themselves.
+
+    These are texts that are not Python, and misspelt callbacks.
 
     Raises ToolError for an unreadable module.
     """
@@ -164,7 +207,7 @@ def misspelt_callbacks(project: Project) -> list[Diagnostic]:
         return [
             f
             for file, text in _texts(project, ()).items()
-            for f in _callbacks(project, file, text)
+            for f in _of_text(project, file, text)
         ]
 
 
@@ -193,14 +236,25 @@ def _text(file: Path) -> str:
         raise ToolError(f"cannot read {shown(file)}: {error}") from error
 
 
+def _of_text(project: Project, file: str, text: str) -> Iterator[Diagnostic]:
+    """Yield what Python says about a module that it cannot read, else misspelt callbacks."""
+    try:
+        ast.parse(text)
+    except SyntaxError as error:
+        line, column = error.lineno or 1, max(error.offset or 1, 1)
+        span = Span(file, line, column, line, column + 1)
+        yield NOT_PYTHON.at(span, f"Python cannot read this: {error.msg}")
+    except (ValueError, RecursionError) as error:
+        yield NOT_PYTHON.at(Span(file, 1, 1, 1, 2), f"Python cannot read this: {error}")
+    else:
+        yield from _callbacks(project, file, text)
+
+
 def _callbacks(project: Project, file: str, text: str) -> Iterator[Diagnostic]:
     """Yield methods with nearly the name of a callback, which nothing in the module uses."""
     if not _MISSPELT.search(text):
         return
-    try:
-        tree = ast.parse(text)
-    except (SyntaxError, ValueError, RecursionError):
-        return  # reported when the module is imported
+    tree = ast.parse(text)
     bases = {
         alias.asname or alias.name
         for node in tree.body
@@ -244,6 +298,13 @@ def _callback_meant(name: str) -> str | None:
     word = name.replace("_", "").lower()
     close = get_close_matches(word, folded, n=1, cutoff=0.85)
     return folded[close[0]] if close else None
+
+
+def _nearest(word: str, candidates: Iterable[str]) -> str | None:
+    # imported lazily, for reports only
+    from rtgen.compiler.frontends.kit.suggestions import nearest
+
+    return nearest(word, sorted(candidates))
 
 
 def _span(file: str, text: str, begin: int, end: int) -> Span:

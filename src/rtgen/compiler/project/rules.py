@@ -39,6 +39,8 @@ NO_PLUGIN = Rule(
 )
 NO_RENAME = Rule("PRJ0022", "rename that cannot be done", Severity.ERROR)
 NOT_FOLLOWED = Rule("PRJ0023", "use that a rename did not follow", Severity.WARNING)
+NOT_PYTHON = Rule("PRJ0024", "behaviour that Python cannot read", Severity.ERROR)
+NO_BEHAVIOUR = Rule("PRJ0025", "component without a behaviour", Severity.WARNING)
 SAME_PATH = Rule("PRJ0101", "two files of one name", Severity.ERROR)
 LEAVES_OUTPUT = Rule("PRJ0102", "file outside the output folder", Severity.ERROR)
 LINK_IN_OUTPUT = Rule("PRJ0103", "link in the output folder", Severity.ERROR)

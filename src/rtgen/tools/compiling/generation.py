@@ -8,6 +8,7 @@ from pathlib import Path
 import msgspec
 from msgspec.structs import replace
 
+from rtgen.compiler.diagnostics import has_errors
 from rtgen.compiler.kit import stages
 from rtgen.compiler.project import Project, behaviours, cache, shown
 from rtgen.compiler.project import output as writer
@@ -76,7 +77,7 @@ def generate_once(console: Console, request: Request) -> tuple[int, Iterable[Pat
             "of a line through(RTCPlugin), build.bat and build.sh, and the profile of the "
             "marshaller, come with corba = true in [tecs] of rtgen.toml, or --target openrtm"
         )
-    return OK, looked_for
+    return BAD_INPUT if has_errors(of_users.diagnostics) else OK, looked_for
 
 
 def _lacks_build_scripts(project: Project, done: writer.Plan) -> bool:
