@@ -47,7 +47,8 @@ OWN_FILES = {
 
 WRITERS = {
     "cli/__init__.py _unwritable",
-    "cli/adopt.py adopt",
+    "tools/components/conversion.py Converted.write",
+    "tools/docs/building.py build",
     "tools/kit/console.py discard_unread",
     "cli/lsp.py lsp",
     "tools/running/trajectory.py check_picture",
