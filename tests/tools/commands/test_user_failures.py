@@ -190,7 +190,8 @@ def test_lost_samples_are_reported_with_port_reason_and_advice(
     assert capfd.readouterr().out.splitlines()[-1] == (
         "Controller0.temperature: 12 samples of Heater0.temperature lost: the buffer of 8 "
         "was full, newer ones took their place; read while is_new(), or read_newest(), in "
-        "each tick"
+        "each tick; where more come between two ticks, dataport.buffer.length of the connection "
+        "holds them"
     )
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Final, TypeAlias
 
 from rtgen.compiler.diagnostics import Diagnostic, InputError, Span, ToolError
+from rtgen.compiler.frontends.kit.suggestions import guess
 from rtgen.compiler.kit import toml_text
 from rtgen.compiler.kit.xml_text import NOT_IN_XML
 from rtgen.compiler.model import PortReference, System
@@ -291,7 +292,9 @@ class _Reader:
             if kinds[0] == "connect" and key != "t" and key not in _ORDER:
                 choices = ", ".join(_ORDER)
                 place = self._span("at", number, key)
-                self._refuse(place, f"unknown key {key!r}; known: t, {choices}")
+                message = f"unknown key {key!r}; known: t, {choices}"
+                hint = guess(key, ("t", *_ORDER))
+                self.findings.append(TIMELINE.at(place, message, hint=hint))
         for kind in kinds:
             span = self._span("at", number, kind)
             values = entry.get(kind, [])

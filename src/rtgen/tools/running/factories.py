@@ -60,7 +60,10 @@ class Factories:
         close = get_close_matches(type_name, self._targets, n=1)
         if close:
             return f"did you mean {close[0]!r}?"
-        return "name its factory in [components] of rtgen.toml, or install its package"
+        return (
+            "run rtgen generate if a definition has it; else name its factory in [components]"
+            " of rtgen.toml, or install its package"
+        )
 
     def __contains__(self, type_name: str) -> bool:
         return type_name in self._targets

@@ -76,7 +76,10 @@ class Losses:
         )
         is_active = state is runtime.ACTIVE_STATE
         idle = self._idle.get(connector, 0) if is_active else self._unread(connector)
-        do = "read while is_new(), or read_newest(), in each tick"
+        do = (
+            "read while is_new(), or read_newest(), in each tick; where more come between two"
+            " ticks, dataport.buffer.length of the connection holds them"
+        )
         if idle >= full and not is_active:
             do = f"{instance} is in {name_of(state)} and does not read"
         elif idle >= full:

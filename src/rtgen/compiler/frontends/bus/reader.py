@@ -29,6 +29,7 @@ from rtgen.compiler.frontends.eds.rules.lexical import MISSING_FILE, UNREADABLE
 from rtgen.compiler.frontends.kit import characters
 from rtgen.compiler.frontends.kit.located_toml import Path as Place
 from rtgen.compiler.frontends.kit.located_toml import Toml
+from rtgen.compiler.frontends.kit.suggestions import guess
 from rtgen.compiler.kit.toml_text import TomlError
 from rtgen.compiler.model.can_bus import Bus, BusNode, DeviceKind, PdoLink
 from rtgen.compiler.model.canopen import (
@@ -151,7 +152,9 @@ class _Reader:
             kind = kinds.get(node["device"])
             if node["device"] not in content["device"]:
                 message = f"there is no [device.{node['device']}]"
-                self._report(rules.UNKNOWN_DEVICE, ("node", name, "device"), message)
+                span = self._toml.span(("node", name, "device"))
+                hint = guess(node["device"], content["device"])
+                self._findings.report(rules.UNKNOWN_DEVICE.at(span, message, hint=hint))
             elif kind and (bus_node := self._node(name, kind)) is not None:
                 nodes.append(bus_node)
         if self._findings.errors:

@@ -10,6 +10,7 @@ from rtgen.compiler.diagnostics import Diagnostic, InputError, Rule, Severity
 from rtgen.compiler.frontends.kit import characters, located_xml
 from rtgen.compiler.frontends.kit.findings import Findings
 from rtgen.compiler.frontends.kit.located_xml import Element
+from rtgen.compiler.frontends.kit.suggestions import nearest
 from rtgen.compiler.frontends.profiles import profile_yaml
 from rtgen.compiler.frontends.profiles.profile_yaml import YAML_SUFFIXES
 from rtgen.facts import files
@@ -42,8 +43,22 @@ def read(path: Path, file: str, report: Callable[[Diagnostic], None]) -> bytes |
     try:
         return files.read_file(path, _MAX_BYTES)
     except UnreadableError as error:
-        report(UNREADABLE.at(None, f"cannot open {file}: {error}"))
+        near = None if path.exists() else _near(path)
+        hint = f"did you mean {Path(file).with_name(near)}?" if near else None
+        report(UNREADABLE.at(None, f"cannot open {file}: {error}", hint=hint))
         return None
+
+
+def _near(path: Path) -> str | None:
+    """Return the name of the profile that a missing file is likely meant as."""
+    try:
+        names = [each.name for each in path.parent.iterdir()]
+    except OSError:
+        return None
+    of_profiles = [n for n in names if n.lower().endswith((".xml", *YAML_SUFFIXES))]
+    if path.name == "system.xml" and len(of_profiles) == 1:
+        return of_profiles[0]
+    return nearest(path.name, sorted(of_profiles))
 
 
 def text_of(
