@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import re
+import sys
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
@@ -283,10 +284,21 @@ def _runtime_names(module: str, name: str) -> frozenset[str] | None:
         names = {*dir(class_)}
         for base in class_.__mro__:
             if base.__module__.startswith(_OWN):
-                names.update(_ASSIGNED.findall(getsource(base)))
+                names.update(_ASSIGNED.findall(_source(base)))
     except (ImportError, AttributeError, OSError, TypeError):
         return None  # of an extra that is missing, or not a class
     return frozenset(names)
+
+
+def _source(class_: type) -> str:
+    """Return the source of a class, without the syntax tree that `getsource` makes of its module.
+
+    Raises OSError if there is none.
+    """
+    module = getsource(sys.modules[class_.__module__])
+    pattern = rf"^class {class_.__name__}\b.*?(?=^[^\s#)]|\Z)"
+    match = re.search(pattern, module, re.M | re.S)
+    return getsource(class_) if match is None else match[0]
 
 
 def receiver(function: _Function) -> str | None:
