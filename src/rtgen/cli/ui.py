@@ -88,7 +88,8 @@ def ui(
         systems = () if name_servers else (systems,)
     if not systems and not name_servers:
         raise click.UsageError(
-            "Missing argument 'SYSTEM...', or option '--nameserver', or `[run] system`."
+            "Missing argument 'SYSTEM...', or option '--nameserver'. "
+            "`[run] system` in rtgen.toml names a system, too."
         )
     from rtgen.ui.launch import UiOptions, served
 
