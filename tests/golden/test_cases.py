@@ -32,6 +32,11 @@ def files_of(folder: Path) -> dict[str, bytes]:
     }
 
 
+def places_of(folder: Path) -> set[Path]:
+    """Return all files and folders below a folder but those of Python's bytecode."""
+    return {path for path in folder.rglob("*") if "__pycache__" not in path.parts}
+
+
 def arguments(settings: Mapping[str, Any]) -> list[str]:
     """Return the command line of a case; `rtgen lint` ignores the rules that it is not about.
 
@@ -73,7 +78,7 @@ def test_case(
     work.mkdir()
     if (folder / "input").is_dir():
         shutil.copytree(folder / "input", work, dirs_exist_ok=True)
-    before, places = files_of(work), set(work.rglob("*"))
+    before, places = files_of(work), places_of(work)
     monkeypatch.chdir(work)
     monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
     code = run(arguments(settings))
@@ -99,4 +104,4 @@ def test_case(
         assert stored[name].splitlines(keepends=True) == lines, f"{name} in {work}"
     assert set(before) <= set(after) | set(settings.get("removed", ()))
     if code == 2:
-        assert set(work.rglob("*")) == places
+        assert places_of(work) == places

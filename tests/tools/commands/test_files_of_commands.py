@@ -308,7 +308,7 @@ ROWS: Mapping[str, tuple[Row, ...]] = {
 FOLDERS = frozenset(("include",))
 """Parameters for folders that are only searched."""
 
-_FILE = re.compile(r"FILE|PATH|FOLDER|DIR$|SYSTEM|TOML|OLD|DIR\b")
+_FILE = re.compile(r"FILE|PATH|FOLDER|DIR$|SYSTEM|TOML|OLD(?!=)|DIR\b")
 
 
 def parameters(

@@ -157,4 +157,4 @@ def test_a_client_that_counts_octets(tmp_path: Path) -> None:
 
 def test_help_has_an_example(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["lsp", "--help"]) == 0
-    assert 'args = ["lsp"]' in capsys.readouterr().out
+    assert "Example: rtgen lsp" in capsys.readouterr().out

@@ -4,21 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import msgspec
 
 from rtgen.compiler.diagnostics import Diagnostic, InputError, Span
+from rtgen.compiler.project.file import ENGINES, Settings, read
 from rtgen.compiler.project.paths import find, normal, shown, shown_path
 from rtgen.compiler.project.rules import PATH_MISSING, RUN_CONFLICT
-
-if TYPE_CHECKING:
-    from rtgen.compiler.project.file import Settings
-
-ENGINES = ("dds", "zenoh")
-"""Transports that join the processes of a partition."""
-TRANSPORTS = ("direct", "corba", *ENGINES)
-"""Transports that are no plug-ins."""
 
 
 class RunTable(msgspec.Struct, frozen=True, kw_only=True):
@@ -53,9 +45,7 @@ def load_run_table() -> RunTable:
     file = find(Path().absolute())
     if file is None:
         return RunTable()
-    from rtgen.compiler.project import file as project_file
-
-    settings = project_file.read(file, shown(file))
+    settings = read(file, shown(file))
     findings = [*run_findings(settings, file.parent)]
     if findings:
         raise InputError(findings)

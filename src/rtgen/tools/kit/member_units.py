@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Final, TypeAlias
 
 from rtgen.compiler.typemap.member_units import unit_in
+from rtgen.facts.files import read_file
 from rtgen.runtime import ComponentProfile, InPort, OutPort
 from rtgen.runtime.marshalling.descriptors import (
     ArrayDescriptor,
@@ -164,7 +165,7 @@ def _changed(file: str) -> int:
 def _in_module(file: str, changed: int) -> Mapping[str, Mapping[str, str]]:
     """Return the comments of the attributes of a module's classes; none if it cannot be read."""
     try:
-        tree = ast.parse(Path(file).read_bytes())
+        tree = ast.parse(read_file(Path(file)))
     except (OSError, SyntaxError, ValueError):
         return {}
     return {
