@@ -53,9 +53,9 @@ def check(
 
     PATH is read as by generate. In this order: generated files that are not those of the
     definitions (drift), systems against the definitions, the timeline.toml beside a system.xml,
-    units of connected ports, behaviours against the definitions, and errors of lint. Exit code 0:
-    nothing; 1: drift, or warnings of timelines or behaviours; 2: errors of the other parts.
-    A finding about a generated file is at its definition, and its differences are printed.
+    units, also those of connected ports, behaviours against the definitions, and errors of lint.
+    Exit code 0: nothing; 1: drift, or warnings of timelines or behaviours; 2: errors of the other
+    parts. A finding about a generated file is at its definition, and its differences are printed.
     Nothing is written, and no behaviour is executed.
     """
     project = project_of(

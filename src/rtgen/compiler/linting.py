@@ -7,9 +7,10 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from rtgen.compiler.diagnostics import Diagnostic, Severity, Span, has_errors, in_order
 from rtgen.compiler.diagnostics.explain import rules, similar
 from rtgen.compiler.frontends import FrontendResult
-from rtgen.compiler.kit import plugins, stages
-from rtgen.compiler.lint import ON_DEMAND, fixes
+from rtgen.compiler.kit import stages
+from rtgen.compiler.lint import OF_UNITS, ON_DEMAND, fixes
 from rtgen.compiler.lint import lint as check
+from rtgen.compiler.lint.rules import MISSPELT_UNIT, OTHER_FACTOR
 from rtgen.compiler.lint.suppressions import FilePattern, suppressed
 from rtgen.compiler.project import Project, shown
 from rtgen.compiler.project.rules import UNKNOWN_CODE
@@ -19,6 +20,8 @@ _PREFIXES = ("IDL", "CDL0", "EDS", "LINT", "TXT")
 """Prefixes of the codes that `rtgen lint` reports."""
 _SYSTEM_CODES = frozenset(rule.code for rule in SYSTEM_RULES)
 """The codes of diagnostics about systems."""
+UNIT_CODES = frozenset((MISSPELT_UNIT.code, OTHER_FACTOR.code))
+"""The codes of warnings about units of definitions."""
 
 
 def findings(
@@ -57,13 +60,11 @@ def findings(
     return fixes.attached(in_order(remaining), result.sources)
 
 
-def errors(project: Project, result: FrontendResult) -> list[Diagnostic]:
-    """Return the errors among the diagnostics of lint rules.
+def of_check(project: Project, result: FrontendResult) -> list[Diagnostic]:
+    """Return what `rtgen check` reports of lint rules: those of units, and errors.
 
-    Those of rtgen warn and note (a test checks that), so only the rules of plug-ins run.
+    Other rules of rtgen warn and note (a test checks that), so only those of plug-ins run.
     """
-    if not plugins.announced(plugins.Group.LINT):
-        return []
     with stages.stage("lint rules"):
         diagnostics = check(
             result.model,
@@ -71,9 +72,13 @@ def errors(project: Project, result: FrontendResult) -> list[Diagnostic]:
             select={code.upper() for code in project.selected},
             options=project.plugins,
             target=project.target,
-            only_plugins=True,
+            checks=OF_UNITS,
         )
-    return [each for each in diagnostics if each.severity is Severity.ERROR]
+    return [
+        each
+        for each in diagnostics
+        if each.severity is Severity.ERROR or each.code in UNIT_CODES
+    ]
 
 
 def wanted(

@@ -293,6 +293,24 @@ def test_units_of_connected_ports(kind: str, capfd: pytest.CaptureFixture[str]) 
     assert findings(capfd, "--only", "systems", code=0) == []
 
 
+def test_a_misspelt_unit_is_found(capfd: pytest.CaptureFixture[str]) -> None:
+    Path(FILE).write_text(
+        IDL.replace(
+            "    attribute double target",
+            '    @unit("celcius") attribute double target',
+        )
+    )
+    assert run(["generate", "-q"]) == 0
+    for words in (["--only", "units"], [], ["--no-cache"]):
+        capfd.readouterr()
+        assert run(["check", *words]) == 0
+        err = capfd.readouterr().err
+        assert f"{FILE}:{LINES['Thermostat'] + 4}:" in err
+        assert "warning[LINT0024]: 'celcius' is not a unit" in err
+    assert run(["check", "--only", "lint", "--only", "systems"]) == 0
+    assert "LINT0024" not in capfd.readouterr().err
+
+
 @pytest.mark.usefixtures("system")
 def test_a_new_system_module_or_timeline_is_checked_at_once(
     capfd: pytest.CaptureFixture[str],

@@ -22,10 +22,11 @@ from rtgen.compiler.lint.context import Context
 from rtgen.compiler.lint.rules import ON_DEMAND
 from rtgen.compiler.model import Model
 
-__all__ = ["ON_DEMAND", "lint"]
+__all__ = ["OF_UNITS", "ON_DEMAND", "lint"]
 
 _Check: TypeAlias = Callable[[Context], Iterable[Diagnostic]]
 
+OF_UNITS: tuple[_Check, ...] = (units.texts, units.factors)
 _CHECKS: tuple[_Check, ...] = (
     usage.includes,
     usage.typedefs,
@@ -47,8 +48,7 @@ _CHECKS: tuple[_Check, ...] = (
     devices.names,
     devices.unreachable,
     tecs.signatures,
-    units.texts,
-    units.factors,
+    *OF_UNITS,
 )
 
 
@@ -65,24 +65,23 @@ def lint(
     select: Collection[str] = (),
     options: Mapping[str, Mapping[str, Any]] | None = None,
     target: str = "",
-    only_plugins: bool = False,
+    checks: Iterable[_Check] = _CHECKS,
 ) -> list[Diagnostic]:
-    """Return the diagnostics of built-in checks and of plug-ins for the given files, in order.
+    """Return the diagnostics of `checks` and of plug-ins' checks for the given files, in order.
 
     `sources` maps displayed paths to texts; `options` has the table `[plugin.NAME]` of rtgen.toml
     for each name, `target` is the platform of components. Rules of ON_DEMAND only run if `select`
-    has their codes; `only_plugins`: no built-in rule runs.
+    has their codes.
     """
     context = Context(model, sources, options or {}, target)
-    own = (
+    own: Iterable[_Check] = (
         partial(_by_plugin, name, check)
         for name, check in plugins.loaded(plugins.Group.LINT)
     )
-    checks: Iterable[_Check] = (*(() if only_plugins else _CHECKS), *own)
     left_out = {rule.code for rule in ON_DEMAND} - set(select)
     return in_order(
         finding
-        for check in checks
+        for check in (*checks, *own)
         for finding in check(context)
         if finding.code not in left_out
     )

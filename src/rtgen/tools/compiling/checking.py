@@ -139,8 +139,7 @@ def _made(
         ),
         *known.diagnostics,
     ]
-    if plugins.announced(plugins.Group.LINT):
-        diagnostics += linting.errors(project, definitions.read(lowered=False))
+    diagnostics += linting.of_check(project, definitions.read(lowered=False))
     findings = [d for d in diagnostics if d.severity is not Severity.NOTE]
     files: set[Path] = set()
     for path in project.systems:
@@ -157,9 +156,10 @@ def _made(
 
 def _part(finding: Diagnostic, project: Project) -> Part:
     """Return the part that a diagnostic belongs to."""
+    from rtgen.compiler import linting
     from rtgen.compiler.systems import units
 
-    if finding.code in {rule.code for rule in units.RULES}:
+    if finding.code in {*linting.UNIT_CODES, *(rule.code for rule in units.RULES)}:
         return Part.UNITS
     if finding.code in {rule.code for rule in behaviours.RULES}:
         return Part.BEHAVIOURS
