@@ -6,7 +6,7 @@ from math import hypot, pi
 from pathlib import Path
 
 import pytest
-from bench import Bench
+from component_bench import Bench
 from hypothesis import given
 from hypothesis import strategies as st
 from pipeline import NAVIGATION

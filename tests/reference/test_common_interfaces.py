@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bench import Bench
+from component_bench import Bench
 
 from refnav.geometry import wrap
 from refnav.odometry import Odometry

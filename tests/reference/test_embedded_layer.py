@@ -6,7 +6,7 @@ from math import hypot, pi
 from pathlib import Path
 
 import pytest
-from bench import Bench
+from component_bench import Bench
 from pipeline import build, profile
 
 from refnav.contents_interpretation import ContentsInterpretation

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import pi
 
 import pytest
-from bench import Bench
+from component_bench import Bench
 
 from refnav.localize_center import ANNOUNCEMENTS, LocalizeCenter
 from refnav.odometry_rh2 import OdometryRh2

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 
 import pytest
-from bench import Bench
+from component_bench import Bench
 
 from refnav.navigation import Navigation
 from refrobots import iis, rtc

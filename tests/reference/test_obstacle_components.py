@@ -7,7 +7,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from bench import Bench
+from component_bench import Bench
 from pipeline import NAVIGATION
 
 from refnav import disp_position, obstacle_monitor

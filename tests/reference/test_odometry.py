@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import pi
 
 import pytest
-from bench import Bench
+from component_bench import Bench
 from hypothesis import given
 from hypothesis.strategies import floats, lists, tuples
 

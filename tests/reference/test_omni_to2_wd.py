@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from bench import Bench
+from component_bench import Bench
 
 from refnav.omni_to2_wd import OmniTo2WD
 from refrobots import iis, rtc

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 import pytest
-from bench import Bench
+from component_bench import Bench
 
 from refnav.path_follower import PathFollower
 from refrobots import iis, rtc

@@ -6,7 +6,7 @@ from math import pi
 from pathlib import Path
 
 import pytest
-from bench import Bench
+from component_bench import Bench
 
 from refnav.path_planning import PathPlanning
 from refrobots import iis, rtc

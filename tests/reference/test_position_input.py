@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 
 import pytest
-from bench import Bench
+from component_bench import Bench
 from patience import until
 
 from refnav.position_input import PositionInput

@@ -6,7 +6,7 @@ from itertools import pairwise
 from math import tau
 
 import pytest
-from bench import Bench
+from component_bench import Bench
 
 from refnav.ref_hard_rh3 import RefHardRh3
 from refrobots import RefHard, iis, rtc

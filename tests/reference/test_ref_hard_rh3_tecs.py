@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import tau
 
 import pytest
-from bench import Bench
+from component_bench import Bench
 
 from refnav.ref_hard_rh3_tecs import RefHardRh3Tecs
 from refrobots import RefHard, iis, rtc

@@ -6,7 +6,7 @@ from math import hypot
 from pathlib import Path
 
 import pytest
-from bench import Bench
+from component_bench import Bench
 
 from refnav.aist_joystick import AistJoystick
 from refnav.black_ship_control import BlackShipControl

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bench import Bench
+from component_bench import Bench
 
 from refnav.base_control import TravelSwitch
 from refnav.collision_detection import CollisionDetection

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import click
 
 from rtgen.cli.groups import SectionedGroup
+from rtgen.cli.help import HELP
 from rtgen.facts.version import __version__
 from rtgen.tools.kit.exits import BAD_INPUT, Refusal
 
@@ -54,7 +55,7 @@ COMMANDS = {n: text for section in SECTIONS.values() for n, text in section.item
     sections=SECTIONS,
     target="rtgen.cli.{0}:{0}",
     hidden=frozenset({"adopt"}),
-    context_settings={"help_option_names": ["-h", "--help"]},
+    context_settings=HELP,
 )
 @click.version_option(__version__, prog_name="rtgen", message="%(prog)s %(version)s")
 def application() -> None:

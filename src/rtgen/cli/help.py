@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar
 
 import click
 
@@ -17,6 +17,8 @@ _WIDEST = 27
 """Columns of an option with its value; a longer one has its text on the next line."""
 _MARGIN = 2
 """Columns at the right that click leaves free, twice."""
+HELP: Final = {"help_option_names": ["-h", "--help"]}
+"""Settings of click for each command and group, which then need none of the one above."""
 MESSAGES = "Messages"
 """The title of the options that all commands have."""
 
@@ -92,4 +94,4 @@ def command(
 
     `settings` are those of click for its context.
     """
-    return click.command(name, cls, context_settings=settings)
+    return click.command(name, cls, context_settings={**HELP, **settings})

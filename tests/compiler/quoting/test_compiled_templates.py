@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import shutil
 import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -40,6 +41,8 @@ def pack(folder: Path) -> None:
     names = sorted(path.name for path in folder.iterdir())
     compiled_templates.write(dict.fromkeys(names, environment(folder)))
     sys.modules.pop(MODULE, None)
+    # Of a file that was written in the same second.
+    shutil.rmtree(folder.parent / "__pycache__", ignore_errors=True)
     importlib.invalidate_caches()
     compiled_templates._code.cache_clear()
 

@@ -12,7 +12,13 @@ from rtgen.cli import run
 IDL = """\
 struct Sample { long value; };
 component Source { publishes Sample made; };
-component Sink { consumes Sample taken; };
+enum Power { OFF, ON };
+component Sink {
+    consumes Sample taken;
+    @default(1.0) @min(0.5) @max(3.0) @unit("m") attribute double limit;
+    @default(ON) attribute Power mode;
+    attribute long count;
+};
 """
 PROJECT = '[sources]\npaths = ["idl", "systems"]\n[lint]\nignore = ["LINT0008"]\n'
 SYSTEM = """\
@@ -34,6 +40,11 @@ CONNECTION = """\
     <rts:targetDataPort rts:componentId="RTC:::Sink:1.0.0" rts:instanceName="B"
       rts:portName="taken"/>
   </rts:DataPortConnectors>
+"""
+SETS = """
+    <rts:ConfigurationSets rts:id="default">
+      <rts:ConfigurationData rts:name="{name}" rts:data="{value}"/>
+    </rts:ConfigurationSets>
 """
 NEW = '{ from = "A.made", to = "B.taken", name = "new" }'
 
@@ -121,3 +132,45 @@ def test_other_files_have_no_timeline(folder: Path) -> None:
     Path("systems/system.xml").rename("systems/other.xml")
     Path("systems/timeline.toml").write_text(at('activate = "C"'))
     assert run(["check", "-q"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("B.limit=3", None),
+        ("B.mode=OFF", None),
+        ("B.mode=Power::OFF", None),
+        ("B.count=-7", None),
+        ("B.limit=3.1", "B.limit cannot be '3.1': it must be at most 3.0 m"),
+        ("B.limit=0", "B.limit cannot be '0': it must be at least 0.5 m"),
+        ("B.limit=much", "B.limit cannot be 'much': it must be a number"),
+        ("B.mode=AUTO", "B.mode cannot be 'AUTO': it must be one of OFF, ON"),
+        ("B.count=2147483648", "it must be between -2147483648 and 2147483647"),
+        ("B.limmit=1", "Sink has no parameter 'limmit'"),
+        ("A.limit=1", "Source has no parameter 'limit'"),
+    ],
+)
+@pytest.mark.parametrize("place", ["timeline", "system"])
+def test_values_of_parameters(
+    folder: Path,
+    text: str,
+    problem: str | None,
+    place: str,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """The check says what a run says."""
+    if place == "timeline":
+        Path("systems/timeline.toml").write_text(at(f'set = "{text}"'))
+    else:
+        instance, _, assignment = text.partition(".")
+        name, _, value = assignment.partition("=")
+        file = Path("systems/system.xml")
+        sets = SETS.format(name=name, value=value)
+        head = f'rts:instanceName="{instance}"'
+        start = file.read_text().index("/>", file.read_text().index(head))
+        whole = file.read_text()
+        file.write_text(f"{whole[:start]}>{sets}</rts:Components>{whole[start + 2:]}")
+    assert run(["check"]) == (2 if problem else 0)
+    err = capsys.readouterr().err
+    assert (problem or "") in err
+    assert ("error" in err) is bool(problem)

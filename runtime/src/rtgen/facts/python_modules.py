@@ -29,6 +29,7 @@ LIBRARIES = frozenset(
         ),
         *("contourpy", "cycler", "cyclonedds", "dateutil", "exceptiongroup", "fissix"),
         *("flexcache", "flexparser", "fontTools", "foxglove", "google", "h11", "idna"),
+        *("jedi", "parso"),
         *("jinja2", "kiwisolver", "lark", "lsprotocol", "lz4", "markdown_it"),
         *("markupsafe", "matplotlib", "mcap", "mdurl", "mpl_toolkits", "msgspec"),
         *("numpy", "packaging", "pcpp", "pint", "platformdirs", "pycparser", "pygame"),

@@ -1,6 +1,5 @@
 """A project: `rtgen.toml`, its source files, the cache, and the output folders."""
 
-from rtgen.compiler.project.file import ENGINES, TRANSPORTS
 from rtgen.compiler.project.kinds import (
     FILE_NAME,
     is_bus_file,
@@ -21,6 +20,7 @@ from rtgen.compiler.project.loading import (
 )
 from rtgen.compiler.project.paths import files, find, shown
 from rtgen.compiler.project.run_table import RunTable, load_run_table
+from rtgen.compiler.project.transport_names import ENGINES, TRANSPORTS
 
 __all__ = [
     "ENGINES",

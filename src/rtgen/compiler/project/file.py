@@ -26,6 +26,7 @@ from rtgen.compiler.project.rules import (
     UNKNOWN_KEY,
     WRONG_TYPE,
 )
+from rtgen.compiler.project.transport_names import TRANSPORTS
 from rtgen.facts import file_names, ros_names
 from rtgen.facts.decoded_text import NAMES
 from rtgen.facts.encodings import decode
@@ -33,11 +34,6 @@ from rtgen.facts.files import UnreadableError, read_file
 from rtgen.facts.numeric import FORMS
 from rtgen.facts.ros_marshaling import parse as parse_marshaling
 from rtgen.facts.ros_qos import PROFILES
-
-ENGINES = ("dds", "zenoh")
-"""Transports that join the processes of a partition."""
-TRANSPORTS = ("direct", "corba", *ENGINES)
-"""Transports that are no plug-ins."""
 
 _HEADER = re.compile(r"\s*\[\s*([^\[\]]+?)\s*\]")
 _MAX_BYTES = 1024 * 1024

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import msgspec
 
 from rtgen.compiler.diagnostics import Diagnostic, InputError, Span
-from rtgen.compiler.project.file import ENGINES, Settings, read
 from rtgen.compiler.project.paths import find, normal, shown, shown_path
 from rtgen.compiler.project.rules import PATH_MISSING, RUN_CONFLICT
+from rtgen.compiler.project.transport_names import ENGINES
+
+if TYPE_CHECKING:
+    from rtgen.compiler.project.file import Settings
 
 
 class RunTable(msgspec.Struct, frozen=True, kw_only=True):
@@ -45,7 +49,9 @@ def load_run_table() -> RunTable:
     file = find(Path().absolute())
     if file is None:
         return RunTable()
-    settings = read(file, shown(file))
+    from rtgen.compiler.project import file as project_file
+
+    settings = project_file.read(file, shown(file))
     findings = [*run_findings(settings, file.parent)]
     if findings:
         raise InputError(findings)

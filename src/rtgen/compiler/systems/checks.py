@@ -8,11 +8,19 @@ from msgspec.structs import replace
 
 from rtgen.compiler.diagnostics import Diagnostic, Rule, Severity
 from rtgen.compiler.frontends.kit.suggestions import guess
-from rtgen.compiler.model import ConfigurationParameter, System, SystemComponent
+from rtgen.compiler.model import (
+    ConfigurationParameter,
+    ConstantValue,
+    Model,
+    System,
+    SystemComponent,
+)
 from rtgen.compiler.model.system_links import Known
 from rtgen.compiler.systems import conditions, connections
-from rtgen.compiler.typemap.components.parameters import Parameters, ValueMismatchError
-from rtgen.facts import parameter_texts
+from rtgen.compiler.typemap.components.parameters import Parameters
+from rtgen.runtime.errors import ConfigurationError
+from rtgen.runtime.rtc.parameter_values import Converter
+from rtgen.runtime.rtc.profiles import ParameterProfile
 
 UNKNOWN_COMPONENT = Rule(
     "RTC0580", "system with a component that is not defined", Severity.ERROR
@@ -67,19 +75,26 @@ def _component(
     if c.id not in (id_, _dotted(id_)):
         message = f"the id of {c.instance} is {c.id!r}, its definition's {id_!r}"
         yield OTHER_DEFINITION.at(c.span, message)
-    parameters = {p.name: p for p in definition.component.configuration}
-    reader = Parameters(definition.model)
     for set_id, values in c.parameter_sets:
         for name, text in values:
-            span = c.places.get((set_id, name), c.span)
-            parameter = parameters.get(name)
-            if parameter is None:
-                message = f"{c.type} has no parameter {name!r}"
-                near = guess(name, parameters)
-                yield SYSTEM_PARAMETER.at(span, message, hint=near)
-            elif problem := _value_problem(reader, parameter, text):
-                message = f"{c.instance}.{name} cannot be {text[:80]!r}: {problem}"
-                yield SYSTEM_PARAMETER.at(span, message)
+            problem = parameter_problem(c, name, text, definition)
+            if problem is not None:
+                span = c.places.get((set_id, name), c.span)
+                yield SYSTEM_PARAMETER.at(span, problem[0], hint=problem[1])
+
+
+def parameter_problem(
+    c: SystemComponent, name: str, text: str, definition: Known
+) -> tuple[str, str | None] | None:
+    """Return why a parameter cannot have a value, and a hint; None if it can."""
+    parameters = {p.name: p for p in definition.component.configuration}
+    parameter = parameters.get(name)
+    if parameter is None:
+        return f"{c.type} has no parameter {name!r}", guess(name, parameters)
+    problem = _value_problem(definition.model, parameter, text)
+    if problem is None:
+        return None
+    return f"{c.instance}.{name} cannot be {text[:80]!r}: {problem}", None
 
 
 def _dotted(id_: str) -> str:
@@ -89,19 +104,28 @@ def _dotted(id_: str) -> str:
 
 
 def _value_problem(
-    reader: Parameters, parameter: ConfigurationParameter, text: str
+    model: Model, parameter: ConfigurationParameter, text: str
 ) -> str | None:
-    """Return the error in the text of one or several numbers; None if it is valid."""
-    if not reader.is_number(parameter.type):
-        return None
-    item = reader.item_type(parameter.type)
+    """Return why a text is no value of a parameter, as the runtime judges it; None if it is one."""
+    reader = Parameters(model)
+    names = reader.enumerators(parameter.type)
+    if names:
+        is_known = text.strip().rpartition("::")[2] in names
+        return None if is_known else f"it must be one of {', '.join(names)}"
+    profile = ParameterProfile(
+        parameter.name,
+        parameter.identifier,
+        reader.canonical_type(parameter.type),
+        minimum=_bound(parameter.minimum),
+        maximum=_bound(parameter.maximum),
+        unit=parameter.unit,
+        constraint=parameter.constraint,
+    )
     try:
-        for part in (
-            parameter_texts.items(text)
-            if reader.is_sequence(parameter.type)
-            else [text]
-        ):
-            reader.check_value(item, reader.parse_item(item, part))
-    except ValueMismatchError as error:
-        return str(error)
-    return None
+        return Converter(profile, None).problem(text)
+    except ConfigurationError:
+        return None  # The constraint is malformed, which is a finding of the definition.
+
+
+def _bound(value: ConstantValue | None) -> float | int | None:
+    return value if isinstance(value, float | int) else None

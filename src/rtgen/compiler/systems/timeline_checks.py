@@ -11,9 +11,16 @@ from rtgen.compiler.diagnostics import Diagnostic, InputError, Span, ToolError
 from rtgen.compiler.model import Connection, Model, System
 from rtgen.compiler.model.system_links import Known, definitions_of, known_components
 from rtgen.compiler.systems import connections, timeline_calls
+from rtgen.compiler.systems.checks import parameter_problem
 from rtgen.compiler.systems.reading import as_defined, read_file
-from rtgen.compiler.systems.rules import SKIPPED, TIMELINE, TIMELINE_FILE
-from rtgen.compiler.systems.timeline import Connect, Disconnect, Step, load
+from rtgen.compiler.systems.rules import PARAMETER, SKIPPED, TIMELINE, TIMELINE_FILE
+from rtgen.compiler.systems.timeline import (
+    Connect,
+    Disconnect,
+    SetParameter,
+    Step,
+    load,
+)
 
 _SYSTEM = "system.xml"
 
@@ -45,6 +52,7 @@ def findings(
             yield from plan.skipped
             yield from _in_vain(plan.steps, system)
             yield from timeline_calls.findings(plan.steps, system, components)
+            yield from _values(plan.steps, system, components)
             links = new_connections(plan.steps, system, components)
             [named] = as_defined([replace(system, connections=tuple(links))], models)
             yield from connections.findings(named, components)
@@ -64,6 +72,22 @@ def new_connections(
                 str(target),
             ) not in own:
                 yield connections.link(source, target, properties, ends, step.span)
+
+
+def _values(
+    steps: Iterable[Step], system: System, components: Mapping[str, Known]
+) -> Iterator[Diagnostic]:
+    """Yield a diagnostic for each parameter that is not there or cannot have its value."""
+    instances = {c.instance: c for c in system.components}
+    for step in steps:
+        match step.action:
+            case SetParameter(instance, parameter, text):
+                component = instances[instance]
+                known = components.get(component.type)
+                problem = known and parameter_problem(component, parameter, text, known)
+                if problem:
+                    message, hint = problem
+                    yield PARAMETER.at(step.span, message, hint=hint)
 
 
 def _in_vain(steps: Iterable[Step], system: System) -> Iterator[Diagnostic]:

@@ -65,6 +65,14 @@ class Converter:
             ) from None
         return value
 
+    def problem(self, text: str) -> str | None:
+        """Return why a text is no value of the parameter; None if it is one."""
+        try:
+            self._check(self._parse(text.strip()))
+        except _RefusalError as refusal:
+            return str(refusal)
+        return None
+
     def _check(self, value: Any) -> None:
         elements: list[Value] = (
             list(value) if isinstance(value, list | bytes) else [value]
