@@ -124,7 +124,9 @@ def _value_problem(
     try:
         return Converter(profile, None).problem(text)
     except ConfigurationError:
-        return None  # The constraint is malformed, which is a finding of the definition.
+        return (
+            None  # The constraint is malformed, which is a finding of the definition.
+        )
 
 
 def _bound(value: ConstantValue | None) -> float | int | None:
