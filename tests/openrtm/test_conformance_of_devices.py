@@ -46,6 +46,7 @@ def failed(outcomes: Any) -> dict[str, list[str]]:
     }
 
 
+@pytest.mark.nightly
 def test_a_correct_device_passes(processes: Processes) -> None:
     processes.device("Base0")
     code, outcomes = outcomes_of(processes, "", "--defaults")

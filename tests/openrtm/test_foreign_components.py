@@ -117,6 +117,7 @@ def near_goal(folder: Path, path: str = "", marked: bool = True) -> str:
     return str(system)
 
 
+@pytest.mark.nightly
 @by_each_author
 def test_rh3_reaches_its_goal_with_a_foreign_operator_that_comes_late_and_is_killed(
     launch: Callable[..., LoggedProcess],

@@ -26,6 +26,7 @@ def in_the_repository(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
 
 
+@pytest.mark.nightly
 def test_systems_of_the_reference_build_have_no_finding_about_units(
     capfd: pytest.CaptureFixture[str],
 ) -> None:

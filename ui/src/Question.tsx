@@ -1,6 +1,6 @@
 /** A question that must be answered before anything else. */
 
-import type { ReactNode } from "react";
+import type { FormEvent, ReactNode } from "react";
 import { useEffect, useId, useRef } from "react";
 
 interface Props {
@@ -17,15 +17,22 @@ export function Question({ text, name, yes, close, children }: Props) {
   const dialog = useRef<HTMLDialogElement>(null);
   const id = useId();
   useEffect(() => dialog.current!.showModal(), []);
+  const end = () => {
+    dialog.current!.close(); // it gives the focus back
+    close();
+  };
+  const answer = (event: FormEvent) => {
+    event.preventDefault();
+    yes();
+    end();
+  };
   return (
     <dialog ref={dialog} className="question" role="alertdialog" aria-labelledby={id} onClose={close}>
       <p id={id}>{text}</p>
-      <form method="dialog">
+      <form onSubmit={answer}>
         {children}
-        <button type="submit" onClick={(e) => e.currentTarget.form!.checkValidity() && yes()}>
-          {name}
-        </button>
-        <button type="submit" formNoValidate autoFocus={!children}>
+        <button type="submit">{name}</button>
+        <button type="button" autoFocus={!children} onClick={end}>
           Cancel
         </button>
       </form>

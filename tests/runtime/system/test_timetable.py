@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from random import Random
 
 import pytest
@@ -10,7 +10,13 @@ import pytest
 from rtgen.runtime.rtc.execution_context import ExecutionContext
 from rtgen.runtime.system import simulated_time
 from rtgen.runtime.system.simulated_time import SimulatedScheduler
-from rtgen.runtime.system.timetable import MAX_ENTRIES, Task, timetable
+from rtgen.runtime.system.timetable import (
+    MAX_ENTRIES,
+    Due,
+    Task,
+    Timetable,
+    timetable,
+)
 from rtgen.runtime.timing.clocks import SimulatedClock
 
 RATES = (1000.0, 500.0, 250.0, 200.0, 100.0, 50.0, 10.0)
@@ -107,3 +113,24 @@ def test_what_has_no_timetable() -> None:
     assert (table.begin, table.length, table.entries) == (5, 6, 5)
     assert table.entries < MAX_ENTRIES
     assert list(table.rows) == [0, 1, 2, 4]
+
+
+def test_a_signal_while_a_timetable_is_made_ends_the_run(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    clock = SimulatedClock()
+    scheduler = SimulatedScheduler(clock)
+    context = ExecutionContext(1000.0, driver=scheduler)
+    context.cycle = lambda: None
+    context.start()
+
+    def interrupted(tasks: Sequence[Due]) -> Timetable | None:
+        made = timetable(tasks)
+        if made is not None:
+            scheduler.end_run(KeyboardInterrupt())
+        return made
+
+    monkeypatch.setattr(simulated_time, "timetable", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        scheduler.run(3600 * 1000 * MS, None)
+    assert clock.time < 10_000 * MS

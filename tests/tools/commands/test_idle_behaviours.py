@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from user_project import CONTROLLER, write
+from user_project import CONTROLLER, forget_modules, write
 
 from rtgen.cli import run
 from rtgen.compiler.backends import Owner
@@ -23,6 +23,7 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     write(tmp_path)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
+    forget_modules()
     return tmp_path
 
 

@@ -12,7 +12,16 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from user_project import CONTROLLER, DOCS, PATIENT, TEN_WAYS, Break, apply, write
+from user_project import (
+    CONTROLLER,
+    DOCS,
+    PATIENT,
+    TEN_WAYS,
+    Break,
+    apply,
+    forget_modules,
+    write,
+)
 
 from rtgen.cli import run
 
@@ -40,13 +49,6 @@ def project(
     forget_modules()
     yield folder
     forget_modules()
-
-
-def forget_modules() -> None:
-    """Forget the project's modules, which other tests import from other folders."""
-    for name in list(sys.modules):
-        if name.partition(".")[0] in ("heating", "warmth"):
-            del sys.modules[name]
 
 
 def test_the_page_runs(project: Path, capfd: pytest.CaptureFixture[str]) -> None:

@@ -85,6 +85,13 @@ def write(folder: Path) -> None:
     subprocess.run(command, cwd=folder, check=True)
 
 
+def forget_modules() -> None:
+    """Forget the project's modules, which other tests import from other folders."""
+    for name in list(sys.modules):
+        if name.partition(".")[0] in ("heating", "warmth"):
+            del sys.modules[name]
+
+
 def apply(change: Break, folder: Path) -> None:
     """Break the controller of a project."""
     file = folder / CONTROLLER

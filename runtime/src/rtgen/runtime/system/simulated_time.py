@@ -221,7 +221,8 @@ class SimulatedScheduler:
         self._table, self._place = table, -1
         begun = clock.time
         try:
-            self._tick(table, stop)
+            if self._end is None:  # A signal may have come since the last look.
+                self._tick(table, stop)
         finally:
             self._leave_table()
         short = clock.time - begun < 2 * table.length
