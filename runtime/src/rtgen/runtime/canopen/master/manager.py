@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from collections import deque
 from typing import Any, ClassVar, Final, Protocol
 
+from rtgen.facts.canopen_parameters import COMPONENT_FACTS
 from rtgen.runtime.canopen.bus.links import open_link
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.master.managed_node import NodeReport
@@ -31,7 +32,7 @@ class ManagerParameters(Protocol):
     options: str
 
 
-class CanopenManager(ABC, Component):
+class CanopenManager(ABC, Component, **COMPONENT_FACTS):
     """Base class of a project's generated manager.
 
     It runs the network while ACTIVE. When deactivated or reset, it switches the nodes to
