@@ -65,11 +65,14 @@ export function overlaid(curves: Curves | undefined, beside: Curves | undefined)
   };
 }
 
+/** The key of a unit's scale: no text of a unit is `x`, or a member that all objects have. */
+const scaleOf = (unit: string): string => `unit ${unit}`;
+
 function series({ names, units, own = names.length }: Curves): uPlot.Series[] {
   const several = new Set(units).size > 1;
   return names.map((name, i) => ({
     label: several && units[i] ? `${name} [${units[i]}]` : name,
-    scale: units[i] || "none",
+    scale: scaleOf(units[i]!),
     spanGaps: true,
     stroke: colour(i < own ? i : i - own),
     width: 2,
@@ -133,7 +136,7 @@ export function Plot({ source, read, label }: { source: string; read: () => Curv
               { ...axis, size: 30, label: "time [s]", labelSize: 16 },
               ...[...new Set(curves.units)].map((unit, i) => ({
                 ...axis,
-                scale: unit || "none",
+                scale: scaleOf(unit),
                 size: space,
                 ...(unit && { label: unit }),
                 ...(i > 0 && { side: 1 as const, grid: { show: false } }),

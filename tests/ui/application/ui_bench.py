@@ -138,7 +138,7 @@ def opened(browser: Any, address: str, look: tuple[int, str] = WIDE) -> Iterator
     page.goto(address)
     yield page
     page.close()
-    assert complaints == []
+    assert complaints == [], complaints
 
 
 def by_mouse(button: Any) -> None:
