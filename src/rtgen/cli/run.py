@@ -7,6 +7,7 @@ import click
 from rtgen.cli.help import command, grouped
 from rtgen.cli.options import with_console
 from rtgen.cli.parameter_types import WholeRange
+from rtgen.cli.ros2_options import ROS2_OPTION
 from rtgen.cli.run_table import required, with_run_table
 from rtgen.cli.running_options import (
     with_clock,
@@ -87,14 +88,7 @@ from rtgen.tools.running.transports import TransportOptions
 @with_recording
 @with_live
 @with_transport
-@grouped(
-    PROCESSES,
-    click.option(
-        "--ros2",
-        type=click.Choice(["dds", "zenoh"]),
-        help="Map [ros2.topics] to topics of ROS 2.",
-    ),
-)
+@grouped(PROCESSES, ROS2_OPTION)
 @grouped(
     "Supervision",
     click.option(

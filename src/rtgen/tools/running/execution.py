@@ -155,6 +155,7 @@ class _Run:
             running,
             plan.project,
             name,
+            console,
             simulated=options.simulated,
         )
         options.live.begin(files, running, console, name)

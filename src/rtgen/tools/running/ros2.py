@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rtgen import runtime
@@ -17,16 +16,16 @@ from rtgen.compiler.systems.rules import ROS_TOPIC
 from rtgen.facts import ros_names
 from rtgen.facts.connector_properties import MARSHALING
 from rtgen.facts.connector_properties import ROS_TOPIC as TOPIC
-from rtgen.facts.extras import installation
 from rtgen.facts.ros import is_interface
 from rtgen.facts.ros_marshaling import DEFAULT_TOPIC, messages_for, parse
 from rtgen.facts.ros_qos import PROFILES
+from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import Refusal
-from rtgen.tools.running.engines import INTERFACE_HINT
+from rtgen.tools.running.ros2_networks import open_network
 
 if TYPE_CHECKING:
     from rtgen.runtime.ros2.marshaling import Marshaling
-    from rtgen.runtime.ros2.network import RosNetwork, RosNode
+    from rtgen.runtime.ros2.network import RosNode
     from rtgen.runtime.ros2.ports import Joint
     from rtgen.runtime.ros2.services import EventJoint, ServiceJoint
 
@@ -40,6 +39,7 @@ def join(
     running: runtime.System,
     project: Project,
     name: str,
+    console: Console,
     *,
     simulated: bool,
 ) -> None:
@@ -63,7 +63,7 @@ def join(
     joints = _joints(settings, running, node, nodes)
     services = _service_joints(settings, running, node, nodes)
     try:
-        network = _network(kind, node, settings, project)
+        network = open_network(kind, node, project, console)
         running.closing.at_halt(network.end_calls)
         files.callback(RosPorts(network, joints).close)
         files.callback(RosServices(network, services).close)
@@ -288,35 +288,3 @@ def message_classes(*interfaces: str) -> dict[str, Any]:
 def _ports(running: runtime.System, instance: str) -> dict[str, Any]:
     component = running.component(instance)
     return {**component.in_ports, **component.out_ports}
-
-
-def _network(
-    kind: str, node: RosNode, settings: Ros2Settings, project: Project
-) -> RosNetwork:
-    """Return the network. Raises ToolError, Ros2Error."""
-    try:
-        if kind == "dds":
-            return _dds(node, settings.interface)
-        from rtgen.runtime.ros2.zenoh import open_zenoh
-    except ImportError as error:
-        needed = {"dds": "cyclonedds", "zenoh": "eclipse-zenoh"}[kind]
-        message = f"--ros2 {kind} needs {needed}, which is not installed"
-        raise ToolError(message, hint=installation(kind)) from error
-    config = settings.zenoh
-    return open_zenoh(
-        node, config=None if config is None else Path(project.root, config)
-    )
-
-
-def _dds(node: RosNode, interface: str | None) -> RosNetwork:
-    """Return the network of DDS. Raises ToolError, Ros2Error, ImportError."""
-    from rtgen.runtime.ros2.dds import open_dds
-    from rtgen.runtime.ros2.network import Ros2Error
-
-    try:
-        return open_dds(node, interface=interface)
-    except Ros2Error as error:
-        if interface is None:
-            raise
-        message = f"[ros2] interface: Cyclone DDS does not start with {interface!r}"
-        raise ToolError(message, hint=INTERFACE_HINT) from error
