@@ -45,9 +45,13 @@ class McapWriter(Closable):
     """
 
     def __init__(
-        self, path: str | Path, compression: str = "zstd", longest: int | None = None
+        self,
+        path: str | Path,
+        compression: str = "zstd",
+        longest: int | None = None,
+        profile: str = "",
     ) -> None:
-        """Create the file. Raises RecordingError."""
+        """Create the file; `profile` is that of its header. Raises RecordingError."""
         if find_spec("mcap") is None:
             raise RecordingError(
                 "recordings need mcap, which is not installed",
@@ -77,7 +81,7 @@ class McapWriter(Closable):
         self._metadata: list[Any] = []
         self._open = True
         self.lock = threading.RLock()
-        self._write(MAGIC + _octets(records.Header(profile="", library=_LIBRARY)))
+        self._write(MAGIC + _octets(records.Header(profile=profile, library=_LIBRARY)))
 
     def metadata(self, name: str, entries: Mapping[str, str]) -> None:
         """Write a metadata record. Raises RecordingError."""
@@ -139,7 +143,7 @@ class McapWriter(Closable):
         chunk += _packed(_MESSAGE_OPCODE, size, channel, number, time, time)
         chunk += data
         if len(chunk) >= CHUNK or time >= self._due:
-            self._end_chunk()
+            self.end_chunk()
             if self._longest is not None:
                 self._due = time + self._longest
 
@@ -149,7 +153,7 @@ class McapWriter(Closable):
             if not self._open:
                 return
             try:
-                self._end_chunk()
+                self.end_chunk()
                 self._open = False
                 self._write(_octets(self._records.DataEnd(data_section_crc=0)))
                 self._write(self._summary())
@@ -157,8 +161,8 @@ class McapWriter(Closable):
                 self._open = False
                 self._file.close()
 
-    def _end_chunk(self) -> None:
-        """Write the chunk with its index, unless it is empty."""
+    def end_chunk(self) -> None:
+        """Write the chunk with its index, unless it has no messages."""
         index_of = {channel: index for channel, index in self._index.items() if index}
         if not index_of or not self._open:
             return

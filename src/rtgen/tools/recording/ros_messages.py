@@ -50,16 +50,16 @@ class _NoMessageError(Exception):
     """A type that a message cannot contain."""
 
 
-def message_text(descriptor: StructDescriptor) -> str | None:
+def message_text(descriptor: StructDescriptor, *, wide: bool = False) -> str | None:
     """Return the text of a message and of those in it; None if it is no ROS 2 message.
 
     Messages are structs with rosidl's naming (`std_msgs::msg::Header`) whose members interface
-    files can declare, except strings of 16-bit characters, which Foxglove's reader of messages
-    lacks.
+    files can declare; strings of 16-bit characters, which Foxglove's reader of messages lacks, only
+    if `wide`.
     """
     texts: dict[str, str] = {}
     try:
-        _add(descriptor, texts)
+        _add(descriptor, texts, wide=wide)
     except _NoMessageError:
         return None
     (_, first), *others = texts.items()
@@ -72,7 +72,7 @@ def message_name(scoped_name: str) -> str:
     return scoped_name.replace("::", "/")
 
 
-def _add(descriptor: Descriptor, texts: dict[str, str]) -> str:
+def _add(descriptor: Descriptor, texts: dict[str, str], *, wide: bool) -> str:
     """Append a message to those found before; return its name as a type."""
     if (
         not isinstance(descriptor, StructDescriptor)
@@ -95,30 +95,31 @@ def _add(descriptor: Descriptor, texts: dict[str, str]) -> str:
             if not is_field or member.optional or member.external:
                 raise _NoMessageError
             if member.name != FILLER:
-                lines.append(f"{_type(member.type, texts)} {member.name}\n")
+                lines.append(f"{_type(member.type, texts, wide=wide)} {member.name}\n")
         texts[name] = "".join(lines)
     return name
 
 
-def _type(descriptor: Descriptor, texts: dict[str, str]) -> str:
+def _type(descriptor: Descriptor, texts: dict[str, str], *, wide: bool) -> str:
     match plain(descriptor):
         case SequenceDescriptor(element, bound):
             most = "" if bound is None else f"<={bound}"
-            return f"{_element(element, texts)}[{most}]"
+            return f"{_element(element, texts, wide=wide)}[{most}]"
         case ArrayDescriptor(element, (size,)):
-            return f"{_element(element, texts)}[{size}]"
+            return f"{_element(element, texts, wide=wide)}[{size}]"
         case other:
-            return _element(other, texts)
+            return _element(other, texts, wide=wide)
 
 
-def _element(descriptor: Descriptor, texts: dict[str, str]) -> str:
+def _element(descriptor: Descriptor, texts: dict[str, str], *, wide: bool) -> str:
     match plain(descriptor):
         case PrimitiveDescriptor(name) if name in _NAMES:
             return _NAMES[name]
-        case StringDescriptor(False, bound):
-            return "string" if bound is None else f"string<={bound}"
+        case StringDescriptor(is_wide, bound) if wide or not is_wide:
+            name = "wstring" if is_wide else "string"
+            return name if bound is None else f"{name}<={bound}"
         case other:
-            return _add(other, texts)
+            return _add(other, texts, wide=wide)
 
 
 def message_model(name: str, text: str) -> Model:

@@ -147,7 +147,8 @@ class _Run:
         if (stream := opened(files, options.log)) is not None:
             self._logging = JsonLinesRecorder(stream)
             running.add_listener(self._logging)
-        self._recorder = options.recording.begin(files, running)
+        bag = options.recording.bag(files, running) if options.ros2 else None
+        self._recorder = options.recording.begin(files, running, bag)
         name = plan.profile.name
         join(
             options.ros2,
@@ -157,6 +158,7 @@ class _Run:
             name,
             console,
             simulated=options.simulated,
+            bag=bag,
         )
         options.live.begin(files, running, console, name)
         if of_poses or plan.measures:

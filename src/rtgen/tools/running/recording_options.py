@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rtgen import runtime
@@ -15,8 +16,10 @@ from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import Refusal
 
 if TYPE_CHECKING:
+    from rtgen.tools.recording.bag_recorder import BagRecorder
     from rtgen.tools.recording.recorder import Recorder
 
+_SUFFIX = ".mcap"
 _MAX_CHUNK_NS = 1_000_000_000
 """Maximum duration of a chunk in real time, in ns."""
 
@@ -28,8 +31,46 @@ class RecordingOptions:
     file: str | None = None
     compression: str | None = None
 
-    def begin(self, files: ExitStack, running: runtime.System) -> Recorder | None:
-        """Record a system from now on until `files` is closed; None without a file."""
+    @property
+    def events_file(self) -> Path:
+        """The file of the events of a run with topics, which are a bag of ROS 2 beside it."""
+        path = Path(self.file or "")
+        if path.suffix.lower() == _SUFFIX:
+            return path.with_suffix(f".rtgen{_SUFFIX}")
+        return path / f"rtgen{_SUFFIX}"
+
+    def bag(self, files: ExitStack, running: runtime.System) -> BagRecorder | None:
+        """Record the topics of a system as a bag until `files` is closed; None without a file.
+
+        Raises ToolError.
+        """
+        if self.file is None:
+            return None
+        from rtgen.tools.recording.bag_recorder import BagRecorder
+        from rtgen.tools.recording.bag_writer import BagWriter
+        from rtgen.tools.recording.errors import RecordingError
+
+        try:
+            writer = BagWriter(
+                Path(self.file), self.compression or "zstd", _longest(running)
+            )
+        except RecordingError as error:
+            raise ToolError(str(error), hint=error.hint) from error
+        files.enter_context(writer)
+        recorder = BagRecorder(running, writer)
+        files.callback(recorder.close)
+        return recorder
+
+    def begin(
+        self,
+        files: ExitStack,
+        running: runtime.System,
+        bag: BagRecorder | None = None,
+    ) -> Recorder | None:
+        """Record a system from now on until `files` is closed; None without a file.
+
+        With a bag, the file is `events_file`. Raises ToolError.
+        """
         if self.file is None:
             if self.compression is not None:
                 raise Refusal("--compression goes with --record")
@@ -38,12 +79,11 @@ class RecordingOptions:
         from rtgen.tools.recording.mcap_writer import McapWriter
         from rtgen.tools.recording.recorder import Recorder
 
-        simulated = isinstance(running.clock, runtime.SimulatedClock)
         try:
             writer = McapWriter(
-                self.file,
+                self.file if bag is None else self.events_file,
                 self.compression or "zstd",
-                longest=None if simulated else _MAX_CHUNK_NS,
+                longest=_longest(running),
             )
         except RecordingError as error:
             raise ToolError(str(error), hint=error.hint) from error
@@ -67,6 +107,12 @@ class RecordingOptions:
         return recorder is not None and tell_missing(
             console, self.file or "", recorder.missing
         )
+
+
+def _longest(running: runtime.System) -> int | None:
+    """Return the longest time of a chunk [ns]; None for any."""
+    simulated = isinstance(running.clock, runtime.SimulatedClock)
+    return None if simulated else _MAX_CHUNK_NS
 
 
 def tell_missing(console: Console, file: str, missing: MissingSamples) -> bool:

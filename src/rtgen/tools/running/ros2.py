@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from rtgen.runtime.ros2.network import RosNode
     from rtgen.runtime.ros2.ports import Joint
     from rtgen.runtime.ros2.services import EventJoint, ServiceJoint
+    from rtgen.tools.recording.bag_recorder import BagRecorder
 
 _DOMAIN = "ROS_DOMAIN_ID"
 _LAST_DOMAIN = 232
@@ -42,8 +43,12 @@ def join(
     console: Console,
     *,
     simulated: bool,
+    bag: BagRecorder | None = None,
 ) -> None:
-    """Connect ports to topics until `files` is closed. `name` is that of the system."""
+    """Connect ports to topics until `files` is closed. `name` is that of the system.
+
+    `bag` records the messages.
+    """
     if kind is None:
         return
     if simulated:
@@ -64,6 +69,8 @@ def join(
     services = _service_joints(settings, running, node, nodes)
     try:
         network = open_network(kind, node, project, console)
+        if bag is not None:
+            network.observe(bag.observe)
         running.closing.at_halt(network.end_calls)
         files.callback(RosPorts(network, joints).close)
         files.callback(RosServices(network, services).close)

@@ -137,6 +137,13 @@ Publish: TypeAlias = Callable[[bytes], None]
 """Function that sends a serialized message with encapsulation header; from one thread at a time."""
 
 
+Observer: TypeAlias = Callable[[RosTopic, Profile, bool], OnMessage | None]
+"""Function called with the topic and profile of each end, True for one that publishes.
+
+It returns a function that gets the end's messages, in the thread of a writer or of the network.
+"""
+
+
 class RosNetwork:
     """Nodes of one process on one network, whose medium it owns. Methods raise Ros2Error.
 
@@ -147,18 +154,32 @@ class RosNetwork:
         self.medium = medium
         self._ends: list[Token] = []
         self._clients: list[Client] = []
+        self._observers: list[Observer] = []
         self._ending = threading.Lock()
         self._times_ended = 0
+
+    def observe(self, observer: Observer) -> None:
+        """Show the messages of ends that are made from now on to an observer."""
+        self._observers.append(observer)
+
+    def _observed(
+        self, topic: RosTopic, profile: Profile, *, sent: bool
+    ) -> list[OnMessage]:
+        observed = (observer(topic, profile, sent) for observer in self._observers)
+        return [each for each in observed if each is not None]
 
     def publisher(self, topic: RosTopic, profile: Profile) -> Publish:
         """Return a publisher of a topic."""
         with _as_ros2(topic.name):
             publisher = self.medium.publisher(topic, RosQos.of(profile))
         self._ends.append(publisher)
+        observed = self._observed(topic, profile, sent=True)
 
         def publish(octets: bytes) -> None:
             with _as_ros2(topic.name):
                 publisher.publish(octets)
+            for each in observed:
+                each(octets)
 
         return publish
 
@@ -167,8 +188,12 @@ class RosNetwork:
     ) -> None:
         """Receive the messages of a topic until `close`."""
 
+        observed = self._observed(topic, profile, sent=False)
+
         def take(sample: Sample) -> None:
             try:
+                for each in observed:
+                    each(sample.octets)
                 on_message(sample.octets)
             except Exception:
                 log.exception("a message of %s cannot be handled", topic.name)
