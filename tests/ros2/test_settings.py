@@ -9,7 +9,14 @@ import pytest
 from rtgen.cli import run as rtgen
 from rtgen.compiler.diagnostics import InputError
 from rtgen.compiler.project import Project, load
-from rtgen.facts.ros_qos import PROFILES
+from rtgen.facts.ros_qos import (
+    PROFILES,
+    Durability,
+    History,
+    Liveliness,
+    Profile,
+    Reliability,
+)
 
 SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
 <rts:RtsProfile rts:id="RTSystem:me:plain:1.0.0" rts:version="0.2"
@@ -78,6 +85,25 @@ WRONG = {
     '[ros2.topics]\n"A0.p" = "x y"': "gives 'A0.p' the topic 'x y'; a name of ROS 2",
     '[ros2.topics]\n"A0.p" = {topic="x", marshaling_type="Float32"}': "is not ros2:PACKAGE/TYPE",
     '[ros2.topics]\n"A0.p" = {topic="x", qos="best"}': "gives 'A0.p' the qos 'best'; known:",
+    '[ros2.topics]\n"A0.p" = {topic="x", qos=1}': "gives 'A0.p' the qos 1; known:",
+    '[ros2.topics]\n"A0.p" = {topic="x", deep=1}': "gives 'A0.p' the unknown key 'deep'",
+    '[ros2.topics]\n"A0.p" = {topic="x", depth=0}': "the depth 0; it must be a number",
+    '[ros2.topics]\n"A0.p" = {topic="x", depth=true}': "the depth True; it must be a number",
+    '[ros2.topics]\n"A0.p" = {topic="x", deadline=0}': "the deadline 0; it must be a time",
+    '[ros2.topics]\n"A0.p" = {topic="x", lifespan="1 s"}': "the lifespan '1 s'; it must be a",
+    '[ros2.topics]\n"A0.p" = {topic="x", lease=-0.5}': "the lease -0.5; it must be a time",
+    '[ros2.topics]\n"A0.p" = {topic="x", history="all"}': "known: keep_last, keep_all",
+    '[ros2.topics]\n"A0.p" = {topic="x", reliability="RELIABLE"}': "known: reliable, best_effort",
+    '[ros2.topics]\n"A0.p" = {topic="x", durability="persistent"}': "known: transient_local, vol",
+    '[ros2.topics]\n"A0.p" = {topic="x", liveliness="manual"}': "known: automatic, manual_by_",
+    '[ros2.topics]\n"A0.p" = {topic="x", history="keep_all", depth=5}': "a depth without effect",
+}
+HINTS = {
+    "depht = 1": "did you mean 'depth'?",
+    'qos = "sensor"': "did you mean 'sensor_data'?",
+    'reliability = "RELIABLE"': "did you mean 'reliable'?",
+    'durability = "transient-local"': "did you mean 'transient_local'?",
+    'history = "keep_all", depth = 5': "remove one of them",
 }
 
 
@@ -89,6 +115,26 @@ def test_wrong_sections_have_a_place(text: str) -> None:
     assert WRONG[text] in finding.message
     assert finding.span is not None
     assert finding.span.line == 2
+
+
+@pytest.mark.parametrize("words", HINTS)
+def test_hints_of_qos(words: str) -> None:
+    with pytest.raises(InputError) as error:
+        written(f'[ros2.topics]\n"A0.p" = {{ topic = "x", {words} }}\n')
+    [finding] = error.value.diagnostics
+    assert finding.hint == HINTS[words]
+
+
+def test_qos_of_a_topic() -> None:
+    [entry] = written(
+        '[ros2.topics]\n"A0.p" = { topic = "x", qos = "sensor_data", depth = 7, '
+        'history = "keep_last", reliability = "reliable", durability = "transient_local", '
+        'deadline = 0.1, lifespan = 2, liveliness = "manual_by_topic", lease = 1.5 }\n'
+    ).ros2.topics
+    assert entry.profile == Profile(
+        *(7, Reliability.RELIABLE, Durability.TRANSIENT_LOCAL, History.KEEP_LAST),
+        *(10**8, 2 * 10**9, Liveliness.MANUAL_BY_TOPIC, 1_500_000_000),
+    )
 
 
 @pytest.fixture

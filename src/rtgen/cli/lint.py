@@ -105,6 +105,7 @@ def _findings(
             root=project.root,
             output=project.output,
             encoding=project.encoding,
+            topics=project.ros2.topics,
         )
         of_systems = [
             *added.diagnostics[len(definitions.diagnostics) :],

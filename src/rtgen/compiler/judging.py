@@ -56,7 +56,8 @@ class Judge:
         The result has no artifacts.
         """
         made = [step for step in steps if isinstance(step.action, Connect)]
-        if not self._project.sources or not (system.connections or made):
+        topics = self._project.ros2.topics
+        if not self._project.sources or not (system.connections or made or topics):
             return Compilation((), {})
         if self._cache is None:
             return self._judged(system, made)
@@ -74,6 +75,7 @@ class Judge:
                 for c in system.connections
             ),
             *((str(step.action), step.span) for step in made),
+            *topics,
         ]
         key = self._cache.key(
             self._project,
@@ -98,6 +100,7 @@ class Judge:
 
     def _judged(self, system: System, steps: Sequence[Step]) -> Compilation:
         from rtgen.compiler.model.system_links import definitions_of
+        from rtgen.compiler.systems import ros_topics
         from rtgen.compiler.systems.reading import as_defined
         from rtgen.compiler.systems.timeline_checks import new_connections
 
@@ -106,6 +109,7 @@ class Judge:
         [named] = as_defined([whole], self._models)
         ends = definitions_of(named, self._known)
         findings = [d for c in named.connections for d in _compared(c, ends)]
+        findings += ros_topics.findings(self._project.ros2.topics, ends)
         sources = _with_texts(self._definitions.sources, findings)
         hashes = self._definitions.hashes
         return Compilation((), {}, tuple(findings), hashes, sources)

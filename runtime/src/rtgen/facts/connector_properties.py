@@ -6,11 +6,12 @@ RTC 1.0 leaves them to implementations.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from enum import StrEnum
 from math import isfinite
 from typing import Final, TypeAlias
 
+from rtgen.facts import ros_qos_words
 from rtgen.facts.ros_marshaling import parse as parse_marshaling
 
 PROFILE_ATTRIBUTES: Final[Mapping[str, str]] = {
@@ -82,8 +83,6 @@ reason.
 
 STRICTNESS: Final = "port.connection.strictness"
 MARSHALING: Final = "dataport.marshaling_type"
-ROS_TOPIC: Final = "dataport.ros2.topic"
-"""Topic of a connector whose data are sent as ROS 2 messages (OpenRTM-aist's ROS2Transport)."""
 ON_LOSS: Final = "port.connection.on_loss"
 DATA_ON_LOSS: Final = "dataport.qos.on_loss"
 """What happens to a component that has lost the process of a peer; of data and service
@@ -101,8 +100,7 @@ _INTEGER = re.compile(r"[0-9]{1,18}")
 IGNORED: Final = (_ADDRESS_PREFIX, "rtgen.")
 """Prefixes of properties that the embedded runtime ignores: addresses, and other targets."""
 
-Check: TypeAlias = Callable[[str], str | None]
-"""Function that returns the expected form of an invalid property text; None for a valid one."""
+Check: TypeAlias = ros_qos_words.Check
 
 
 def _one_of(*words: str) -> Check:
@@ -160,7 +158,8 @@ _BUFFER_PROPERTIES: Mapping[str, Check] = {
 
 DATA: Final[Mapping[str, Check]] = {
     "dataport.interface_type": _one_of(
-        "corba_cdr", "direct", "shared_memory", "data_service", "csp_channel", "ros2"
+        *("corba_cdr", "direct", "shared_memory", "data_service", "csp_channel"),
+        *ros_qos_words.TRANSPORTS,
     ),
     "dataport.dataflow_type": _one_of(*Dataflow, "duplex"),
     _SUBSCRIPTION_TYPE: _one_of(*Subscription),
@@ -174,7 +173,7 @@ DATA: Final[Mapping[str, Check]] = {
         for end in _ENDS
         for key, check in _BUFFER_PROPERTIES.items()
     },
-    ROS_TOPIC: _text,
+    **ros_qos_words.CHECKS,
     "dataport.serializer.cdr.endian": _byte_orders,
     **{f"dataport.{end}marshaling_type": _marshaling for end in _ENDS},
     "dataport.fan_in": _integer(1),

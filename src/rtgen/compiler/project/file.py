@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import keyword
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
@@ -27,13 +27,12 @@ from rtgen.compiler.project.rules import (
     WRONG_TYPE,
 )
 from rtgen.compiler.project.transport_names import TRANSPORTS
-from rtgen.facts import file_names, ros_names
+from rtgen.facts import file_names, ros_names, ros_qos_words
 from rtgen.facts.decoded_text import NAMES
 from rtgen.facts.encodings import decode
 from rtgen.facts.files import UnreadableError, read_file
 from rtgen.facts.numeric import FORMS
 from rtgen.facts.ros_marshaling import parse as parse_marshaling
-from rtgen.facts.ros_qos import PROFILES
 
 _HEADER = re.compile(r"\s*\[\s*([^\[\]]+?)\s*\]")
 _MAX_BYTES = 1024 * 1024
@@ -208,49 +207,81 @@ def _ros_name(value: Any) -> str | None:
 
 
 class _Problem(str):
-    """An error in an entry of a table, with the key of the entry."""
+    """An error in an entry of a table, with the key of the entry, perhaps a string in it."""
 
     entry: str
+    hint: str | None
+    item: str | None
 
-    def __new__(cls, text: str, entry: str) -> _Problem:
+    def __new__(
+        cls, text: str, entry: str, hint: str | None = None, item: str | None = None
+    ) -> _Problem:
         problem = super().__new__(cls, text)
         problem.entry = entry
+        problem.hint = hint
+        problem.item = item
         return problem
 
 
+_TOPIC_KEYS = ("topic", "qos", "marshaling_type", *ros_qos_words.POLICIES)
+
+
 def _ros_topics(value: Any) -> str | None:
-    """Check topics by port; each is a name, or a table with a profile."""
+    """Check topics by port; each is a name, or a table with QoS."""
     if not isinstance(value, dict):
         return "must be a table of INSTANCE.PORT to topics"
-    for port, entry in value.items():
-        if port.count(".") != 1:
-            return _Problem(f"holds {port!r}, which is not INSTANCE.PORT", port)
-        table = {"topic": entry} if isinstance(entry, str) else entry
-        fine = isinstance(table, dict) and {"topic"} <= set(table) <= {
-            *("topic", "qos", "marshaling_type")
-        }
-        if not fine or not isinstance(table["topic"], str):
-            return _Problem(
-                f"holds {port!r}, which must be 'NAME' or {{ topic = 'NAME', qos = 'PROFILE' }}",
-                port,
+    problems = (_ros_topic(port, entry) for port, entry in value.items())
+    return next((each for each in problems if each is not None), None)
+
+
+def _ros_topic(port: str, entry: Any) -> _Problem | None:
+    if port.count(".") != 1:
+        return _Problem(f"holds {port!r}, which is not INSTANCE.PORT", port)
+    table = {"topic": entry} if isinstance(entry, str) else entry
+    if not isinstance(table, dict) or not isinstance(table.get("topic"), str):
+        return _Problem(
+            f"holds {port!r}, which must be 'NAME' or {{ topic = 'NAME', qos = 'PROFILE' }}",
+            port,
+        )
+    for key in table:
+        if key not in _TOPIC_KEYS:
+            hint = _did_you_mean(key, _TOPIC_KEYS)
+            return _Problem(f"gives {port!r} the unknown key {key!r}", port, hint)
+    if why := ros_names.violation(table["topic"]):
+        return _Problem(
+            f"gives {port!r} the topic {table['topic']!r}; a name of ROS 2 {why}", port
+        )
+    marshaling = table.get("marshaling_type", "ros2:std_msgs/String")
+    if not isinstance(marshaling, str) or parse_marshaling(marshaling) is None:
+        return _Problem(
+            f"gives {port!r} the marshaling_type {marshaling!r}, "
+            "which is not ros2:PACKAGE/TYPE",
+            port,
+        )
+    return _ros_qos(port, table)
+
+
+def _ros_qos(port: str, table: dict[str, Any]) -> _Problem | None:
+    """Check the QoS of a topic."""
+    values: dict[str, Any] = {}
+    for key in ("qos", *ros_qos_words.POLICIES):
+        if key not in table:
+            continue
+        try:
+            values[key] = ros_qos_words.value_of(key, table[key])
+        except ValueError as error:
+            known = ros_qos_words.words(key)
+            text = table[key]
+            is_text = isinstance(text, str)
+            message = f"gives {port!r} the {key} {text!r}; " + (
+                f"known: {', '.join(known)}" if known else f"it must be {error}"
             )
-        if why := ros_names.violation(table["topic"]):
-            return _Problem(
-                f"gives {port!r} the topic {table['topic']!r}; a name of ROS 2 {why}",
-                port,
-            )
-        marshaling = table.get("marshaling_type", "ros2:std_msgs/String")
-        if not isinstance(marshaling, str) or parse_marshaling(marshaling) is None:
-            return _Problem(
-                f"gives {port!r} the marshaling_type {marshaling!r}, "
-                "which is not ros2:PACKAGE/TYPE",
-                port,
-            )
-        if table.get("qos", "default") not in PROFILES:
-            return _Problem(
-                f"gives {port!r} the qos {table['qos']!r}; known: {', '.join(PROFILES)}",
-                port,
-            )
+            hint = _near(text, known) if is_text else None
+            return _Problem(message, port, hint, text if is_text else None)
+    idle = ros_qos_words.contradiction(values)
+    if idle is not None:
+        why, what = ros_qos_words.WHY[idle]
+        return _Problem(f"gives {port!r} a {idle} without effect: {why}", port, what)
     return None
 
 
@@ -530,12 +561,17 @@ def _check_key(
     elif (problem := check(value)) is not None:
         span = settings.span(section, key)
         if isinstance(problem, _Problem):
-            span = settings.span(f"{section}.{key}", problem.entry)
-        yield WRONG_TYPE.at(span, f"{key!r} in [{section}] {problem}")
+            span = settings.span(f"{section}.{key}", problem.entry, problem.item)
+        hint = getattr(problem, "hint", None)
+        yield WRONG_TYPE.at(span, f"{key!r} in [{section}] {problem}", hint=hint)
 
 
-def _did_you_mean(name: str, keys: dict[str, Any]) -> str:
+def _did_you_mean(name: str, keys: Iterable[str]) -> str:
+    return _near(name, keys) or "known: " + ", ".join(keys)
+
+
+def _near(name: str, keys: Iterable[str]) -> str | None:
     from difflib import get_close_matches
 
-    close = get_close_matches(name, keys, n=1)
-    return f"did you mean {close[0]!r}?" if close else "known: " + ", ".join(keys)
+    close = get_close_matches(name.lower(), keys, n=1)
+    return f"did you mean {close[0]!r}?" if close else None

@@ -8,7 +8,8 @@ import msgspec
 
 from rtgen.compiler.diagnostics import Span
 from rtgen.facts.ros_marshaling import parse
-from rtgen.facts.ros_qos import PROFILES, Profile
+from rtgen.facts.ros_qos import Profile
+from rtgen.facts.ros_qos_words import POLICIES, profile_of, value_of
 
 if TYPE_CHECKING:
     from rtgen.compiler.project.file import Settings
@@ -18,6 +19,7 @@ class TopicEntry(msgspec.Struct, frozen=True, kw_only=True):
     """A port (`INSTANCE.PORT`) with its topic; `span` is None if a connection specifies the topic.
 
     `message` is that of `marshaling_type` (`std_msgs/msg/Float32`); None for the port's own type.
+    `has_lifespan`: a lifespan is stated, which only an OutPort has.
     """
 
     instance: str
@@ -26,6 +28,7 @@ class TopicEntry(msgspec.Struct, frozen=True, kw_only=True):
     profile: Profile
     span: Span | None
     message: str | None = None
+    has_lifespan: bool = False
 
 
 class ServiceEntry(msgspec.Struct, frozen=True, kw_only=True):
@@ -81,12 +84,18 @@ def ros2_settings(settings: Settings) -> Ros2Settings:
     for key, value in section.get("topics", {}).items():
         instance, _, port = key.partition(".")
         table = {"topic": value} if isinstance(value, str) else value
+        stated = {
+            word: value_of(word, table[word])
+            for word in ("qos", *POLICIES)
+            if word in table
+        }
         topics.append(
             TopicEntry(
                 instance=instance,
                 port=port,
                 topic=table["topic"],
-                profile=PROFILES[table.get("qos", "default")],
+                profile=profile_of(stated),
+                has_lifespan="lifespan" in stated,
                 span=settings.span("ros2.topics", key),
                 message=parse(table.get("marshaling_type", "")),
             )

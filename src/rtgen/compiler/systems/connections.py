@@ -30,7 +30,7 @@ from rtgen.compiler.model.system_links import (
     service_pairs,
 )
 from rtgen.compiler.systems import units
-from rtgen.facts import connector_properties
+from rtgen.facts import connector_properties, ros_qos_words
 from rtgen.facts.connector_properties import ALLOW, OVERRIDE, OWN_PORT
 
 UNKNOWN_PORT = Rule(
@@ -162,6 +162,11 @@ def _properties(connection: Connection) -> Iterator[Diagnostic]:
             message = f"`{key}` is {text[:80]!r}; it must be {why}"
             yield PROPERTY_VALUE.at(span, message)
     yield from _subscription(connection)
+    if not connection.service:
+        stated = dict(connection.properties)
+        for key, message, hint in ros_qos_words.problems(stated):
+            span = connection.places.get(key, connection.span)
+            yield PROPERTY_VALUE.at(span, message, hint=hint)
 
 
 def _allowance(key: str, text: str, span: Span) -> Iterator[Diagnostic]:

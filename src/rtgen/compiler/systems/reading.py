@@ -15,7 +15,8 @@ from rtgen.compiler.frontends import Dependency, FrontendResult, key_of
 from rtgen.compiler.frontends.profiles import profile_tree, rts_profile
 from rtgen.compiler.kit import stages
 from rtgen.compiler.model import Model, System, SystemComponent
-from rtgen.compiler.model.system_links import known_components
+from rtgen.compiler.model.system_links import definitions_of, known_components
+from rtgen.compiler.systems import ros_topics
 from rtgen.compiler.systems.checks import check, check_properties
 from rtgen.compiler.typemap.openrtm_ports import ports_of, with_definition_names
 from rtgen.facts.encodings import decode, digest
@@ -93,11 +94,15 @@ def added(
     root: Path,
     output: Path,
     encoding: str = "auto",
+    topics: Sequence[ros_topics.TopicEntry] = (),
 ) -> FrontendResult:
-    """Return the result with systems, validated against its definitions; see `read`."""
+    """Return the result with systems, validated against its definitions; see `read`.
+
+    `topics` are those of `[ros2.topics]`.
+    """
     with stages.stage("systems"):
         systems = read(paths, root=root, output=output, encoding=encoding)
-        named, diagnostics = against(systems.systems, result)
+        named, diagnostics = against(systems.systems, result, topics)
     return replace(
         result,
         model=replace(result.model, systems=tuple(named)),
@@ -108,7 +113,9 @@ def added(
 
 
 def against(
-    systems: Sequence[System], definitions: FrontendResult
+    systems: Sequence[System],
+    definitions: FrontendResult,
+    topics: Sequence[ros_topics.TopicEntry] = (),
 ) -> tuple[Sequence[System], list[Diagnostic]]:
     """Return the systems with the definitions' port names, and their diagnostics."""
     if has_errors(definitions.diagnostics):
@@ -116,7 +123,7 @@ def against(
         return systems, diagnostics
     models = models_of(definitions)
     named = as_defined(systems, models)
-    return named, list(checked(named, models))
+    return named, list(checked(named, models, topics))
 
 
 def models_of(definitions: FrontendResult) -> Sequence[Model]:
@@ -143,11 +150,16 @@ def as_defined(systems: Iterable[System], models: Iterable[Model]) -> list[Syste
     ]
 
 
-def checked(systems: Iterable[System], models: Iterable[Model]) -> Iterator[Diagnostic]:
+def checked(
+    systems: Iterable[System],
+    models: Iterable[Model],
+    topics: Sequence[ros_topics.TopicEntry] = (),
+) -> Iterator[Diagnostic]:
     """Yield diagnostics about systems whose components are defined in models."""
     components = known_components(models)
     for system in systems:
         yield from check(system, components)
+        yield from ros_topics.findings(topics, definitions_of(system, components))
 
 
 def _with_conf(

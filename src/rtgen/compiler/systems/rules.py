@@ -33,5 +33,10 @@ MISSING = Rule("SYS0028", "samples that could not be written", Severity.ERROR)
 SYSTEM_PROPERTY = Rule("SYS0029", "unknown property of a system", Severity.ERROR)
 CALL = Rule("SYS0030", "call of a timeline that failed", Severity.ERROR)
 SKELETON = Rule("SYS0031", "behaviour that does nothing", Severity.WARNING)
+TOPIC_QOS = Rule(
+    "SYS0032",
+    "QoS of a topic that has no effect, or lets nothing through",
+    Severity.WARNING,
+)
 
 RULES = rules_of(globals())

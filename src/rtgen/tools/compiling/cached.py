@@ -155,4 +155,5 @@ def _checked(
         of_properties = checks.as_warnings(checks.check_properties(system))
         judgement = Judge(load_around(Path(system.file))).of_system(system)
         return [system], [*of_properties, *judgement.diagnostics]
-    return reading.against([system], compilation.read(project, lowered=True))
+    definitions = compilation.read(project, lowered=True)
+    return reading.against([system], definitions, project.ros2.topics)

@@ -14,7 +14,7 @@ from rtgen.compiler.project import Project, behaviours
 from rtgen.compiler.project import output as writer
 from rtgen.compiler.project.cache import Cache, hash_of
 from rtgen.compiler.project.compilation import Compilation
-from rtgen.compiler.systems.rules import TIMELINE_FILE
+from rtgen.compiler.systems.rules import TIMELINE_FILE, TOPIC_QOS
 from rtgen.tools.compiling.cached import Definitions, build, of_behaviours
 
 
@@ -131,6 +131,7 @@ def _made(
         root=project.root,
         output=project.output,
         encoding=project.encoding,
+        topics=project.ros2.topics,
     )
     diagnostics = [
         *systems.diagnostics,
@@ -164,7 +165,8 @@ def _part(finding: Diagnostic, project: Project) -> Part:
     if finding.code in {rule.code for rule in behaviours.RULES}:
         return Part.BEHAVIOURS
     file = finding.span.file if finding.span else ""
-    if file in {path.as_posix() for path in project.systems}:
+    is_topic = finding.code == TOPIC_QOS.code
+    if is_topic or file in {path.as_posix() for path in project.systems}:
         return Part.SYSTEMS
     if Path(file).name == TIMELINE_FILE or finding.code.startswith("SYS"):
         return Part.TIMELINES

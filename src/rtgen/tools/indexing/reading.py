@@ -110,7 +110,7 @@ def _with_systems(
         return result
     read_systems = [_system(project, path, memo) for path in project.systems]
     systems = [system for each in read_systems for system in each.systems]
-    _, more = reading.against(systems, complete or result)
+    _, more = reading.against(systems, complete or result, project.ros2.topics)
     findings += [*(d for each in read_systems for d in each.diagnostics), *more]
     sources = {
         name: text for each in read_systems for name, text in each.sources.items()

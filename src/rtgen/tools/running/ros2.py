@@ -15,10 +15,9 @@ from rtgen.compiler.project.ros2 import Ros2Settings, ServiceEntry, TopicEntry
 from rtgen.compiler.systems.rules import ROS_TOPIC
 from rtgen.facts import ros_names
 from rtgen.facts.connector_properties import MARSHALING
-from rtgen.facts.connector_properties import ROS_TOPIC as TOPIC
 from rtgen.facts.ros import is_interface
 from rtgen.facts.ros_marshaling import DEFAULT_TOPIC, messages_for, parse
-from rtgen.facts.ros_qos import PROFILES
+from rtgen.facts.ros_qos_words import profiles, topic_of
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import Refusal
 from rtgen.tools.running.ros2_networks import open_network
@@ -154,15 +153,16 @@ def _connected(running: runtime.System) -> Iterator[TopicEntry]:
         message = parse(connector.properties.get(MARSHALING, ""))
         if message is None:
             continue
-        topic = connector.properties.get(TOPIC, DEFAULT_TOPIC)
-        for port in (connector.source, connector.target):
+        topic = topic_of(connector.properties) or DEFAULT_TOPIC
+        ports: tuple[Any, Any] = connector.source, connector.target
+        for port, profile in zip(ports, profiles(connector.properties), strict=True):
             if (port.owner, port.name, topic, message) not in seen:
                 seen.add((port.owner, port.name, topic, message))
                 yield TopicEntry(
                     instance=port.owner,
                     port=port.name,
                     topic=topic,
-                    profile=PROFILES["default"],
+                    profile=profile,
                     span=None,
                     message=message,
                 )
