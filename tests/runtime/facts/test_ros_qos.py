@@ -294,11 +294,25 @@ CONTRADICTIONS = {
 @pytest.mark.parametrize("first", CONTRADICTIONS)
 def test_contradictions_are_said_once(first: tuple[str, str, str]) -> None:
     key, text, other = first
-    properties = {f"dataport.{key}": text, f"dataport.{other}": CONTRADICTIONS[first]}
+    properties = {
+        "dataport.marshaling_type": "ros2:std_msgs/Float32",
+        f"dataport.{key}": text,
+        f"dataport.{other}": CONTRADICTIONS[first],
+    }
     [(place, message, hint)] = problems(properties)
     assert place in properties
     assert message
     assert hint
+
+
+def test_qos_between_processes_is_that_of_a_connector_that_is_a_topic() -> None:
+    between = {"dataport.qos.history": "keep_all", "dataport.qos.depth": "5"}
+    assert not list(problems(between))
+    assert profiles(between) == (Profile(), Profile())
+    topic = {**between, "dataport.marshaling_type": "ros2:std_msgs/Float32"}
+    assert len(list(problems(topic))) == 1
+    del topic["dataport.qos.history"]
+    assert profiles(topic) == (Profile(5), Profile(5))
 
 
 def test_the_topic_by_any_transport() -> None:

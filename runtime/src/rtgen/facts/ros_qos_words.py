@@ -208,15 +208,18 @@ def _node(
             yield f"{qos}.{name}.{part}", _Property(writes, policy, _count, unit)
 
 
+_BETWEEN_PROCESSES: Final = "dataport.qos."
 _DDS: Final = ("reliability", "durability", "history", "depth", "deadline", "lease")
-"""Policies of `dataport.qos.*`, for connections between processes and those that are topics."""
+"""Policies of the properties for connections between processes, and those that are topics."""
 _PROPERTIES: Final[Mapping[str, _Property]] = {
     **{
         f"dataport.ros2.{policy}": _Property(None, policy, partial(of_text, policy))
         for policy in ("qos", *POLICIES)
     },
     **{
-        f"dataport.qos.{policy}": _Property(None, policy, partial(of_text, policy))
+        f"{_BETWEEN_PROCESSES}{policy}": _Property(
+            None, policy, partial(of_text, policy)
+        )
         for policy in _DDS
     },
     **dict(_openrtm()),
@@ -239,7 +242,7 @@ CHECKS: Final[Mapping[str, Check]] = {
     **{
         key: partial(_check, each.read)
         for key, each in _PROPERTIES.items()
-        if not key.startswith("dataport.qos.")
+        if not key.startswith(_BETWEEN_PROCESSES)
     },
     **{f"dataport.{name}.topic": _any for name in TRANSPORTS},
     **{f"dataport.fast-rtps.{node}.name": _any for _, node, _ in _NODES},
@@ -261,11 +264,18 @@ def topic_of(properties: Mapping[str, str]) -> str | None:
 
 
 def statements(properties: Mapping[str, str]) -> list[Statement]:
-    """Return what properties state of the QoS of a topic, without invalid values."""
+    """Return what properties state of the QoS of a topic, without invalid values.
+
+    `dataport.qos.*` concern a topic if the connector is one.
+    """
+    is_topic = properties.get("dataport.marshaling_type", "").strip() not in ("", "cdr")
     found: list[Statement] = []
     times: dict[tuple[bool | None, str, str], tuple[str, int]] = {}
-    for key in _PROPERTIES.keys() & properties.keys():
-        writes, policy, read, unit = _PROPERTIES[key]
+    for key in properties:
+        stated = _PROPERTIES.get(key)
+        if stated is None or (key.startswith(_BETWEEN_PROCESSES) and not is_topic):
+            continue
+        writes, policy, read, unit = stated
         try:
             value = read(properties[key])
         except ValueError:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import msgspec
 
+from rtgen.facts import ros_qos_words
 from rtgen.facts.connector_properties import (
     EMBEDDED_DATA,
     IGNORED,
@@ -60,6 +61,8 @@ def parse(properties: Mapping[str, str]) -> ConnectorSettings:
         raise ConnectorPropertyError(
             f"subscription 'periodic' needs the property {PUSH_RATE!r}"
         )
+    for _, problem, hint in ros_qos_words.problems(texts):
+        raise ConnectorPropertyError(f"connector properties: {problem}; {hint}")
     subscription = next(iter(meant.values()), Subscription.FLUSH)
     periodic = subscription is Subscription.PERIODIC
     push_policy = texts.get("dataport.publisher.push_policy", PushPolicy.NEW)
