@@ -25,7 +25,7 @@ from rtgen.runtime.errors import (
 from rtgen.runtime.return_codes import RTC_OK, ReturnCode_t
 from rtgen.runtime.system.joining import instances_of
 from rtgen.runtime.timing.clocks import SECOND
-from rtgen.ui import calls, saving
+from rtgen.ui import calls, renames, saving
 from rtgen.ui.changes import ends_of, new_component, unwritten
 from rtgen.ui.description import properties_of
 from rtgen.ui.documents.document import DocumentError
@@ -184,6 +184,8 @@ class Commands:
             result.reply = calls.call(self._session.system, value)
         elif kind is CommandKind.COMMAND_SDO_READ:
             result.text = self._session.buses.read(value)
+        elif kind is CommandKind.COMMAND_RENAME:
+            result.renamed = renames.rename(self._session, value)
         elif kind is CommandKind.COMMAND_OBJECTS:
             result.objects = self._session.buses.objects(value)
         elif kind in self._handlers:

@@ -6,6 +6,15 @@ from collections.abc import Iterable, Mapping
 from inspect import getdoc
 from typing import Any, Final
 
+from rtgen.compiler.systems.timeline import (
+    Call,
+    Connect,
+    Disconnect,
+    SetParameter,
+    StateRequest,
+    Step,
+)
+from rtgen.runtime.ports.data_ports import DataConnector
 from rtgen.runtime.return_codes import LifeCycleState
 from rtgen.runtime.rtc.component import Component as Rtc
 from rtgen.runtime.rtc.profiles import ComponentProfile, ParameterProfile, PortProfile
@@ -13,6 +22,7 @@ from rtgen.runtime.services.calls import calls_of
 from rtgen.runtime.services.servants import ServiceError, operations_of
 from rtgen.runtime.system.joining import Connector, instances_of
 from rtgen.runtime.system.system import System
+from rtgen.runtime.timing.clocks import SECOND
 from rtgen.tools.kit.member_units import MemberUnits, units_of
 from rtgen.tools.recording.recorder import cdr_encoder
 from rtgen.ui.protocol import ui
@@ -39,7 +49,12 @@ class Description:
         return self.types.number(type_._descriptor_)
 
     def component(
-        self, system: System, instance: str, place: tuple[float, float] | None
+        self,
+        system: System,
+        instance: str,
+        place: tuple[float, float] | None,
+        *,
+        finishes: bool = False,
     ) -> ui.Component:
         """Describe a component with its ports, parameters and state."""
         component = system.component(instance)
@@ -72,6 +87,7 @@ class Description:
             placed=place is not None,
             where=ui.Location(*(place or (0.0, 0.0))),
             observables=[*component.observables],
+            finishes=finishes,
         )
 
     def ports(self, component: Rtc) -> list[ui.Port]:
@@ -187,6 +203,41 @@ def properties_of(connector: Connector) -> Mapping[str, str]:
     """Return the properties of a connection; none for a service of another process."""
     properties: Mapping[str, str] = getattr(connector, "properties", {})
     return properties
+
+
+def planned(step: Step) -> ui.PlannedEvent:
+    """Describe an event of the timeline."""
+    event = ui.PlannedEvent(time=step.time / SECOND)
+    match step.action:
+        case Disconnect(name):
+            event.kind, event.text = "disconnect", name
+        case Connect(name, source, target):
+            event.kind, event.text = "connect", f"{source} to {target}"
+            event.source = ui.PortAddress(instance=source.instance, port=source.port)
+            event.target = ui.PortAddress(instance=target.instance, port=target.port)
+        case SetParameter(instance, parameter, text):
+            event.kind, event.text = "set", f"{instance}.{parameter} = {text}"
+        case StateRequest(request, instance):
+            event.kind, event.text = request, instance
+        case Call(text=call):
+            event.kind, event.text = "call", call.text
+    return event
+
+
+def flow(connector: DataConnector[Any], rate: float) -> ui.Flow:
+    """Describe what became of the samples of a connection; `rate` in 1/s, negative if unknown."""
+    counts = {
+        "overwritten in a full buffer": connector.overwritten,
+        "refused by a full buffer": connector.refused,
+        "skipped by the push policy": connector.dropped,
+        "lost on the way from another process": connector.missed,
+    }
+    return ui.Flow(
+        name=connector.name,
+        rate=rate,
+        lost=sum(counts.values()),
+        details=", ".join(f"{n} {what}" for what, n in counts.items() if n),
+    )
 
 
 def palette_entry(profile: ComponentProfile) -> ui.PaletteEntry:

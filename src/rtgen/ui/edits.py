@@ -103,6 +103,10 @@ class Edits:
         if len(self._done) > MAX_EDITS:
             self._settle(self._done.pop(0))
 
+    def inherit(self, edit: Edit, *, undone: bool) -> None:
+        """Take over an edit from before the file was opened again."""
+        (self._undone if undone else self._done).append(edit)
+
     def forget(self) -> None:
         """Forget how to undo all edits, because their run was replaced; the file keeps them."""
         for edit in self._done:

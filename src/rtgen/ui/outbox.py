@@ -26,7 +26,7 @@ MAX_SAMPLES: Final = 4096
 MAX_TRAFFIC: Final = 2048
 """Maximum number of waiting frames and calls; then the oldest are dropped."""
 
-_LATEST: Final = (EventKind.EVENT_TIME, EventKind.EVENT_LOAD)
+_LATEST: Final = (EventKind.EVENT_TIME, EventKind.EVENT_LOAD, EventKind.EVENT_FLOWS)
 _ALWAYS: Final = (
     EventKind.EVENT_HELLO,
     EventKind.EVENT_RESULT,

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from rtgen import runtime
 from rtgen.compiler.diagnostics import Diagnostic
 from rtgen.compiler.model import PortReference, System, SystemComponent
+from rtgen.compiler.systems.timeline import Timeline
 from rtgen.runtime.failures import Failure
 from rtgen.runtime.marshalling.descriptors import DataType
 from rtgen.runtime.rtc.profiles import ComponentProfile
 from rtgen.runtime.services.servants import Servant
 from rtgen.ui.buses import Describer
 from rtgen.ui.documents.document import Document
+
+if TYPE_CHECKING:
+    from rtgen.tools.renaming.plan import Renaming
 
 
 class Opened(NamedTuple):
@@ -32,10 +36,14 @@ class Known(NamedTuple):
 
 
 class RunWatcher(NamedTuple):
-    """Functions that are called for failures of components, and events that are skipped."""
+    """Functions that are called for failures of components, and events of the timeline.
+
+    These are skipped, or they are calls of an instance, with their outcome.
+    """
 
     failed: Callable[[Failure], None]
     skipped: Callable[[Diagnostic], None]
+    called: Callable[[str, str], None]
 
 
 class Project(Protocol):
@@ -54,6 +62,21 @@ class Project(Protocol):
         `own` is the file of the session. Other content than that is only replaced if `replace`;
         then it is kept in another file, whose name is returned, else an empty text. Raises
         CommandError, with QUESTION if the user must decide.
+        """
+
+    def timeline(self, profile: System) -> Timeline:
+        """Return the timeline of a system of `read`."""
+
+    def renaming(self, old: str, new: str) -> Renaming:
+        """Plan a rename of what a definition names. Raises InputError."""
+
+    def renaming_of_instance(self, file: str, instance: str, name: str) -> Renaming:
+        """Plan a rename of a component of a system's file. Raises InputError."""
+
+    def rename(self, renaming: Renaming) -> None:
+        """Change the files of a rename, and those generated from them; systems are read anew.
+
+        Raises InputError, ToolError.
         """
 
     def refusals(self, profile: System) -> Sequence[str]:

@@ -22,12 +22,19 @@ from rtgen.compiler.diagnostics import (
 from rtgen.compiler.frontends.profiles import profile_tree, rts_profile
 from rtgen.compiler.judging import Judge
 from rtgen.compiler.model import PortReference, System, SystemComponent
-from rtgen.compiler.project import is_bus_file, is_system, load_around, shown
+from rtgen.compiler.project import (
+    Project,
+    is_bus_file,
+    is_system,
+    load_around,
+    shown,
+)
 from rtgen.compiler.project.cache import default
 from rtgen.compiler.systems import conditions, timeline
 from rtgen.compiler.systems.checks import check_properties
 from rtgen.compiler.systems.rules import MEASURE, NOTICE
 from rtgen.compiler.systems.timeline import Timeline
+from rtgen.facts.files import absolute_path
 from rtgen.runtime.failures import Failure, log
 from rtgen.runtime.marshalling.descriptors import DataType
 from rtgen.runtime.rtc.profiles import ComponentProfile
@@ -46,6 +53,7 @@ from rtgen.ui.errors import FILE, QUESTION, CommandError
 if TYPE_CHECKING:
     from rtgen.runtime.corba.transport import NamedCorba
     from rtgen.runtime.opaque_rpc.codecs import Codec
+    from rtgen.tools.renaming.plan import Renaming
     from rtgen.ui.bus_description import BusDescriber
     from rtgen.ui.project import Known, Opened, RunWatcher
 
@@ -73,10 +81,16 @@ class CommandProject:
         self._files = [*files]
         self._plans: dict[str, Timeline] = {}
         """The timelines of systems as opened, by their files."""
-        self._project = load_around(Path(files[0]) if files else Path.cwd())
+        self._load()
+
+    def _load(self) -> None:
+        self._project = self._loaded()
         self._judge = Judge(self._project, default())
         self._factories = Factories(self._project)
         self._types = KnownTypes(self._project)
+
+    def _loaded(self) -> Project:
+        return load_around(Path(self._files[0]) if self._files else Path.cwd())
 
     @property
     def systems(self) -> Sequence[str]:
@@ -143,11 +157,43 @@ class CommandProject:
             raise CommandError(FILE, message) from error
         return "" if backup is None else shown(backup)
 
+    def timeline(self, profile: System) -> Timeline:
+        """Return the timeline of a system of `read`."""
+        return self._plans.get(profile.file, Timeline())
+
+    def renaming(self, old: str, new: str) -> Renaming:
+        """Plan a rename of what a definition names. Raises InputError."""
+        from rtgen.tools.renaming import plan
+
+        return plan.by_names(self._loaded, old, new)
+
+    def renaming_of_instance(self, file: str, instance: str, name: str) -> Renaming:
+        """Plan a rename of a component of a system's file. Raises InputError."""
+        from rtgen.tools.renaming import plan
+
+        key = f"rts {absolute_path(_path_of(file).as_posix())}#{instance}"
+        return plan.by_key(self._loaded, key, name, {}, {})
+
+    def rename(self, renaming: Renaming) -> None:
+        """Change the files of a rename, and those generated from them; systems are read anew.
+
+        Raises InputError, ToolError.
+        """
+        from rtgen.tools.compiling.generation import generate_project
+        from rtgen.tools.renaming import writing
+
+        writing.write(renaming)
+        project = self._loaded()
+        if project.file is not None and project.sources:
+            generate_project(project, default())
+        self._factories.forget()
+        self._load()
+
     def refusals(self, profile: System) -> Sequence[str]:
         """Return the errors that `rtgen run` would report before the start."""
         from rtgen.ui.texts import placed
 
-        plan = self._plans.get(profile.file, Timeline())
+        plan = self.timeline(profile)
         found = [*check_properties(profile)]
         found += self._judge.of_system(profile, plan.steps).diagnostics
         problems = [d for d in found if d.severity is Severity.ERROR]
@@ -186,7 +232,7 @@ class CommandProject:
         """
         simulated = isinstance(clock, runtime.SimulatedClock)
         report = FailureReport(self._console, FailureOptions(), simulated=simulated)
-        steps = self._plans.get(profile.file, Timeline()).steps
+        steps = self.timeline(profile).steps
         if outside := named(profile, None, self._factories.foreign):
             here = {c.instance for c in profile.components} - outside
             steps = steps_here(steps, profile, here, data=True)
@@ -196,6 +242,7 @@ class CommandProject:
             report.notice(finding)
             watcher.skipped(finding)
 
+        report.on_call = watcher.called
         system = assemble(
             profile,
             self._factories,

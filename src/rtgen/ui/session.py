@@ -7,6 +7,7 @@ import threading
 import uuid
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from time import monotonic
 from typing import TYPE_CHECKING, Any, Final
 
 from msgspec.structs import replace
@@ -14,11 +15,12 @@ from msgspec.structs import replace
 from rtgen import runtime
 from rtgen.compiler.diagnostics import Diagnostic, InputError, ToolError
 from rtgen.compiler.model import System, SystemComponent
+from rtgen.compiler.systems import conditions
 from rtgen.facts.openrtm_ports import KIND, foreign_instances
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.failures import Failure, described
 from rtgen.runtime.opaque_rpc.codecs import Codec
-from rtgen.runtime.ports.data_ports import OutPort
+from rtgen.runtime.ports.data_ports import DataConnector, OutPort
 from rtgen.runtime.system.joining import Connector, instances_of
 from rtgen.runtime.system.json_printers import json_printer
 from rtgen.runtime.system.records import Record, StateRecord
@@ -36,10 +38,17 @@ from rtgen.ui import boards, compared_run, description
 from rtgen.ui.buses import Buses
 from rtgen.ui.changes import Changes
 from rtgen.ui.compared_run import ComparedRun
-from rtgen.ui.description import STATES, Description, member_units, palette_entry
+from rtgen.ui.description import (
+    STATES,
+    Description,
+    member_units,
+    palette_entry,
+    planned,
+)
 from rtgen.ui.documents.document import Document, DocumentError
 from rtgen.ui.edits import Edits
 from rtgen.ui.errors import FILE, UNKNOWN, CommandError
+from rtgen.ui.flows import Flows
 from rtgen.ui.history import History
 from rtgen.ui.outbox import Outbox
 from rtgen.ui.project import Known, Project, RunWatcher
@@ -56,6 +65,8 @@ if TYPE_CHECKING:
 
 Place = tuple[float, float]
 _MAX_NOTICE_LENGTH: Final = 2000
+_FLOWS_INTERVAL: Final = 1.0
+"""Time between two counts of the samples on connections [s]."""
 _BEFORE: Final = "the run before"
 """The name of a kept run, which is compared with the next one."""
 
@@ -97,6 +108,8 @@ class Session:
         self.places: dict[str, Place] = {}
         self.profile: System
         """The system of the file as it was opened or saved last."""
+        self._finishing: frozenset[str]
+        """The instances whose ERROR is the end of their work."""
         self.foreign: Mapping[str, SystemComponent]
         """The components of other processes in the file, by their paths."""
         self._clock = clock
@@ -121,11 +134,12 @@ class Session:
         self.keeps = False
         """Whether this run is kept for comparison when time is set back."""
         self._end_recording: Callable[[], None] = lambda: None
-        self._palette = [palette_entry(each) for each in project.palette()]
-        self.known_types = frozenset(each.type for each in self._palette)
+        self.renew_palette()
         self.runner = Runner(self.made(file), self._report, self._ended)
         self.buses: Buses
         self.history: History
+        self.flows: Flows
+        self._next_flows = 0.0
         self.own = own
         self._across: set[str] = set()
         """Names of the connections to other processes, which `remote` contains."""
@@ -141,6 +155,11 @@ class Session:
             )
 
     # Systems.
+
+    def renew_palette(self) -> None:
+        """Take over the component types that the project has now."""
+        self._palette = [palette_entry(each) for each in self.project.palette()]
+        self.known_types = frozenset(each.type for each in self._palette)
 
     @property
     def system(self) -> runtime.System:
@@ -167,6 +186,7 @@ class Session:
     def take_over(self, profile: System) -> None:
         """Use a profile as that of the system from now on."""
         foreign = foreign_instances(profile.properties)
+        self._finishing = conditions.finishing(profile)
         self.profile = profile
         self.foreign = {
             each.path_uri: each
@@ -176,7 +196,7 @@ class Session:
 
     def assembled(self, profile: System) -> runtime.System:
         """Create a system from a profile. Raises InputError or ToolError."""
-        watcher = RunWatcher(self._failed, self._skipped)
+        watcher = RunWatcher(self._failed, self._skipped, self._called)
         return self.project.assemble(profile, self._clock(), watcher)
 
     def change_system(self, system: runtime.System) -> None:
@@ -230,6 +250,7 @@ class Session:
         system = self.system
         self._end_recording = self.project.record(system)
         self.history = History()
+        self.flows = Flows()
         if self.beside is not None:
             self.beside.begin()
         self.buses = Buses(system, self.project.describer, self.publish)
@@ -247,6 +268,7 @@ class Session:
         hello = ui.Hello(version=ui.VERSION, server=self.name, full=page.full)
         page.put(ui.Event.of_greeting(hello))
         self.look(page, -1.0)
+        page.put(ui.Event.of_flows(self.flows.latest))
         with self._lock:
             self._pages = (*self._pages, page)
 
@@ -354,6 +376,7 @@ class Session:
             keeps=self.keeps,
             naming=[*remote.services],
             foreign=[*self.foreign],
+            plan=[*map(planned, self.project.timeline(self.profile).steps)],
         )
 
     @property
@@ -377,7 +400,10 @@ class Session:
         place = self.places.get(instance)
         remote = self.remote.components.get(instance)
         if remote is None:
-            return self.describe.component(self.system, instance, place)
+            finishes = instance in self._finishing
+            return self.describe.component(
+                self.system, instance, place, finishes=finishes
+            )
         where = ui.Location(*(place or (0.0, 0.0)))
         return replace(remote, placed=place is not None, where=where)
 
@@ -533,6 +559,7 @@ class Session:
     def sample(self, sample: ui.Sample) -> None:
         """Keep a sample, and send it to the pages that watch its channel; from any thread."""
         self.history.sample(sample)
+        self.flows.written(sample.channel)
         if sample.channel not in self._watched:
             return
         for page in self._pages:
@@ -620,6 +647,9 @@ class Session:
         what = failure.reason if failure.error is None else described(failure.error)
         self.notice("error", failure.instance, f"{failure.callback}: {what}")
 
+    def _called(self, instance: str, text: str) -> None:
+        self.notice("call", instance, text)
+
     def _skipped(self, finding: Diagnostic) -> None:
         self.notice("skipped", "", placed(finding))
 
@@ -651,11 +681,28 @@ class Session:
                     count = each.overruns - before.overruns
                     self.notice("overrun", each.instance, f"{count} more")
         self.history.statistics(self.now, changed)
+        if self._is_time_for_flows() and self.flows.changed(
+            self.now, self.connectors, self.source_channel
+        ):
+            self._to_all(ui.Event.of_flows(self.flows.latest))
         for page in self._pages:
             if changed:
                 page.statistics(changed)
             if page.missed_changes:
                 page.put(ui.Event.of_whole(self.whole()))
+
+    def _is_time_for_flows(self) -> bool:
+        now = monotonic()
+        if now < self._next_flows:
+            return False
+        self._next_flows = now + _FLOWS_INTERVAL
+        return True
+
+    def source_channel(self, connector: DataConnector[Any]) -> int | None:
+        """Return the number of the channel of the OutPort of a connection."""
+        source = connector.source
+        channel = self._channels.get((source.owner, source.name))
+        return None if channel is None else channel.id
 
     def close(self) -> None:
         """Notify the pages, and end the run."""

@@ -5,13 +5,16 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from heating_project import write
 from ui_bench import GOAL, NARROW, QUIET, WIDE, opened, serving
 
+from rtgen.cli import run as rtgen
 from rtgen.runtime import SimulatedClock
 from rtgen.ui.project_systems import CommandProject
 from rtgen.ui.server import PAGE
@@ -125,3 +128,18 @@ def page(browser: Any, server: Server, look: tuple[int, str]) -> Iterator[Any]:
         page.get_by_role("button", name="Pause").wait_for()
         page.locator(".wiring[aria-busy=false] .react-flow__node").first.wait_for()
         yield page
+
+
+@pytest.fixture
+def warm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """Yield the folder of a generated project with a heater, the working folder."""
+    folder = tmp_path / "project"
+    write(folder)
+    monkeypatch.chdir(folder)
+    monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    assert rtgen(["generate", "-q"]) == 0
+    yield folder
+    for name in [*sys.modules]:
+        if name.partition(".")[0] in ("heating", "warmth"):
+            del sys.modules[name]

@@ -171,3 +171,65 @@ def test_events_that_no_longer_apply_do_not_end_a_run(
     (tmp_path / "timeline.toml").write_text(EVENTS + wrong)
     assert rtgen(["run", str(tmp_path), "--until", "3", "-q"]) == 2
     assert "timeline.toml:11:1: error[RTC0582]" in capfd.readouterr().err
+
+
+def test_calls_and_planned_ends_are_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(ROOT)
+    finishes = """  <rtsExt:Properties rtsExt:name="rtgen.run.finishes" rtsExt:value="B0"/>
+</rts:RtsProfile>"""
+    text = SYSTEM.replace("</rts:RtsProfile>", finishes)
+    (tmp_path / "system.xml").write_text(text)
+    (tmp_path / "timeline.toml").write_text(EVENTS)
+    bench = Bench(tmp_path)
+    state = whole(bench.page().events())
+    assert [c.instance for c in state.components if c.finishes] == ["B0"]
+    assert [(e.time, e.kind, e.text) for e in state.plan] == [
+        (1.0, "disconnect", "wire"),
+        (1.0, "set", "R0.max_v = 0.1"),
+        (1.0, "deactivate", "R0"),
+        (2.0, "connect", "A0.velocity to R0.velocity"),
+    ]
+    assert state.plan[-1].source == ui.PortAddress(instance="A0", port="velocity")
+    bench.close()
+
+
+def test_a_call_is_a_line_with_its_outcome(warm: Path) -> None:
+    timeline = warm / "systems/warm/timeline.toml"
+    call = '[[at]]\nt = 1.0\ncall = "Heater0.setup.set_room(18.5)"\n\n[[at]]\nt = 2.0'
+    timeline.write_text(timeline.read_text().replace("[[at]]\nt = 2.0", call))
+    bench = Bench("systems/warm")
+    page = bench.page()
+    page.done("step", 1.5)
+    [line] = [
+        event.reported
+        for event in page.seen
+        if event.discriminator is ui.EventKind.EVENT_NOTICE
+        and event.reported.kind == "call"
+    ]
+    assert (line.time, line.instance) == (1.0, "Heater0")
+    assert line.text == "Heater0.setup.set_room(18.5) -> 20.0"
+    bench.close()
+
+
+def test_samples_of_connections_are_counted(warm: Path) -> None:
+    bench = Bench("systems/warm")
+    page, session = bench.page(), bench.session
+    page.done("step", 1.5)
+
+    def changed() -> bool:
+        return session.flows.changed(
+            session.now, session.connectors, session.source_channel
+        )
+
+    assert changed()
+    assert not changed()
+    page.done("deactivated", ["Controller0"])
+    page.done("step", 60.0)
+    assert changed()
+    [flow] = [f for f in session.flows.latest if "temperature" in f.name]
+    assert flow.rate == pytest.approx(10.0, abs=0.5)
+    assert flow.lost > 0
+    assert flow.details == f"{flow.lost} overwritten in a full buffer"
+    bench.close()

@@ -8,7 +8,7 @@ from pathlib import Path
 import msgspec
 from msgspec.structs import replace
 
-from rtgen.compiler.diagnostics import has_errors
+from rtgen.compiler.diagnostics import InputError, has_errors
 from rtgen.compiler.kit import stages
 from rtgen.compiler.project import Project, behaviours, cache, shown
 from rtgen.compiler.project import output as writer
@@ -78,6 +78,14 @@ def generate_once(console: Console, request: Request) -> tuple[int, Iterable[Pat
             "marshaller, come with corba = true in [tecs] of rtgen.toml, or --target openrtm"
         )
     return BAD_INPUT if has_errors(of_users.diagnostics) else OK, looked_for
+
+
+def generate_project(project: Project, runs: cache.Cache) -> None:
+    """Write what a project's definitions make, without a word. Raises InputError, ToolError."""
+    run = build(project, runs)
+    if run.failed:
+        raise InputError([d for d in run.diagnostics if has_errors([d])])
+    writer.write(project, run, behaviours.awaited(project, run.artifacts))
 
 
 def _lacks_build_scripts(project: Project, done: writer.Plan) -> bool:

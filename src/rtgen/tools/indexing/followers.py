@@ -78,6 +78,8 @@ class Followers:
         self.instances: dict[str, str] = {}
         """The types of instances by name, of all systems."""
         self._by_folder: dict[Path, tuple[str, dict[str, str]]] = {}
+        self._keys: dict[str, str] = {}
+        """The key of the system with each instance; empty if there are several."""
 
     def add_system(self, file: str, root: Element, text: Text) -> None:
         """Add the names of an RtsProfile, displayed as `file`."""
@@ -91,7 +93,10 @@ class Followers:
         folder = Path(path_of(file)).parent
         key = f"rts {path_of(file)}#"
         known = self._by_folder.get(folder)
-        if known is None:
+        for instance in types:
+            others = self._keys.get(instance, key)
+            self._keys[instance] = key if others == key else ""
+        if known is None or known[0] == key:
             self._by_folder[folder] = (key, dict(types))
         else:
             self._by_folder[folder] = ("", {**types, **known[1]})
@@ -106,17 +111,19 @@ class Followers:
             stop = source.find("\n[", match.end())
             body = source[match.end() : stop if stop >= 0 else len(source)]
             self._parameters(file, text, match.end(), body, instances.get(match[1]))
+            if key and match[1] in beside:
+                self._refer(file, text, *match.span(1), key + match[1])
         for match in _NESTED.finditer(source):
             self._parameters(
                 file, text, match.start(2), match[2], instances.get(match[1])
             )
-        if key:
-            self._instances(file, text, source, key, beside)
+        self._instances(file, text, source, dict.fromkeys(beside, key))
 
     def add_project_file(self, file: str, text: Text) -> None:
         """Add the names of instances' ports, and of types of components, in rtgen.toml."""
         source = _without_comments(text.normal)
         self._paths(file, text, source, self.instances)
+        self._instances(file, text, source, self._keys)
         section = re.search(r"^\s*\[\s*components\s*\]", source, re.M)
         if section is None:
             return
@@ -142,6 +149,7 @@ class Followers:
                     place = match.end(), match.end() + len(name)
                     self._refer(file, text, *place, known[name])
         self._paths(file, text, source, self.instances)
+        self._instances(file, text, source, self._keys)
         for match in _TYPES.finditer(source):
             word = match[1] or match[2]
             names = self.components.types.get(word)
@@ -164,11 +172,15 @@ class Followers:
                 self._refer(file, text, begin, begin + len(match[1]), key)
 
     def _instances(
-        self, file: str, text: Text, source: str, key: str, types: Mapping[str, str]
+        self, file: str, text: Text, source: str, keys: Mapping[str, str]
     ) -> None:
-        words = "|".join(map(re.escape, sorted(types, key=len, reverse=True)))
+        """Add the instances in a text; `keys` has those of their systems."""
+        known = sorted(filter(keys.get, keys), key=len, reverse=True)
+        if not known:
+            return
+        words = "|".join(map(re.escape, known))
         for match in re.finditer(rf"(?<![\w.])(?:{words})(?!\w)", source):
-            self._refer(file, text, *match.span(), f"{key}{match[0]}")
+            self._refer(file, text, *match.span(), f"{keys[match[0]]}{match[0]}")
 
     def _refer(self, file: str, text: Text, start: int, end: int, key: str) -> None:
         # Offsets are those of the text without a mark and with line feeds, as spans are.

@@ -6,7 +6,8 @@ import sys
 import traceback
 from collections.abc import Callable, Mapping
 from difflib import get_close_matches
-from importlib import import_module
+from importlib import import_module, invalidate_caches
+from pathlib import Path
 from types import ModuleType
 
 from rtgen.compiler.diagnostics import ToolError
@@ -49,6 +50,15 @@ class Factories:
         for folder in reversed(self._folders):
             if folder.is_dir() and str(folder) not in sys.path:
                 sys.path.insert(0, str(folder))
+
+    def forget(self) -> None:
+        """Forget the modules of the project, so that they are imported again."""
+        folders = [folder.resolve() for folder in self._folders]
+        for name, module in [*sys.modules.items()]:
+            file = getattr(module, "__file__", None)
+            if file and any(Path(file).is_relative_to(each) for each in folders):
+                del sys.modules[name]
+        invalidate_caches()
 
     @property
     def types(self) -> Mapping[str, str]:

@@ -68,6 +68,8 @@ class FailureReport:
         self.interrupt: BaseException | None = None
         """The exception raised by a callback that ends the run."""
         self.end_run: Callable[[BaseException], None] = lambda error: None
+        self.on_call: Callable[[str, str], None] = lambda instance, text: None
+        """Called with the instance and the outcome of each call of the timeline."""
         self.before_debugging: Callable[[], None] = lambda: None
         """Called before the debugger opens, to clear the terminal."""
         self._console = console
@@ -144,6 +146,7 @@ class FailureReport:
     ) -> None:
         """Report the outcome of a call of the timeline, at a time [ns]; a failure counts."""
         said, expected = outcome_text(outcome), call.raises
+        self.on_call(call.instance, f"{call.text.text}{said}")
         if expected in (outcome.exception, outcome.exception.rpartition("::")[2]):
             text = f"{time / SECOND:.3f} s: {call.text.text}{said}"
             self._console.say(printable(text))

@@ -4,7 +4,7 @@
 import { type CdrType, boolean, branch, double, enumeration, field, long, longlong, octets, sequence, string, struct, ulong, ulonglong, union } from "../_cdr.ts";
 
 /** Version of the protocol; a page with another version reloads. */
-export const Ui$VERSION = 6;
+export const Ui$VERSION = 7;
 
 /** Maximum number of past samples of a channel that a page gets at once: the newest half, and some older ones. */
 export const Ui$MAX_SAMPLES = 2000;
@@ -223,6 +223,8 @@ export interface Ui$Component {
   observables: Ui$Strings;
   /** Why a component of another process does not answer; empty: it does. */
   silent: string;
+  /** Whether ERROR is the end of its work, as its system says. */
+  finishes: boolean;
 }
 export const Ui$Component: CdrType<Ui$Component> = struct("Ui::Component", [
   field("instance", string()),
@@ -243,6 +245,7 @@ export const Ui$Component: CdrType<Ui$Component> = struct("Ui::Component", [
   field("where", Ui$Location),
   field("observables", Ui$Strings),
   field("silent", string()),
+  field("finishes", boolean),
 ]);
 
 export interface Ui$PortAddress {
@@ -265,6 +268,42 @@ export const Ui$Connection: CdrType<Ui$Connection> = struct("Ui::Connection", [
   field("source", Ui$PortAddress),
   field("target", Ui$PortAddress),
   field("properties", Ui$ValueList),
+]);
+
+/** What became of the samples of a connection. */
+export interface Ui$Flow {
+  /** Of the connection. */
+  name: string;
+  /** Samples written to its OutPort in a second of the run; negative: not counted. */
+  rate: number;
+  /** Samples that did not reach its InPort. */
+  lost: bigint;
+  /** Why they were lost; empty: none was. */
+  details: string;
+}
+export const Ui$Flow: CdrType<Ui$Flow> = struct("Ui::Flow", [
+  field("name", string()),
+  field("rate", double),
+  field("lost", ulonglong),
+  field("details", string()),
+]);
+
+/** An event of the timeline, which has not happened before its time. */
+export interface Ui$PlannedEvent {
+  time: number;
+  /** connect, disconnect, set, activate, deactivate, reset, call */
+  kind: string;
+  text: string;
+  /** Ends of a connection to be made; empty for other events. */
+  source: Ui$PortAddress;
+  target: Ui$PortAddress;
+}
+export const Ui$PlannedEvent: CdrType<Ui$PlannedEvent> = struct("Ui::PlannedEvent", [
+  field("time", double),
+  field("kind", string()),
+  field("text", string()),
+  field("source", Ui$PortAddress),
+  field("target", Ui$PortAddress),
 ]);
 
 export interface Ui$PaletteEntry {
@@ -530,6 +569,8 @@ export interface Ui$SystemState {
   naming: Ui$NamingServices;
   /** Paths of the components of other processes in the file. */
   foreign: Ui$Strings;
+  /** The timeline of the system, in order. */
+  plan: Ui$PlannedEvent[];
 }
 export const Ui$SystemState: CdrType<Ui$SystemState> = struct("Ui::SystemState", [
   field("name", string()),
@@ -546,6 +587,7 @@ export const Ui$SystemState: CdrType<Ui$SystemState> = struct("Ui::SystemState",
   field("keeps", boolean),
   field("naming", Ui$NamingServices),
   field("foreign", Ui$Strings),
+  field("plan", sequence(Ui$PlannedEvent)),
 ]);
 
 export interface Ui$Hello {
@@ -693,6 +735,20 @@ export const Ui$Fit: CdrType<Ui$Fit> = struct("Ui::Fit", [
   field("allow", string()),
 ]);
 
+/** What a rename changes in a file. */
+export interface Ui$FileChange {
+  file: string;
+  /** Empty: the file stays where it is. */
+  moved_to: string;
+  /** Lines that are removed and added, as a unified diff. */
+  lines: string;
+}
+export const Ui$FileChange: CdrType<Ui$FileChange> = struct("Ui::FileChange", [
+  field("file", string()),
+  field("moved_to", string()),
+  field("lines", string()),
+]);
+
 export interface Ui$Result {
   /** As in the ClientMessage. */
   request: number;
@@ -707,6 +763,8 @@ export interface Ui$Result {
   text: string;
   fits: Ui$Fit[];
   objects: Ui$ObjectEntry[];
+  /** What a rename changes, or has changed. */
+  renamed: Ui$FileChange[];
 }
 export const Ui$Result: CdrType<Ui$Result> = struct("Ui::Result", [
   field("request", ulong),
@@ -718,6 +776,7 @@ export const Ui$Result: CdrType<Ui$Result> = struct("Ui::Result", [
   field("text", string()),
   field("fits", sequence(Ui$Fit)),
   field("objects", sequence(Ui$ObjectEntry)),
+  field("renamed", sequence(Ui$FileChange)),
 ]);
 
 export type Ui$SampleList = Ui$Sample[];
@@ -729,8 +788,11 @@ export const Ui$FrameList: CdrType<Ui$FrameList> = sequence(Ui$Frame);
 export type Ui$StatisticsList = Ui$Statistics[];
 export const Ui$StatisticsList: CdrType<Ui$StatisticsList> = sequence(Ui$Statistics);
 
-export type Ui$EventKind = "EVENT_HELLO" | "EVENT_SYSTEM" | "EVENT_TYPES" | "EVENT_COMPONENT" | "EVENT_REMOVED" | "EVENT_CONNECTED" | "EVENT_CUT" | "EVENT_STATE" | "EVENT_STATISTICS" | "EVENT_PARAMETER" | "EVENT_ACTIVE_SET" | "EVENT_CHANNEL" | "EVENT_SAMPLES" | "EVENT_TIME" | "EVENT_SENT_LESS" | "EVENT_RESULT" | "EVENT_MOVED" | "EVENT_EDITS" | "EVENT_NOTICE" | "EVENT_FRAMES" | "EVENT_BUS" | "EVENT_LOAD" | "EVENT_BOARD_CALL" | "EVENT_END" | "EVENT_BESIDE" | "EVENT_NAMING";
-export const Ui$EventKind: CdrType<Ui$EventKind> = enumeration("Ui::EventKind", { EVENT_HELLO: 0, EVENT_SYSTEM: 1, EVENT_TYPES: 2, EVENT_COMPONENT: 3, EVENT_REMOVED: 4, EVENT_CONNECTED: 5, EVENT_CUT: 6, EVENT_STATE: 7, EVENT_STATISTICS: 8, EVENT_PARAMETER: 9, EVENT_ACTIVE_SET: 10, EVENT_CHANNEL: 11, EVENT_SAMPLES: 12, EVENT_TIME: 13, EVENT_SENT_LESS: 14, EVENT_RESULT: 15, EVENT_MOVED: 16, EVENT_EDITS: 17, EVENT_NOTICE: 18, EVENT_FRAMES: 19, EVENT_BUS: 20, EVENT_LOAD: 21, EVENT_BOARD_CALL: 22, EVENT_END: 23, EVENT_BESIDE: 24, EVENT_NAMING: 25 });
+export type Ui$FlowList = Ui$Flow[];
+export const Ui$FlowList: CdrType<Ui$FlowList> = sequence(Ui$Flow);
+
+export type Ui$EventKind = "EVENT_HELLO" | "EVENT_SYSTEM" | "EVENT_TYPES" | "EVENT_COMPONENT" | "EVENT_REMOVED" | "EVENT_CONNECTED" | "EVENT_CUT" | "EVENT_STATE" | "EVENT_STATISTICS" | "EVENT_PARAMETER" | "EVENT_ACTIVE_SET" | "EVENT_CHANNEL" | "EVENT_SAMPLES" | "EVENT_TIME" | "EVENT_SENT_LESS" | "EVENT_RESULT" | "EVENT_MOVED" | "EVENT_EDITS" | "EVENT_NOTICE" | "EVENT_FRAMES" | "EVENT_BUS" | "EVENT_LOAD" | "EVENT_BOARD_CALL" | "EVENT_END" | "EVENT_BESIDE" | "EVENT_NAMING" | "EVENT_FLOWS";
+export const Ui$EventKind: CdrType<Ui$EventKind> = enumeration("Ui::EventKind", { EVENT_HELLO: 0, EVENT_SYSTEM: 1, EVENT_TYPES: 2, EVENT_COMPONENT: 3, EVENT_REMOVED: 4, EVENT_CONNECTED: 5, EVENT_CUT: 6, EVENT_STATE: 7, EVENT_STATISTICS: 8, EVENT_PARAMETER: 9, EVENT_ACTIVE_SET: 10, EVENT_CHANNEL: 11, EVENT_SAMPLES: 12, EVENT_TIME: 13, EVENT_SENT_LESS: 14, EVENT_RESULT: 15, EVENT_MOVED: 16, EVENT_EDITS: 17, EVENT_NOTICE: 18, EVENT_FRAMES: 19, EVENT_BUS: 20, EVENT_LOAD: 21, EVENT_BOARD_CALL: 22, EVENT_END: 23, EVENT_BESIDE: 24, EVENT_NAMING: 25, EVENT_FLOWS: 26 });
 
 export type Ui$Event =
   /** The first event. */
@@ -767,6 +829,8 @@ export type Ui$Event =
   | { case: "other"; value: Ui$StateChange; discriminator?: Ui$EventKind }
   /** All services, whenever one has changed. */
   | { case: "naming"; value: Ui$NamingServices; discriminator?: Ui$EventKind }
+  /** All connections with counts, at most once a second. */
+  | { case: "flows"; value: Ui$FlowList; discriminator?: Ui$EventKind }
   ;
 export const Ui$Event: CdrType<Ui$Event> = union("Ui::Event", Ui$EventKind, [
   branch("greeting", Ui$Hello, ["EVENT_HELLO"]),
@@ -795,6 +859,7 @@ export const Ui$Event: CdrType<Ui$Event> = union("Ui::Event", Ui$EventKind, [
   branch("reason", string(), ["EVENT_END"]),
   branch("other", Ui$StateChange, ["EVENT_BESIDE"]),
   branch("naming", Ui$NamingServices, ["EVENT_NAMING"]),
+  branch("flows", Ui$FlowList, ["EVENT_FLOWS"]),
 ]);
 
 export interface Ui$ServerMessage {
@@ -928,8 +993,30 @@ export const Ui$Inject: CdrType<Ui$Inject> = struct("Ui::Inject", [
   field("data", Ui$Octets),
 ]);
 
-export type Ui$CommandKind = "COMMAND_WATCH" | "COMMAND_FITS" | "COMMAND_CONNECT" | "COMMAND_CUT" | "COMMAND_ACTIVATE" | "COMMAND_DEACTIVATE" | "COMMAND_RESET" | "COMMAND_SET" | "COMMAND_ACTIVATE_SET" | "COMMAND_CALL" | "COMMAND_ADD" | "COMMAND_REMOVE" | "COMMAND_MOVE" | "COMMAND_SAVE" | "COMMAND_UNDO" | "COMMAND_REDO" | "COMMAND_PLAY" | "COMMAND_PAUSE" | "COMMAND_STEP" | "COMMAND_SPEED" | "COMMAND_SEEK" | "COMMAND_OPEN" | "COMMAND_SEND_FRAME" | "COMMAND_NMT" | "COMMAND_SDO_READ" | "COMMAND_SDO_WRITE" | "COMMAND_OBJECTS" | "COMMAND_INJECT" | "COMMAND_LOOK" | "COMMAND_BESIDE" | "COMMAND_RESTORE" | "COMMAND_REPLACE";
-export const Ui$CommandKind: CdrType<Ui$CommandKind> = enumeration("Ui::CommandKind", { COMMAND_WATCH: 0, COMMAND_FITS: 1, COMMAND_CONNECT: 2, COMMAND_CUT: 3, COMMAND_ACTIVATE: 4, COMMAND_DEACTIVATE: 5, COMMAND_RESET: 6, COMMAND_SET: 7, COMMAND_ACTIVATE_SET: 8, COMMAND_CALL: 9, COMMAND_ADD: 10, COMMAND_REMOVE: 11, COMMAND_MOVE: 12, COMMAND_SAVE: 13, COMMAND_UNDO: 14, COMMAND_REDO: 15, COMMAND_PLAY: 16, COMMAND_PAUSE: 17, COMMAND_STEP: 18, COMMAND_SPEED: 19, COMMAND_SEEK: 20, COMMAND_OPEN: 21, COMMAND_SEND_FRAME: 22, COMMAND_NMT: 23, COMMAND_SDO_READ: 24, COMMAND_SDO_WRITE: 25, COMMAND_OBJECTS: 26, COMMAND_INJECT: 27, COMMAND_LOOK: 28, COMMAND_BESIDE: 29, COMMAND_RESTORE: 30, COMMAND_REPLACE: 31 });
+export type Ui$RenameKind = "RENAME_INSTANCE" | "RENAME_COMPONENT" | "RENAME_PORT" | "RENAME_PARAMETER";
+export const Ui$RenameKind: CdrType<Ui$RenameKind> = enumeration("Ui::RenameKind", { RENAME_INSTANCE: 0, RENAME_COMPONENT: 1, RENAME_PORT: 2, RENAME_PARAMETER: 3 });
+
+export interface Ui$Rename {
+  kind: Ui$RenameKind;
+  /** The component, or one of its type. */
+  instance: string;
+  /** The port or the parameter. */
+  part: string;
+  /** The new name. */
+  name: string;
+  /** FALSE: say what would change. */
+  carried_out: boolean;
+}
+export const Ui$Rename: CdrType<Ui$Rename> = struct("Ui::Rename", [
+  field("kind", Ui$RenameKind),
+  field("instance", string()),
+  field("part", string()),
+  field("name", string()),
+  field("carried_out", boolean),
+]);
+
+export type Ui$CommandKind = "COMMAND_WATCH" | "COMMAND_FITS" | "COMMAND_CONNECT" | "COMMAND_CUT" | "COMMAND_ACTIVATE" | "COMMAND_DEACTIVATE" | "COMMAND_RESET" | "COMMAND_SET" | "COMMAND_ACTIVATE_SET" | "COMMAND_CALL" | "COMMAND_ADD" | "COMMAND_REMOVE" | "COMMAND_MOVE" | "COMMAND_SAVE" | "COMMAND_UNDO" | "COMMAND_REDO" | "COMMAND_PLAY" | "COMMAND_PAUSE" | "COMMAND_STEP" | "COMMAND_SPEED" | "COMMAND_SEEK" | "COMMAND_OPEN" | "COMMAND_SEND_FRAME" | "COMMAND_NMT" | "COMMAND_SDO_READ" | "COMMAND_SDO_WRITE" | "COMMAND_OBJECTS" | "COMMAND_INJECT" | "COMMAND_LOOK" | "COMMAND_BESIDE" | "COMMAND_RESTORE" | "COMMAND_REPLACE" | "COMMAND_RENAME";
+export const Ui$CommandKind: CdrType<Ui$CommandKind> = enumeration("Ui::CommandKind", { COMMAND_WATCH: 0, COMMAND_FITS: 1, COMMAND_CONNECT: 2, COMMAND_CUT: 3, COMMAND_ACTIVATE: 4, COMMAND_DEACTIVATE: 5, COMMAND_RESET: 6, COMMAND_SET: 7, COMMAND_ACTIVATE_SET: 8, COMMAND_CALL: 9, COMMAND_ADD: 10, COMMAND_REMOVE: 11, COMMAND_MOVE: 12, COMMAND_SAVE: 13, COMMAND_UNDO: 14, COMMAND_REDO: 15, COMMAND_PLAY: 16, COMMAND_PAUSE: 17, COMMAND_STEP: 18, COMMAND_SPEED: 19, COMMAND_SEEK: 20, COMMAND_OPEN: 21, COMMAND_SEND_FRAME: 22, COMMAND_NMT: 23, COMMAND_SDO_READ: 24, COMMAND_SDO_WRITE: 25, COMMAND_OBJECTS: 26, COMMAND_INJECT: 27, COMMAND_LOOK: 28, COMMAND_BESIDE: 29, COMMAND_RESTORE: 30, COMMAND_REPLACE: 31, COMMAND_RENAME: 32 });
 
 export type Ui$Command =
   /** All channels whose samples the page wants. */
@@ -972,6 +1059,8 @@ export type Ui$Command =
   | { case: "reset"; value: boolean; discriminator?: Ui$CommandKind }
   /** TRUE: keep this run for comparison when time is set back; FALSE: forget it. */
   | { case: "kept"; value: boolean; discriminator?: Ui$CommandKind }
+  /** Files that use the name change with it; the run begins again. */
+  | { case: "renamed"; value: Ui$Rename; discriminator?: Ui$CommandKind }
   /** The time that this page shows; negative: the present. */
   | { case: "looked"; value: number; discriminator?: Ui$CommandKind }
   ;
@@ -1007,6 +1096,7 @@ export const Ui$Command: CdrType<Ui$Command> = union("Ui::Command", Ui$CommandKi
   branch("injected", Ui$Inject, ["COMMAND_INJECT"]),
   branch("reset", boolean, ["COMMAND_RESTORE"]),
   branch("kept", boolean, ["COMMAND_BESIDE"]),
+  branch("renamed", Ui$Rename, ["COMMAND_RENAME"]),
   branch("looked", double, ["COMMAND_LOOK"]),
 ]);
 

@@ -9,7 +9,7 @@ from typing import ClassVar, Final, Self, TypeAlias
 from rtgen.runtime import idl
 from rtgen.runtime.cdr import Aggregated, AliasCodec, Enumeration, Union, field
 
-VERSION: Final = 6
+VERSION: Final = 7
 """Version of the protocol; a page with another version reloads."""
 MAX_SAMPLES: Final = 2000
 """Maximum number of past samples of a channel that a page gets at once: the newest half, and some older ones."""
@@ -328,6 +328,7 @@ class Component(Aggregated):
         where=Location,
         observables=_Strings_alias,
         silent=idl.STRING,
+        finishes=idl.BOOLEAN,
     )
 
     instance: str = ""
@@ -353,6 +354,8 @@ class Component(Aggregated):
     observables: Strings = field(default_factory=list)
     silent: str = ""
     """Why a component of another process does not answer; empty: it does."""
+    finishes: bool = False
+    """Whether ERROR is the end of its work, as its system says."""
 
 
 class PortAddress(Aggregated):
@@ -383,6 +386,48 @@ class Connection(Aggregated):
     source: PortAddress = field(default_factory=PortAddress)
     target: PortAddress = field(default_factory=PortAddress)
     properties: ValueList = field(default_factory=list)
+
+
+class Flow(Aggregated):
+    """What became of the samples of a connection."""
+
+    _descriptor_: ClassVar = idl.struct(
+        "Ui::Flow",
+        name=idl.STRING,
+        rate=idl.DOUBLE,
+        lost=idl.UNSIGNED_LONG_LONG,
+        details=idl.STRING,
+    )
+
+    name: str = ""
+    """Of the connection."""
+    rate: float = 0.0
+    """Samples written to its OutPort in a second of the run; negative: not counted."""
+    lost: int = 0
+    """Samples that did not reach its InPort."""
+    details: str = ""
+    """Why they were lost; empty: none was."""
+
+
+class PlannedEvent(Aggregated):
+    """An event of the timeline, which has not happened before its time."""
+
+    _descriptor_: ClassVar = idl.struct(
+        "Ui::PlannedEvent",
+        time=idl.DOUBLE,
+        kind=idl.STRING,
+        text=idl.STRING,
+        source=PortAddress,
+        target=PortAddress,
+    )
+
+    time: float = 0.0
+    kind: str = ""
+    """connect, disconnect, set, activate, deactivate, reset, call"""
+    text: str = ""
+    source: PortAddress = field(default_factory=PortAddress)
+    """Ends of a connection to be made; empty for other events."""
+    target: PortAddress = field(default_factory=PortAddress)
 
 
 class PaletteEntry(Aggregated):
@@ -722,6 +767,7 @@ class SystemState(Aggregated):
         keeps=idl.BOOLEAN,
         naming=_NamingServices_alias,
         foreign=_Strings_alias,
+        plan=idl.sequence(PlannedEvent),
     )
 
     name: str = ""
@@ -742,6 +788,8 @@ class SystemState(Aggregated):
     naming: NamingServices = field(default_factory=list)
     foreign: Strings = field(default_factory=list)
     """Paths of the components of other processes in the file."""
+    plan: list[PlannedEvent] = field(default_factory=list)
+    """The timeline of the system, in order."""
 
 
 class Hello(Aggregated):
@@ -930,6 +978,23 @@ class Fit(Aggregated):
     """Code of `refused`, if a property `rtgen.allow.CODE` of the connection allows it."""
 
 
+class FileChange(Aggregated):
+    """What a rename changes in a file."""
+
+    _descriptor_: ClassVar = idl.struct(
+        "Ui::FileChange",
+        file=idl.STRING,
+        moved_to=idl.STRING,
+        lines=idl.STRING,
+    )
+
+    file: str = ""
+    moved_to: str = ""
+    """Empty: the file stays where it is."""
+    lines: str = ""
+    """Lines that are removed and added, as a unified diff."""
+
+
 class Result(Aggregated):
     """`Ui::Result`."""
 
@@ -944,6 +1009,7 @@ class Result(Aggregated):
         text=idl.STRING,
         fits=idl.sequence(Fit),
         objects=idl.sequence(ObjectEntry),
+        renamed=idl.sequence(FileChange),
     )
 
     request: int = 0
@@ -959,6 +1025,8 @@ class Result(Aggregated):
     """Value of an SDO transfer."""
     fits: list[Fit] = field(default_factory=list)
     objects: list[ObjectEntry] = field(default_factory=list)
+    renamed: list[FileChange] = field(default_factory=list)
+    """What a rename changes, or has changed."""
 
 
 SampleList: TypeAlias = list[Sample]
@@ -991,6 +1059,16 @@ class StatisticsListCodec(AliasCodec[StatisticsList]):
     _descriptor_: ClassVar = _StatisticsList_alias
 
 
+FlowList: TypeAlias = list[Flow]
+_FlowList_alias = idl.alias("Ui::FlowList", idl.sequence(Flow))
+
+
+class FlowListCodec(AliasCodec[FlowList]):
+    """The codec of `Ui::FlowList`."""
+
+    _descriptor_: ClassVar = _FlowList_alias
+
+
 class EventKind(Enumeration):
     """`Ui::EventKind`."""
 
@@ -1020,6 +1098,7 @@ class EventKind(Enumeration):
     EVENT_END = 23
     EVENT_BESIDE = 24
     EVENT_NAMING = 25
+    EVENT_FLOWS = 26
 
 
 idl.enum(EventKind, "Ui::EventKind")
@@ -1057,10 +1136,11 @@ class Event(Union):
         reason=idl.case(idl.STRING, EventKind.EVENT_END),
         other=idl.case(StateChange, EventKind.EVENT_BESIDE),
         naming=idl.case(_NamingServices_alias, EventKind.EVENT_NAMING),
+        flows=idl.case(_FlowList_alias, EventKind.EVENT_FLOWS),
     )
 
     discriminator: EventKind = EventKind.EVENT_HELLO
-    value: Hello | SystemState | AddedTypes | Component | str | Connection | StateChange | StatisticsList | ParameterChange | ActiveSet | Channel | SampleList | ClockState | SentLess | Result | Moved | EditState | Notice | FrameList | Bus | BusLoad | BoardCall | NamingServices = field(default_factory=Hello)  # fmt: skip
+    value: Hello | SystemState | AddedTypes | Component | str | Connection | StateChange | StatisticsList | ParameterChange | ActiveSet | Channel | SampleList | ClockState | SentLess | Result | Moved | EditState | Notice | FrameList | Bus | BusLoad | BoardCall | NamingServices | FlowList = field(default_factory=Hello)  # fmt: skip
 
     @classmethod
     def of_greeting(cls, value: Hello) -> Self:
@@ -1348,6 +1428,17 @@ class Event(Union):
         value: NamingServices = self._selected_("naming")
         return value
 
+    @classmethod
+    def of_flows(cls, value: FlowList) -> Self:
+        """A value of the branch `flows`."""
+        return cls(EventKind.EVENT_FLOWS, value)
+
+    @property
+    def flows(self) -> FlowList:
+        """All connections with counts, at most once a second."""
+        value: FlowList = self._selected_("flows")
+        return value
+
 
 class ServerMessage(Aggregated):
     """`Ui::ServerMessage`."""
@@ -1516,6 +1607,41 @@ class Inject(Aggregated):
     """XCDR1 with its encapsulation header."""
 
 
+class RenameKind(Enumeration):
+    """`Ui::RenameKind`."""
+
+    RENAME_INSTANCE = 0
+    RENAME_COMPONENT = 1
+    RENAME_PORT = 2
+    RENAME_PARAMETER = 3
+
+
+idl.enum(RenameKind, "Ui::RenameKind")
+
+
+class Rename(Aggregated):
+    """`Ui::Rename`."""
+
+    _descriptor_: ClassVar = idl.struct(
+        "Ui::Rename",
+        kind=RenameKind,
+        instance=idl.STRING,
+        part=idl.STRING,
+        name=idl.STRING,
+        carried_out=idl.BOOLEAN,
+    )
+
+    kind: RenameKind = RenameKind.RENAME_INSTANCE
+    instance: str = ""
+    """The component, or one of its type."""
+    part: str = ""
+    """The port or the parameter."""
+    name: str = ""
+    """The new name."""
+    carried_out: bool = False
+    """FALSE: say what would change."""
+
+
 class CommandKind(Enumeration):
     """`Ui::CommandKind`."""
 
@@ -1551,6 +1677,7 @@ class CommandKind(Enumeration):
     COMMAND_BESIDE = 29
     COMMAND_RESTORE = 30
     COMMAND_REPLACE = 31
+    COMMAND_RENAME = 32
 
 
 idl.enum(CommandKind, "Ui::CommandKind")
@@ -1593,11 +1720,12 @@ class Command(Union):
         injected=idl.case(Inject, CommandKind.COMMAND_INJECT),
         reset=idl.case(idl.BOOLEAN, CommandKind.COMMAND_RESTORE),
         kept=idl.case(idl.BOOLEAN, CommandKind.COMMAND_BESIDE),
+        renamed=idl.case(Rename, CommandKind.COMMAND_RENAME),
         looked=idl.case(idl.DOUBLE, CommandKind.COMMAND_LOOK),
     )
 
     discriminator: CommandKind = CommandKind.COMMAND_WATCH
-    value: list[int] | PortAddress | Connect | str | Strings | SetParameter | ActiveSet | Call__ | AddComponent | Moved | bool | float | SendFrame | NmtCommand | SdoAccess | NodeAddress | Inject = field(default_factory=list)  # fmt: skip
+    value: list[int] | PortAddress | Connect | str | Strings | SetParameter | ActiveSet | Call__ | AddComponent | Moved | bool | float | SendFrame | NmtCommand | SdoAccess | NodeAddress | Inject | Rename = field(default_factory=list)  # fmt: skip
 
     @classmethod
     def of_channels(cls, value: list[int]) -> Self:
@@ -1938,6 +2066,17 @@ class Command(Union):
     def kept(self) -> bool:
         """TRUE: keep this run for comparison when time is set back; FALSE: forget it."""
         value: bool = self._selected_("kept")
+        return value
+
+    @classmethod
+    def of_renamed(cls, value: Rename) -> Self:
+        """A value of the branch `renamed`."""
+        return cls(CommandKind.COMMAND_RENAME, value)
+
+    @property
+    def renamed(self) -> Rename:
+        """Files that use the name change with it; the run begins again."""
+        value: Rename = self._selected_("renamed")
         return value
 
     @classmethod

@@ -31,7 +31,11 @@ from .._idl.ui import (
     Event as Event,
     EventKind as EventKind,
     ExecutionContext as ExecutionContext,
+    FileChange as FileChange,
     Fit as Fit,
+    Flow as Flow,
+    FlowList as FlowList,
+    FlowListCodec as FlowListCodec,
     Frame as Frame,
     FrameField as FrameField,
     FrameList as FrameList,
@@ -53,9 +57,12 @@ from .._idl.ui import (
     PaletteEntry as PaletteEntry,
     Parameter as Parameter,
     ParameterChange as ParameterChange,
+    PlannedEvent as PlannedEvent,
     Port as Port,
     PortAddress as PortAddress,
     PortKind as PortKind,
+    Rename as Rename,
+    RenameKind as RenameKind,
     Result as Result,
     Sample as Sample,
     SampleList as SampleList,
@@ -146,6 +153,11 @@ EVENT_BOARD_CALL: Final = EventKind.EVENT_BOARD_CALL
 EVENT_END: Final = EventKind.EVENT_END
 EVENT_BESIDE: Final = EventKind.EVENT_BESIDE
 EVENT_NAMING: Final = EventKind.EVENT_NAMING
+EVENT_FLOWS: Final = EventKind.EVENT_FLOWS
+RENAME_INSTANCE: Final = RenameKind.RENAME_INSTANCE
+RENAME_COMPONENT: Final = RenameKind.RENAME_COMPONENT
+RENAME_PORT: Final = RenameKind.RENAME_PORT
+RENAME_PARAMETER: Final = RenameKind.RENAME_PARAMETER
 COMMAND_WATCH: Final = CommandKind.COMMAND_WATCH
 COMMAND_FITS: Final = CommandKind.COMMAND_FITS
 COMMAND_CONNECT: Final = CommandKind.COMMAND_CONNECT
@@ -178,6 +190,7 @@ COMMAND_LOOK: Final = CommandKind.COMMAND_LOOK
 COMMAND_BESIDE: Final = CommandKind.COMMAND_BESIDE
 COMMAND_RESTORE: Final = CommandKind.COMMAND_RESTORE
 COMMAND_REPLACE: Final = CommandKind.COMMAND_REPLACE
+COMMAND_RENAME: Final = CommandKind.COMMAND_RENAME
 
 __all__ = [
     "ActiveSet",
@@ -215,6 +228,7 @@ __all__ = [
     "COMMAND_PLAY",
     "COMMAND_REDO",
     "COMMAND_REMOVE",
+    "COMMAND_RENAME",
     "COMMAND_REPLACE",
     "COMMAND_RESET",
     "COMMAND_RESTORE",
@@ -249,6 +263,7 @@ __all__ = [
     "EVENT_CUT",
     "EVENT_EDITS",
     "EVENT_END",
+    "EVENT_FLOWS",
     "EVENT_FRAMES",
     "EVENT_HELLO",
     "EVENT_LOAD",
@@ -269,7 +284,11 @@ __all__ = [
     "Event",
     "EventKind",
     "ExecutionContext",
+    "FileChange",
     "Fit",
+    "Flow",
+    "FlowList",
+    "FlowListCodec",
     "Frame",
     "FrameField",
     "FrameList",
@@ -295,9 +314,16 @@ __all__ = [
     "PaletteEntry",
     "Parameter",
     "ParameterChange",
+    "PlannedEvent",
     "Port",
     "PortAddress",
     "PortKind",
+    "RENAME_COMPONENT",
+    "RENAME_INSTANCE",
+    "RENAME_PARAMETER",
+    "RENAME_PORT",
+    "Rename",
+    "RenameKind",
     "Result",
     "STATE_ACTIVE",
     "STATE_CREATED",
