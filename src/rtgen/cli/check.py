@@ -54,8 +54,9 @@ def check(
     PATH is read as by generate. In this order: generated files that are not those of the
     definitions (drift), systems against the definitions, the timeline.toml beside a system.xml,
     units, also those of connected ports, behaviours against the definitions, and errors of lint.
-    Exit code 0: nothing; 1: drift, or warnings of timelines or behaviours; 2: errors of the other
-    parts. A finding about a generated file is at its definition, and its differences are printed.
+    Exit code 0: nothing; 1: drift, warnings of the other parts, or a part of a device lost in its
+    description; 2: errors. A finding about a generated file is at its definition, and its
+    differences are printed.
     Nothing is written, and no behaviour is executed.
     """
     project = project_of(
@@ -77,8 +78,7 @@ def _exit_code(result: Checked) -> int:
     others = (f for part, f in result.findings.items() if part is not Part.DRIFT)
     if result.is_impossible or any(map(has_errors, others)):
         return BAD_INPUT
-    counted_parts = (Part.DRIFT, Part.TIMELINES, Part.BEHAVIOURS)
-    return NO if any(result.findings.get(part) for part in counted_parts) else OK
+    return NO if result.loses or any(result.findings.values()) else OK
 
 
 def _print_differences(console: Console, project: Project, result: Checked) -> None:

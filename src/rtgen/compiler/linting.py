@@ -10,7 +10,7 @@ from rtgen.compiler.frontends import FrontendResult
 from rtgen.compiler.kit import stages
 from rtgen.compiler.lint import OF_UNITS, ON_DEMAND, fixes
 from rtgen.compiler.lint import lint as check
-from rtgen.compiler.lint.rules import MISSPELT_UNIT, OTHER_FACTOR
+from rtgen.compiler.lint.rules import MISSPELT_UNIT, OTHER_FACTOR, UNKNOWN_UNIT
 from rtgen.compiler.lint.suppressions import FilePattern, suppressed
 from rtgen.compiler.project import Project, shown
 from rtgen.compiler.project.rules import UNKNOWN_CODE
@@ -20,7 +20,9 @@ _PREFIXES = ("IDL", "CDL0", "EDS", "LINT", "TXT")
 """Prefixes of the codes that `rtgen lint` reports."""
 _SYSTEM_CODES = frozenset(rule.code for rule in SYSTEM_RULES)
 """The codes of diagnostics about systems."""
-UNIT_CODES = frozenset((MISSPELT_UNIT.code, OTHER_FACTOR.code))
+UNIT_CODES = frozenset(
+    rule.code for rule in (MISSPELT_UNIT, UNKNOWN_UNIT, OTHER_FACTOR)
+)
 """The codes of warnings about units of definitions."""
 
 

@@ -193,6 +193,8 @@ MISSPELT = {
     "KM/h": "km/h",
     "Kg*m/secnd^2": "kg*m/second^2",
     "meterr, newtn": "meter, newton",
+    "metres per tick": "metres/tick",
+    "Newton meters per rad": "newton meters/rad",
 }
 
 
@@ -205,7 +207,7 @@ def test_misspelt_units(written: str, meant: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["foo", "steps", "metres per tick", "x", "", "m/", "rotation", "m/s^99"]
+    "text", ["foo", "steps", "wags per tick", "x", "", "m/", "rotation", "m/s^99"]
 )
 def test_texts_that_are_no_misspelt_units(text: str) -> None:
     assert suggestion(text) is None

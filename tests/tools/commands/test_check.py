@@ -276,7 +276,7 @@ def test_faults_are_found_at_their_lines(
 
 UNITS = {
     "dimensions": ('@unit("degC")', '@unit("W")', "RTC0593", "error", 2),
-    "scales": ('@unit("K")', '@unit("mK")', "RTC0595", "warning", 0),
+    "scales": ('@unit("K")', '@unit("mK")', "RTC0595", "warning", 1),
 }
 
 
@@ -303,7 +303,7 @@ def test_a_misspelt_unit_is_found(capfd: pytest.CaptureFixture[str]) -> None:
     assert run(["generate", "-q"]) == 0
     for words in (["--only", "units"], [], ["--no-cache"]):
         capfd.readouterr()
-        assert run(["check", *words]) == 0
+        assert run(["check", *words]) == 1
         err = capfd.readouterr().err
         assert f"{FILE}:{LINES['Thermostat'] + 4}:" in err
         assert "warning[LINT0024]: 'celcius' is not a unit" in err

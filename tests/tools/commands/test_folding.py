@@ -85,6 +85,34 @@ def test_few_deviations_are_printed(
     assert "deviations are tolerated" in err
 
 
+LOST = """\
+[ManufacturerObjects]
+SupportedObjects=1
+1=0x2000
+[2OOO]
+ParameterName=Speed
+DataType=0x0003
+AccessType=rw
+"""
+
+
+def test_an_object_that_is_lost_is_not_folded(
+    project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (project / "a.idl").write_text("struct S { long x; };\n")
+    (project / "files" / "drive.eds").write_text(EDS.format(rest=LOST + ODD))
+    assert run(["generate"]) == 0
+    err = capfd.readouterr().err
+    assert "[2OOO] is not a section of CiA 306" in err
+    assert "did you mean [2000]?" in err
+    assert "further deviations are tolerated" in err
+    assert run(["check"]) == 1
+    assert "did you mean [2000]?" in capfd.readouterr().err
+    (project / "files" / "drive.eds").write_text(EDS.format(rest=ODD))
+    assert run(["generate"]) == 0
+    assert run(["check"]) == 0
+
+
 @pytest.mark.parametrize(
     ("old", "new"),
     [

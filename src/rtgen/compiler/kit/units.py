@@ -37,6 +37,7 @@ _TOKEN: Final = re.compile(
     r"(?:(?:\^|\*\*)?(?P<power>[+-]?\d+))?(?:\{[^\W\d][\w ]*\})?"
     r"|\{(?P<note>[^\W\d][\w ]*)\}|(?P<sign>[*/.()]))\s*"
 )
+_PER: Final = re.compile(r"(?<=\S)\s+per\s+(?=\S)")
 _ANGLE: Final = "radian"
 _TOLERANCE: Final = 1e-9
 
@@ -74,13 +75,17 @@ class UnknownSymbolError(UnitError):
         self.symbol = symbol
 
 
-def suggestion(text: str) -> str | None:
-    """Return the text of units that a text with unknown symbols was likely meant as."""
+def suggestion(text: str, cutoff: float = 0.75) -> str | None:
+    """Return the text of units that a text with unknown symbols was likely meant as.
+
+    `cutoff` is the least likeness of a symbol to a unit's name, from 0 to 1.
+    """
+    text = _PER.sub("/", text)
     for _ in range(_MAX_CORRECTIONS):
         try:
             parse_list(text)
         except UnknownSymbolError as error:
-            near = _nearest(error.symbol)
+            near = _nearest(error.symbol, cutoff)
             if near is None:
                 return None
             text = re.sub(
@@ -93,7 +98,7 @@ def suggestion(text: str) -> str | None:
     return None
 
 
-def _nearest(symbol: str) -> str | None:
+def _nearest(symbol: str, cutoff: float) -> str | None:
     """Return the usual unit of this name: in another case, or with few other letters."""
     folded = symbol.lower()
     for unit in (*USUAL_SYMBOLS, *USUAL_NAMES):
@@ -103,7 +108,7 @@ def _nearest(symbol: str) -> str | None:
         return None
     from difflib import get_close_matches
 
-    return next(iter(get_close_matches(folded, USUAL_NAMES, n=1, cutoff=0.75)), None)
+    return next(iter(get_close_matches(folded, USUAL_NAMES, n=1, cutoff=cutoff)), None)
 
 
 @lru_cache(1024)

@@ -26,7 +26,7 @@ UNBOUNDED_ON_BOARD = Rule(
 )
 UNUSED_TYPE = Rule("LINT0019", "unused type", Severity.NOTE)
 NOT_PORTABLE = Rule("LINT0020", "IDL that other compilers refuse", Severity.NOTE)
-UNKNOWN_UNIT = Rule("LINT0021", "text that is not a unit", Severity.NOTE)
+UNKNOWN_UNIT = Rule("LINT0021", "text that is not a unit", Severity.WARNING)
 OTHER_FACTOR = Rule("LINT0022", "factor other than that of the drive", Severity.WARNING)
 DEVICE_NAME = Rule("LINT0023", "file name reserved by Windows", Severity.WARNING)
 MISSPELT_UNIT = Rule("LINT0024", "misspelt unit", Severity.WARNING)

@@ -16,16 +16,27 @@ from rtgen.compiler.typemap.canopen.drive_units import (
     NoFactorError,
     drive_factor,
 )
-from rtgen.compiler.typemap.member_units import annotated_unit
+from rtgen.compiler.typemap.member_units import annotated_unit, is_number, unit_in
 
 _SAME: Final = 1e-3
 """Relative difference up to which factors count as equal, since one may be rounded."""
+
+_LIKE: Final = 0.85
+"""Likeness to the name of a unit from which brackets in a comment are meant as one."""
+
+_NO_UNITS: Final = ("n/a",)
+"""Texts in brackets that are nearly units, and never meant as ones."""
+
+_FORMS: Final = (
+    "units are written like m/s^2, rad/s, kg*m^2, deg C, %; one of your own in braces: {steps}"
+)
 
 
 def texts(context: Context) -> Iterator[Diagnostic]:
     """Report texts of `@unit` and of bus files that do not denote a unit."""
     entries = list(_texts(context))
-    if not entries:
+    comments = list(_comments(context))
+    if not entries and not comments:
         return
     from rtgen.compiler.kit.units import UnitError, parse_list, suggestion
 
@@ -39,8 +50,29 @@ def texts(context: Context) -> Iterator[Diagnostic]:
                 hint = f'did you mean "{meant}"?'
                 yield rules.MISSPELT_UNIT.at(span, message, hint=hint)
             else:
-                hint = "units are written like m/s^2, rad/s, kg*m^2, deg C, %"
-                yield rules.UNKNOWN_UNIT.at(span, message, hint=hint)
+                yield rules.UNKNOWN_UNIT.at(span, message, hint=_FORMS)
+    for text, span in comments:
+        try:
+            parse_list(text)
+        except UnitError as error:
+            meant = suggestion(text, cutoff=_LIKE)
+            if meant is not None:
+                message = f"[{text}] in its comment is not a unit: {error}"
+                hint = f"did you mean [{meant}]?"
+                yield rules.MISSPELT_UNIT.at(span, message, hint=hint)
+
+
+def _comments(context: Context) -> Iterator[tuple[str, Span]]:
+    """Yield the texts in brackets of comments of numbers, which are units if they can be."""
+    for declaration in context.declarations:
+        for entry in fields(declaration):
+            text = None if annotated_unit(entry) is not None else unit_in(entry.doc)
+            if (
+                text
+                and text.lower() not in _NO_UNITS
+                and is_number(context.model, entry.type)
+            ):
+                yield text, entry.span
 
 
 def _texts(context: Context) -> Iterator[tuple[str, Span]]:

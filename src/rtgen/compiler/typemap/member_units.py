@@ -17,7 +17,7 @@ from rtgen.compiler.model import (
     Struct,
     Type,
 )
-from rtgen.facts.primitives import FLOAT_LIMITS
+from rtgen.facts.primitives import FLOAT_LIMITS, INTEGER_RANGES
 
 _BRACKETS: Final = re.compile(r"\[((?:[^,\[\]]|\[[^,\[\]]*\])+)\]")
 
@@ -101,6 +101,15 @@ def leaves(
             yield from leaves(model, inner, (*path, member.name), optional=absent)
         else:
             yield Leaf((*path, member.name), type_, unit_of(member), absent)
+
+
+def is_number(model: Model, type_: Type) -> bool:
+    """Return whether it is a number, or sequences or arrays of numbers."""
+    type_ = model.unalias(type_)
+    if isinstance(type_, SequenceType | ArrayType):
+        return is_number(model, type_.element)
+    kinds = (FLOAT_LIMITS, INTEGER_RANGES)
+    return isinstance(type_, PrimitiveType) and any(type_.kind in k for k in kinds)
 
 
 def is_real(model: Model, type_: Type) -> bool:

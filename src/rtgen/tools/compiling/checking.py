@@ -46,6 +46,15 @@ class Checked(msgspec.Struct, frozen=True):
     converted: int = 0
     is_impossible: bool = False
 
+    @property
+    def loses(self) -> bool:
+        """Whether a part of a device is lost when its description is read."""
+        if not any(each.code.startswith("EDS") for each in self.definitions):
+            return False
+        from rtgen.compiler.frontends.eds.rules import LOSSES
+
+        return any(each.code in LOSSES for each in self.definitions)
+
 
 def checked(project: Project, runs: Cache | None, only: Collection[Part]) -> Checked:
     """Return the findings of the given parts. Raises ToolError."""

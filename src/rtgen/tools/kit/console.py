@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import sys
-from collections import Counter
 from collections.abc import Mapping, Sequence
 
 import msgspec
@@ -44,15 +43,13 @@ class Console(msgspec.Struct, frozen=True):
         elif diagnostics:
             from rtgen.compiler.diagnostics.report import report
 
-            folded: Mapping[str, int] = {}
+            folded: Mapping[str, str] = {}
             if fold and self.form == "text":
                 diagnostics, folded = _folded(diagnostics)
             text = report(diagnostics, sources or {}, self.form, colour=self.colour)
             sys.stderr.write(text)
-            for file, number in folded.items():
-                self.say(
-                    f"{file}: {number} deviations are tolerated; rtgen lint shows them"
-                )
+            for file, what in folded.items():
+                self.say(f"{file}: {what} are tolerated; rtgen lint shows them")
             if summarised:
                 self.summary(diagnostics)
 
@@ -80,22 +77,33 @@ class Console(msgspec.Struct, frozen=True):
 
 def _folded(
     diagnostics: Sequence[Diagnostic],
-) -> tuple[Sequence[Diagnostic], Mapping[str, int]]:
-    """Leave out the deviations of files that have many; return the rest, and their numbers."""
+) -> tuple[Sequence[Diagnostic], Mapping[str, str]]:
+    """Leave out the deviations of files that have many; return the rest, and what is left out.
+
+    The first ones by which a part of the device is lost stay.
+    """
     if not any(d.code.startswith("EDS") for d in diagnostics):
         return diagnostics, {}
     from rtgen.compiler.diagnostics import in_order
-    from rtgen.compiler.frontends.eds.rules import DEVIATIONS
+    from rtgen.compiler.frontends.eds.rules import DEVIATIONS, LOSSES
 
-    numbers = Counter(
-        d.span.file for d in in_order(diagnostics) if d.span and d.code in DEVIATIONS
-    )
-    folded = {file: n for file, n in sorted(numbers.items()) if n > _MAX_DEVIATIONS}
-    rest = [
-        d
-        for d in diagnostics
-        if not (d.code in DEVIATIONS and d.span and d.span.file in folded)
-    ]
+    deviating: dict[str, list[Diagnostic]] = {}
+    for each in in_order(diagnostics):
+        if each.span and each.code in DEVIATIONS:
+            deviating.setdefault(each.span.file, []).append(each)
+    left_out: set[Diagnostic] = set()
+    folded = {}
+    for file, those in sorted(deviating.items()):
+        if len(those) > _MAX_DEVIATIONS:
+            lost = [each for code in LOSSES for each in those if each.code == code]
+            lost = lost[:_MAX_DEVIATIONS]
+            hidden = set(those).difference(lost)
+            if not hidden:
+                continue
+            further = "further " if lost else ""
+            folded[file] = f"{len(hidden)} {further}deviation{'s' * (len(hidden) > 1)}"
+            left_out |= hidden
+    rest = [each for each in diagnostics if each not in left_out]
     return rest, folded
 
 

@@ -2,18 +2,33 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection
+from difflib import get_close_matches
+from operator import ne
+from typing import Final
 
 from rtgen.compiler.diagnostics import Span
 from rtgen.compiler.frontends.eds.findings import Findings
 from rtgen.compiler.frontends.eds.ini import Document, Entry, Section
 from rtgen.compiler.frontends.eds.numbers import number, parse
-from rtgen.compiler.frontends.eds.outline import LISTS, Outline
-from rtgen.compiler.frontends.eds.rules import information
+from rtgen.compiler.frontends.eds.outline import LISTS, PLAIN, Outline
+from rtgen.compiler.frontends.eds.rules import information, lexical
+from rtgen.compiler.frontends.kit.suggestions import nearest
 from rtgen.compiler.model.canopen import Object
 
 MANDATORY = (0x1000, 0x1001, 0x1018)
 """The objects that are mandatory in every device."""
+
+_MAX_SUGGESTIONS: Final = 20
+"""Maximum number of unknown sections with a suggestion."""
+_LIKE_OBJECT: Final = re.compile(
+    r"(?:0x)?([0-9A-Za-z]{4})(?:[ _.-]*([a-z]{2,5})[ _.-]*([0-9A-Za-z]{1,2}))?", re.I
+)
+_INDEX: Final = re.compile("[1-9A-F][0-9A-F]{3}")
+_LIKE_SUB: Final = 0.6
+_DIGITS: Final = str.maketrans("OoQlIiZzSs", "0001112255")
+"""Letters that look like digits."""
 
 
 def check_count(section: Section, key: str, count: int, findings: Findings) -> None:
@@ -35,6 +50,55 @@ def index_of(entry: Entry) -> int | None:
         if declared is not None and 0 <= declared.value <= 0xFFFF
         else None
     )
+
+
+def check_unknown(outline: Outline, findings: Findings) -> None:
+    """Report the sections that CiA 306 does not have, with what they were likely meant as."""
+    missing = _undescribed(outline)
+    for place, section in enumerate(outline.further):
+        message = f"[{section.name}] is not a section of CiA 306"
+        meant = None
+        if place < _MAX_SUGGESTIONS:
+            meant = _meant(section.name, missing) or nearest(
+                section.name,
+                [n for key, n in PLAIN.items() if key not in outline.plain],
+            )
+        if meant is None:
+            findings.add(lexical.UNKNOWN_SECTION, section.span, message)
+        else:
+            message += ", and all in it is ignored"
+            hint = f"did you mean [{meant}]?"
+            findings.add(lexical.MISSPELT_SECTION, section.span, message, hint=hint)
+
+
+def _undescribed(outline: Outline) -> list[str]:
+    """Return the names of the sections that the lists of objects announce, and that are missing."""
+    sections = (outline.plain.get(name) for name in LISTS)
+    entries = (e for s in sections if s is not None for _, e in s.numbered() if e.value)
+    indices = sorted({i for i in map(index_of, entries) if i is not None})
+    return [f"{i:04X}" for i in indices if i not in outline.objects.heads]
+
+
+def _meant(name: str, missing: Collection[str]) -> str | None:
+    """Return the section of an object that a name likely denotes: `20OO`, `1018sup1`, `200G`."""
+    match = _LIKE_OBJECT.fullmatch(name)
+    if match is None:
+        return None
+    head, middle, sub = match.groups()
+    index = head.translate(_DIGITS).upper()
+    if middle and not get_close_matches(middle.lower(), ["sub"], cutoff=_LIKE_SUB):
+        return None
+    rest = f"sub{sub.translate(_DIGITS).upper()}" if middle else ""
+    if _INDEX.fullmatch(index) is None:
+        near = [each for each in missing if _differ_in_one(each, index)]
+        if len(near) != 1:
+            return None
+        index = near[0]
+    return f"{index}{rest}" if f"{index}{rest}" != name else None
+
+
+def _differ_in_one(one: str, other: str) -> bool:
+    return len(one) == len(other) and sum(map(ne, one, other)) == 1
 
 
 def check(

@@ -11,7 +11,6 @@ import msgspec
 from rtgen.compiler.frontends.eds.findings import Findings
 from rtgen.compiler.frontends.eds.ini import Document, Section
 from rtgen.compiler.frontends.eds.rules import lexical, objects
-from rtgen.compiler.frontends.kit.suggestions import nearest
 
 COMMISSIONING = "devicecomissioning"
 LISTS = ("mandatoryobjects", "optionalobjects", "manufacturerobjects")
@@ -35,9 +34,6 @@ PLAIN = {
     "tools": "Tools",
 }
 """Sections with fixed names, by lower-case name."""
-
-_MAX_SUGGESTIONS = 20
-"""Maximum number of unknown sections with a suggestion."""
 
 _OBJECT = re.compile(
     r"(0x)?([0-9a-f]{2,4})(?:sub([0-9a-f]{1,8})|(name|value|denotation|objectlinks))?"
@@ -101,12 +97,6 @@ def _place(name: str, section: Section, result: Outline, findings: Findings) -> 
     elif (match := _MODULE.fullmatch(name)) is not None:
         _place_module(match, section, result, findings)
     elif not _place_object(name, "", section, result.objects, findings):
-        message = f"[{section.name}] is not a section of CiA 306"
-        meant = None
-        if len(result.further) < _MAX_SUGGESTIONS:
-            meant = nearest(section.name, PLAIN.values())
-        hint = None if meant is None else f"did you mean [{meant}]?"
-        findings.add(lexical.UNKNOWN_SECTION, section.span, message, hint=hint)
         result.further.append(section)
 
 
@@ -128,8 +118,6 @@ def _place_module(
         case "subext", rest if re.fullmatch("[0-9a-f]{4}", rest):
             module.extensions[int(rest, 16)] = section
         case _:
-            message = f"[{section.name}] is not a section of CiA 306"
-            findings.add(lexical.UNKNOWN_SECTION, section.span, message)
             result.further.append(section)
 
 

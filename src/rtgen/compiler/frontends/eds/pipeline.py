@@ -156,6 +156,7 @@ def _described(
     document: ini.Document, findings: Findings, node_id: int | None
 ) -> Device | None:
     sections = outline(document, findings)
+    lists.check_unknown(sections, findings)
     if not (sections.objects.heads or sections.objects.subs):
         message = "there is no object in this file"
         hint = "an EDS has sections such as [1000]"

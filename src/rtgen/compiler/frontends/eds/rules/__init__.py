@@ -25,6 +25,20 @@ _ABOUT_SERVICES = (
     pdos.NO_NODE_ID,
     pdos.MULTIPLEXED,
 )
+LOSSES = tuple(
+    rule.code
+    for rule in (
+        lexical.MISSPELT_SECTION,
+        lexical.BAD_HEADER,
+        information.NOT_THERE,
+        objects.UNKNOWN_TYPE,
+        objects.UNKNOWN_ACCESS,
+        objects.OF_A_VAR,
+        objects.BAD_SUBINDEX,
+        pdos.NO_OBJECT,
+    )
+)
+"""Codes of deviations by which a part of a device is lost or means something else; causes first."""
 DEVIATIONS = frozenset(
     rule.code
     for rule in RULES

@@ -25,4 +25,6 @@ UNKNOWN_KEY = Rule("EDS0108", "unknown key", Severity.NOTE)
 MISSPELT_KEY = Rule("EDS0109", "misspelt key", Severity.WARNING)
 COLON = Rule("EDS0110", "colon in place of the equals sign", Severity.WARNING)
 
+MISSPELT_SECTION = Rule("EDS0111", "misspelt section", Severity.WARNING)
+
 RULES = rules_of(globals())
