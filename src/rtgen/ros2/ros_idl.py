@@ -35,6 +35,13 @@ def idl_files(model: Model) -> dict[str, Callable[[], str]]:
 
 def idl_of(model: Model, name: str) -> str:
     """Return the text of the IDL file of an interface."""
+    macro = name.upper().translate(str.maketrans("/.", "__"))
+    text = plain_idl_of(model, name)
+    return f"#ifndef {macro}\n#define {macro}\n\n{text}\n#endif // {macro}\n"
+
+
+def plain_idl_of(model: Model, name: str) -> str:
+    """Return the text of the IDL file of an interface without a guard, which rosidl does not read."""
     names = idl_names(model)
     shown = names[name]
     includes = {
@@ -44,7 +51,6 @@ def idl_of(model: Model, name: str) -> str:
         for included in file.includes
     }
     lines = [f'#include "{each}"' for each in sorted(names) if names[each] in includes]
-    macro = name.upper().translate(str.maketrans("/.", "__"))
     body = idl_text(model, [d for d in model.declarations if d.file == shown])
     head = "".join(f"{line}\n" for line in lines)
-    return f"#ifndef {macro}\n#define {macro}\n\n{head}\n{body}\n#endif // {macro}\n"
+    return f"{head}\n{body}"

@@ -46,7 +46,8 @@ class Options(msgspec.Struct, frozen=True):
     capacity of unbounded sequences and strings, and of InPorts, on the target small. `marshalled`:
     whether calls of interfaces, and sequences by themselves, have codecs; `tecs_corba`: whether
     those of TECS boards also have them without OpenRTM. `lazy`: packages import their modules on
-    demand. `ros_interfaces`: also write ROS 2 interface files. `ignore_case_clashes`: names of IDL
+    demand. `ros_interfaces`: also write ROS 2 interface files; `ros_boards`: also
+    those of TECS boards, whose services are in this namespace. `ignore_case_clashes`: names of IDL
     may differ in case only. `plugins` has the table `[plugin.NAME]` of rtgen.toml for each name.
     """
 
@@ -63,6 +64,7 @@ class Options(msgspec.Struct, frozen=True):
     tecs_corba: bool = False
     lazy: bool = False
     ros_interfaces: bool = False
+    ros_boards: str | None = None
     ignore_case_clashes: bool = False
     plugins: Mapping[str, Mapping[str, Any]] = msgspec.field(default_factory=dict)
 

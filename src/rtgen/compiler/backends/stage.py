@@ -65,6 +65,11 @@ BUILT_IN: Final = (
         lambda _, options: options.ros_interfaces,
     ),
     DeferredBackend(
+        "ros-boards",
+        "rtgen.ros2.boards.backend",
+        lambda model, options: options.ros_boards is not None and bool(model.packages),
+    ),
+    DeferredBackend(
         "openrtm",
         "rtgen.openrtm.backend.backend",
         lambda _, options: options.target == "openrtm",

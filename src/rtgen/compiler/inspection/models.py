@@ -56,8 +56,13 @@ if TYPE_CHECKING:
 FORMAT = "rtgen-inspect/1"
 
 
-def inspect(model: Model, diagnostics: Sequence[Diagnostic]) -> Json:
-    """Return the model and the diagnostics as one JSON object."""
+def inspect(
+    model: Model, diagnostics: Sequence[Diagnostic], services: Sequence[Json] = ()
+) -> Json:
+    """Return the model and the diagnostics as one JSON object.
+
+    `services` are those of ROS 2 that boards have: `name`, `type`, `hash`, `function`.
+    """
     declarations = [_declaration(d, model) for d in defined(model.declarations)]
     return {
         "format": FORMAT,
@@ -70,6 +75,7 @@ def inspect(model: Model, diagnostics: Sequence[Diagnostic]) -> Json:
             *_of_other_languages(model),
             *map(_system, model.systems),
         ],
+        **({"ros_services": [*services]} if services else {}),
         "diagnostics": [as_json(d) for d in diagnostics],
     }
 
@@ -99,9 +105,11 @@ def defined(declarations: Iterable[Declaration]) -> list[Declaration]:
     ]
 
 
-def json_text(model: Model, diagnostics: Sequence[Diagnostic]) -> str:
+def json_text(
+    model: Model, diagnostics: Sequence[Diagnostic], services: Sequence[Json] = ()
+) -> str:
     """Return the result of `inspect` as indented text."""
-    return indented_json.dumps(inspect(model, diagnostics)) + "\n"
+    return indented_json.dumps(inspect(model, diagnostics, services)) + "\n"
 
 
 FIELDS.update(
@@ -270,8 +278,11 @@ def _character(value: str, wide: bool) -> str:
     return f"'{text}'"
 
 
-def tree(model: Model) -> str:
-    """Return the model as text: one line for each declaration and member, by file."""
+def tree(model: Model, services: Sequence[Json] = ()) -> str:
+    """Return the model as text: one line for each declaration and member, by file.
+
+    `services` are as in `inspect`.
+    """
     from rtgen.compiler.inspection import buses, devices, tecs
 
     lines: list[str] = []
@@ -292,6 +303,8 @@ def tree(model: Model) -> str:
         lines += [system.file, f"  system {system.name}"]
         lines += [f"    {c.instance}: {c.type}" for c in system.components]
         lines += [f"    {c.source} -> {c.target}" for c in system.connections]
+    for s in services:
+        lines += [f"service {s['name']}: {s['type']}", f"  {s['hash']}"]
     return "".join(f"{line}\n" for line in lines)
 
 

@@ -141,6 +141,7 @@ class Cache:
                 project.representation,
                 project.extensibility,
                 project.ros2.interfaces,
+                project.options.ros_boards,
                 project.numeric,
                 project.tecs_corba,
                 project.components,

@@ -365,6 +365,7 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
         "zenoh": _path,
         "interfaces": _flag,
         "managed_nodes": _flag,
+        "boards": _flag,
         "topics": _ros_topics,
         "services": partial(_ros_names, 2, "INSTANCE.PORT.OPERATION", "service"),
         "actions": partial(_ros_names, 1, "INSTANCE.PORT", "action"),

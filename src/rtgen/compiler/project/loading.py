@@ -157,6 +157,7 @@ class Project(msgspec.Struct, frozen=True, kw_only=True):
             extensibility=self.extensibility,
             tecs_corba=self.tecs_corba,
             ros_interfaces=self.ros2.interfaces,
+            ros_boards=self.ros2.namespace if self.ros2.boards else None,
             ignore_case_clashes=self.ignore_case_clashes,
             factories=dict(self.components),
             skeleton_path=self.skeleton_path,

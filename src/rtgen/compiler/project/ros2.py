@@ -55,6 +55,7 @@ class Ros2Settings(msgspec.Struct, frozen=True, kw_only=True):
 
     `zenoh` is the path of a Zenoh configuration, relative to the project; `interfaces`: write ROS 2
     interface files; `managed_nodes`: each component is a node with the services of life cycle and
+    parameters; `boards`: functions of TECS boards are services, objects of CANopen nodes topics and
     parameters.
     """
 
@@ -65,6 +66,7 @@ class Ros2Settings(msgspec.Struct, frozen=True, kw_only=True):
     zenoh: str | None = None
     interfaces: bool = False
     managed_nodes: bool = True
+    boards: bool = False
     topics: tuple[TopicEntry, ...] = ()
     services: tuple[ServiceEntry, ...] = ()
     actions: tuple[ActionEntry, ...] = ()
@@ -72,7 +74,9 @@ class Ros2Settings(msgspec.Struct, frozen=True, kw_only=True):
 
 def ros2_settings(settings: Settings) -> Ros2Settings:
     """Return the section of a validated rtgen.toml."""
-    section = settings.content.get("ros2", {})
+    if "ros2" not in settings.content:
+        return Ros2Settings()
+    section = settings.content["ros2"]
     rest = {
         key: value
         for key, value in section.items()
@@ -120,7 +124,7 @@ def ros2_settings(settings: Settings) -> Ros2Settings:
             ActionEntry(instance=instance, port=port, action=name, span=span)
         )
     return Ros2Settings(
-        **rest,
+        **{"boards": True, **rest},
         topics=tuple(topics),
         services=tuple(services),
         actions=tuple(actions),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -12,7 +12,11 @@ from rtgen.compiler.diagnostics import Span, in_order
 from rtgen.compiler.frontends import FrontendResult
 from rtgen.compiler.frontends.kit import characters
 from rtgen.compiler.frontends.kit.findings import Findings
-from rtgen.compiler.frontends.kit.library import Library, absolute_path
+from rtgen.compiler.frontends.kit.library import (
+    Library,
+    VirtualFile,
+    absolute_path,
+)
 from rtgen.compiler.frontends.kit.main_files import open_main
 from rtgen.compiler.frontends.kit.suggestions import nearest
 from rtgen.compiler.kit import stages
@@ -66,9 +70,27 @@ def load(
     return run.result()
 
 
+def load_texts(texts: Mapping[str, str], also: Sequence[str] = ()) -> FrontendResult:
+    """Read interface files that are not on the disk, by name (`lab/msg/Place.msg`).
+
+    `also` are messages that ship with rtgen, for the model.
+    """
+    virtual = {name: VirtualFile(name, text) for name, text in texts.items()}
+    library = Library(InterfaceFile, Path(), (), virtual={**shipped(), **virtual})
+    run = _Run(library, "utf-8", texts)
+    run.read_texts([*texts, *(f"{name}.msg" for name in also)])
+    return run.result()
+
+
 class _Run:
-    def __init__(self, library: Library[InterfaceFile], encoding: str) -> None:
+    def __init__(
+        self,
+        library: Library[InterfaceFile],
+        encoding: str,
+        texts: Container[str] = (),
+    ) -> None:
         self._library = library
+        self._given = texts
         self._encoding = encoding
         self._findings = Findings(rules.TOO_MANY)
         self._files: list[SourceFile] = []
@@ -108,6 +130,15 @@ class _Run:
             self._mark_main(file.name)
         else:
             self._interface(file, main=True)
+
+    def read_texts(self, names: Sequence[str]) -> None:
+        for name in names:
+            file = self._library.virtual(name)
+            assert file is not None
+            if absolute_path(file.path) in self._read:
+                self._mark_main(file.name)
+            else:
+                self._interface(file, main=True)
 
     def _mark_main(self, name: str) -> None:
         self._files = [
@@ -249,7 +280,9 @@ class _Run:
         if len(self._read) >= _MAX_FILES:
             return
         source = None
-        for path, folder in candidates(name, file.path, self._library.include):
+        if file_of(name) in self._given:
+            source = self._library.virtual(file_of(name))
+        for path, folder in () if source else candidates(name, file.path, self._library.include):
             try:
                 source = self._library.open(path, folder) or self._library.open(
                     path.with_suffix(_IDL), folder

@@ -15,7 +15,7 @@ if TYPE_CHECKING:  # imported lazily: a run from the cache needs no model
     from rtgen.compiler.diagnostics import Diagnostic
     from rtgen.compiler.frontends import FrontendResult
     from rtgen.compiler.frontends.kit.memo import Memo
-    from rtgen.compiler.model import System
+    from rtgen.compiler.model import Model, System
 
 
 class Definitions:
@@ -128,8 +128,12 @@ def _inspected(
             diagnostics += seen
     model = replace(result.model, systems=tuple(systems))
     diagnostics = in_order(diagnostics)
+    services = [] if project is None else _ros_services(project, model)
     with stages.stage("print"):
-        text = json_text(model, diagnostics) if as_json else tree(model)
+        if as_json:
+            text = json_text(model, diagnostics, services)
+        else:
+            text = tree(model, services)
     return Compilation(
         artifacts=(Artifact("model", text, ()),),
         inputs={},
@@ -137,6 +141,17 @@ def _inspected(
         dependencies=result.hashes,
         sources=sources,
     )
+
+
+def _ros_services(project: Project, model: Model) -> list[dict[str, str]]:
+    """Return the services of ROS 2 by which boards are called."""
+    if not (project.ros2.boards and model.tecs):
+        return []
+    from rtgen.compiler.lowering.tecs.boards import lower
+    from rtgen.ros2.boards.interfaces import interfaces, service_facts
+
+    made = interfaces(lower(model, project.lowering).model, project.package)
+    return [*service_facts(made, project.ros2.namespace)]
 
 
 def _checked(

@@ -159,6 +159,7 @@ class _Run:
             console,
             simulated=options.simulated,
             bag=bag,
+            boards=plan.boards,
         )
         options.live.begin(files, running, console, name)
         if of_poses or plan.measures:

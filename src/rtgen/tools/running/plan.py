@@ -40,6 +40,7 @@ from rtgen.tools.running.transports import TransportOptions
 
 if TYPE_CHECKING:
     from rtgen.compiler.judging import Judge
+    from rtgen.tools.running.ros2_boards import Boards
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,7 +73,7 @@ class Plan:
     """A run before it begins.
 
     `finishing` are the instances whose ERROR is the end of their work, by the system.
-    `values` are the parameters of `--set`; `outside` are the instances that rtgen does not run,
+    `boards` are those that ROS 2 shows. `values` are the parameters of `--set`; `outside` are the instances that rtgen does not run,
     `awaited` those of other processes.
     """
 
@@ -87,6 +88,7 @@ class Plan:
     factories: Factories
     outside: frozenset[str]
     awaited: Sequence[ForeignComponent] = ()
+    boards: Boards | None = None
 
     @property
     def folder(self) -> Path | None:
@@ -122,6 +124,14 @@ def planned(options: RunOptions, console: Console) -> Plan:
     console.findings(course.skipped)
     project = load_around(Path(options.system))
     console.findings([*changed_inputs.findings(project)])
+    boards = None
+    if options.ros2 is not None:
+        from rtgen.tools.running import ros2_boards
+
+        boards = ros2_boards.of_project(project)
+        if boards is not None:
+            console.findings(boards.findings)
+            profile = boards.completed(profile)
     require_fitting(project, profile, course.steps, console)
     factories = Factories(project)
     languages = factories.foreign
@@ -136,6 +146,7 @@ def planned(options: RunOptions, console: Console) -> Plan:
         project=project,
         factories=factories,
         outside=frozenset(foreign.named(profile, carrying.foreign, languages)),
+        boards=boards,
     )
     if plan.outside:
         foreign.require_reachable(

@@ -26,8 +26,9 @@ if TYPE_CHECKING:
     from rtgen.runtime.ros2.marshaling import Marshaling
     from rtgen.runtime.ros2.network import RosNode
     from rtgen.runtime.ros2.ports import Joint
-    from rtgen.runtime.ros2.services import EventJoint, ServiceJoint
+    from rtgen.runtime.ros2.services import Answer, EventJoint, ServiceJoint
     from rtgen.tools.recording.bag_recorder import BagRecorder
+    from rtgen.tools.running.ros2_boards import Boards
 
 _DOMAIN = "ROS_DOMAIN_ID"
 _LAST_DOMAIN = 232
@@ -43,10 +44,11 @@ def join(
     *,
     simulated: bool,
     bag: BagRecorder | None = None,
+    boards: Boards | None = None,
 ) -> None:
     """Connect ports to topics until `files` is closed. `name` is that of the system.
 
-    `bag` records the messages.
+    `bag` records the messages; `boards` are those whose functions are services.
     """
     if kind is None:
         return
@@ -64,15 +66,16 @@ def join(
         _domain() if settings.domain is None else settings.domain,
     )
     nodes = _nodes(running) if settings.managed_nodes else {}
-    joints = _joints(settings, running, node, nodes)
+    joints = _joints(settings, running, node, nodes, others=boards is not None)
     services = _service_joints(settings, running, node, nodes)
+    served = [] if boards is None else [*_of_boards(boards, running, node, nodes)]
     try:
         network = open_network(kind, node, project, console)
         if bag is not None:
             network.observe(bag.observe)
         running.closing.at_halt(network.end_calls)
         files.callback(RosPorts(network, joints).close)
-        files.callback(RosServices(network, services).close)
+        files.callback(RosServices(network, services, answers=served).close)
         if nodes:
             classes = message_classes(*INTERFACES)
             space = settings.namespace
@@ -115,12 +118,17 @@ def _joints(
     running: runtime.System,
     node: RosNode,
     nodes: Mapping[str, str],
+    *,
+    others: bool,
 ) -> list[Joint]:
-    """Return the ports with their topics. Raises InputError for all invalid ones."""
+    """Return the ports with their topics. Raises InputError for all invalid ones.
+
+    `others`: something else is in ROS 2.
+    """
     from rtgen.runtime.ros2.ports import Joint
 
     entries = [*settings.topics, *_connected(running)]
-    if not (entries or settings.services or settings.actions or nodes):
+    if not (entries or settings.services or settings.actions or nodes or others):
         hint = (
             '[ros2.topics] "INSTANCE.PORT" = "TOPIC" in rtgen.toml, or [ros2.services]'
         )
@@ -243,6 +251,22 @@ def _service_joints(
     if diagnostics:
         raise InputError(diagnostics)
     return joints
+
+
+def _of_boards(
+    boards: Boards, running: runtime.System, node: RosNode, nodes: Mapping[str, str]
+) -> Iterator[Answer]:
+    """Yield the services of boards."""
+    from rtgen.runtime.ros2.managed import EVENT_INFO
+    from rtgen.runtime.ros2.network import RosService
+    from rtgen.runtime.ros2.services import Answer
+
+    info = message_classes(EVENT_INFO)[EVENT_INFO]
+    for each in boards.services(running):
+        name = node.qualified(each.service.name)
+        shown = nodes.get(each.instance, "")
+        service = RosService(each.request, each.response, name, info, shown)
+        yield Answer(service, each.answer, each.instance)
 
 
 def _component(instance: str, running: runtime.System) -> runtime.Component:

@@ -200,6 +200,27 @@ class Messages(Generic[_P, _R]):
             return outs if len(outs) > 1 else outs[0]
         return None
 
+    def results_of(self, channel: Channel, /, *arguments: Any) -> tuple[Any, ...]:
+        """Call the function over a channel; return what it returned, then its outs.
+
+        Outs are missing if it returned an error without them. Raises RpcError for each call that
+        fails, also of a function of type `ER` or `ER_INT`; ArgumentError.
+        """
+        if self.oneway:
+            self._send(channel, *arguments)
+            return (E_OK,) if self.error_code else ()
+        request = self.encode_request(*arguments)
+        head = channel.begin(request, self.first)
+        try:
+            returned, outs = self.read_reply(
+                head, channel.more, *(self.kept and self._kept_of(arguments))
+            )
+        except BaseException:
+            channel.reset()
+            raise
+        channel.end()
+        return tuple(outs or ()) if self.is_void else (returned, *(outs or ()))
+
     def _failed(self, error: RpcError, channel: Channel) -> int:
         """Return the error code; the reason is only logged."""
         log.warning("%s at %s: %s", self.function, channel, error)

@@ -63,6 +63,14 @@ class EventJoint(msgspec.Struct, frozen=True):
     profile: Profile
 
 
+class Answer(msgspec.Struct, frozen=True):
+    """A service that a function answers; requests of one `queue` do not delay those of others."""
+
+    service: RosService
+    function: Callable[[Any], Any]
+    queue: str | None = None
+
+
 def messages_of(interface: type[Any], operation: str) -> tuple[type[Any], type[Any]]:
     """Return request and response of an operation. Raises ServiceError if it is not a service."""
     call = calls.calls_of(interface).get(operation)
@@ -219,8 +227,9 @@ class RosServices:
         network: RosNetwork,
         joints: Iterable[ServiceJoint | EventJoint],
         timeout: float = 10.0,
+        answers: Iterable[Answer] = (),
     ) -> None:
-        """Serve and connect the operations. Raises Ros2Error."""
+        """Serve and connect the operations, and serve `answers`. Raises Ros2Error."""
         self._network = network
         self._timeout = timeout
         self._short = Workers()
@@ -232,6 +241,9 @@ class RosServices:
                 self._join_event(joint)
             else:
                 self._join_service(joint)
+        for each in answers:
+            server = Server(each.service, each.function, self._short, each.queue)
+            network.serve(each.service, server.take)
 
     def _join_service(self, joint: ServiceJoint) -> None:
         if isinstance(joint.port, Provider):
