@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from ros2_peers import DISTRIBUTIONS, installation
 
 from rtgen import api
 from rtgen.cli import run
@@ -136,6 +137,17 @@ def test_rosbags_reads_them(tmp_path: Path) -> None:
         struct = model.find(("lab", "msg", name))
         assert isinstance(struct, Struct)
         assert type_hash(model, struct) == store.hash_rihs01(f"lab/msg/{name}")
+
+
+@pytest.mark.peer
+@pytest.mark.parametrize("distribution", DISTRIBUTIONS)
+def test_rosidl_reads_those_of_boards(distribution: str) -> None:
+    """The IDL beside each file has the members that rosidl's own has."""
+    folder = Path(__file__).resolve().parents[2] / "generated/ros2/refrobots_board"
+    script = Path(__file__).with_name("rosidl_files.py")
+    lines = installation(distribution).output(script, str(folder)).splitlines()
+    assert len(lines) == 7
+    assert all(line.endswith(" True") for line in lines), lines
 
 
 def test_of_a_project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -41,7 +41,7 @@ def idl_of(model: Model, name: str) -> str:
 
 
 def plain_idl_of(model: Model, name: str) -> str:
-    """Return the text of the IDL file of an interface without a guard, which rosidl does not read."""
+    """Return the IDL file of an interface without a guard, which rosidl does not read."""
     names = idl_names(model)
     shown = names[name]
     includes = {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from random import Random
 from types import SimpleNamespace
@@ -139,8 +140,16 @@ signature sBad {
     [made] = of_text(tmp_path, joined(text, "sBad"))
     nested = "sequences and arrays in each other"
     assert said(made.findings) == [
-        ("ROS0120", 3, f"sBad.first has no service of ROS 2, which does not have {nested}"),
-        ("ROS0120", 4, f"sBad.second has no service of ROS 2, which does not have {nested}"),
+        (
+            "ROS0120",
+            3,
+            f"sBad.first has no service of ROS 2, which does not have {nested}",
+        ),
+        (
+            "ROS0120",
+            4,
+            f"sBad.second has no service of ROS 2, which does not have {nested}",
+        ),
         (
             *("ROS0120", 5),
             "sBad.third has no service of ROS 2, which does not have sequences and arrays that "
@@ -221,10 +230,16 @@ def test_hashes_of_drawn_signatures() -> None:
                 request, response = text.split("---\n")
                 parts |= {f"{path}_Request": request, f"{path}_Response": response}
         for name, text in parts.items():
-            whole = text if _has_fields(text) else "uint8 structure_needs_at_least_one_member\n"
+            whole = (
+                text
+                if _has_fields(text)
+                else "uint8 structure_needs_at_least_one_member\n"
+            )
             read = typesys.get_types_from_msg(whole, name)
             # It knows messages alone, and says so in the names of others.
-            store.register({n.replace("/srv/msg/", "/srv/"): d for n, d in read.items()})
+            store.register(
+                {n.replace("/srv/msg/", "/srv/"): d for n, d in read.items()}
+            )
         for name in parts:
             struct = made.model.find(tuple(name.split("/")))
             assert isinstance(struct, Struct)
@@ -235,6 +250,11 @@ def test_hashes_of_drawn_signatures() -> None:
 
 def _has_fields(text: str) -> bool:
     return any(line and not line.startswith("#") for line in text.splitlines())
+
+
+def answer_by(taken: list[Any], answers: dict[str, Any], name: str, *given: Any) -> Any:
+    taken.append(given)
+    return answers[name]
 
 
 def test_values_of_drawn_calls() -> None:
@@ -253,15 +273,10 @@ def test_values_of_drawn_calls() -> None:
         taken: list[Any] = []
         answers: dict[str, Any] = {}
 
-        def target(name: str, taken: Any = taken, answers: Any = answers) -> Any:
-            def method(*arguments: Any) -> Any:
-                taken.append(arguments)
-                return answers[name]
-
-            return method
-
         handlers = {
-            service.codec.request_head(f.id): f.handler(target(f.name))
+            service.codec.request_head(f.id): f.handler(
+                partial(answer_by, taken, answers, f.name)
+            )
             for f in service.codec.functions.values()
         }
         channel = ExchangeChannel(PacketServer(SimpleNamespace(handlers=handlers)))
@@ -305,7 +320,9 @@ def test_values_of_drawn_calls() -> None:
             if layout.leaves_out and is_rpc_error(call.returned):
                 continue
             for (item, field), value in zip(each.results, values, strict=True):
-                assert plain(to_board(item, structs)(getattr(got, field))) == plain(value)
+                assert plain(to_board(item, structs)(getattr(got, field))) == plain(
+                    value
+                )
     assert made_calls > 30
 
 
@@ -356,7 +373,9 @@ def test_odd_structs_and_names(tmp_path: Path) -> None:
         *("set", "get", "maybe", "part", "stop", "stop_all", "bytes", "list", "init"),
     ]
     left_out = [f.message.partition(" has no ")[0] for f in made.findings]
-    assert left_out == [f"nBoard::sMotor.{n}" for n in ("state", "names", "wide", "class")]
+    assert left_out == [
+        f"nBoard::sMotor.{n}" for n in ("state", "names", "wide", "class")
+    ]
     files = []
     for name, text in made.texts.items():
         file = tmp_path / "ros" / name

@@ -1,1 +1,1 @@
-"""TECS boards in ROS 2: each function of a signature that is joined through `RTCPlugin` is a service."""
+"""TECS boards in ROS 2: functions of signatures joined through `RTCPlugin` are services."""

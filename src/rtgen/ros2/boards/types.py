@@ -6,6 +6,7 @@ Unlike at service ports, no number loses its sign: an `int8_t` is an `int8`, cha
 from __future__ import annotations
 
 import keyword
+import re
 from collections.abc import Callable, Iterable, Mapping
 from typing import Final
 
@@ -42,12 +43,16 @@ _SCALARS: Final[Mapping[Scalar, str]] = {
     Scalar.DOUBLE64: "float64",
 }
 _FURTHER_KEYWORDS: Final = frozenset(
-    """alignas alignof and_eq asm auto bitand bitor bool case catch char compl const constexpr
-    const_cast decltype default delete do double dynamic_cast enum explicit export extern false
-    float friend goto inline int long mutable namespace new noexcept not_eq nullptr operator or_eq
-    private protected public register reinterpret_cast requires restrict short signed sizeof static
-    static_assert static_cast struct switch template this thread_local throw true typedef typeid
-    typename union unsigned using virtual void volatile wchar_t xor xor_eq""".split()
+    re.findall(
+        r"\w+",
+        "alignas alignof and_eq asm auto bitand bitor bool case catch char compl const constexpr "
+        "const_cast decltype default delete do double dynamic_cast enum explicit export extern "
+        "false float friend goto inline int long mutable namespace new noexcept not_eq nullptr "
+        "operator or_eq private protected public register reinterpret_cast requires restrict "
+        "short signed sizeof static static_assert static_cast struct switch template this "
+        "thread_local throw true typedef typeid typename union unsigned using virtual void "
+        "volatile wchar_t xor xor_eq",
+    )
 )
 """Keywords of C and C++ that are none of Python's: rosidl generates all three."""
 

@@ -282,7 +282,9 @@ class _Run:
         source = None
         if file_of(name) in self._given:
             source = self._library.virtual(file_of(name))
-        for path, folder in () if source else candidates(name, file.path, self._library.include):
+        for path, folder in (
+            () if source else candidates(name, file.path, self._library.include)
+        ):
             try:
                 source = self._library.open(path, folder) or self._library.open(
                     path.with_suffix(_IDL), folder

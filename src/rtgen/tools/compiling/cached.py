@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -130,10 +131,10 @@ def _inspected(
     diagnostics = in_order(diagnostics)
     services = [] if project is None else _ros_services(project, model)
     with stages.stage("print"):
-        if as_json:
-            text = json_text(model, diagnostics, services)
-        else:
-            text = tree(model, services)
+        printer = (
+            partial(json_text, model, diagnostics) if as_json else partial(tree, model)
+        )
+        text = printer(services)
     return Compilation(
         artifacts=(Artifact("model", text, ()),),
         inputs={},

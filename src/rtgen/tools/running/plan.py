@@ -73,8 +73,8 @@ class Plan:
     """A run before it begins.
 
     `finishing` are the instances whose ERROR is the end of their work, by the system.
-    `boards` are those that ROS 2 shows. `values` are the parameters of `--set`; `outside` are the instances that rtgen does not run,
-    `awaited` those of other processes.
+    `boards` are those that ROS 2 shows. `values` are the parameters of `--set`; `outside` are the
+    instances that rtgen does not run, `awaited` those of other processes.
     """
 
     options: RunOptions

@@ -50,7 +50,6 @@ from rtgen.runtime.services.servants import ServiceError
 from rtgen.tools.recording.schema_types import message_classes
 
 if TYPE_CHECKING:
-    from rtgen.runtime.ros2.network import RosNode
     from rtgen.runtime.services.ports import Provider
 
 _CDL = ".cdl"
@@ -151,9 +150,7 @@ def of_project(project: Project) -> Boards | None:
     return Boards(made, project.package) if made else None
 
 
-def _marshaller(
-    system: System, join: RtcJoin, joins: Iterable[RtcJoin]
-) -> str | None:
+def _marshaller(system: System, join: RtcJoin, joins: Iterable[RtcJoin]) -> str | None:
     """Return the instance that carries calls of a join: connected to its communication RTC.
 
     The only one of its type does, if the signature is joined once.
@@ -215,7 +212,9 @@ def _with_board(system: System, join: RtcJoin) -> tuple[System, str]:
 
 
 def _free(type_: str, taken: Collection[str]) -> str:
-    return next(f"{type_}{n}" for n in range(len(taken) + 1) if f"{type_}{n}" not in taken)
+    return next(
+        f"{type_}{n}" for n in range(len(taken) + 1) if f"{type_}{n}" not in taken
+    )
 
 
 def _settings(join: RtcJoin) -> tuple[tuple[str, str], ...]:
@@ -238,9 +237,9 @@ def answering(
 ) -> Callable[[Any], Any]:
     """Return what answers a request: the function is called, and its failure is a response."""
     layout = service.layout
-    fields = dict(zip((i.name for i, _ in service.arguments), service.arguments))
+    fields = {item.name: field for item, field in service.arguments}
     given = [
-        None if item.asked else (fields[item.name][1], to_board(item, structs))
+        None if item.asked else (fields[item.name], to_board(item, structs))
         for item in layout.arguments
     ]
     returns_code = is_error_code(layout.function.returns)

@@ -91,6 +91,6 @@ _NAMES = {
 
 def described(code: int) -> str:
     """Return an error code by name: `E_PAR (-17)`, `E_RPC, E_TMOUT (-12612)`."""
-    codes = (code,) if -128 <= code else (MERCD(code), MERCD(SERCD(code)))
+    codes = (code,) if code >= -128 else (MERCD(code), MERCD(SERCD(code)))
     names = ", ".join(_NAMES.get(each, str(each)) for each in codes)
     return names if names == str(code) else f"{names} ({code})"

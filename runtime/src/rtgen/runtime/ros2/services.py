@@ -229,7 +229,10 @@ class RosServices:
         timeout: float = 10.0,
         answers: Iterable[Answer] = (),
     ) -> None:
-        """Serve and connect the operations, and serve `answers`. Raises Ros2Error."""
+        """Serve and connect the operations. Raises Ros2Error.
+
+        Those of `answers` that the network cannot serve are reported and left out.
+        """
         self._network = network
         self._timeout = timeout
         self._short = Workers()
@@ -243,7 +246,10 @@ class RosServices:
                 self._join_service(joint)
         for each in answers:
             server = Server(each.service, each.function, self._short, each.queue)
-            network.serve(each.service, server.take)
+            try:
+                network.serve(each.service, server.take)
+            except Ros2Error as error:
+                log.warning("%s is not served: %s", each.service.name, error)
 
     def _join_service(self, joint: ServiceJoint) -> None:
         if isinstance(joint.port, Provider):
