@@ -109,7 +109,7 @@ def checked(folder: Path) -> list[Diagnostic] | InputError:
     )
     emitted = [*run.diagnostics]
     if not run.failed:
-        emitted += behaviours.check(project, run.artifacts)
+        emitted += behaviours.check(project, run)
     known = {*read.diagnostics, *of_systems, *found}
     return in_order([*found, *(d for d in emitted if d not in known)])
 

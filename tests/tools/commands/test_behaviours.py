@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from textwrap import indent
 
 import pytest
 from user_project import CONTROLLER, write
 
 from rtgen.cli import run
+from rtgen.compiler.project import behaviour_callbacks
 
 IDL = Path("idl/heating.idl")
 
@@ -310,6 +312,12 @@ IN_A_METHOD = {
     "self.__dict__['late'] = 1; self.late": [],
     "self.made_below()": [],
     "self.CLASS_LEVEL, self.noted": ["noted"],
+    "heat = kitchen.Heat(); self.stamp(heat)": ["heat"],
+    "self.stamp(Heat())": ["Heat"],
+    "heat = Heat(); heat = self.made_below(); self.stamp(heat)": [],
+    "heat = self.warmth; self.stamp(heat)": [],
+    "for heat in [Heat()]: self.stamp(heat)": [],
+    "other = self; other.stamp(Heat())": [],
 }
 
 
@@ -323,6 +331,54 @@ def test_uses_in_methods(
         "        return RTC_OK\n\n    def made_below(self) -> None: ...\n"
     )
     assert _uses(oven, text, capfd) == IN_A_METHOD[statement]
+
+
+ANSWERS = {
+    # the body of on_execute: the line of the finding, from its head on
+    "pass": 0,
+    "self.count = 1": 0,
+    "return": 1,
+    "return None": 1,
+    "if self.count:\n    return RTC_OK": 0,
+    "if self.count:\n    return\nreturn RTC_OK": 2,
+    "for x in ():\n    return RTC_OK": 0,
+    "while self.count:\n    return RTC_OK": 0,
+    "while True:\n    break": 0,
+    "try:\n    return RTC_OK\nexcept OSError:\n    pass": 0,
+    "try:\n    pass\nexcept OSError:\n    return RTC_OK": 0,
+    "match self.count:\n    case 1:\n        return RTC_OK": 0,
+    "with self.lock:\n    self.count = 1": 0,
+    "super().on_execute(ec_id)": 0,
+    "def inner():\n    return RTC_OK": 0,
+    "return RTC_OK": None,
+    "...": None,
+    "raise NotImplementedError": None,
+    "return self.fail('x')": None,
+    "return super().on_execute(ec_id)": None,
+    "if self.count:\n    return RTC_OK\nelse:\n    raise OSError": None,
+    "if self.count:\n    return RTC_OK\nelif ec_id:\n    return RTC_OK\nelse:\n    return RTC_OK": None,
+    "while True:\n    self.count = 1": None,
+    "while True:\n    for x in ():\n        break": None,
+    "for x in ():\n    pass\nelse:\n    return RTC_OK": None,
+    "try:\n    return RTC_OK\nexcept OSError:\n    return RTC_ERROR": None,
+    "try:\n    self.count = 1\nexcept OSError:\n    return RTC_ERROR\nelse:\n    return RTC_OK": None,
+    "try:\n    self.count = 1\nfinally:\n    return RTC_OK": None,
+    "match self.count:\n    case 1:\n        return RTC_OK\n    case _:\n        raise OSError": None,
+    "with self.lock:\n    return RTC_OK": None,
+    "def inner():\n    return\nreturn RTC_OK": None,
+    "sys.exit(1)": None,
+}
+
+
+@pytest.mark.parametrize("body", ANSWERS)
+def test_callbacks_without_a_return_code(body: str) -> None:
+    text = "from myrobot.components.oven import OvenBase\n\nclass Oven(OvenBase):\n"
+    for name in ("on_execute", "helper"):
+        text += f"    def {name}(self, ec_id):\n" + indent(body, " " * 8) + "\n\n"
+    found = [*behaviour_callbacks.findings("myrobot", "oven.py", text)]
+    lines = [d.span.line - 4 for d in found if d.span is not None]
+    assert {d.code for d in found} <= {"PRJ0026"}
+    assert lines == [each for each in (ANSWERS[body],) if each is not None]
 
 
 MODULES = {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from pathlib import Path
 
 import pytest
@@ -95,3 +96,25 @@ def test_a_run_of_a_skeleton_says_so(
     assert found == [
         (f"{HEATER}:11:7:", "Heater0 does nothing: the behaviour is a skeleton")
     ]
+
+
+def test_a_run_of_a_misspelt_callback_says_so(
+    project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    file = project / CONTROLLER
+    file.write_text(file.read_text().replace("def on_execute", "def on_excute"))
+    assert run(["run", "warm.xml", "--until", "1"]) == 0
+    err = capfd.readouterr().err
+    assert "warning[PRJ0014]: on_excute is no callback" in err
+    assert "did you mean on_execute?" in err
+
+
+def test_a_run_without_a_behaviour_is_a_mistake_of_the_project(
+    project: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    others = str(project.parent)  # folders that runs of other tests have added
+    paths = [each for each in sys.path if not each.startswith(others)]
+    monkeypatch.setattr(sys, "path", paths)
+    (project / CONTROLLER).unlink()
+    assert run(["run", "warm.xml", "--until", "1"]) == 2
+    assert "rtgen generate creates the skeleton" in capfd.readouterr().err

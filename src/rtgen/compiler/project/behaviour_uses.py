@@ -184,6 +184,9 @@ def _of_classes(
             for statement in node.body
             if isinstance(statement, ast.FunctionDef | ast.AsyncFunctionDef)
         ]
+        if ".stamp(" in text:
+            for statement, name in methods:
+                yield from behaviour.stamps(statement, name)
         if {name for _, name in methods} <= {"self", None} and behaviour.is_plain(text):
             continue
         for statement, name in methods:
@@ -301,6 +304,43 @@ class _Behaviour:
                 path = _path(node, receiver, aliases)
                 if path:
                     yield from self._checked(node, path, further.get(id(node), ""))
+
+    def stamps(
+        self, method: ast.FunctionDef | ast.AsyncFunctionDef, receiver: str | None
+    ) -> Iterator[_Use]:
+        """Yield the samples that a method stamps, whose types have no member for it."""
+        values: dict[str, list[ast.expr | None]] = {}
+        calls = []
+        for node in self._modules.nodes(method):
+            match node:
+                case ast.Assign(targets=[ast.Name(id=name)], value=value):
+                    values.setdefault(name, []).append(value)
+                case ast.Name(id=name) if not isinstance(node.ctx, ast.Load):
+                    values.setdefault(name, []).append(None)
+                case ast.Call(
+                    func=ast.Attribute(value=ast.Name(id=own), attr="stamp"),
+                    args=[sample],
+                ) if (
+                    own == receiver
+                ):
+                    calls.append(sample)
+        for sample in calls:
+            made: ast.expr | None = sample
+            if isinstance(sample, ast.Name):
+                assigned = values.get(sample.id, ())
+                made = (
+                    next(filter(None, assigned), None) if len(assigned) == 2 else None
+                )
+            if not isinstance(made, ast.Call):
+                continue
+            type_ = self._modules.resolve(self._class.module, made.func)
+            if isinstance(type_, Class) and type_.module.is_generated:
+                names = self._modules.names(type_)
+                if names is not None and "tm" not in names:
+                    place = ast.unparse(sample).partition("(")[0]
+                    use = _Use(sample, place, f"{type_.node.name} has no 'tm' to stamp")
+                    use.hint = "declare `RTC::Time tm;` in it, or do not stamp it"
+                    yield use
 
     def _checked(
         self, node: ast.Attribute, path: Sequence[str], further: str

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
@@ -11,18 +10,19 @@ from pathlib import Path, PurePosixPath
 from rtgen.compiler.backends import Artifact, Owner
 from rtgen.compiler.diagnostics import Diagnostic, Span, ToolError
 from rtgen.compiler.kit import stages
-from rtgen.compiler.project import Project, renames, shown
+from rtgen.compiler.project import Project, behaviour_callbacks, renames, shown
 from rtgen.compiler.project import behaviour_uses as uses
 from rtgen.compiler.project.behaviour_classes import Modules
+from rtgen.compiler.project.compilation import Compilation, Declared
 from rtgen.compiler.project.rules import (
     LEFTOVER_SKELETON,
     MISSPELT_CALLBACK,
+    NO_ANSWER,
     NO_BEHAVIOUR,
     NOT_PYTHON,
     UNKNOWN_NAME,
 )
 from rtgen.compiler.project.skeletons import is_skeleton
-from rtgen.compiler.typemap.components.actions import ACTIONS
 from rtgen.facts.encodings import decode
 from rtgen.facts.files import UnreadableError, is_file, read_file
 
@@ -30,25 +30,20 @@ RULES = (
     LEFTOVER_SKELETON,
     UNKNOWN_NAME,
     MISSPELT_CALLBACK,
+    NO_ANSWER,
     NOT_PYTHON,
     NO_BEHAVIOUR,
 )
 """The rules of behaviours."""
 
-_CALLBACKS = frozenset(action.method for action in ACTIONS)
-_MISSPELT = re.compile(
-    rf"^ +def (?!(?:{'|'.join(sorted(_CALLBACKS))})\b)[oO]n\w+\(", re.M
-)
-"""A method that begins as callbacks do, and is none."""
 
-
-def check(project: Project, artifacts: Sequence[Artifact]) -> list[Diagnostic]:
+def check(project: Project, run: Compilation) -> list[Diagnostic]:
     """Return diagnostics for the modules in the folders of skeletons.
 
-    `artifacts` are those of the current definitions. Raises ToolError for an unreadable module.
+    `run` is that of the current definitions. Raises ToolError for an unreadable module.
     """
     with stages.stage("check behaviours"):
-        return [*Behaviours(project, artifacts).findings()]
+        return [*Behaviours(project, run.artifacts, run.declared).findings()]
 
 
 def awaited(project: Project, artifacts: Sequence[Artifact]) -> frozenset[str]:
@@ -67,8 +62,14 @@ def awaited(project: Project, artifacts: Sequence[Artifact]) -> frozenset[str]:
 class Behaviours:
     """The user's behaviours beside the artifacts of the current definitions."""
 
-    def __init__(self, project: Project, artifacts: Sequence[Artifact]) -> None:
+    def __init__(
+        self,
+        project: Project,
+        artifacts: Sequence[Artifact],
+        declared: Iterable[Declared] = (),
+    ) -> None:
         self._project = project
+        self._declared = {each.name: each.span for each in declared}
         self._artifacts = artifacts
         base = f"{project.options.folder}/components/*/__init__.py"
         self._bases = {
@@ -138,7 +139,7 @@ class Behaviours:
         for file, text in self._texts.items():
             if text in skeletons:  # as rtgen has written it
                 continue
-            yield from _of_text(project, file, text)
+            yield from behaviour_callbacks.findings(project.package, file, text)
             used = self._used[file]
             for module in used.keys() - self._bases.keys():
                 yield LEFTOVER_SKELETON.at(
@@ -162,7 +163,7 @@ class Behaviours:
                 continue
             if not is_file(file):
                 yield NO_BEHAVIOUR.at(
-                    Span(artifact.origin[0], 1, 1, 1, 2) if artifact.origin else None,
+                    self._declared.get(name),
                     f"{shown(file)}, the behaviour of {name}, does not exist",
                     hint="rtgen generate creates its skeleton",
                 )
@@ -207,7 +208,7 @@ def check_texts(project: Project) -> list[Diagnostic]:
         return [
             f
             for file, text in _texts(project, ()).items()
-            for f in _of_text(project, file, text)
+            for f in behaviour_callbacks.findings(project.package, file, text)
         ]
 
 
@@ -234,70 +235,6 @@ def _text(file: Path) -> str:
         return decode(read_file(file), standard=True).normal
     except UnreadableError as error:
         raise ToolError(f"cannot read {shown(file)}: {error}") from error
-
-
-def _of_text(project: Project, file: str, text: str) -> Iterator[Diagnostic]:
-    """Yield what Python says about a module that it cannot read, else misspelt callbacks."""
-    try:
-        ast.parse(text)
-    except SyntaxError as error:
-        line, column = error.lineno or 1, max(error.offset or 1, 1)
-        span = Span(file, line, column, line, column + 1)
-        yield NOT_PYTHON.at(span, f"Python cannot read this: {error.msg}")
-    except (ValueError, RecursionError) as error:
-        yield NOT_PYTHON.at(Span(file, 1, 1, 1, 2), f"Python cannot read this: {error}")
-    else:
-        yield from _callbacks(project, file, text)
-
-
-def _callbacks(project: Project, file: str, text: str) -> Iterator[Diagnostic]:
-    """Yield methods with nearly the name of a callback, which nothing in the module uses."""
-    if not _MISSPELT.search(text):
-        return
-    tree = ast.parse(text)
-    bases = {
-        alias.asname or alias.name
-        for node in tree.body
-        if isinstance(node, ast.ImportFrom)
-        and (node.module or "").startswith(f"{project.package}.")
-        for alias in node.names
-        if alias.name.endswith("Base")
-    }
-    for node in tree.body:
-        if not isinstance(node, ast.ClassDef) or not any(
-            isinstance(base, ast.Name) and base.id in bases for base in node.bases
-        ):
-            continue
-        for method in node.body:
-            if not isinstance(method, ast.FunctionDef):
-                continue
-            near = _callback_meant(method.name)
-            if near and len(re.findall(rf"\b{method.name}\b", text)) == 1:
-                column = method.col_offset + len("def ")
-                span = Span(
-                    file,
-                    method.lineno,
-                    column + 1,
-                    method.lineno,
-                    column + 1 + len(method.name),
-                )
-                yield MISSPELT_CALLBACK.at(
-                    span,
-                    f"{method.name} is no callback of a component, and nothing calls it",
-                    hint=f"did you mean {near}?",
-                )
-
-
-def _callback_meant(name: str) -> str | None:
-    """Return the callback that a method is likely meant as: `onExecute`, `on_excute`."""
-    if name in _CALLBACKS or not name.lower().startswith("on"):
-        return None
-    from difflib import get_close_matches
-
-    folded = {each.replace("_", ""): each for each in _CALLBACKS}
-    word = name.replace("_", "").lower()
-    close = get_close_matches(word, folded, n=1, cutoff=0.85)
-    return folded[close[0]] if close else None
 
 
 def _nearest(word: str, candidates: Iterable[str]) -> str | None:

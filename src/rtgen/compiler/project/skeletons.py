@@ -22,12 +22,16 @@ def is_untouched(file: Path) -> bool:
     return is_skeleton(decode(data, standard=True).normal)
 
 
-def place(file: Path, name: str, class_: str) -> Span | None:
-    """Return the place of a class in a skeleton displayed as `name`; None for anything else."""
+def text_of(file: Path) -> str | None:
+    """Return the text of a behaviour; None if it cannot be read."""
     try:
-        text = decode(read_start(file, _MAX_BYTES), standard=True).normal
+        return decode(read_start(file, _MAX_BYTES), standard=True).normal
     except OSError:
         return None
+
+
+def place(text: str, name: str, class_: str) -> Span | None:
+    """Return the place of a class in a skeleton displayed as `name`; None for anything else."""
     if not is_skeleton(text):
         return None
     for number, line in enumerate(text.split("\n"), 1):

@@ -69,7 +69,7 @@ def of_behaviours(
         return Compilation(
             artifacts=(),
             inputs={},
-            diagnostics=tuple(behaviours.check(project, run.artifacts)),
+            diagnostics=tuple(behaviours.check(project, run)),
             dependencies={**run.dependencies, **hashes},
         )
 

@@ -139,7 +139,7 @@ def emitted(
         outcome = compilation.emitted(project, complete)
         diagnostics = list(outcome.diagnostics)
         if not outcome.failed:
-            diagnostics += behaviours.check(project, outcome.artifacts)
+            diagnostics += behaviours.check(project, outcome)
     dependencies = analysis.read_with.union(analysis.findings)
     emitting = tuple(d for d in in_order(diagnostics) if d not in dependencies)
     return replace(analysis, complete=None, emitting=emitting)

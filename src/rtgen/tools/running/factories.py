@@ -94,9 +94,11 @@ class Factories:
                 raise
             message = f"{target}, the factory of {type_name}, cannot be imported"
             hint = self._hidden(module) or self._advice(error, module)
-            raise FactoryImportError(
-                message, hint, is_users=self._is_users(error, module)
-            ) from error
+            is_users = self._is_users(error, module)
+            if self._is_missing(error, type_name):
+                hint = "rtgen generate creates the skeleton of its behaviour"
+                is_users = True
+            raise FactoryImportError(message, hint, is_users=is_users) from error
         if not callable(factory):
             raise ToolError(f"the factory {target} of {type_name} cannot be called")
         return factory
@@ -114,6 +116,15 @@ class Factories:
                     other = f"{place} is" if place else "Python has one"
                     return f"{shown(file)} is hidden: {other} called {name}, too"
         return None
+
+    def _is_missing(self, error: BaseException, type_name: str) -> bool:
+        """Return whether the project has the component, and no module with its behaviour."""
+        module = self._targets[type_name].partition(":")[0]
+        return (
+            isinstance(error, ModuleNotFoundError)
+            and type_name in self.defined
+            and f"{module}.".startswith(f"{error.name}.")
+        )
 
     def _advice(self, error: BaseException, module: str) -> str | None:
         """Return a hint for a failed import."""

@@ -1,4 +1,4 @@
-"""Finds the components of a system whose behaviours are untouched skeletons."""
+"""Finds the components of a system whose behaviours do nothing, or not what they seem to."""
 
 from __future__ import annotations
 
@@ -8,22 +8,27 @@ from pathlib import Path
 
 from rtgen import runtime
 from rtgen.compiler.diagnostics import Diagnostic
-from rtgen.compiler.project import shown, skeletons
+from rtgen.compiler.project import behaviour_callbacks, shown, skeletons
 from rtgen.compiler.systems.rules import SKELETON
 
 
 def findings(system: runtime.System) -> Iterator[Diagnostic]:
-    """Yield a diagnostic for each component type whose behaviour does nothing."""
+    """Yield diagnostics for the component types whose behaviour is a skeleton, or is never called.
+
+    They are those of `rtgen check`, about modules of behaviours that a run has imported.
+    """
     instances: dict[type, list[str]] = {}
     for instance in system.instances:
         class_ = type(system.component(instance))
         instances.setdefault(class_, []).append(instance)
     for class_, names in instances.items():
         module = sys.modules.get(class_.__module__)
-        file = getattr(module, "__file__", None)
-        if file is None:
+        name = getattr(module, "__file__", None)
+        text = None if name is None else skeletons.text_of(Path(name))
+        if name is None or text is None:
             continue
-        span = skeletons.place(Path(file), shown(Path(file)), class_.__name__)
+        file = shown(Path(name))
+        span = skeletons.place(text, file, class_.__name__)
         if span is not None:
             verb = "do" if len(names) > 1 else "does"
             yield SKELETON.at(
@@ -31,3 +36,5 @@ def findings(system: runtime.System) -> Iterator[Diagnostic]:
                 f"{', '.join(names)} {verb} nothing: the behaviour is a skeleton",
                 hint="write its callbacks; of a renamed component rtgen check finds the behaviour",
             )
+        for package in {base.__module__.partition(".")[0] for base in class_.__mro__}:
+            yield from behaviour_callbacks.misspelt(package, file, text)
