@@ -206,7 +206,7 @@ def test_replay_prints_events(goal: Path, capfd: pytest.CaptureFixture[str]) -> 
     ("arguments", "what", "code"),
     [
         (["replay", "{goal}", "--only", "Odometry0"], "--into", 2),
-        (["replay", "{goal}.jsonl", "--into", str(GOAL)], "is not an MCAP file", 3),
+        (["replay", "{goal}.jsonl", "--into", str(GOAL)], "is not an MCAP file", 2),
         (["replay", "{goal}", "--into", str(GOAL), "--only", "X"], "X", 2),
         (["log", "csv", "{goal}", "Odometry0.Odometry"], "did you mean", 2),
         (
@@ -215,7 +215,7 @@ def test_replay_prints_events(goal: Path, capfd: pytest.CaptureFixture[str]) -> 
             2,
         ),
         (["log", "csv", "{goal}", "Odometry0"], "names no value of a port", 2),
-        (["log", "info", str(GOAL)], "neither MCAP nor JSON lines", 3),
+        (["log", "info", str(GOAL)], "neither MCAP nor JSON lines", 2),
         (["log", "cat", "missing.mcap"], "cannot read missing.mcap", 3),
         (["run", str(GOAL), "--until", "1", "--compression", "lz4"], "--record", 2),
         (

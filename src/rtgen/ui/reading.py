@@ -12,9 +12,10 @@ from rtgen.runtime.return_codes import LifeCycleState
 from rtgen.runtime.timing.clocks import SECOND
 from rtgen.runtime.timing.traffic import BusFrame
 from rtgen.tools.recording import messages
+from rtgen.tools.recording.bag_files import Recording
 from rtgen.tools.recording.errors import RecordingError
 from rtgen.tools.recording.events import Decoders, Log, units_by_path
-from rtgen.tools.recording.mcap_reader import Channel, McapFile, Message
+from rtgen.tools.recording.mcap_reader import Channel, Message
 from rtgen.tools.recording.recorder import METADATA
 from rtgen.tools.recording.schema_types import decoder, type_of
 from rtgen.ui import boards
@@ -81,14 +82,14 @@ class Reading:
         Raises RecordingError.
         """
         log = Log(file)
-        if log.mcap is None:
+        if log.recording is None:
             raise RecordingError(
                 f"{file} is a log in JSON lines",
                 hint="pages show what `rtgen run --record FILE.mcap` writes",
             )
-        start = _start(log, log.mcap)
+        start = _start(log, log.recording)
         self._of_messages.clear()
-        for message in log.mcap.messages():
+        for message in log.recording.messages():
             if start is None:
                 start = message.time
             self._now = (message.time - start) / SECOND
@@ -260,7 +261,7 @@ class Reading:
                     )
 
 
-def _start(log: Log, file: McapFile) -> int | None:
+def _start(log: Log, file: Recording) -> int | None:
     """Return the start time of the run [ns]; None if missing, as in files of other writers."""
     return log.start if METADATA in file.metadata else None
 

@@ -10,7 +10,7 @@ from rtgen.cli.help import command
 from rtgen.cli.log.common import with_choice
 from rtgen.cli.options import with_console
 from rtgen.tools.kit.console import Console
-from rtgen.tools.recording.selection import choice
+from rtgen.tools.recording.selection import Choice
 from rtgen.tools.running.replaying import printed
 
 
@@ -25,4 +25,4 @@ def cat_(
 
     Names select instances, ports and buses; the default is all events.
     """
-    return printed(console, file, wanted=choice(names, kinds))
+    return printed(console, file, choice=Choice(names, kinds))

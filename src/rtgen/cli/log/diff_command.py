@@ -13,7 +13,7 @@ from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import NO, OK
 from rtgen.tools.recording.comparison import compare
 from rtgen.tools.recording.events import Log
-from rtgen.tools.recording.selection import choice, reported, say_losses
+from rtgen.tools.recording.selection import Choice, reported, say_losses
 
 
 @command("diff")
@@ -34,13 +34,15 @@ def diff_(
     of each source is shown. Only kinds of events that both formats contain are compared. Exit code
     1: the files differ.
     """
-    with reported():
+    with reported(file, other):
         logs = Log(file), Log(other)
-        if any(log.mcap is None for log in logs) and not kinds:
+        if any(log.recording is None for log in logs) and not kinds:
             kinds = ("sample", "state")
-        compared = compare(*logs, choice(names, kinds))
+        choice = Choice(names, kinds)
+        compared = compare(*logs, choice)
     for log in logs:
         say_losses(console, log)
+    choice.check(file, other)
     for (kind, name), of in compared.items():
         if text := of.text():
             write_out(f"{kind} {name}: {text}\n".replace(" :", ":"))

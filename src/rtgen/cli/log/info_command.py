@@ -14,11 +14,13 @@ from rtgen.cli.options import with_console
 from rtgen.runtime.timing.clocks import SECOND
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import OK
+from rtgen.tools.recording.bag_writer import PROFILE
 from rtgen.tools.recording.events import Log
 from rtgen.tools.recording.recorder import METADATA
 from rtgen.tools.recording.selection import reported, source
 from rtgen.tools.running.summary import table
 
+_FORMS = {"mcap": "MCAP"}
 _HEADER = ("event", "of", "type", "count", "from [s]", "to [s]")
 
 
@@ -28,7 +30,7 @@ _HEADER = ("event", "of", "type", "count", "from [s]", "to [s]")
 @with_console
 def info_(console: Console, file: Path, as_json: bool) -> int:
     """Show the format of FILE, and each source of events with count and times."""
-    with reported():
+    with reported(file):
         log = Log(file)
         counts: Counter[tuple[str, str]] = Counter()
         times: dict[tuple[str, str], tuple[int, int]] = {}
@@ -65,25 +67,27 @@ def info_(console: Console, file: Path, as_json: bool) -> int:
 
 def _form(log: Log) -> str:
     described = _described(log)
-    if log.mcap is None:
+    if log.recording is None:
         return ", ".join(["JSON lines", *log.losses()])
-    time = f", {described['clock']} time" if described["clock"] else ""
-    return ", ".join([f"MCAP{time}", *log.losses()])
+    form = _FORMS.get(log.recording.form, log.recording.form)
+    kind = ["a bag of ROS 2"] if log.recording.profile == PROFILE else []
+    time = [f"{described['clock']} time"] if described["clock"] else []
+    return ", ".join([form, *kind, *time, *log.losses()])
 
 
 def _described(log: Log) -> dict[str, Any]:
     """Return the form of a file, its clock if known, and how much of it was read."""
-    if log.mcap is None:
+    if log.recording is None:
         return {
             "form": "json-lines",
             "clock": None,
             "whole": not log.losses(),
             "damaged": 0,
         }
-    clock = log.mcap.metadata.get(METADATA, {}).get("clock")
+    clock = log.recording.metadata.get(METADATA, {}).get("clock")
     return {
-        "form": "mcap",
+        "form": log.recording.form,
         "clock": clock,
-        "whole": log.mcap.is_whole,
-        "damaged": log.mcap.damaged,
+        "whole": log.recording.is_whole,
+        "damaged": log.recording.damaged,
     }

@@ -11,7 +11,7 @@ from rtgen.cli.log.common import with_choice
 from rtgen.cli.options import with_console
 from rtgen.cli.running_options import RATE, with_end_of_replay
 from rtgen.tools.kit.console import Console
-from rtgen.tools.recording.selection import choice
+from rtgen.tools.recording.selection import Choice
 from rtgen.tools.running.replaying import printed
 
 
@@ -40,4 +40,4 @@ def play_(
     Names select instances, ports and buses; the default is all events. `rtgen log cat` prints the
     same at once, `rtgen replay` runs components with them.
     """
-    return printed(console, file, rate, until, choice(names, kinds))
+    return printed(console, file, rate, until, Choice(names, kinds))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from difflib import get_close_matches
 from pathlib import Path
 
 import click
@@ -14,7 +13,12 @@ from rtgen.runtime.timing.clocks import SECOND
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.member_units import no_units
 from rtgen.tools.recording.events import Log
-from rtgen.tools.recording.selection import reported, say_losses
+from rtgen.tools.recording.selection import (
+    near_names,
+    reported,
+    say_losses,
+    source,
+)
 from rtgen.tools.running.curves import Curve, Selection
 
 
@@ -22,7 +26,10 @@ def with_values(command: Callable[..., int]) -> Callable[..., int]:
     """Add the arguments for a file and for values of its ports."""
     for argument in (
         click.argument(
-            "selectors", nargs=-1, required=True, metavar="INSTANCE.PORT[.MEMBER]..."
+            "selectors",
+            nargs=-1,
+            required=True,
+            metavar="INSTANCE.PORT[.MEMBER]|/TOPIC[.MEMBER]...",
         ),
         click.argument("file", type=click.Path(path_type=Path)),
     ):
@@ -32,12 +39,12 @@ def with_values(command: Callable[..., int]) -> Callable[..., int]:
 
 def curves_of(console: Console, file: Path, selectors: Sequence[str]) -> list[Curve]:
     """Return the curves of selectors. Raises ToolError, InputError for ports without samples."""
-    chosen = [Selection(text) for text in dict.fromkeys(selectors)]
+    chosen = [Selection(text, topics=True) for text in dict.fromkeys(selectors)]
     ports: set[str] = set()
-    with reported():
+    with reported(file):
         log = Log(file)
         for event in log.events(lambda head: head["event"] == "sample"):
-            name = f"{event['instance']}.{event['port']}"
+            name = source(event)
             ports.add(name)
             for selection in chosen:
                 if selection.whole == name:
@@ -47,8 +54,7 @@ def curves_of(console: Console, file: Path, selectors: Sequence[str]) -> list[Cu
     say_losses(console, log)
     for selection in chosen:
         if selection.whole not in ports:
-            near = get_close_matches(selection.whole, ports, n=1)
-            hint = f"did you mean {near[0]}?" if near else "rtgen log info lists ports"
+            hint = near_names(selection.whole, ports)
             message = f"{file}: no samples of {selection.whole}"
             raise InputError([OBSERVABLE.at(None, message, hint=hint)])
     return [curve for selection in chosen for curve in selection.curves]

@@ -38,5 +38,7 @@ TOPIC_QOS = Rule(
     "QoS of a topic that has no effect, or lets nothing through",
     Severity.WARNING,
 )
+RECORDING = Rule("SYS0033", "recording that cannot be read", Severity.ERROR)
+UNREAD = Rule("SYS0034", "recording that is not whole", Severity.WARNING)
 
 RULES = rules_of(globals())

@@ -147,20 +147,16 @@ def folder_of(name: str, text: str) -> Folder:
     return Folder(tuple(files), form, mode == "message")
 
 
-class _Loader(yaml.CSafeLoader if hasattr(yaml, "CSafeLoader") else yaml.SafeLoader):  # type: ignore[misc]
-    """A loader of YAML without aliases, and of limited depth: both can require much memory."""
+class _Loader(yaml.SafeLoader):
+    """A loader of YAML of limited depth. What aliases share is read once."""
 
     _depth = 0
 
     def compose_node(self, parent: Any, index: Any) -> Any:
-        if self.check_event(yaml.AliasEvent):
-            mark = self.peek_event().start_mark
-            raise yaml.MarkedYAMLError(
-                problem="aliases are not read", problem_mark=mark
-            )
         self._depth += 1
         if self._depth > _MAX_DEPTH:
-            mark = self.peek_event().start_mark
+            reader: Any = self
+            mark = reader.peek_event().start_mark
             raise yaml.MarkedYAMLError(problem="nested too deep", problem_mark=mark)
         node = super().compose_node(parent, index)
         self._depth -= 1

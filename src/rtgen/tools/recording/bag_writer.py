@@ -24,7 +24,7 @@ from rtgen.tools.recording.bag_metadata import (
     profiles_text,
     record_text,
 )
-from rtgen.tools.recording.errors import RecordingError
+from rtgen.tools.recording.errors import RecordingError, UnavailableError
 from rtgen.tools.recording.mcap_writer import McapWriter
 
 PROFILE: Final = "ros2"
@@ -118,6 +118,6 @@ class BagWriter(Closable):
                 try:
                     write_atomically(path, file_text(described).encode())
                 except OSError as error:
-                    raise RecordingError(
+                    raise UnavailableError(
                         f"cannot write {path}: {error.strerror}"
                     ) from error

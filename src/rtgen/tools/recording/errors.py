@@ -11,5 +11,9 @@ class RecordingError(Exception):
         self.hint = hint
 
 
+class UnavailableError(RecordingError):
+    """An error of the environment: a file that cannot be opened or written, a missing library."""
+
+
 class SchemaError(RecordingError):
     """A schema that is not IDL, or not that of the expected type."""

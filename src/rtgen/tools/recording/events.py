@@ -17,8 +17,10 @@ from rtgen.facts.files import open_file, read_start
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.system.json_printers import plain
 from rtgen.tools.kit.member_units import Units
+from rtgen.tools.recording.bag_files import Recording, open_recording
+from rtgen.tools.recording.bag_writer import PROFILE
 from rtgen.tools.recording.errors import RecordingError
-from rtgen.tools.recording.mcap_reader import MAGIC, Channel, McapFile, Message
+from rtgen.tools.recording.mcap_reader import Channel, Message
 from rtgen.tools.recording.recorder import METADATA
 from rtgen.tools.recording.schema_types import decoder, type_of
 from rtgen.tools.recording.schemas import ENCODINGS, Schema
@@ -26,6 +28,7 @@ from rtgen.tools.recording.schemas import ENCODINGS, Schema
 Event: TypeAlias = dict[str, Any]
 
 _MAX_LINE = 1 << 26
+_SUFFIXES = {".mcap": "MCAP", ".db3": "sqlite3", ".zstd": "compressed by zstd"}
 
 
 @dataclass(slots=True)
@@ -57,7 +60,7 @@ class Decoders:
             schema = channel.schema.encoding or "no schema"
             raise RecordingError(
                 f"{channel.topic}: no decoder for {channel.encoding} with {schema}",
-                hint=f"rtgen reads cdr with {' or '.join(ENCODINGS)}, and json",
+                hint=f"rtgen reads cdr with {', '.join(filter(None, ENCODINGS))}, and json",
             )
         type_ = self._types.get(channel.schema)
         if type_ is None:
@@ -72,61 +75,68 @@ class Log:
     def __init__(self, path: str | Path) -> None:
         """Open a file. Raises RecordingError if it is unreadable or in neither form."""
         self.path = Path(path)
-        try:
-            head = read_start(self.path, len(MAGIC))
-        except OSError as error:
-            raise RecordingError(f"cannot read {path}: {error.strerror}") from error
-        if self.path.suffix.lower() == ".mcap" and head != MAGIC:
-            what = "is empty" if not head else "is not MCAP, as its suffix says"
-            raise RecordingError(
-                f"{path} {what}", hint="rtgen run --record FILE.mcap writes a recording"
-            )
-        self.mcap = McapFile(path) if head == MAGIC else None
+        self.recording = open_recording(self.path)
         self._is_cut = False
         self.units: dict[tuple[str, str], Units] = {}
         """Units of members by instance and port, for samples read so far."""
-        if self.mcap is None and head[:1] not in (b"{", b""):
+        if self.recording is not None:
+            return
+        head = read_start(self.path, 1)
+        if (suffix := self.path.suffix.lower()) in _SUFFIXES:
+            form = _SUFFIXES[suffix]
+            what = f"is not {form}, as its suffix says" if head else "is empty"
             raise RecordingError(
-                f"{path} is not a recording: neither MCAP nor JSON lines",
+                f"{path} {what}", hint="rtgen run --record FILE.mcap writes a recording"
+            )
+        if head not in (b"{", b""):
+            raise RecordingError(
+                f"{path} is not a recording: neither MCAP nor JSON lines, and no bag of ROS 2",
                 hint="rtgen run --record FILE.mcap or --log FILE writes one",
             )
 
     @property
     def start(self) -> int:
-        """The clock's time at the start [ns]: 0 in simulated time."""
-        described = {} if self.mcap is None else self.mcap.metadata.get(METADATA, {})
-        text = described.get("start", "0")
-        return int(text) if text.isascii() and text.isdecimal() else 0
+        """The clock's time at the start [ns]: 0 in simulated time.
+
+        For bags of others, that of the first message.
+        """
+        if self.recording is None:
+            return 0
+        text = self.recording.metadata.get(METADATA, {}).get("start", "")
+        if text.isascii() and text.isdecimal():
+            return int(text)
+        is_bag = self.recording.profile == PROFILE
+        return (is_bag and self.recording.earliest) or 0
 
     def losses(self) -> list[str]:
         """Return what could not be read of the file, in words, after all events were read."""
-        if self.mcap is not None:
-            return self.mcap.losses()
+        if self.recording is not None:
+            return self.recording.losses()
         return ["cut off in its last line"] if self._is_cut else []
 
     def events(
         self, is_selected: Callable[[Mapping[str, str]], bool] = lambda entry: True
     ) -> Iterator[Event]:
         """Yield all events in order; `is_selected` gets `event`, `instance` and `port`."""
-        if self.mcap is None:
+        if self.recording is None:
             return (event for event in self._lines() if is_selected(event))
-        return self._decoded(self.mcap, is_selected)
+        return self._decoded(self.recording, is_selected)
 
     def heads(self) -> Iterator[Event]:
         """Yield each event without its content; samples of MCAP with the name of their `type`."""
-        if self.mcap is None:
+        if self.recording is None:
             yield from self._lines()
             return
         start = self.start
         latest: dict[Channel, Event] = {}
-        for message in self.mcap.messages():
+        for message in self.recording.messages():
             channel = message.channel
             if channel not in latest:
                 latest[channel] = _head(channel) | {"type": channel.schema.name}
             yield latest[channel] | {"t": message.time - start}
 
     def _decoded(
-        self, file: McapFile, is_selected: Callable[[Mapping[str, str]], bool]
+        self, file: Recording, is_selected: Callable[[Mapping[str, str]], bool]
     ) -> Iterator[Event]:
         decoders = Decoders()
         start = self.start

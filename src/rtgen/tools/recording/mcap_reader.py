@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from rtgen.facts.extras import installation
 from rtgen.facts.files import open_file
-from rtgen.tools.recording.errors import RecordingError
+from rtgen.tools.recording.errors import RecordingError, UnavailableError
 from rtgen.tools.recording.mcap_writer import MAGIC as MAGIC
 from rtgen.tools.recording.schemas import Schema
 
@@ -33,7 +33,7 @@ _DAMAGE = (ValueError, OverflowError, struct.error)
 _FRAMING = struct.Struct("<BQ")
 _MESSAGE = struct.Struct("<HIQQ")
 """Channel, sequence number, time of the log and of the publication."""
-_MAX_SIZE = 1 << 27
+MAX_SIZE = 1 << 27
 """Maximum uncompressed size of a chunk or record in octets."""
 _NO_OPCODE = 0
 """The opcode that is none: space that a writer has reserved, and never used."""
@@ -73,10 +73,12 @@ class Message:
 class McapFile:
     """An MCAP file that can be read several times from the start."""
 
+    form = "mcap"
+
     def __init__(self, path: str | Path) -> None:
         """Open a file. Raises RecordingError if it is missing or not an MCAP file."""
         if find_spec("mcap") is None:
-            raise RecordingError(
+            raise UnavailableError(
                 "recordings need mcap, which is not installed",
                 hint=installation("record"),
             )
@@ -99,6 +101,30 @@ class McapFile:
                 if isinstance(record, Metadata):
                     records[record.name] = record.metadata
         return records
+
+    @cached_property
+    def profile(self) -> str:
+        """The profile in the header: `ros2` for a bag of ROS 2."""
+        from mcap.records import Header
+
+        with self._opened() as stream:
+            first = next(_records(stream), None)
+        return first.profile if isinstance(first, Header) else ""
+
+    @cached_property
+    def earliest(self) -> int | None:
+        """The time of the earliest message [ns], as chunks state it; None without messages."""
+        from mcap.records import Chunk
+        from mcap.records import Message as MessageRecord
+
+        times = []
+        with self._opened() as stream:
+            for record in _records(stream):
+                if isinstance(record, Chunk) and record.uncompressed_size:
+                    times.append(record.message_start_time)
+                elif isinstance(record, MessageRecord):
+                    times.append(record.log_time)
+        return min(times, default=None)
 
     @cached_property
     def is_whole(self) -> bool:
@@ -149,7 +175,7 @@ class McapFile:
         """
         from mcap.records import Chunk
 
-        work = _Work(self.path, os.fstat(stream.fileno()).st_size)
+        work = Work(self.path, os.fstat(stream.fileno()).st_size)
         for record in _records(stream):
             if not isinstance(record, Chunk):
                 yield record
@@ -167,7 +193,7 @@ class McapFile:
         try:
             stream = open_file(self.path)
         except OSError as error:
-            raise RecordingError(
+            raise UnavailableError(
                 f"cannot read {self.path}: {error.strerror}"
             ) from error
         if stream.read(len(MAGIC)) != MAGIC:
@@ -176,7 +202,7 @@ class McapFile:
         return stream
 
 
-class _Work:
+class Work:
     """What may still be read of a file whose size is known."""
 
     def __init__(self, path: Path, size: int) -> None:
@@ -186,7 +212,7 @@ class _Work:
 
     def take_octets(self, number: int) -> None:
         """Count the octets of a chunk. Raises RecordingError, ValueError for one too large."""
-        if number > _MAX_SIZE:
+        if number > MAX_SIZE:
             raise ValueError(f"a chunk of {number} octets")
         self._octets -= number
         if self._octets < 0:
@@ -232,6 +258,7 @@ def _records(
     from mcap.opcode import Opcode
 
     types: dict[int, Any] = {
+        Opcode.HEADER: records.Header,
         Opcode.CHANNEL: records.Channel,
         Opcode.SCHEMA: records.Schema,
         Opcode.CHUNK: records.Chunk,
@@ -247,7 +274,7 @@ def _records(
         if here > end or opcode == _NO_OPCODE:
             return
         count()
-        if (opcode not in types and opcode != Opcode.MESSAGE) or length > _MAX_SIZE:
+        if (opcode not in types and opcode != Opcode.MESSAGE) or length > MAX_SIZE:
             stream.seek(here)
             continue
         if opcode == Opcode.MESSAGE:
@@ -275,13 +302,13 @@ def _message(stream: BinaryIO, length: int) -> Iterator[McapRecord]:
 def _content(chunk: Chunk) -> bytes:
     """Return the content of a chunk. Raises ValueError if it is damaged."""
     size = chunk.uncompressed_size
-    data = _decompressed(chunk.compression, chunk.data, size + 1)
+    data = decompressed(chunk.compression, chunk.data, size + 1)
     if len(data) != size or chunk.uncompressed_crc not in (0, zlib.crc32(data)):
         raise ValueError("the chunk is damaged")
     return data
 
 
-def _decompressed(compression: str, data: bytes, most: int) -> bytes:
+def decompressed(compression: str, data: bytes, most: int) -> bytes:
     """Decompress up to `most` octets. Raises ValueError."""
     if compression == "zstd":
         import zstandard

@@ -19,7 +19,7 @@ from typing import Any, Final
 from rtgen.facts.extras import installation
 from rtgen.facts.files import create_file
 from rtgen.runtime.closable import Closable
-from rtgen.tools.recording.errors import RecordingError
+from rtgen.tools.recording.errors import UnavailableError
 
 COMPRESSIONS: Final = ("zstd", "lz4", "none")
 CHUNK: Final = 1 << 18
@@ -53,7 +53,7 @@ class McapWriter(Closable):
     ) -> None:
         """Create the file; `profile` is that of its header. Raises RecordingError."""
         if find_spec("mcap") is None:
-            raise RecordingError(
+            raise UnavailableError(
                 "recordings need mcap, which is not installed",
                 hint=installation("record"),
             )
@@ -67,7 +67,7 @@ class McapWriter(Closable):
         try:
             self._file = _File(path)
         except OSError as error:
-            raise RecordingError(f"cannot write {path}: {error.strerror}") from error
+            raise UnavailableError(f"cannot write {path}: {error.strerror}") from error
         self._chunk = bytearray()
         self._index: dict[int, array[int]] = {}
         """Time and offset of each message in the chunk, by channel."""
@@ -254,7 +254,7 @@ class McapWriter(Closable):
             self._file.write(octets)
         except OSError as error:
             message = f"cannot write {self._path}: {error.strerror}"
-            raise RecordingError(message) from error
+            raise UnavailableError(message) from error
 
 
 def _compressor(compression: str) -> Callable[[bytes], bytes]:

@@ -12,9 +12,11 @@ from typing import Final
 
 from rtgen.compiler.diagnostics import Span, in_order
 from rtgen.compiler.frontends.kit.findings import Findings
+from rtgen.compiler.kit.resources import ros_file, ros_interfaces
 from rtgen.compiler.model import Declaration, Model, ScopedName
 from rtgen.facts.ros import is_interface
-from rtgen.ros2.rosidl.interfaces import Message
+from rtgen.ros2.rosidl import idl_form, load
+from rtgen.ros2.rosidl.interfaces import Message, messages_of
 from rtgen.ros2.rosidl.lowering import FILLER, declarations
 from rtgen.ros2.rosidl.syntax import (
     FIELD_NAME,
@@ -35,11 +37,16 @@ from rtgen.runtime.marshalling.descriptors import (
 from rtgen.tools.recording.errors import SchemaError
 
 ENCODING: Final = "ros2msg"
-"""The name of the schema encoding in MCAP's registry."""
+IDL_ENCODING: Final = "ros2idl"
+"""Names of schema encodings in MCAP's registry."""
+NO_ENCODING: Final = ""
+"""That of messages without schemas, as bags up to Humble have them."""
+ENCODINGS: Final = (ENCODING, IDL_ENCODING, NO_ENCODING)
 
 _MAX_DEPTH: Final = 64
 _SEPARATOR: Final = "=" * 80
 _HEAD: Final = re.compile(r"MSG: *(\S+) *")
+_IDL_HEAD: Final = re.compile(r"IDL: *(\S+) *")
 _NAMES: Final[dict[str, str]] = {
     kind: name for name, kind in reversed(PRIMITIVES.items()) if name != "char"
 }
@@ -122,11 +129,64 @@ def _element(descriptor: Descriptor, texts: dict[str, str], *, wide: bool) -> st
             return _add(other, texts, wide=wide)
 
 
+def model_of(name: str, text: str, encoding: str) -> Model | None:
+    """Return the declarations of a schema; None for IDL in another form than rosidl_adapter's.
+
+    `name` is that of the message, whose declaration ships with rtgen if the schema is missing.
+    Raises SchemaError.
+    """
+    match encoding:
+        case "ros2idl":
+            return _idl_model(name, text)
+        case "":
+            return _shipped_model(name)
+    return message_model(name, text)
+
+
+def idl_texts(text: str) -> Iterator[tuple[str, str]]:
+    """Yield the name and the text of each interface in a schema of IDL."""
+    for section in _sections(text):
+        head, _, rest = section.partition("\n")
+        if (match := _IDL_HEAD.fullmatch(head)) is not None:
+            yield match[1], rest
+        elif section.strip():
+            yield "", section
+
+
+def _idl_model(name: str, text: str) -> Model | None:
+    messages: list[Message] = []
+    for title, section in idl_texts(text):
+        words = title.split("/")
+        if _scoped(title) is None or len(words) != 3:
+            return None
+        package, kind, last = words
+        try:
+            parts = idl_form.parts_of(section, name, (package, kind, last))
+        except idl_form.OtherFormError:
+            return None
+        messages += messages_of(package, kind, last, parts, _NO_SPAN)
+    return Model(declarations=tuple(_declarations(messages)))
+
+
+def _shipped_model(name: str) -> Model:
+    if _scoped(name) is not None and f"{name}.msg" in ros_interfaces():
+        file = ros_file(f"{name}.msg")
+        return load([file], root=file.parents[2]).model
+    raise SchemaError(
+        f"{name}: the recording has no definition of the message, and rtgen does not ship it",
+        hint="`ros2 bag convert` of a later ROS 2 adds definitions",
+    )
+
+
+def _sections(text: str) -> list[str]:
+    return re.split(r"^={80}\n", text, flags=re.MULTILINE)
+
+
 def message_model(name: str, text: str) -> Model:
     """Return the declarations of a schema. Raises SchemaError."""
     findings = Findings()
     messages: list[Message] = []
-    for number, section in enumerate(re.split(r"^={80}\n", text, flags=re.MULTILINE)):
+    for number, section in enumerate(_sections(text)):
         section_text, section_name = section, name
         if number:
             head, _, section_text = section.partition("\n")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -75,13 +76,14 @@ Decode: TypeAlias = Callable[[Any, bytes], Any]
 """Function that returns the value of a type of serialized data. Raises CdrError."""
 
 _FILE = "schema.idl"
+_INCLUDE = re.compile(r"^[ \t]*#[ \t]*include[^\n]*", re.MULTILINE)
 _MAX_LENGTH = 1 << 20
 """Maximum length of a schema in characters."""
 
 
 def decoder(schema: Schema) -> Decode:
     """Return the function that decodes the data of a schema's type, as ROS 2 does its messages."""
-    return decoded if schema.encoding == ros_messages.ENCODING else deserialize
+    return decoded if schema.encoding in ros_messages.ENCODINGS else deserialize
 
 
 def type_of(schema: Schema) -> type[DataType]:
@@ -93,9 +95,10 @@ def type_of(schema: Schema) -> type[DataType]:
         raise SchemaError(
             f"{schema.name}: the schema has over {_MAX_LENGTH} characters"
         )
-    if schema.encoding == ros_messages.ENCODING:
-        model = ros_messages.message_model(schema.name, schema.text)
+    if schema.encoding in ros_messages.ENCODINGS:
         name = tuple(schema.name.split("/"))
+        known = ros_messages.model_of(schema.name, schema.text, schema.encoding)
+        model = _idl_model(schema) if known is None else known
     else:
         model = _idl_model(schema)
         name = tuple(schema.name.split("::"))
@@ -121,7 +124,12 @@ def message_classes(model: Model) -> dict[str, type[DataType]]:
 
 
 def _idl_model(schema: Schema) -> Model:
-    text = VirtualFile(_FILE, with_escapes(schema.text), given=True)
+    if schema.encoding == ros_messages.IDL_ENCODING:
+        sections = ros_messages.idl_texts(schema.text)
+        whole = _INCLUDE.sub("", "\n".join(reversed([text for _, text in sections])))
+    else:
+        whole = with_escapes(schema.text)
+    text = VirtualFile(_FILE, whole, given=True)
     settings = Settings(root=Path(), ignore_case_clashes=True)
     result = read_idl((), settings, text=text)
     if has_errors(result.diagnostics):

@@ -66,7 +66,7 @@ from rtgen.tools.recording import ros_messages
 
 ENCODING: Final = "omgidl"
 """Name of IDL as a schema encoding in MCAP's registry."""
-ENCODINGS: Final = (ENCODING, ros_messages.ENCODING)
+ENCODINGS: Final = (ENCODING, *ros_messages.ENCODINGS)
 
 _NO_SPAN = Span("", 1, 1, 1, 1)
 _DEFAULT_BITS = 32

@@ -36,6 +36,9 @@ FILES = (*PICTURES, ".csv", ".tsv", ".txt", ".dat")
 _SELECTOR = re.compile(
     r"(?P<instance>[^.]+)\.(?P<name>[^.\[]+)(?P<path>(\.\w+|\[\d+\])*)"
 )
+_TOPIC = re.compile(
+    r"(?P<instance>)(?P<name>/[\w/]+)(?P<path>(\.\w+|\[\d+\])*)", re.ASCII
+)
 _STEP = re.compile(r"\.(\w+)|\[(\d+)\]")
 _MAX_NUMBERS = 32
 _MAX_TEXT = 80
@@ -62,14 +65,17 @@ class Curve:
 class Selection:
     """The curves of `INSTANCE.NAME`, `INSTANCE.NAME.member` or `INSTANCE.NAME[index]`.
 
-    The first selects all numbers of a sample except its time stamp. Raises InputError for a text
-    of another form.
+    The first selects all numbers of a sample except its time stamp. With `topics`, the name of a
+    topic, `/robot/speed`, is one of `INSTANCE.NAME`. Raises InputError for a text of another form.
     """
 
-    def __init__(self, selector: str) -> None:
-        match = _SELECTOR.fullmatch(selector)
+    def __init__(self, selector: str, *, topics: bool = False) -> None:
+        form = _TOPIC if topics and selector.startswith("/") else _SELECTOR
+        match = form.fullmatch(selector)
         if match is None:
             hint = "INSTANCE.PORT, INSTANCE.PORT.member, or INSTANCE.PORT[index]"
+            if topics:
+                hint += "; /TOPIC or /TOPIC.member"
             message = f"{selector!r} names no value of a port"
             raise InputError([OBSERVABLE.at(None, message, hint=hint)])
         self.selector = selector
@@ -81,8 +87,8 @@ class Selection:
 
     @property
     def whole(self) -> str:
-        """`INSTANCE.NAME`."""
-        return f"{self.instance}.{self.name}"
+        """`INSTANCE.NAME`, or the name of a topic."""
+        return f"{self.instance}.{self.name}" if self.instance else self.name
 
     def check(self, descriptor: Descriptor | None) -> None:
         """Check the path against the type of the port, None for an observable.

@@ -5,11 +5,10 @@ from __future__ import annotations
 import dataclasses
 import json
 import time
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from msgspec.structs import replace
 
@@ -28,7 +27,7 @@ from rtgen.tools.kit.exits import INTERRUPTED, NO, OK
 from rtgen.tools.recording.events import Log
 from rtgen.tools.recording.mcap_reader import McapFile
 from rtgen.tools.recording.replay import Course, Player, Replay, course_of
-from rtgen.tools.recording.selection import reported, say_losses
+from rtgen.tools.recording.selection import Choice, reported, say_losses
 from rtgen.tools.running import partition
 from rtgen.tools.running.assembly import assemble
 from rtgen.tools.running.factories import Factories, Factory
@@ -255,21 +254,24 @@ def printed(
     file: Path,
     rate: float | None = None,
     until: float | None = None,
-    wanted: Callable[[Mapping[str, Any]], bool] = lambda event: True,
+    choice: Choice | None = None,
 ) -> int:
-    """Print the events, those that are wanted, until a time [s], paced if there is a rate.
+    """Print the events, those that are chosen, until a time [s], paced if there is a rate.
 
-    Raises ToolError.
+    Raises ToolError, InputError.
     """
     clock = None if rate is None else Pace(rate)
-    with reported():
+    chosen = choice or Choice()
+    with reported(file):
         log = Log(file)
-        for event in _until(log.events(wanted), until):
+        for event in _until(log.events(chosen), until):
             if clock is not None:
                 clock.wait(event["t"])
             text = for_output(json.dumps(event, ensure_ascii=False))
             print(text, flush=True)
     say_losses(console, log)
+    if until is None:
+        chosen.check(file)
     return OK
 
 

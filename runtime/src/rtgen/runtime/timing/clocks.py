@@ -48,10 +48,11 @@ class Clock(ABC):
 
 
 class SimulatedClock(Clock):
-    """Time that only the scheduler advances, from 0."""
+    """Time that only the scheduler advances, from 0; `now` begins at `origin` [ns]."""
 
-    def __init__(self) -> None:
+    def __init__(self, origin: int = 0) -> None:
         self.time = 0
+        self._origin = origin
         self.instants: Instants | None = None
         """The scheduler that advances the time; None without one."""
 
@@ -61,7 +62,7 @@ class SimulatedClock(Clock):
         return SimulatedNetwork(self)
 
     def now(self) -> int:
-        return self.time
+        return self._origin + self.time
 
     def elapsed(self) -> int:
         return self.time
