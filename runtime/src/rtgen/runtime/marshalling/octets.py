@@ -10,6 +10,12 @@ from __future__ import annotations
 import struct
 import sys
 from array import array
+from codecs import (
+    utf_16_be_decode,
+    utf_16_be_encode,
+    utf_16_le_decode,
+    utf_16_le_encode,
+)
 from collections.abc import Sequence
 from decimal import Decimal
 from struct import Struct
@@ -44,19 +50,19 @@ def wide_octets(text: str) -> bytes:
     """Return a wstring: UTF-16, little-endian with BOM in either byte order; may be empty."""
     if "\0" in text:
         raise ValueError("a wstring cannot hold NUL")
-    return b"\xff\xfe" + text.encode("utf-16-le") if text else b""
+    return b"\xff\xfe" + utf_16_le_encode(text)[0] if text else b""
 
 
 def wide_value(octets: bytes, bound: int | None = None) -> str:
     """Return the wstring of octets with a BOM, or without one big-endian (GIOP 1.2)."""
-    encoding = "utf-16-be"
+    decode = utf_16_be_decode
     mark = octets[:2]
     if mark in (b"\xff\xfe", b"\xfe\xff"):
         octets = octets[2:]
-        encoding = "utf-16-le" if mark == b"\xff\xfe" else encoding
+        decode = utf_16_le_decode if mark == b"\xff\xfe" else decode
     if bound is not None and len(octets) > 2 * bound:
         raise ValueError("wrong length")
-    text = octets.decode(encoding)
+    text, _ = decode(octets, "strict", True)
     if "\0" in text:
         raise ValueError("a wstring cannot hold NUL")
     return text
@@ -66,12 +72,14 @@ def unit_octets(text: str, little_endian: bool) -> bytes:
     """Return a wstring in XCDR: UTF-16 in the byte order, without BOM and NUL."""
     if "\0" in text:
         raise ValueError("a wstring cannot hold NUL")
-    return text.encode("utf-16-le" if little_endian else "utf-16-be")
+    octets, _ = utf_16_le_encode(text) if little_endian else utf_16_be_encode(text)
+    return octets
 
 
 def unit_text(octets: bytes, little_endian: bool) -> str:
     """Return the wstring of octets in XCDR."""
-    text = octets.decode("utf-16-le" if little_endian else "utf-16-be")
+    decode = utf_16_le_decode if little_endian else utf_16_be_decode
+    text, _ = decode(octets, "strict", True)
     if "\0" in text:
         raise ValueError("a wstring cannot hold NUL")
     return text
@@ -107,7 +115,7 @@ def unit_character(unit: int) -> str:
 
 def wide_character(character: str) -> bytes:
     """Return a wchar: the number of octets, then one UTF-16 unit, big-endian."""
-    octets = character.encode("utf-16-be")
+    octets, _ = utf_16_be_encode(character)
     if len(octets) != 2:
         raise ValueError("a wchar is one character of the basic multilingual plane")
     return b"\x02" + octets
@@ -117,7 +125,7 @@ def wide_character_value(octets: bytes) -> str:
     """Return the character of a wchar."""
     if octets[0] != 2:
         raise ValueError(f"a wchar of {octets[0]} octets")
-    return octets[1:].decode("utf-16-be")
+    return utf_16_be_decode(octets[1:], "strict", True)[0]
 
 
 def quad_octets(value: float, little_endian: bool) -> bytes:
