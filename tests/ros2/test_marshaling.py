@@ -15,7 +15,12 @@ from rtgen.facts.ros_qos import PROFILES
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.ports.data_ports import InPort, OutPort
 from rtgen.runtime.return_codes import PortStatus
-from rtgen.runtime.ros2.marshaling import Marshaling, marshaling
+from rtgen.runtime.ros2.marshaling import (
+    ConstantError,
+    Marshaling,
+    constant_of,
+    marshaling,
+)
 from rtgen.runtime.ros2.network import OnMessage, Publish, Ros2Error, RosTopic
 from rtgen.runtime.ros2.ports import Joint, RosPorts
 from rtgen.runtime.xcdr import deserialize
@@ -161,6 +166,69 @@ def test_other_pairs_are_refused() -> None:
     assert messages_for("RTC::TimedString") == ("std_msgs/msg/String",)
 
 
+ODOMETRY = "nav_msgs/msg/Odometry"
+
+
+def fixed(type_: type[Any], ros: str, **values: Any) -> Marshaling:
+    message = message_classes(ros)[ros]
+    constants = tuple(
+        constant_of(message, path.replace("__", "."), value)
+        for path, value in values.items()
+    )
+    return marshaling(type_, message, stamp, constants)
+
+
+def test_constants() -> None:
+    from refrobots import iis
+
+    covariance = tuple(float(number) for number in range(36))
+    conversion = fixed(
+        iis.TimedPose2D,
+        ODOMETRY,
+        header__frame_id="odom",
+        child_frame_id="base",
+        pose__covariance=covariance,
+    )
+    for _ in range(2):
+        message = conversion.to_message(iis.TimedPose2D(tm=TIME))
+        assert (message.header.frame_id, message.child_frame_id) == ("odom", "base")
+        assert tuple(message.pose.covariance) == covariance
+        assert message.header.stamp.sec == TIME.sec
+        message.pose.covariance[0] = 7.0
+        message.to_cdr(True)
+    joints = fixed(
+        rtc.TimedDoubleSeq, "sensor_msgs/msg/JointState", name=("left", "right")
+    )
+    message = joints.to_message(rtc.TimedDoubleSeq(TIME, [1.0, 2.0]))
+    assert message.name == ["left", "right"]
+    assert list(message.position) == [1.0, 2.0]
+
+
+WRONG_CONSTANTS = {
+    ("header.fram_id", "x"): "std_msgs::msg::Header has no member 'fram_id'",
+    ("heder.frame_id", "x"): "nav_msgs::msg::Odometry has no member 'heder'",
+    ("header", "x"): "'header' is std_msgs::msg::Header, which is not 'x'",
+    ("header.frame_id", 1): "'header.frame_id' is string, which is not 1",
+    ("header.frame_id", ("a",)): "'header.frame_id' is string, which is not ['a']",
+    ("header.stamp.sec", 1 << 40): "'header.stamp.sec' is long, which is not",
+    ("header.stamp.sec", True): "'header.stamp.sec' is long, which is not True",
+    ("header.stamp.sec", 1.5): "'header.stamp.sec' is long, which is not 1.5",
+    ("pose.covariance", (1.0,) * 35): "is double[36], which is not a list of 35",
+    ("pose.covariance", ("a",) * 36): "is double[36], which is not a list of 36",
+    ("child_frame_id.x", "a"): "'child_frame_id' of nav_msgs::msg::Odometry is not a",
+}
+
+
+@pytest.mark.parametrize("case", WRONG_CONSTANTS, ids=str)
+def test_wrong_constants(case: tuple[str, Any]) -> None:
+    message = message_classes(ODOMETRY)[ODOMETRY]
+    with pytest.raises(ConstantError) as error:
+        constant_of(message, *case)
+    assert WRONG_CONSTANTS[case] in str(error.value)
+    if "has no member" in str(error.value):
+        assert str(error.value.hint).startswith("did you mean")
+
+
 SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
 <rts:RtsProfile rts:id="RTSystem:me:two:1.0.0" rts:version="0.2"
     xmlns:rts="http://www.openrtp.org/namespaces/rts"
@@ -178,7 +246,7 @@ SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
     <rts:targetDataPort xsi:type="rtsExt:target_port_ext" rts:portName="T0.in"
         rts:instanceName="T0" rts:componentId="RTC:me:Demo:Two:1.0.0"/>
     <rtsExt:Properties rtsExt:name="dataport.marshaling_type" rtsExt:value="ros2:{message}"/>
-    <rtsExt:Properties rtsExt:name="dataport.ros2.topic" rtsExt:value="{topic}"/>
+    <rtsExt:Properties rtsExt:name="dataport.ros2.topic" rtsExt:value="{topic}"/>{more}
   </rts:DataPortConnectors>
 </rts:RtsProfile>
 """
@@ -225,7 +293,7 @@ def test_a_connection_over_a_topic(module: str) -> None:
     pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
     import importlib
 
-    text = SYSTEM.format(message="std_msgs/Float64", topic="speed")
+    text = SYSTEM.format(message="std_msgs/Float64", topic="speed", more="")
     Path("s.xml").write_text(text)
     rtgen([*RUN])
     read = importlib.import_module(module).READ
@@ -246,6 +314,67 @@ def test_refused_before_the_start(
     case: tuple[str, str], module: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     message, topic = case
-    Path("s.xml").write_text(SYSTEM.format(message=message, topic=topic))
+    Path("s.xml").write_text(SYSTEM.format(message=message, topic=topic, more=""))
     assert rtgen([*RUN]) == 2
     assert REFUSED[case] in capsys.readouterr().err
+
+
+SET = '<rtsExt:Properties rtsExt:name="dataport.ros2.set" rtsExt:value="{}"/>'
+REFUSED_CONSTANTS = {
+    "data = 1.5": None,
+    "dat = 1.5": "T0.out: std_msgs::msg::Float64 has no member 'dat'",
+    "data = 'x'": "T0.out: 'data' is double, which is not 'x'",
+    "data 1": '"MEMBER" = VALUE',
+}
+
+
+@pytest.mark.parametrize("text", REFUSED_CONSTANTS)
+def test_constants_of_a_connection(
+    text: str, module: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
+    import importlib
+
+    system = SYSTEM.format(
+        message="std_msgs/Float64", topic="speed", more=SET.format(text)
+    )
+    Path("s.xml").write_text(system)
+    code, message = rtgen([*RUN]), REFUSED_CONSTANTS[text]
+    if message is None:
+        read = importlib.import_module(module).READ
+        assert {sample.data for sample in read} == {1.5}
+    else:
+        assert code == 2
+        assert message in capsys.readouterr().err
+
+
+REFUSED_SETTINGS = {
+    'set = { dat = 1.5 }, marshaling_type = "ros2:std_msgs/Float64"': (
+        "has no member 'dat'",
+        "did you mean 'data'?",
+        "s.toml:6:",
+    ),
+    'set = { "data" = "x" }, marshaling_type = "ros2:std_msgs/Float64"': (
+        "'data' is double, which is not 'x'",
+    ),
+    'set = { data = [[1]] }, marshaling_type = "ros2:std_msgs/Float64"': (
+        "gives 'T0.out' `set`, which must be a table of members",
+    ),
+    "set = { data = 1.5 }": (
+        "gives 'T0.out' `set`, which goes with a marshaling_type",
+    ),
+}
+
+
+@pytest.mark.parametrize("text", REFUSED_SETTINGS)
+def test_constants_of_a_topic(
+    text: str, module: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    system = SYSTEM.format(message="std_msgs/Float64", topic="speed", more="")
+    Path("s.xml").write_text(system.replace("ros2:std_msgs/Float64", "cdr"))
+    with Path("rtgen.toml").open("a") as file:
+        file.write(f'[ros2.topics]\n"T0.out" = {{ topic = "x", {text} }}\n')
+    assert rtgen([*RUN]) == 2
+    errors = capsys.readouterr().err
+    for message in REFUSED_SETTINGS[text]:
+        assert message.replace("s.toml", "rtgen.toml") in errors

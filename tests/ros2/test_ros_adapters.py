@@ -15,6 +15,8 @@ from hypothesis import strategies as st
 
 from rtgen.cli import run
 from rtgen.facts.ros_adapters import PAIRS, pair_of
+from rtgen.runtime import ACTIVE_STATE, ERROR_STATE, PortStatus, SimulatedClock, System
+from rtgen.runtime.ports.data_ports import DataConnector, OutPort
 from rtgen.runtime.ros2 import conversions
 
 IDL = """
@@ -30,7 +32,8 @@ module RTC {
 };
 """
 CONSTANTS = {
-    "nav_msgs::msg::Odometry": '"header.frame_id" = "odom", "child_frame_id" = "base \\"link\\""',
+    "nav_msgs::msg::Odometry": '"header.frame_id" = "odom", "child_frame_id" = "base \\"link\\"", '
+    f'"pose.covariance" = {[0.25] * 36}, twist.twist.linear.z = 1',
     "sensor_msgs::msg::JointState": 'name = ["left", "right"]',
     "sensor_msgs::msg::LaserScan": '"time_increment" = 0.5',
 }
@@ -103,6 +106,83 @@ def test_pose(adapters: ModuleType) -> None:
         if ros == "Odometry":
             assert made.header.frame_id == "odom"
             assert made.child_frame_id == 'base "link"'
+            assert list(made.pose.covariance) == [0.25] * 36
+            assert made.twist.twist.linear.z == 1.0
+
+
+def test_an_adapter_converts_in_the_tick_of_its_source(adapters: ModuleType) -> None:
+    """The sample is there when `write` returns, in simulated and in real time."""
+    rtc = adapters.rtc
+    module = import_module(f"ros_adapted.adapters.to{number_of('TwistStamped')}")
+    adapter = getattr(module, f"To{number_of('TwistStamped')}")("X0")
+    system, out, back = connected(adapter)
+    out.write(rtc.TimedVelocity2D(rtc.Time(1, 0), rtc.Velocity2D(0.5, 0.0, 0.0)))
+    assert not back.is_new()  # It is not ACTIVE yet.
+    system.activate("X0")
+    system.run(1)
+    assert back.read().twist.linear.x == 0.5
+    for vx in (1.5, 2.5):
+        sample = rtc.TimedVelocity2D(rtc.Time(2, 0), rtc.Velocity2D(vx, 0.0, 0.0))
+        out.write(sample)
+        assert back.read().twist.linear.x == vx
+    system.deactivate("X0")
+    system.run(20_000_000)
+    out.write(sample)
+    assert not back.is_new()
+
+
+def test_a_sample_that_cannot_be_converted(adapters: ModuleType) -> None:
+    """The adapter goes to ERROR, and not its source; samples wait until it is reset."""
+    rtc = adapters.rtc
+    name = f"To{number_of('OccupancyGrid')}"
+    module = import_module(f"ros_adapted.adapters.{name.lower()}")
+    system, out, back = connected(getattr(module, name)("X0"))
+    failures: list[str] = []
+    system.on_failure = lambda failure: failures.append(str(failure))
+    system.activate("X0")
+    system.activate("Peer0")
+    system.run(1)
+    grid = rtc.OccupancyGridMap()
+    grid.config.xScale = 0.5
+    assert out.write(grid) is PortStatus.PORT_OK
+    grid.config.yScale = 0.5
+    assert out.write(grid) is PortStatus.PORT_OK
+    system.run(20_000_000)
+    assert system.state("X0") is ERROR_STATE
+    assert system.state("Peer0") is ACTIVE_STATE
+    assert ["not square" in failure for failure in failures] == [True]
+    assert not back.is_new()
+    system.reset("X0")
+    system.run(40_000_000)
+    system.activate("X0")
+    system.run(60_000_000)
+    assert back.read().info.resolution == 0.5
+
+
+def test_a_ring_of_adapters_turns_with_their_ticks(adapters: ModuleType) -> None:
+    rtc = adapters.rtc
+    number = number_of("TwistStamped")
+    there, back = (
+        getattr(import_module(f"ros_adapted.adapters.{kind.lower()}{number}"), name)(
+            kind
+        )
+        for kind in ("To", "From")
+        for name in (f"{kind}{number}",)
+    )
+    system = System(SimulatedClock())
+    for adapter in (there, back):
+        system.add(adapter)
+        system.activate(adapter.instance_name)
+    system.connect(("To", "output"), ("From", "input"))
+    system.connect(("From", "output"), ("To", "input"))
+    system.run(1)
+    outside: OutPort[Any] = OutPort("out", rtc.TimedVelocity2D)
+    DataConnector(
+        "c", outside, there.in_ports["input"], {}, system.clock.guard
+    ).attach()
+    outside.write(rtc.TimedVelocity2D())
+    system.run(100_000_000)
+    assert there.in_ports["input"].is_new()
 
 
 def test_velocity(adapters: ModuleType) -> None:
@@ -231,6 +311,10 @@ WRONG = {
         "Lab::Metres has no member 'y'",
     ),
     table("A", "Lab::Metres", "Lab::Metres", "set = { x = { y = 1 } }"): (
+        "ADP0003",
+        "'x' of Lab::Metres is not a struct",
+    ),
+    table("A", "Lab::Metres", "Lab::Metres", "set = { x = [[1]] }"): (
         "PRJ0003",
         "must be a table",
     ),

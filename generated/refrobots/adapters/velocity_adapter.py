@@ -4,21 +4,19 @@
 
 from __future__ import annotations
 
-from rtgen.runtime import RTC_OK, ReturnCode_t
+from rtgen.runtime.rtc.adapter import Adapter
 
-from .. import iis
+from .. import iis, rtc
 from ..components.velocity_adapter import VelocityAdapterBase
 
 
-class VelocityAdapter(VelocityAdapterBase):
+class VelocityAdapter(Adapter, VelocityAdapterBase):
     """Makes IIS::TimedVelocity2D of RTC::TimedVelocity."""
 
-    def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Convert everything that has come."""
-        while self.input.is_new() and (sample := self.input.read()) is not None:
-            made = iis.TimedVelocity2D()
-            made.tm = sample.tm
-            made.data.vx = sample.v
-            made.data.va = sample.w
-            self.output.write(made)
-        return RTC_OK
+    def convert(self, sample: rtc.TimedVelocity) -> None:
+        """Convert a sample, and write the result."""
+        made = iis.TimedVelocity2D()
+        made.tm = sample.tm
+        made.data.vx = sample.v
+        made.data.va = sample.w
+        self.output.write(made)

@@ -12,6 +12,7 @@ from math import isfinite
 from typing import Final, TypeAlias
 
 from rtgen.facts import ros_qos_words
+from rtgen.facts.adapter_constants import parsed
 from rtgen.facts.ros_marshaling import parse as parse_marshaling
 
 PROFILE_ATTRIBUTES: Final[Mapping[str, str]] = {
@@ -83,6 +84,8 @@ reason.
 
 STRICTNESS: Final = "port.connection.strictness"
 MARSHALING: Final = "dataport.marshaling_type"
+ROS_SET: Final = "dataport.ros2.set"
+"""Members with constants of a connector's ROS 2 messages, as in `set` of `[ros2.topics]`."""
 ON_LOSS: Final = "port.connection.on_loss"
 DATA_ON_LOSS: Final = "dataport.qos.on_loss"
 """What happens to a component that has lost the process of a peer; of data and service
@@ -143,6 +146,14 @@ def _marshaling(text: str) -> str | None:
     return None if is_valid else "cdr or ros2:PACKAGE/TYPE"
 
 
+def _constants(text: str) -> str | None:
+    try:
+        parsed(text)
+    except ValueError:
+        return '"MEMBER" = VALUE, ... as in rtgen.toml'
+    return None
+
+
 def _text(_: str) -> None:
     return None
 
@@ -174,6 +185,7 @@ DATA: Final[Mapping[str, Check]] = {
         for key, check in _BUFFER_PROPERTIES.items()
     },
     **ros_qos_words.CHECKS,
+    ROS_SET: _constants,
     "dataport.serializer.cdr.endian": _byte_orders,
     **{f"dataport.{end}marshaling_type": _marshaling for end in _ENDS},
     "dataport.fan_in": _integer(1),

@@ -26,9 +26,10 @@ from rtgen.compiler.model import (
     Struct,
     Type,
 )
+from rtgen.compiler.typemap.constant_shapes import shape_of
 from rtgen.compiler.typemap.python.idl_names import PythonNames
 from rtgen.compiler.typemap.python.names import module_name
-from rtgen.facts.adapter_constants import AdapterConstant
+from rtgen.facts.adapter_constants import AdapterConstant, is_octets
 from rtgen.facts.numeric import Numeric
 
 _Scale: TypeAlias = Sequence[float]
@@ -36,8 +37,8 @@ _Scale: TypeAlias = Sequence[float]
 
 _TAKEN = frozenset(
     {
-        *("annotations", "ec_id", "int", "list", "made", "sample", "self"),
-        *("RTC_OK", "ReturnCode_t"),
+        *("annotations", "bytes", "list", "made", "sample", "self"),
+        "Adapter",
     }
 )
 """The names that the template binds or uses."""
@@ -85,17 +86,19 @@ def _module(
 ) -> PythonModule:
     taken = {adapter.name, f"{adapter.name}Base", *_TAKEN, adapter.conversion}
     types = Imports(model, names, taken)
+    copying = _Copies(model, names, types, adapter)
     body = render(
         "adapters/adapter.py.j2",
         name=adapter.name,
         location=base_location(options.package, component),
         doc=_doc(adapter),
+        source=types.type_name(adapter.source),
         target=types.type_name(adapter.target),
-        copies=[*_Copies(model, names, types, adapter).values()],
+        copies=[*copying.values()],
         conversion=adapter.conversion,
         stamps=adapter.stamps,
         constants=[
-            (_path(model, names, adapter.target, to), _literal(value))
+            (_path(model, names, adapter.target, to), copying.constant(to, value))
             for to, value in adapter.constants
         ],
     )
@@ -133,6 +136,20 @@ class _Copies:
             if own.optional and text != value:
                 text = f"None if {value} is None else {text}"
             yield _path(self.model, self.names, adapter.target, to), text
+
+    def constant(self, to: tuple[str, ...], value: AdapterConstant) -> str:
+        """Return the expression of a constant for a member of the target."""
+        text = _literal(value)
+        *_, (_, member) = _members(self.model, self.adapter.target, to)
+        type_ = self.model.unalias(member.type)
+        if not isinstance(type_, SequenceType | ArrayType):
+            return text
+        if is_octets(shape_of(self.model, type_)):
+            return f"bytes({text})"
+        if type_.numeric == "numpy":
+            path = string_literal(".".join((self.adapter.target[-1], *to)))
+            return self._numbers(text, type_, path, ())
+        return text
 
     def _converted(
         self, value: str, from_: Type, to: Type, path: str, scale: _Scale | None
@@ -190,7 +207,7 @@ def _literal(value: AdapterConstant) -> str:
     if isinstance(value, str):
         return string_literal(value)
     if isinstance(value, tuple):
-        return f"[{', '.join(map(string_literal, value))}]"
+        return f"[{', '.join(map(_literal, value))}]"
     return number_literal(value)
 
 

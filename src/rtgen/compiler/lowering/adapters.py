@@ -31,16 +31,15 @@ from rtgen.compiler.model import (
     PortKind,
     Primitive,
     PrimitiveType,
-    SequenceType,
     SourceFile,
-    StringType,
     Struct,
     Type,
 )
+from rtgen.compiler.typemap.constant_shapes import shape_of
 from rtgen.compiler.typemap.member_units import is_real, leaves, unit_of
 from rtgen.compiler.typemap.python.names import module_name
-from rtgen.facts.adapter_constants import AdapterConstant
-from rtgen.facts.primitives import FLOAT_LIMITS, INTEGER_RANGES
+from rtgen.facts.adapter_constants import AdapterConstant, shown, takes
+from rtgen.facts.primitives import INTEGER_RANGES
 from rtgen.facts.ros_adapters import Pair, pair_of
 
 _NAME: Final = re.compile(r"[A-Za-z]\w*", re.ASCII)
@@ -268,9 +267,9 @@ class _Maker:
     ) -> tuple[tuple[str, ...], AdapterConstant]:
         """Return a member and its value, checked."""
         names = tuple(path.split("."))
-        if not _takes(self._type(target, names), value):
-            shown = list(value) if isinstance(value, tuple) else value
-            message = f"{path!r} is {self._type(target, names)}, which is not {shown!r}"
+        type_ = self._type(target, names)
+        if not takes(shape_of(self.model, type_), value):
+            message = f"{path!r} is {type_}, which is not {shown(value)}"
             raise self._error(ADAPTER_VALUE, message)
         return names, value
 
@@ -415,24 +414,6 @@ def _include(name: tuple[str, ...]) -> str | None:
             if declared.search(idl_source(file)):
                 return f'#include "{file}" in a definition'
     return None
-
-
-def _takes(type_: Type, value: AdapterConstant) -> bool:
-    """Return whether a value is valid for a member of the type."""
-    if isinstance(type_, SequenceType):
-        if not isinstance(value, tuple) or not isinstance(type_.element, StringType):
-            return False
-        return type_.bound is None or len(value) <= type_.bound
-    if isinstance(type_, StringType):
-        return isinstance(value, str) and len(value) <= (type_.bound or len(value))
-    if not isinstance(type_, PrimitiveType) or isinstance(value, str | tuple):
-        return False
-    if type_.kind is Primitive.BOOLEAN or isinstance(value, bool):
-        return type_.kind is Primitive.BOOLEAN and isinstance(value, bool)
-    if type_.kind in INTEGER_RANGES:
-        low, high = INTEGER_RANGES[type_.kind]
-        return isinstance(value, int) and low <= value <= high
-    return type_.kind in FLOAT_LIMITS and abs(value) <= FLOAT_LIMITS[type_.kind]
 
 
 def _holds(to: Type, from_: Type) -> bool:

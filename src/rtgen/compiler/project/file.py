@@ -28,6 +28,7 @@ from rtgen.compiler.project.rules import (
 )
 from rtgen.compiler.project.transport_names import TRANSPORTS
 from rtgen.facts import file_names, ros_names, ros_qos_words
+from rtgen.facts.adapter_constants import constants
 from rtgen.facts.decoded_text import NAMES
 from rtgen.facts.encodings import decode
 from rtgen.facts.files import UnreadableError, read_file
@@ -163,14 +164,12 @@ def _adapter(value: Any) -> str | None:
         *("from", "to", "map", "set", "units")
     }
     if fine:
-        pairs, constants, units = (
-            value.get(key, {}) for key in ("map", "set", "units")
-        )
-        fine = all(isinstance(each, dict) for each in (pairs, constants, units))
+        pairs, fixed, units = (value.get(key, {}) for key in ("map", "set", "units"))
+        fine = all(isinstance(each, dict) for each in (pairs, fixed, units))
         fine = fine and all(
             isinstance(v, str) for v in (value["from"], value["to"], *pairs.values())
         )
-        fine = fine and all(map(_is_constant, constants.values()))
+        fine = fine and _is_constants(fixed)
         fine = fine and all(map(_is_pair, units.values()))
     keys = dict.fromkeys(("from", "to", "map", "set", "units"))
     unknown = (
@@ -190,11 +189,13 @@ def _is_pair(value: Any) -> bool:
     return isinstance(value, list) and [type(each) for each in value] == [str, str]
 
 
-def _is_constant(value: Any) -> bool:
-    """Return whether the value is a text, a number, a boolean or a list of texts."""
-    if isinstance(value, list):
-        return all(isinstance(each, str) for each in value)
-    return isinstance(value, bool | int | float | str)
+def _is_constants(value: Any) -> bool:
+    """Return whether the value is a table of constants."""
+    try:
+        constants(value)
+    except ValueError:
+        return False
+    return True
 
 
 def _ros_name(value: Any) -> str | None:
@@ -223,7 +224,7 @@ class _Problem(str):
         return problem
 
 
-_TOPIC_KEYS = ("topic", "qos", "marshaling_type", *ros_qos_words.POLICIES)
+_TOPIC_KEYS = ("topic", "qos", "marshaling_type", "set", *ros_qos_words.POLICIES)
 
 
 def _ros_topics(value: Any) -> str | None:
@@ -258,6 +259,8 @@ def _ros_topic(port: str, entry: Any) -> _Problem | None:
             "which is not ros2:PACKAGE/TYPE",
             port,
         )
+    if problem := _set_of(table):
+        return _Problem(f"gives {port!r} `set`, {problem}", port)
     return _ros_qos(port, table)
 
 
@@ -282,6 +285,16 @@ def _ros_qos(port: str, table: dict[str, Any]) -> _Problem | None:
     if idle is not None:
         why, what = ros_qos_words.WHY[idle]
         return _Problem(f"gives {port!r} a {idle} without effect: {why}", port, what)
+    return None
+
+
+def _set_of(table: dict[str, Any]) -> str | None:
+    """Return what is wrong with the constants of a topic."""
+    fixed = table.get("set", {})
+    if not (isinstance(fixed, dict) and _is_constants(fixed)):
+        return "which must be a table of members to texts, numbers, or lists of them"
+    if fixed and "marshaling_type" not in table:
+        return "which goes with a marshaling_type: other data are sent as they are"
     return None
 
 

@@ -41,6 +41,7 @@ from rtgen.compiler.project.rules import (
 )
 from rtgen.compiler.project.run_table import run_findings
 from rtgen.facts import python_modules
+from rtgen.facts.adapter_constants import constants
 from rtgen.facts.file_names import is_device
 from rtgen.facts.file_names import problem as path_problem
 from rtgen.facts.idl_files import IDL_SUFFIXES
@@ -256,10 +257,7 @@ def load(start: Path | None = None) -> Project:
                 target=table["to"],
                 mapping=tuple(table.get("map", {}).items()),
                 span=settings.span("adapter", name),
-                constants=tuple(
-                    (path, tuple(each) if isinstance(each, list) else each)
-                    for path, each in table.get("set", {}).items()
-                ),
+                constants=tuple(constants(table.get("set", {})).items()),
                 units={
                     p: (sent, made)
                     for p, (sent, made) in table.get("units", {}).items()

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 
 from rtgen.compiler.diagnostics import Span
+from rtgen.facts.adapter_constants import AdapterConstant, constants
 from rtgen.facts.ros_marshaling import parse
 from rtgen.facts.ros_qos import Profile
 from rtgen.facts.ros_qos_words import POLICIES, profile_of, value_of
@@ -20,6 +21,7 @@ class TopicEntry(msgspec.Struct, frozen=True, kw_only=True):
 
     `message` is that of `marshaling_type` (`std_msgs/msg/Float32`); None for the port's own type.
     `has_lifespan`: a lifespan is stated, which only an OutPort has.
+    `constants` are members of what is converted, by paths, with their places.
     """
 
     instance: str
@@ -29,6 +31,7 @@ class TopicEntry(msgspec.Struct, frozen=True, kw_only=True):
     span: Span | None
     message: str | None = None
     has_lifespan: bool = False
+    constants: tuple[tuple[str, AdapterConstant, Span | None], ...] = ()
 
 
 class ServiceEntry(msgspec.Struct, frozen=True, kw_only=True):
@@ -86,6 +89,7 @@ def ros2_settings(settings: Settings) -> Ros2Settings:
         rest["namespace"] = "/" + rest["namespace"].strip("/")
     topics = []
     for key, value in section.get("topics", {}).items():
+        table: dict[str, Any]
         instance, _, port = key.partition(".")
         table = {"topic": value} if isinstance(value, str) else value
         stated = {
@@ -93,6 +97,7 @@ def ros2_settings(settings: Settings) -> Ros2Settings:
             for word in ("qos", *POLICIES)
             if word in table
         }
+        fixed = constants(table.get("set", {}))
         topics.append(
             TopicEntry(
                 instance=instance,
@@ -102,6 +107,10 @@ def ros2_settings(settings: Settings) -> Ros2Settings:
                 has_lifespan="lifespan" in stated,
                 span=settings.span("ros2.topics", key),
                 message=parse(table.get("marshaling_type", "")),
+                constants=tuple(
+                    (path, each, settings.span("ros2.topics", key, path))
+                    for path, each in fixed.items()
+                ),
             )
         )
     services = []

@@ -14,7 +14,8 @@ from rtgen.compiler.project import Project
 from rtgen.compiler.project.ros2 import Ros2Settings, ServiceEntry, TopicEntry
 from rtgen.compiler.systems.rules import ROS_TOPIC
 from rtgen.facts import ros_names
-from rtgen.facts.connector_properties import MARSHALING
+from rtgen.facts.adapter_constants import parsed
+from rtgen.facts.connector_properties import MARSHALING, ROS_SET
 from rtgen.facts.ros import is_interface
 from rtgen.facts.ros_marshaling import DEFAULT_TOPIC, messages_for, parse
 from rtgen.facts.ros_qos_words import profiles, topic_of
@@ -142,7 +143,8 @@ def _joints(
             continue
         port = _ports(running, entry.instance)[entry.port]
         topic = node.qualified(entry.topic)
-        marshaled = _marshaled(entry, running)
+        wrong, marshaled = _marshaled(entry, running)
+        diagnostics += wrong
         shown = nodes.get(entry.instance, "")
         joints.append(Joint(port, topic, entry.profile, marshaled, shown))
     if diagnostics:
@@ -162,8 +164,10 @@ def _connected(running: runtime.System) -> Iterator[TopicEntry]:
         if message is None:
             continue
         topic = topic_of(connector.properties) or DEFAULT_TOPIC
+        fixed = parsed(connector.properties.get(ROS_SET, ""))
         ports: tuple[Any, Any] = connector.source, connector.target
-        for port, profile in zip(ports, profiles(connector.properties), strict=True):
+        both = zip(ports, profiles(connector.properties), (fixed, {}), strict=True)
+        for port, profile, constants in both:
             if (port.owner, port.name, topic, message) not in seen:
                 seen.add((port.owner, port.name, topic, message))
                 yield TopicEntry(
@@ -173,6 +177,9 @@ def _connected(running: runtime.System) -> Iterator[TopicEntry]:
                     profile=profile,
                     span=None,
                     message=message,
+                    constants=tuple(
+                        (path, each, None) for path, each in constants.items()
+                    ),
                 )
         running.disconnect(connector)
 
@@ -296,15 +303,26 @@ def _service_port(entry: ServiceEntry, running: runtime.System) -> Any:
     return port
 
 
-def _marshaled(entry: TopicEntry, running: runtime.System) -> Marshaling | None:
-    from rtgen.runtime.ros2.marshaling import marshaling
+def _marshaled(
+    entry: TopicEntry, running: runtime.System
+) -> tuple[list[Diagnostic], Marshaling | None]:
+    """Return the conversion of a port's data, and what is wrong with its constants."""
+    from rtgen.runtime.ros2.marshaling import ConstantError, constant_of, marshaling
 
     if entry.message is None:
-        return None
+        return [], None
     component = running.component(entry.instance)
     port = _ports(running, entry.instance)[entry.port]
     message = message_classes(entry.message)[entry.message]
-    return marshaling(port.type, message, component.stamp)
+    target = port.type if entry.port in component.in_ports else message
+    constants, wrong = [], []
+    for path, value, span in entry.constants:
+        try:
+            constants.append(constant_of(target, path, value))
+        except ConstantError as error:
+            text = f"{entry.instance}.{entry.port}: {error}"
+            wrong.append(ROS_TOPIC.at(span, text, hint=error.hint))
+    return wrong, marshaling(port.type, message, component.stamp, tuple(constants))
 
 
 def message_classes(*interfaces: str) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 from typing import Generic, TypeVar
 
 import msgspec
@@ -32,13 +33,23 @@ class RingBuffer(Generic[T]):
     None if the port has one connection.
     """
 
-    __slots__ = ("arrivals", "closed", "guard", "overwritten", "samples", "settings")
+    __slots__ = (
+        "arrivals",
+        "closed",
+        "guard",
+        "on_arrival",
+        "overwritten",
+        "samples",
+        "settings",
+    )
 
     def __init__(self, settings: BufferSettings, guard: Guard = SINGLE_THREAD) -> None:
         self.settings = settings
         self.guard = guard
         self.samples: deque[T] = deque()
         self.arrivals: deque[RingBuffer[T]] | None = None
+        self.on_arrival: Callable[[], None] | None = None
+        """Called after each sample, by its writer."""
         self.overwritten = 0
         self.closed = False
 
@@ -58,6 +69,8 @@ class RingBuffer(Generic[T]):
             if self.arrivals is not None:
                 self.arrivals.append(self)
             self.guard.notify_all()
+        if self.on_arrival is not None:
+            self.on_arrival()
         return PORT_OK
 
     def _make_room(self) -> PortStatus | None:

@@ -57,6 +57,7 @@ class InPort(Generic[T]):
         "_feed",
         "_guard",
         "_last",
+        "_on_arrival",
         "_sole",
         "_unread",
         "lost_when_cut",
@@ -75,6 +76,7 @@ class InPort(Generic[T]):
         self.lost_when_cut = 0
         """Samples lost on connections that were removed."""
         self._arrivals: deque[RingBuffer[T]] | None = None
+        self._on_arrival: Callable[[], None] | None = None
         self._feed: Callable[[], None] | None = None
         """Moves a sample into a buffer of this port, if one is waiting elsewhere."""
         # Fast path: the samples of the only buffer, if only one thread uses it.
@@ -142,6 +144,11 @@ class InPort(Generic[T]):
             connector.lost for connector in self._connectors
         )
 
+    def call_on_arrival(self, action: Callable[[], None]) -> None:
+        """Call a function after each sample that comes, in the tick and thread of its writer."""
+        self._on_arrival = action
+        self._rewire()
+
     def _read_guarded(self) -> T | None:
         with self._guard:
             buffer = self._oldest()
@@ -193,6 +200,7 @@ class InPort(Generic[T]):
             self._unread = buffers[0].samples if buffers else _NOTHING
         for buffer in buffers:
             buffer.arrivals = self._arrivals
+            buffer.on_arrival = self._on_arrival
         alone = self._arrivals is None and self._guard is SINGLE_THREAD
         self._sole = buffers[0].samples if alone and buffers else _NOTHING
         for connector in self._connectors:
@@ -487,6 +495,7 @@ class DataConnector(Generic[T]):
             self.publisher is not None
             or buffer.guard is not SINGLE_THREAD
             or buffer.arrivals is not None
+            or buffer.on_arrival is not None
         ):
             return self.send
         type_, length, snapshot = (
