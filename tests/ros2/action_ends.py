@@ -17,7 +17,7 @@ from rtgen.runtime import RTC_OK, RealClock, System
 from rtgen.runtime.ros2.actions import joints_of
 from rtgen.runtime.ros2.managed import EVENT_INFO
 from rtgen.runtime.ros2.services import RosServices
-from rtgen.tools.running.ros2 import message_classes
+from rtgen.tools.running.ros2_classes import message_classes
 
 IDL = """
 #include "lab/action/Go.idl"

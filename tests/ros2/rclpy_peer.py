@@ -16,6 +16,7 @@ from typing import Any
 import rclpy
 from rclpy.action import ActionClient, ActionServer, CancelResponse
 from rclpy.executors import MultiThreadedExecutor
+from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message, serialize_message
 
@@ -193,6 +194,36 @@ class Peer:
         future.add_done_callback(lambda _: done.set())
         found = future.result().accepted if done.wait(seconds) else None
         self.tell("asked", name, known, found)
+
+    def follow(self, topic: str, period: float) -> None:
+        """Take the time from `/clock`, and publish it (std_msgs/msg/Float64) each period of it."""
+        self.node.set_parameters([Parameter("use_sim_time", value=True)])
+        class_ = class_of("std_msgs/msg/Float64")
+        writer = self.node.create_publisher(class_, topic, QoSProfile(depth=100))
+
+        def tell() -> None:
+            now = self.node.get_clock().now().nanoseconds / 1e9
+            writer.publish(class_(data=now))
+
+        self.ends["timer", topic] = self.node.create_timer(period, tell)
+        self.tell("following", topic)
+
+    def lead(self, start: int, step: float, period: float) -> None:
+        """Publish `/clock` from now on: each period, from a time [s], in steps [s]."""
+        class_ = class_of("rosgraph_msgs/msg/Clock")
+        writer = self.node.create_publisher(class_, "/clock", QoSProfile(depth=1))
+        count = 0
+
+        def tell() -> None:
+            nonlocal count
+            now = start * 10**9 + round(count * step * 10**9)
+            count += 1
+            message = class_()
+            message.clock.sec, message.clock.nanosec = divmod(now, 10**9)
+            writer.publish(message)
+
+        self.ends["timer", "/clock"] = self.node.create_timer(period, tell)
+        self.tell("leading")
 
     def nodes(self) -> None:
         """Tell the names of all known nodes."""

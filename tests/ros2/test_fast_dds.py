@@ -27,7 +27,7 @@ from rtgen.runtime.ros2.managed import EVENT_INFO, INTERFACES, ManagedNodes
 from rtgen.runtime.ros2.network import RosNode, RosService
 from rtgen.runtime.ros2.services import RosServices, ServiceJoint, messages_of
 from rtgen.runtime.services.servants import ServiceError
-from rtgen.tools.running.ros2 import message_classes
+from rtgen.tools.running.ros2_classes import message_classes
 
 pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
 

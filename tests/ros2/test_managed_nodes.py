@@ -35,7 +35,7 @@ from rtgen.runtime.ros2.parameters import Kind, Parameters
 from rtgen.runtime.rtc.configuration import ConfigurationSets
 from rtgen.runtime.rtc.profiles import ParameterProfile
 from rtgen.runtime.services.servants import ServiceError
-from rtgen.tools.running.ros2 import message_classes
+from rtgen.tools.running.ros2_classes import message_classes
 
 cyclonedds = pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
 zenoh = pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")

@@ -24,7 +24,7 @@ from rtgen.runtime.ros2.marshaling import (
 from rtgen.runtime.ros2.network import OnMessage, Publish, Ros2Error, RosTopic
 from rtgen.runtime.ros2.ports import Joint, RosPorts
 from rtgen.runtime.xcdr import deserialize
-from rtgen.tools.running.ros2 import message_classes
+from rtgen.tools.running.ros2_classes import message_classes
 
 TIME = rtc.Time(5, 6)
 HEAD = b"\x00\x01\x00\x00"

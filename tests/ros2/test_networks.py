@@ -324,7 +324,7 @@ def test_a_reader_that_takes_nothing_does_not_stop_the_writer(
     from cyclonedds.sub import DataReader
     from cyclonedds.topic import Topic
 
-    from rtgen.tools.running.ros2 import message_classes
+    from rtgen.tools.running.ros2_classes import message_classes
 
     network = dds_network()
     stack.callback(network.close)

@@ -31,7 +31,7 @@ from rtgen.runtime.ros2.actions import joints_of
 from rtgen.runtime.ros2.managed import EVENT_INFO
 from rtgen.runtime.ros2.network import RosNode
 from rtgen.runtime.services.servants import CommunicationFailure, ServiceError
-from rtgen.tools.running.ros2 import message_classes
+from rtgen.tools.running.ros2_classes import message_classes
 
 cyclonedds = pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
 

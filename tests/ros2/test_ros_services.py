@@ -53,7 +53,7 @@ from rtgen.runtime.services.servants import (
     ObjectNotExist,
     ServiceError,
 )
-from rtgen.tools.running.ros2 import message_classes
+from rtgen.tools.running.ros2_classes import message_classes
 
 cyclonedds = pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
 zenoh = pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")

@@ -157,7 +157,7 @@ REFUSED = {
         ["--clock", "real"],
         "P0 has no data port 'other'; known: own",
     ),
-    '"P0.own" = "y"': ([], "--ros2 needs --clock real"),
+    '"P0.own" = "y"': ([], "--ros2 needs --clock real, --clock ros"),
 }
 
 

@@ -10,7 +10,7 @@ from rtgen.cli.parameter_types import WholeRange
 from rtgen.cli.ros2_options import ROS2_OPTION
 from rtgen.cli.run_table import required, with_run_table
 from rtgen.cli.running_options import (
-    with_clock,
+    with_clock_of_run,
     with_failures,
     with_live,
     with_recording,
@@ -41,7 +41,7 @@ from rtgen.tools.running.transports import TransportOptions
 )
 @click.argument("system", metavar="[SYSTEM]", required=False)
 @click.option("--told", "is_told", is_flag=True, hidden=True)
-@with_clock
+@with_clock_of_run
 @click.option(
     "--until",
     metavar="CONDITION",
@@ -145,7 +145,8 @@ def run(
     """
     options = RunOptions(
         system=required(system),
-        simulated=clock == "sim",
+        simulated=clock != "real",
+        follows_ros=clock == "ros",
         until=until,
         until_at=until_at,
         settings=settings,

@@ -96,6 +96,14 @@ with_clock = click.option(
 )
 
 
+with_clock_of_run = click.option(
+    "--clock",
+    type=click.Choice(["sim", "real", "ros"]),
+    default="sim",
+    help="Simulated time, real time, or the time of /clock.",
+)
+
+
 _LOOPBACK = "127.0.0.1"
 
 

@@ -359,7 +359,7 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
     },
     "run": {
         "system": _path,
-        "clock": _one_of("sim", "real"),
+        "clock": _one_of("sim", "real", "ros"),
         "until": _until,
         "transport": _transport,
         "partition": _partition,

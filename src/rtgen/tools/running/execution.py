@@ -31,6 +31,7 @@ from rtgen.tools.running.plan import Outputs, Plan
 from rtgen.tools.running.progress import Progress, progress
 from rtgen.tools.running.recording_options import tell_missing
 from rtgen.tools.running.ros2 import join
+from rtgen.tools.running.ros2_time import RosTime
 from rtgen.tools.running.run_view import View
 from rtgen.tools.running.summary import Outcome, summary
 from rtgen.tools.running.texts import ERROR, name_of
@@ -150,18 +151,18 @@ class _Run:
         bag = options.recording.bag(files, running) if options.ros2 else None
         self._recorder = options.recording.begin(files, running, bag)
         name = plan.profile.name
-        join(
+        rest = join(
             options.ros2,
             files,
             running,
             plan.project,
             name,
             console,
-            simulated=options.simulated,
+            RosTime.of(options),
             bag=bag,
             boards=plan.boards,
         )
-        options.live.begin(files, running, console, name)
+        options.live.begin(files, running, console, name, rest)
         if of_poses or plan.measures:
             running.every(
                 _SAMPLE_PERIOD, lambda: self._samples.append(self._view.sample())
@@ -170,7 +171,7 @@ class _Run:
     def run(self, end: Ending) -> tuple[bool, float]:
         """Run to the end; return whether the condition was met, and the wall time in seconds."""
         plan, console, report = self._plan, self._console, self._report
-        transport, simulated = self._transport, plan.options.simulated
+        transport = self._transport
         with ExitStack() as shown:
             quiet = console.quiet or console.form != "text"
             bar = progress(shown, plan.condition.limit, quiet=quiet)
@@ -187,13 +188,14 @@ class _Run:
                 else None
             )
             end.on_signal(self._running.end_run, before_exit)
-            return _run(self._running, plan.condition, report, simulated=simulated)
+            limit = _limit(plan.condition, plan.options.needs_end)
+            return _run(self._running, plan.condition, report, limit)
 
     def outcome(self, met: bool, wall: float) -> Outcome:
         """Return the outcome, and write the table. `wall` in seconds."""
         plan, outputs = self._plan, self._outputs
         if self._recorder is not None:
-            limit = _limit(plan.condition, plan.options.simulated)
+            limit = _limit(plan.condition, plan.options.needs_end)
             self._recorder.end(through=limit != self._running.time)
         course = self._view.course(self._samples)
         measured = [measures.evaluate(measure, course) for measure in plan.measures]
@@ -262,14 +264,12 @@ def _run(
     running: runtime.System,
     condition: Condition,
     report: FailureReport,
-    *,
-    simulated: bool,
+    limit: int | None,
 ) -> tuple[bool, float]:
     """Run to the end; return whether the condition was met, and the wall time in seconds.
 
     Ctrl-C, SIGTERM and the debugger's `quit` end a run in order.
     """
-    limit = _limit(condition, simulated)
     until = _reached(running, condition)
     begun = time.perf_counter()
     try:
@@ -292,9 +292,9 @@ def _interrupted(condition: Condition, now: int) -> str:
     return f"interrupted {end}, before {condition.instance}={condition.state}"
 
 
-def _limit(condition: Condition, simulated: bool) -> int | None:
+def _limit(condition: Condition, needs_end: bool) -> int | None:
     """Return the latest end of a run, in ns."""
-    if condition.limit is None and simulated:
+    if condition.limit is None and needs_end:
         return _DEFAULT_LIMIT
     return condition.limit
 

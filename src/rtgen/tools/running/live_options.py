@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
 
@@ -20,9 +22,14 @@ class LiveOptions:
     rate: float | None = None
 
     def begin(
-        self, files: ExitStack, running: runtime.System, console: Console, name: str
+        self,
+        files: ExitStack,
+        running: runtime.System,
+        console: Console,
+        name: str,
+        rest: Callable[[float], None] = time.sleep,
     ) -> None:
-        """Show a system until `files` is closed, at its pace. Raises ToolError."""
+        """Show a system until `files` is closed, at its pace; `rest` waits. Raises ToolError."""
         simulated = isinstance(running.clock, runtime.SimulatedClock)
         if self.rate is not None and not simulated:
             raise Refusal("--rate goes with --clock sim")
@@ -37,4 +44,4 @@ class LiveOptions:
             files.callback(view.close)
             console.say(f"Foxglove: {view.address}")
         if self.rate is not None:
-            pace(running, self.rate)
+            pace(running, self.rate, rest)

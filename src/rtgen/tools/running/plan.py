@@ -47,11 +47,13 @@ if TYPE_CHECKING:
 class RunOptions:
     """The options of `rtgen run`, as its help describes them.
 
-    `until_at` is the place of `until` in rtgen.toml.
+    `until_at` is the place of `until` in rtgen.toml. `follows_ros`: the simulated time is that of
+    ROS 2's topic `/clock`.
     """
 
     system: str
     simulated: bool = True
+    follows_ros: bool = False
     until: str | None = None
     until_at: Span | None = None
     settings: tuple[str, ...] = ()
@@ -66,6 +68,11 @@ class RunOptions:
     live: LiveOptions = field(default_factory=LiveOptions)
     carrying: TransportOptions = field(default_factory=TransportOptions)
     shown_failures: FailureOptions = field(default_factory=FailureOptions)
+
+    @property
+    def needs_end(self) -> bool:
+        """Whether the run needs a limit: simulated time at full speed does."""
+        return self.simulated and self.ros2 is None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -216,7 +223,7 @@ class Outputs:
             }
         )
         check_picture(plot)
-        if plan.condition == Condition() and options.simulated:
+        if plan.condition == Condition() and options.needs_end:
             hint = "--until SECONDS, or --until INSTANCE=STATE"
             raise InputError(
                 [CONDITION.at(None, "a run in simulated time needs an end", hint=hint)]

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+import time
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
 
 from rtgen import runtime
 from rtgen.compiler.diagnostics import Diagnostic, InputError, ToolError
-from rtgen.compiler.kit.resources import ros_file
 from rtgen.compiler.project import Project
 from rtgen.compiler.project.ros2 import Ros2Settings, ServiceEntry, TopicEntry
 from rtgen.compiler.systems.rules import ROS_TOPIC
@@ -20,8 +20,9 @@ from rtgen.facts.ros import is_interface
 from rtgen.facts.ros_marshaling import DEFAULT_TOPIC, messages_for, parse
 from rtgen.facts.ros_qos_words import profiles, topic_of
 from rtgen.tools.kit.console import Console
-from rtgen.tools.kit.exits import Refusal
+from rtgen.tools.running.ros2_classes import message_classes
 from rtgen.tools.running.ros2_networks import open_network
+from rtgen.tools.running.ros2_time import RosTime
 
 if TYPE_CHECKING:
     from rtgen.runtime.ros2.marshaling import Marshaling
@@ -42,19 +43,18 @@ def join(
     project: Project,
     name: str,
     console: Console,
+    clock: RosTime,
     *,
-    simulated: bool,
     bag: BagRecorder | None = None,
     boards: Boards | None = None,
-) -> None:
+) -> Callable[[float], None]:
     """Connect ports to topics until `files` is closed. `name` is that of the system.
 
-    `bag` records the messages; `boards` are those whose functions are services.
+    `bag` records the messages; `boards` are those whose functions are services. Return a function
+    that waits, in seconds, for simulated time.
     """
     if kind is None:
-        return
-    if simulated:
-        raise Refusal("--ros2 needs --clock real: nodes share no simulated time")
+        return time.sleep
     settings = project.ros2
     from rtgen.runtime.ros2.managed import INTERFACES, ManagedNodes
     from rtgen.runtime.ros2.network import Ros2Error, RosNode
@@ -72,6 +72,7 @@ def join(
     served = [] if boards is None else [*_of_boards(boards, running, node, nodes)]
     try:
         network = open_network(kind, node, project, console)
+        clock.prepare(network)
         if bag is not None:
             network.observe(bag.observe)
         running.closing.at_halt(network.end_calls)
@@ -82,6 +83,7 @@ def join(
             space = settings.namespace
             managed = ManagedNodes(network, running, nodes, classes, space)
             files.callback(managed.close)
+        return clock.begin(network, running)
     except Ros2Error as error:
         raise ToolError(str(error)) from error
 
@@ -323,15 +325,6 @@ def _marshaled(
             text = f"{entry.instance}.{entry.port}: {error}"
             wrong.append(ROS_TOPIC.at(span, text, hint=error.hint))
     return wrong, marshaling(port.type, message, component.stamp, tuple(constants))
-
-
-def message_classes(*interfaces: str) -> dict[str, Any]:
-    """Return the classes of interfaces that ship with rtgen, and of contained ones, by name."""
-    from rtgen.ros2.rosidl import load
-    from rtgen.tools.recording.schema_types import message_classes
-
-    files = [ros_file(f"{name}.{name.split('/')[1]}") for name in interfaces]
-    return message_classes(load(files, root=files[0].parents[2]).model)
 
 
 def _ports(running: runtime.System, instance: str) -> dict[str, Any]:

@@ -6,7 +6,6 @@ Components are configured before they are visible, and end with their run, so th
 
 from __future__ import annotations
 
-import time
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeoutError
 from typing import Any, Final, NamedTuple, TypeAlias
@@ -107,7 +106,7 @@ class LifeCycle:
         transition = _BY_STATES.get((record.before, record.after))
         if transition is None:
             return None
-        return {"timestamp": time.time_ns(), **_described(transition)}
+        return {"timestamp": self._system.clock.now(), **_described(transition)}
 
     def close(self) -> None:
         """End waiting requests without success."""

@@ -7,7 +7,6 @@ Each component is a node with its instance name, with `~/get_state` and others,
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
@@ -77,6 +76,7 @@ class ManagedNodes:
                 f"{namespace.rstrip('/')}/{name}",
                 LifeCycle(system, instance, patience),
                 Parameters(system.component(instance).configuration_sets),
+                system.clock.now,
             )
             for instance, name in nodes.items()
         }
@@ -108,7 +108,14 @@ class ManagedNodes:
 class _ManagedNode:
     """A component as a node with both groups of services."""
 
-    def __init__(self, name: str, cycle: LifeCycle, values: Parameters) -> None:
+    def __init__(
+        self,
+        name: str,
+        cycle: LifeCycle,
+        values: Parameters,
+        now: Callable[[], int],
+    ) -> None:
+        self._now = now
         self.life_cycle = cycle
         self._name = name
         self._parameters = values
@@ -152,7 +159,7 @@ class _ManagedNode:
         if active != self._active_set:
             self._active_set = active
             changed.append({"name": ACTIVE_SET, "value": active})
-        seconds, rest = divmod(time.time_ns(), SECOND)
+        seconds, rest = divmod(self._now(), SECOND)
         event = {
             "stamp": {"sec": seconds, "nanosec": rest},
             "node": self._name,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, TypeAlias
 
 import msgspec
@@ -27,6 +27,7 @@ from rtgen.runtime.distribution.medium import (
     Topic,
 )
 from rtgen.runtime.failures import log
+from rtgen.runtime.ros2.turns import Turns
 from rtgen.runtime.ros2.types import ros_name, service_hash, type_hash
 from rtgen.runtime.services.servants import (
     CallEnded,
@@ -152,6 +153,8 @@ class RosNetwork:
 
     def __init__(self, medium: Messaging[RosTopic, RosQos, RosService]) -> None:
         self.medium = medium
+        self.turns: Turns | None = None
+        """In simulated time, what does the work of messages and requests."""
         self._ends: list[Token] = []
         self._clients: list[Client] = []
         self._observers: list[Observer] = []
@@ -190,13 +193,19 @@ class RosNetwork:
 
         observed = self._observed(topic, profile, sent=False)
 
-        def take(sample: Sample) -> None:
+        def handle(octets: bytes) -> None:
             try:
                 for each in observed:
-                    each(sample.octets)
-                on_message(sample.octets)
+                    each(octets)
+                on_message(octets)
             except Exception:
                 log.exception("a message of %s cannot be handled", topic.name)
+
+        def take(sample: Sample) -> None:
+            if self.turns is None:
+                handle(sample.octets)
+            else:
+                self.turns.post(partial(handle, sample.octets))
 
         with _as_ros2(topic.name):
             self._ends.append(self.medium.subscribe(topic, RosQos.of(profile), take))

@@ -28,6 +28,7 @@ from rtgen.runtime.ros2.network import (
     RosService,
     RosTopic,
 )
+from rtgen.runtime.ros2.turns import Turns
 from rtgen.runtime.ros2.types import decoded, encoded, request_of
 from rtgen.runtime.services import calls
 from rtgen.runtime.services.ports import Consumer, Provider
@@ -143,13 +144,18 @@ class Server(msgspec.Struct, eq=False):
 class _Receiver:
     """Passes the messages of a topic to a provider, in order."""
 
-    def __init__(self, joint: EventJoint, workers: Workers) -> None:
+    def __init__(
+        self, joint: EventJoint, workers: Workers, turns: Turns | None
+    ) -> None:
         self._joint = joint
         self._workers = workers
+        self._turns = turns
 
     def take(self, octets: bytes) -> None:
         """Queue a message."""
-        if not self._workers.submit(partial(self._hand_on, octets)):
+        if self._turns is not None:
+            self._hand_on(octets)  # It is its turn.
+        elif not self._workers.submit(partial(self._hand_on, octets)):
             log.warning(
                 "%s: a message is left out: too many wait", self._joint.topic.name
             )
@@ -171,10 +177,16 @@ class _Receiver:
             interrupt_main()
 
 
-def _carried_out(joint: ServiceJoint) -> Callable[[Any], Any]:
+def _carried_out(joint: ServiceJoint, turns: Turns | None) -> Callable[[Any], Any]:
     provider = joint.port
     assert isinstance(provider, Provider)
-    return lambda request: provider.carry_out(joint.operation, (request,))
+
+    def carry_out(request: Any) -> Any:
+        return provider.carry_out(joint.operation, (request,))
+
+    if turns is None or joint.waits:
+        return carry_out
+    return lambda request: turns.call(lambda: carry_out(request))
 
 
 def _requested(joint: ServiceJoint, call: Call, timeout: float) -> Callable[[Any], Any]:
@@ -258,7 +270,8 @@ class RosServices:
                 # Calls that wait must not block the responses to others.
                 workers = Workers()
                 self._workers.append(workers)
-            server = Server(joint.service, _carried_out(joint), workers)
+            carry_out = _carried_out(joint, self._network.turns)
+            server = Server(joint.service, carry_out, workers)
             self._network.serve(joint.service, server.take)
             return
         call = self._network.client(joint.service)
@@ -268,7 +281,7 @@ class RosServices:
 
     def _join_event(self, joint: EventJoint) -> None:
         if isinstance(joint.port, Provider):
-            receiver = _Receiver(joint, self._in_order)
+            receiver = _Receiver(joint, self._in_order, self._network.turns)
             self._network.subscribe(joint.topic, joint.profile, receiver.take)
             return
         publish = self._network.publisher(joint.topic, joint.profile)

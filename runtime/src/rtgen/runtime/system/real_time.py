@@ -315,6 +315,10 @@ class RealTimeScheduler:
             self._end = self._end or error
             self._changed.notify_all()
 
+    @property
+    def is_ending(self) -> bool:
+        return self._end is not None
+
     def run(self, until_ns: int | None, until: Callable[[], bool] | None) -> bool:
         self.start()
         while True:

@@ -39,6 +39,10 @@ class Scheduler(Driver, Protocol):
     def end_run(self, error: BaseException) -> None:
         """See `System.end_run`."""
 
+    @property
+    def is_ending(self) -> bool:
+        """See `System.is_ending`."""
+
     def run(self, until_ns: int | None, until: Callable[[], bool] | None) -> bool:
         """See `System.run`."""
 

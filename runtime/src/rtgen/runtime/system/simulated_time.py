@@ -160,6 +160,10 @@ class SimulatedScheduler:
 
         self._push(self._clock.time, _BUSES, Task(between_ticks, 0))
 
+    @property
+    def is_ending(self) -> bool:
+        return self._end is not None
+
     def run(self, until_ns: int | None, until: Callable[[], bool] | None) -> bool:
         heap, clock = self._heap, self._clock
         self._raise_end()

@@ -413,6 +413,11 @@ class System(Closable):
         """
         self._scheduler.end_run(error)
 
+    @property
+    def is_ending(self) -> bool:
+        """Whether `run` raises an error of `end_run` after the current step."""
+        return self._scheduler.is_ending
+
     def close(self) -> None:
         """Let every component exit (deactivate, shut down, finalize) once all ticks have ended.
 

@@ -36,7 +36,7 @@ class Clock(ABC):
 
     @abstractmethod
     def now(self) -> int:
-        """Return the time for components and time stamps: simulated from 0, real UTC since 1970."""
+        """Return the time for components and time stamps: simulated, real UTC since 1970."""
 
     @abstractmethod
     def elapsed(self) -> int:
@@ -52,7 +52,7 @@ class SimulatedClock(Clock):
 
     def __init__(self, origin: int = 0) -> None:
         self.time = 0
-        self._origin = origin
+        self.origin = origin
         self.instants: Instants | None = None
         """The scheduler that advances the time; None without one."""
 
@@ -62,7 +62,7 @@ class SimulatedClock(Clock):
         return SimulatedNetwork(self)
 
     def now(self) -> int:
-        return self._origin + self.time
+        return self.origin + self.time
 
     def elapsed(self) -> int:
         return self.time

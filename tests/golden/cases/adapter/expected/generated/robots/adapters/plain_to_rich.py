@@ -4,23 +4,21 @@
 
 from __future__ import annotations
 
-from rtgen.runtime import RTC_OK, ReturnCode_t
+from rtgen.runtime.rtc.adapter import Adapter
 
-from .. import Rich
+from .. import Plain, Rich
 from ..components.plain_to_rich import PlainToRichBase
 
 
-class PlainToRich(PlainToRichBase):
+class PlainToRich(Adapter, PlainToRichBase):
     """Makes Rich of Plain."""
 
-    def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Convert everything that has come."""
-        while self.input.is_new() and (sample := self.input.read()) is not None:
-            made = Rich()
-            made.tm = sample.tm
-            made.part.at.x = sample.speed
-            made.part.count = sample.raw
-            made.id = sample.id
-            made.class_ = sample.from_
-            self.output.write(made)
-        return RTC_OK
+    def convert(self, sample: Plain) -> None:
+        """Convert a sample, and write the result."""
+        made = Rich()
+        made.tm = sample.tm
+        made.part.at.x = sample.speed
+        made.part.count = sample.raw
+        made.id = sample.id
+        made.class_ = sample.from_
+        self.output.write(made)

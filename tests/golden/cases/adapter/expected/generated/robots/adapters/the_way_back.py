@@ -4,20 +4,18 @@
 
 from __future__ import annotations
 
-from rtgen.runtime import RTC_OK, ReturnCode_t
+from rtgen.runtime.rtc.adapter import Adapter
 
-from .. import Plain
+from .. import Plain, Rich
 from ..components.the_way_back import TheWayBackBase
 
 
-class TheWayBack(TheWayBackBase):
+class TheWayBack(Adapter, TheWayBackBase):
     """Makes Plain of Rich."""
 
-    def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Convert everything that has come."""
-        while self.input.is_new() and (sample := self.input.read()) is not None:
-            made = Plain()
-            made.tm = sample.tm
-            made.id = sample.id
-            self.output.write(made)
-        return RTC_OK
+    def convert(self, sample: Rich) -> None:
+        """Convert a sample, and write the result."""
+        made = Plain()
+        made.tm = sample.tm
+        made.id = sample.id
+        self.output.write(made)
