@@ -184,9 +184,16 @@ def _carried_out(joint: ServiceJoint, turns: Turns | None) -> Callable[[Any], An
     def carry_out(request: Any) -> Any:
         return provider.carry_out(joint.operation, (request,))
 
-    if turns is None or joint.waits:
-        return carry_out
-    return lambda request: turns.call(lambda: carry_out(request))
+    return _in_turn(carry_out, None if joint.waits else turns)
+
+
+def _in_turn(
+    function: Callable[[Any], Any], turns: Turns | None
+) -> Callable[[Any], Any]:
+    """Return the function as it is called in the thread of simulated time."""
+    if turns is None:
+        return function
+    return lambda request: turns.call(lambda: function(request))
 
 
 def _requested(joint: ServiceJoint, call: Call, timeout: float) -> Callable[[Any], Any]:
@@ -257,7 +264,8 @@ class RosServices:
             else:
                 self._join_service(joint)
         for each in answers:
-            server = Server(each.service, each.function, self._short, each.queue)
+            function = _in_turn(each.function, network.turns)
+            server = Server(each.service, function, self._short, each.queue)
             try:
                 network.serve(each.service, server.take)
             except Ros2Error as error:
