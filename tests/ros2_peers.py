@@ -34,6 +34,7 @@ PACKAGES = (
     "test-msgs",
     "rosidl-adapter",
     "rosidl-parser",
+    "rosidl-generator-type-description",
 )
 FOLDER = Path(__file__).resolve().parent.parent / "build" / "ros2"
 PYTHON = "3.11"

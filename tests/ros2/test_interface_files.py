@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import random
 from pathlib import Path
 
 import pytest
 from ros2_peers import DISTRIBUTIONS, installation
+from seeds import cases
 
 from rtgen import api
 from rtgen.cli import run
@@ -13,7 +15,10 @@ from rtgen.compiler.backends import Options
 from rtgen.compiler.layouts.ros_types import type_hash
 from rtgen.compiler.model import Struct
 from rtgen.ros2.backend import BACKEND
+from rtgen.ros2.backend.literals import comment, literal
+from rtgen.ros2.backend.packages import interface_texts
 from rtgen.ros2.rosidl import load
+from rtgen.ros2.rosidl.values import parsed
 
 IDL = """
 #include "std_msgs/msg/Header.idl"
@@ -50,13 +55,15 @@ module Lab {
 """
 OPTIONS = Options("robots", "", "0", ros_interfaces=True)
 LEFT_OUT = [
-    "Lab::WithUnion has no message of ROS 2, which does not have the type Lab::Either",
-    "Lab::Outer has no message of ROS 2, which does not have the type Lab::WithUnion",
-    "Lab::Matrix has no message of ROS 2, which does not have arrays of several dimensions",
-    "Lab::Maybe has no message of ROS 2, which does not have optional members",
-    "Lab::Clash has no message of ROS 2, which does not have the name a_b beside the others",
-    "Lab::Arm::may_fail has no service of ROS 2, which does not have exceptions",
-]
+    f"Lab::{place} has no form in ROS 2, which does not have {what}: Lab::{owner} is left out"
+    for owner, place, what in (
+        ("WithUnion", "WithUnion::part", "the type Lab::Either"),
+        ("Outer", "Outer::inner", "the type Lab::WithUnion"),
+        ("Matrix", "Matrix::m", "arrays of several dimensions"),
+        ("Maybe", "Maybe::x", "optional members"),
+        ("Clash", "Clash::a_b", "the name a_b beside the others"),
+    )
+] + ["Lab::Arm::may_fail has no form in ROS 2, which does not have exceptions"]
 
 
 def test_read_back(tmp_path: Path) -> None:
@@ -112,7 +119,7 @@ def test_of_an_included_file_what_is_contained(tmp_path: Path) -> None:
     emission = BACKEND.emit(api.compile(wide), OPTIONS)
     assert [a.path for a in emission.artifacts] == ["ros2/rtc/msg/Time.msg"]
     assert [d.message.partition(" has ")[0] for d in emission.diagnostics] == [
-        *("RTC::TimedWChar", "Lab::Arm")
+        *("RTC::TimedWChar::data", "Lab::Arm::angle")
     ]
 
 
@@ -161,3 +168,98 @@ def test_of_a_project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert run(["generate", "-q"]) == 0
     assert Path("generated/ros2/lab/msg/Base.msg").read_text() == "float64 age\n"
     assert run(["check", "-q"]) == 0
+
+
+EXACT = """
+#include "std_msgs/msg/Header.idl"
+module lab {
+    module msg {
+        module Place_Constants { const uint8 LOST = 1; const string NAME = "a#b"; };
+        typedef double Angle;
+        /** Where it is.
+            Or was. */
+        struct Place {
+            std_msgs::msg::Header header;
+            @default(1.5) Angle x;  ///< C:\\users [m]
+            /** A text
+                in two lines. */
+            @default("say \\"#1\\"=") string text;
+            @default(TRUE) boolean known;
+        };
+        enum Mode { IDLE, BUSY };
+        struct Moded { Mode state; };
+        struct Lettered { char c; };
+        struct Cased { long aB; };
+        struct Worded { long class; };
+    };
+    module srv {
+        struct Find_Request { lab::msg::Place where; };
+        struct Find_Response { boolean done; };
+        struct Lost_Request { long x; };
+    };
+    module action {
+        struct Go_Goal { double x; };
+        struct Go_Result { double y; };
+        struct Go_Feedback { double z; };
+    };
+};
+"""
+
+
+def test_names_of_ros2(tmp_path: Path) -> None:
+    """Interfaces with names of ROS 2 keep names and hashes."""
+    model = api.compile(EXACT)
+    texts, findings = interface_texts(model)
+    assert [d.message for d in findings] == [
+        f"lab::{what}"
+        for what in (
+            "msg::Moded::state has no form in ROS 2, which does not have the type lab::msg::Mode: "
+            "lab::msg::Moded is left out",
+            "msg::Lettered::c has no form in ROS 2, which does not have the type char: "
+            "lab::msg::Lettered is left out",
+            "msg::Cased::aB has no form in ROS 2, which does not have the name aB: "
+            "lab::msg::Cased is left out",
+            "msg::Worded::class has no form in ROS 2, which does not have the name class, "
+            "a word of C++: lab::msg::Worded is left out",
+            "srv::Lost has no form in ROS 2, which does not have srv files without Lost_Response",
+        )
+    ]
+    files = {each.path: each for each in texts}
+    assert files.keys() == {
+        *("lab/msg/Place.msg", "lab/srv/Find.srv", "lab/action/Go.action")
+    }
+    assert files["lab/msg/Place.msg"].packages == {"std_msgs"}
+    assert files["lab/msg/Place.msg"].text == (
+        "# Where it is.\n# Or was.\n\n"
+        'uint8 LOST=1\nstring NAME="a\\x23b"\n\n'
+        "std_msgs/Header header\n"
+        "float64 x 1.5  # C:\\\\\\\\users [m]\n"
+        "# A text\n# in two lines.\n"
+        'string text "say \\x22\\x231\\x22\\x3d"\n'
+        "bool known true\n"
+    )
+    paths = []
+    for name, each in files.items():
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(each.text, encoding="utf-8")
+        paths.append(path)
+    back = load(paths, root=tmp_path).model
+    for name in ("msg/Place", "srv/Find_Request", "action/Go_Feedback"):
+        key = ("lab", *name.split("/"))
+        own, other = model.find(key), back.find(key)
+        assert isinstance(own, Struct)
+        assert isinstance(other, Struct)
+        assert type_hash(model, own) == type_hash(back, other)
+
+
+def test_texts_of_strings() -> None:
+    """Each text has a literal that is read back as it is; comments are read at all."""
+    pieces = ("\\", '"', "'", "#", "=", "\n", "\t", "表", "\x85", "\u2028", "n", "x4")
+    for seed in cases(500):
+        drawn = random.Random(seed)
+        text = "".join(drawn.choices(pieces, k=drawn.randint(0, 6)))
+        written = literal(text, None)
+        assert not {"#", "=", "\n", "\t"} & {*written}
+        assert parsed(written, None) == text
+        parsed(f"a{comment(text)}", None)

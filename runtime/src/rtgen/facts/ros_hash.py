@@ -26,7 +26,7 @@ _IDS: Final[Mapping[str, int]] = {
     Primitive.BOOLEAN: 15,
     Primitive.OCTET: 16,
 }
-_STRING, _BOUNDED_STRING = 17, 21
+_STRING, _BOUNDED_STRING, _BOUNDED_WIDE_STRING = 17, 21, 22
 """Type ids of type_description_interfaces/msg/FieldType; those of wide strings are one higher."""
 _ARRAY, _BOUNDED_SEQUENCE, _SEQUENCE = 48, 96, 144
 """Added to the type id of the elements."""
@@ -61,8 +61,12 @@ def field_type(
 ) -> dict[str, Any]:
     """Return the FieldType of a field: `array` elements, or a sequence of up to `sequence` (0:
     any).
+
+    As rosidl_parser (Jazzy, Kilted), an unbounded sequence of bounded wide strings has their bound.
     """
     added = 0
+    if sequence == 0 and element.id == _BOUNDED_WIDE_STRING:
+        sequence = element.string_capacity
     if array is not None:
         added = _ARRAY
     elif sequence is not None:

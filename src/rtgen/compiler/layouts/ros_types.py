@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from rtgen.compiler.model import (
     ArrayType,
+    Member,
     Model,
     NamedType,
     PrimitiveType,
@@ -31,8 +32,8 @@ def type_hash(model: Model, struct: Struct) -> str:
     """Return the hash of a message (`RIHS01_...`). Raises ValueError for types unknown to ROS 2."""
     referenced: dict[str, Struct] = {}
     _collect(model, struct, referenced)
-    described = {name: _individual(each) for name, each in referenced.items()}
-    return ros_hash.rihs01(_individual(struct), described)
+    described = {name: _individual(model, each) for name, each in referenced.items()}
+    return ros_hash.rihs01(_individual(model, struct), described)
 
 
 def service_hash(model: Model, request: Struct, response: Struct) -> str:
@@ -52,6 +53,7 @@ def service_hash(model: Model, request: Struct, response: Struct) -> str:
     parts = (request, response)
     described = {
         type_name(event): _description(
+            model,
             event,
             [
                 ("info", NamedType(EVENT_INFO)),
@@ -65,13 +67,13 @@ def service_hash(model: Model, request: Struct, response: Struct) -> str:
     referenced = {type_name(each.name): each for each in (info, *parts)}
     for each in (info, *parts):
         _collect(model, each, referenced)
-    described |= {key: _individual(struct) for key, struct in referenced.items()}
+    described |= {key: _individual(model, struct) for key, struct in referenced.items()}
     members = zip(
         ("request_message", "response_message", "event_message"),
         (request.name, response.name, event),
         strict=True,
     )
-    whole = _description(name, [(key, NamedType(each)) for key, each in members])
+    whole = _description(model, name, [(key, NamedType(each)) for key, each in members])
     return ros_hash.rihs01(whole, described)
 
 
@@ -84,37 +86,58 @@ def _collect(model: Model, struct: Struct, structs: dict[str, Struct]) -> None:
 
 
 def _nested(model: Model, struct: Struct) -> Iterator[Struct]:
-    for member in struct.members:
-        type_ = member.type
+    for member in _members(model, struct):
+        type_ = _plain(model, member.type)
         if isinstance(type_, SequenceType | ArrayType):
-            type_ = type_.element
+            type_ = _plain(model, type_.element)
         if isinstance(type_, NamedType):
             declaration = model.find(type_.name)
             if isinstance(declaration, Struct):
                 yield declaration
 
 
-def _individual(struct: Struct) -> dict[str, Any]:
-    return _description(struct.name, [(m.name, m.type) for m in struct.members])
+def _members(model: Model, struct: Struct) -> list[Member]:
+    """Return the members of a struct, those of its bases first."""
+    if struct.base is None:
+        return [*struct.members]
+    base = model.find(struct.base)
+    assert isinstance(base, Struct), "the front end saw to it"
+    return [*_members(model, base), *struct.members]
+
+
+def _plain(model: Model, type_: Type) -> Type:
+    """Return the type with typedefs resolved; names may be those of derived messages."""
+    while (typedef := model.typedef(type_)) is not None:
+        type_ = typedef.type
+    return type_
+
+
+def _individual(model: Model, struct: Struct) -> dict[str, Any]:
+    fields = [(m.name, m.type) for m in _members(model, struct)]
+    return _description(model, struct.name, fields)
 
 
 def _description(
-    name: ScopedName, fields: Sequence[tuple[str, Type]]
+    model: Model, name: ScopedName, fields: Sequence[tuple[str, Type]]
 ) -> dict[str, Any]:
-    typed = ((key, _field_type(type_)) for key, type_ in fields)
+    typed = ((key, _field_type(model, type_)) for key, type_ in fields)
     return ros_hash.description(type_name(name), typed)
 
 
-def _field_type(type_: Type) -> dict[str, Any]:
+def _field_type(model: Model, type_: Type) -> dict[str, Any]:
+    type_ = _plain(model, type_)
     if isinstance(type_, ArrayType) and len(type_.dimensions) == 1:
-        return ros_hash.field_type(_element(type_.element), array=type_.dimensions[0])
+        element = _element(model, type_.element)
+        return ros_hash.field_type(element, array=type_.dimensions[0])
     if isinstance(type_, SequenceType):
-        return ros_hash.field_type(_element(type_.element), sequence=type_.bound or 0)
-    return ros_hash.field_type(_element(type_))
+        element = _element(model, type_.element)
+        return ros_hash.field_type(element, sequence=type_.bound or 0)
+    return ros_hash.field_type(_element(model, type_))
 
 
-def _element(type_: Type) -> ros_hash.Element:
+def _element(model: Model, type_: Type) -> ros_hash.Element:
     element = None
+    type_ = _plain(model, type_)
     if isinstance(type_, NamedType):
         return ros_hash.nested(type_name(type_.name))
     if isinstance(type_, StringType):

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import keyword
 import re
 from collections.abc import Callable, Mapping
-from typing import Final
+from typing import Final, NamedTuple
 
 from rtgen.compiler.model import (
     ArrayType,
@@ -37,8 +38,22 @@ _PRIMITIVES: Final[Mapping[str, str]] = {
     Primitive.FLOAT: "float32",
     Primitive.DOUBLE: "float64",
 }
+_INEXACT: Final = (Primitive.CHAR,)
+"""Types that become others, which have another hash."""
 _GLOBAL: Final = "interfaces"
 """The package of declarations in the global scope."""
+_WORDS: Final = """
+    alignas alignof and and_eq asm auto bitand bitor bool break case catch char char8_t char16_t
+    char32_t class compl concept const consteval constexpr constinit const_cast continue
+    co_await co_return co_yield decltype default delete do double dynamic_cast else enum
+    explicit export extern false float for friend goto if inline int long mutable namespace new
+    noexcept not not_eq nullptr operator or or_eq private protected public register
+    reinterpret_cast requires restrict return short signed sizeof static static_assert
+    static_cast struct switch template this thread_local throw true try typedef typeid typename
+    union unsigned using virtual void volatile wchar_t while xor xor_eq linux unix
+"""
+"""Words of C (ISO/IEC 9899:2018, 6.4.1) and C++ (ISO/IEC 14882:2020, 5.11), and macros of GCC."""
+_KEYWORDS: Final = frozenset(_WORDS.split())
 
 
 class InexpressibleError(Exception):
@@ -72,34 +87,71 @@ def reference(name: ScopedName) -> str:
     return f"{package_name(name[:-1])}/{message_name(name[-1])}"
 
 
-def field_type(model: Model, type_: Type, written: Callable[[ScopedName], bool]) -> str:
-    """Return the type of a field; `written` returns whether a struct has a message."""
+def package_of(name: ScopedName) -> str:
+    """Return the package of a message."""
+    return name[0] if is_interface(name) else package_name(name[:-1])
+
+
+def refusal(name: str) -> str | None:
+    """Return why ROS 2 cannot have a field of a valid form; None if it can."""
+    if name in _KEYWORDS:
+        return f"the name {name}, a word of C++"
+    if keyword.iskeyword(name):
+        return f"the name {name}, a word of Python"
+    return None
+
+
+class Form(NamedTuple):
+    """The type of a field: its text, and what its default is read as.
+
+    `kind` is None for strings, of at most `bound`; `has_default`: a default is possible.
+    """
+
+    text: str
+    kind: Primitive | None = None
+    bound: int | None = None
+    has_default: bool = True
+
+
+def form_of(
+    model: Model, type_: Type, written: Callable[[ScopedName], bool], *, exact: bool
+) -> Form:
+    """Return the type of a field; `written` returns whether a struct has a message.
+
+    `exact`: the hash of the message is known, so a similar type does not do. Raises
+    InexpressibleError.
+    """
     type_ = model.unalias(type_)
+    suffix = ""
     if isinstance(type_, SequenceType):
-        bound = "" if type_.bound is None else f"<={type_.bound}"
-        return f"{_element(model, type_.element, written)}[{bound}]"
-    if isinstance(type_, ArrayType):
+        suffix = f"[{'' if type_.bound is None else f'<={type_.bound}'}]"
+        type_ = model.unalias(type_.element)
+    elif isinstance(type_, ArrayType):
         if len(type_.dimensions) > 1:
             raise InexpressibleError("arrays of several dimensions")
-        return f"{_element(model, type_.element, written)}[{type_.dimensions[0]}]"
-    return _element(model, type_, written)
+        suffix = f"[{type_.dimensions[0]}]"
+        type_ = model.unalias(type_.element)
+    element = _element(model, type_, written, exact)
+    return element._replace(text=f"{element.text}{suffix}")
 
 
-def _element(model: Model, type_: Type, written: Callable[[ScopedName], bool]) -> str:
-    type_ = model.unalias(type_)
+def _element(
+    model: Model, type_: Type, written: Callable[[ScopedName], bool], exact: bool
+) -> Form:
     match type_:
         case SequenceType() | ArrayType():
             raise InexpressibleError("sequences and arrays in each other")
         case StringType(wide=wide, bound=bound):
             name = "wstring" if wide else "string"
-            return name if bound is None else f"{name}<={bound}"
+            return Form(name if bound is None else f"{name}<={bound}", None, bound)
         case PrimitiveType(kind=kind) if kind in _PRIMITIVES:
-            return _PRIMITIVES[kind]
+            if not (exact and kind in _INEXACT):
+                read = Primitive.UINT8 if kind == Primitive.CHAR else kind
+                return Form(_PRIMITIVES[kind], Primitive(read))
         case NamedType(name=name):
             declaration = model.find(name)
-            if isinstance(declaration, Enum) and declaration.bound == 32:
-                return "uint32"
+            if isinstance(declaration, Enum) and declaration.bound == 32 and not exact:
+                return Form("uint32", Primitive.UNSIGNED_LONG)
             if isinstance(declaration, Struct) and written(name):
-                return reference(name)
-            raise InexpressibleError(f"the type {type_}")
+                return Form(reference(name), has_default=False)
     raise InexpressibleError(f"the type {type_}")

@@ -24,7 +24,7 @@ PARTS: Final = {
 
 _UUID: Final = "unique_identifier_msgs/UUID"
 _TIME: Final = "builtin_interfaces/Time"
-_DERIVED: Final = {
+DERIVED: Final = {
     "_SendGoal_Request": (("goal_id", _UUID), ("goal", "_Goal")),
     "_SendGoal_Response": (("accepted", "bool"), ("stamp", _TIME)),
     "_GetResult_Request": (("goal_id", _UUID),),
@@ -49,7 +49,7 @@ def messages_of(
     for suffix, part in zip(PARTS[kind], parts, strict=True):
         yield Message((package, kind, name + suffix), part, span)
     if kind == "action":
-        for suffix, members in _DERIVED.items():
+        for suffix, members in DERIVED.items():
             fields = tuple(
                 Field(
                     field,

@@ -83,9 +83,14 @@ def shipped() -> Mapping[str, VirtualFile | Path]:
     }
 
 
+def is_shipped(key: str) -> bool:
+    """Return whether a file with a key is one of those that ship with rtgen."""
+    return key.startswith(_KEYS)
+
+
 def dependencies(files: Sequence[SourceFile]) -> Iterator[Dependency]:
     """Yield the dependencies on those of the files that ship with rtgen."""
     for file in files:
-        if file.key.startswith(_KEYS):
+        if is_shipped(file.key):
             path = ros_file(file.key.removeprefix(_KEYS))
             yield Dependency(path, file.sha256)

@@ -38,7 +38,7 @@ STRINGS: Final = ("string", "wstring")
 MESSAGE_NAME: Final = re.compile(r"[A-Z][A-Za-z0-9]*")
 PACKAGE_NAME: Final = re.compile(r"(?!.*__)(?!.*_$)[a-z][a-z0-9_]*")
 FIELD_NAME: Final = PACKAGE_NAME
-_CONSTANT_NAME: Final = re.compile(r"[A-Z](?:[A-Z0-9]|_(?=[A-Z0-9]))*")
+CONSTANT_NAME: Final = re.compile(r"[A-Z](?:[A-Z0-9]|_(?=[A-Z0-9]))*")
 _SEPARATOR: Final = "---"
 _TYPE: Final = re.compile(
     r"(?P<base>[A-Za-z][A-Za-z0-9_/]*)(?:<=(?P<length>[^\[]*))?"
@@ -230,7 +230,7 @@ class _Reader:
 
     def _is_name(self, line: _Line, span: Span) -> bool:
         name = line.name
-        if (_CONSTANT_NAME if line.is_constant else FIELD_NAME).fullmatch(name):
+        if (CONSTANT_NAME if line.is_constant else FIELD_NAME).fullmatch(name):
             return True
         if line.is_constant:
             message = f"{name or '='} is not a name of a constant"
@@ -240,7 +240,7 @@ class _Reader:
         else:
             message = f"{name} is not a name of a field"
             hint = "lower-case letters and digits, single underscores between them"
-            if _CONSTANT_NAME.fullmatch(name):
+            if CONSTANT_NAME.fullmatch(name):
                 hint = f"a constant is written {name}=VALUE"
         self._findings.add(rules.BAD_NAME, span, message, hint=hint)
         return False

@@ -361,8 +361,10 @@ class Writer:
         """Return an argument of an annotation, as a value of its own kind or of the type."""
         plain = None if type_ is None else self._model.unalias(type_)
         if isinstance(value, str):
-            wide = plain in (StringType(wide=True), PrimitiveType(Primitive.WCHAR))
-            if not wide:
+            if not (
+                plain == PrimitiveType(Primitive.WCHAR)
+                or (isinstance(plain, StringType) and plain.wide)
+            ):
                 return readable_string(value)
             return self._literal(StringType(wide=True), value)
         if plain is None or isinstance(plain, SequenceType | ArrayType):

@@ -10,7 +10,7 @@ _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f\ud800-\udfff\ufeff]")
 
 
 def characters(text: str, wide: bool) -> str:
-    """Escape a text for a literal: non-ASCII characters by their codes."""
+    """Escape a text for a literal: non-ASCII characters by their codes, where escapes have them."""
     return "".join(_character(c, wide) for c in text)
 
 
@@ -44,4 +44,6 @@ def _character(character: str, wide: bool) -> str:
     if character in _PLAIN:
         return character
     code = ord(character)
+    if code > (0xFFFF if wide else 0xFF):
+        return character  # no escape is so long
     return f"\\u{code:04x}" if wide else f"\\x{code:02x}"
