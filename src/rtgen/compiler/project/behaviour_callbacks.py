@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 from rtgen.compiler.diagnostics import Diagnostic, Span
 from rtgen.compiler.project.rules import MISSPELT_CALLBACK, NO_ANSWER, NOT_PYTHON
@@ -20,14 +20,17 @@ _ENDS = frozenset({"exit", "_exit", "abort", "assert_never"})
 """Functions that do not return."""
 
 
-def findings(package: str, file: str, text: str) -> Iterator[Diagnostic]:
+def findings(
+    package: str, file: str, text: str, parse: Callable[[str], ast.Module] = ast.parse
+) -> Iterator[Diagnostic]:
     """Yield what Python says about a module that it cannot read, else callbacks in vain.
 
     These have nearly the name of a callback, and nothing in the module uses them, or return
-    nothing. `package` is that of the generated modules with the bases of behaviours.
+    nothing. `package` is that of the generated modules with the bases of behaviours; `parse` may
+    keep the tree for others.
     """
     try:
-        tree = ast.parse(text)
+        tree = parse(text)
     except SyntaxError as error:
         line, column = error.lineno or 1, max(error.offset or 1, 1)
         span = Span(file, line, column, line, column + 1)

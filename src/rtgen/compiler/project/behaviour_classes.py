@@ -94,6 +94,7 @@ class Modules:
         self._generated = generated
         self._users = users
         self._modules: dict[str, Module | None] = {}
+        self._trees: dict[str, ast.Module] = {}
         self._names: dict[tuple[str, str], frozenset[str] | None] = {}
         self._own: dict[tuple[str, str], frozenset[str] | None] = {}
         self._nodes: dict[ast.AST, list[ast.AST]] = {}
@@ -104,6 +105,15 @@ class Modules:
         if name not in self._modules:
             self._modules[name] = self._parsed(name)
         return self._modules[name]
+
+    def tree(self, text: str) -> ast.Module:
+        """Return the syntax tree of a text, parsed once.
+
+        Raises SyntaxError, ValueError and RecursionError, as Python does.
+        """
+        if text not in self._trees:
+            self._trees[text] = ast.parse(text)
+        return self._trees[text]
 
     def is_generated(self, name: str) -> bool:
         """Return whether a module or a package of that name is generated."""
@@ -122,7 +132,7 @@ class Modules:
         if text is None:
             return None
         try:
-            tree = ast.parse(text)
+            tree = self.tree(text)
         except (SyntaxError, ValueError, RecursionError):
             return None  # reported when the module is imported
         is_package = is_generated and f"{path}.py" not in self._generated

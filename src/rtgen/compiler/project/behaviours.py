@@ -139,7 +139,9 @@ class Behaviours:
         for file, text in self._texts.items():
             if text in skeletons:  # as rtgen has written it
                 continue
-            yield from behaviour_callbacks.findings(project.package, file, text)
+            yield from behaviour_callbacks.findings(
+                project.package, file, text, known.tree
+            )
             used = self._used[file]
             for module in used.keys() - self._bases.keys():
                 yield LEFTOVER_SKELETON.at(

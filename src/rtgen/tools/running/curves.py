@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -312,6 +311,8 @@ def write_curves(stream: TextIO, curves: Sequence[Curve]) -> None:
     for column, curve in enumerate(curves):
         for time, value in zip(curve.times, curve.values, strict=True):
             rows.setdefault(time, {})[column] = value
+    import csv  # lazily: few runs write a table
+
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(["t", *(curve.title for curve in curves)])
     for time, values in sorted(rows.items()):

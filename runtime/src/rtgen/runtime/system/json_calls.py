@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from difflib import get_close_matches
 from typing import Any, Final, TypeAlias
 
 import msgspec
@@ -126,6 +125,8 @@ def provider_of(component: Component, target: str, operation: str) -> Provider[A
 
 
 def _near(name: str, names: Sequence[str]) -> str:
+    from difflib import get_close_matches  # for an error only
+
     close = get_close_matches(name, names, n=1)
     if close:
         return f"did you mean {close[0]}?"
