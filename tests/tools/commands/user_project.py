@@ -5,7 +5,10 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+import tempfile
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 DOCS = Path(__file__).parents[3] / "docs"
@@ -75,14 +78,30 @@ def files_of(page: str) -> dict[str, str]:
     return dict(found)
 
 
+@cache
+def _project() -> Mapping[str, bytes]:
+    """Return the files of the project of docs/systems.md after `rtgen generate`."""
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
+        for name, text in files_of("systems.md").items():
+            file = folder / name
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text)
+        command = [sys.executable, "-m", "rtgen", "generate", "-q", "--no-cache"]
+        subprocess.run(command, cwd=folder, check=True)
+        return {
+            str(file.relative_to(folder)): file.read_bytes()
+            for file in folder.rglob("*")
+            if file.is_file()
+        }
+
+
 def write(folder: Path) -> None:
-    """Write the project of docs/systems.md, and generate it."""
-    for name, text in files_of("systems.md").items():
+    """Write the project of docs/systems.md, as it has been generated once."""
+    for name, octets in _project().items():
         file = folder / name
         file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(text)
-    command = [sys.executable, "-m", "rtgen", "generate", "-q", "--no-cache"]
-    subprocess.run(command, cwd=folder, check=True)
+        file.write_bytes(octets)
 
 
 def forget_modules() -> None:
