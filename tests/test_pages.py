@@ -27,8 +27,8 @@ from pages import (
 
 from rtgen.cli import SECTIONS, application
 
-LONG = frozenset({"experiments", "reference-build"})
-"""Pages with runs of whole systems, which tests/reference runs, too."""
+LONG = frozenset({"canopen", "experiments", "reference-build"})
+"""Pages with runs of whole systems and networks, which other tests run, too."""
 README = ROOT / "README.md"
 START = (
     *("first-component", "first-board", "first-can-device", "first-system"),

@@ -5,8 +5,10 @@ from __future__ import annotations
 import csv
 import os
 import re
+import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -19,12 +21,26 @@ SYSTEM = str(ROOT / "specs/navigation/rh3_goal.xml")
 SHORT = ["run", SYSTEM, "--until", "0.5"]
 
 
-@pytest.fixture(autouse=True)
-def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "rtgen.toml").write_text((ROOT / "rtgen.toml").read_text())
+@pytest.fixture(scope="module")
+def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with the reference tree, whose definitions are read once."""
+    folder = tmp_path_factory.mktemp("project")
+    (folder / "rtgen.toml").write_text((ROOT / "rtgen.toml").read_text())
     for name in ("specs", "src", "generated"):
-        (tmp_path / name).symlink_to(ROOT / name)
-    monkeypatch.chdir(tmp_path)
+        (folder / name).symlink_to(ROOT / name)
+    return folder
+
+
+@pytest.fixture(autouse=True)
+def _folder(project: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    before = {*project.iterdir()}
+    monkeypatch.chdir(project)
+    yield
+    for each in {*project.iterdir()} - before:
+        if each.is_dir():
+            shutil.rmtree(each)
+        else:
+            each.unlink()
 
 
 def _table(path: str) -> tuple[list[str], list[list[str]]]:

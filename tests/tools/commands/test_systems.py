@@ -18,11 +18,17 @@ ROOT = Path(__file__).resolve().parents[3]
 SYSTEM = ROOT / "specs" / "navigation" / "rh3_goal.xml"
 
 
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder in which the definitions of the reference tree are kept."""
+    return tmp_path_factory.mktemp("cache")
+
+
 @pytest.fixture(autouse=True)
-def _at_root(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def _at_root(monkeypatch: pytest.MonkeyPatch, cache: Path) -> None:
     monkeypatch.chdir(ROOT)
     monkeypatch.setattr(sys, "path", list(sys.path))
-    monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
+    monkeypatch.setenv("RTGEN_CACHE_DIR", str(cache))
 
 
 def changed(folder: Path, old: str, new: str) -> str:

@@ -37,6 +37,8 @@ KINDS = {
     "Heating::Setup::set_room=set_lab": ("double set_ro^om(", 5),
 }
 """Renames, with the place of the name in the IDL, and the number of files that change."""
+AT_ONCE = ("Heater=Radiator", "Heating::Power::watt=watts")
+"""Those that `make test` carries out; each takes seconds, most of them mypy's."""
 
 
 @pytest.fixture
@@ -111,7 +113,13 @@ def assert_fits(folder: Path, cache: Path, capfd: pytest.CaptureFixture[str]) ->
         assert "warning:" not in done.stdout + done.stderr
 
 
-@pytest.mark.parametrize("rename", list(KINDS))
+@pytest.mark.parametrize(
+    "rename",
+    [
+        pytest.param(each, marks=() if each in AT_ONCE else pytest.mark.nightly)
+        for each in KINDS
+    ],
+)
 def test_the_command_and_the_editor(
     rename: str,
     project: Path,
