@@ -24,7 +24,7 @@ from rtgen.tools.kit.exits import Refusal
 from rtgen.tools.running.execution import executed
 from rtgen.tools.running.failures import FailureOptions
 from rtgen.tools.running.live_options import LiveOptions
-from rtgen.tools.running.plan import Plan, RunOptions, planned
+from rtgen.tools.running.plan import BOARDS, Plan, RunOptions, planned
 from rtgen.tools.running.recording_options import RecordingOptions
 from rtgen.tools.running.transports import TransportOptions
 
@@ -139,12 +139,13 @@ def run(
     """Run a system on the embedded runtime.
 
     SYSTEM is an RtsProfile, or a folder with system.xml and perhaps timeline.toml; it and options
-    that are missing are those of `[run]` in rtgen.toml.
+    that are missing are those of `[run]` in rtgen.toml. With --ros2 it may be left out: then the
+    boards of the project alone are served.
     Exit code 1: the end was not reached, a component ended in ERROR, or its code raised; 130:
     interrupted. --csv and --plot INSTANCE.PORT[.MEMBER] may be repeated.
     """
     options = RunOptions(
-        system=required(system),
+        system=(system or BOARDS) if ros2 is not None else required(system),
         simulated=clock != "real",
         follows_ros=clock == "ros",
         until=until,

@@ -57,11 +57,11 @@ FORMAT = "rtgen-inspect/1"
 
 
 def inspect(
-    model: Model, diagnostics: Sequence[Diagnostic], services: Sequence[Json] = ()
+    model: Model, diagnostics: Sequence[Diagnostic], of_ros: Json | None = None
 ) -> Json:
     """Return the model and the diagnostics as one JSON object.
 
-    `services` are those of ROS 2 that boards have: `name`, `type`, `hash`, `function`.
+    `of_ros` has what boards are in ROS 2: `ros_services`, `ros_nodes`.
     """
     declarations = [_declaration(d, model) for d in defined(model.declarations)]
     return {
@@ -75,7 +75,7 @@ def inspect(
             *_of_other_languages(model),
             *map(_system, model.systems),
         ],
-        **({"ros_services": [*services]} if services else {}),
+        **(of_ros or {}),
         "diagnostics": [as_json(d) for d in diagnostics],
     }
 
@@ -106,10 +106,10 @@ def defined(declarations: Iterable[Declaration]) -> list[Declaration]:
 
 
 def json_text(
-    model: Model, diagnostics: Sequence[Diagnostic], services: Sequence[Json] = ()
+    model: Model, diagnostics: Sequence[Diagnostic], of_ros: Json | None = None
 ) -> str:
     """Return the result of `inspect` as indented text."""
-    return indented_json.dumps(inspect(model, diagnostics, services)) + "\n"
+    return indented_json.dumps(inspect(model, diagnostics, of_ros)) + "\n"
 
 
 FIELDS.update(
@@ -278,10 +278,10 @@ def _character(value: str, wide: bool) -> str:
     return f"'{text}'"
 
 
-def tree(model: Model, services: Sequence[Json] = ()) -> str:
+def tree(model: Model, of_ros: Json | None = None) -> str:
     """Return the model as text: one line for each declaration and member, by file.
 
-    `services` are as in `inspect`.
+    `of_ros` is as in `inspect`.
     """
     from rtgen.compiler.inspection import buses, devices, tecs
 
@@ -303,8 +303,14 @@ def tree(model: Model, services: Sequence[Json] = ()) -> str:
         lines += [system.file, f"  system {system.name}"]
         lines += [f"    {c.instance}: {c.type}" for c in system.components]
         lines += [f"    {c.source} -> {c.target}" for c in system.connections]
-    for s in services:
-        lines += [f"service {s['name']}: {s['type']}", f"  {s['hash']}"]
+    for service in (of_ros or {}).get("ros_services", ()):
+        lines += [f"service {service['name']}: {service['type']}"]
+        lines += [f"  {service['hash']}"]
+    for node in (of_ros or {}).get("ros_nodes", ()):
+        lines += [f"node {node['node']}"]
+        topics, parameters = node["topics"], node["parameters"]
+        lines += [f"  {t['direction']} {t['name']}: {t['type']}" for t in topics]
+        lines += [f"  parameter {each['name']}" for each in parameters]
     return "".join(f"{line}\n" for line in lines)
 
 

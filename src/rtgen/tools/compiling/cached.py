@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rtgen.compiler.kit import plugins, stages
 from rtgen.compiler.project import Project, behaviours
@@ -129,12 +129,12 @@ def _inspected(
             diagnostics += seen
     model = replace(result.model, systems=tuple(systems))
     diagnostics = in_order(diagnostics)
-    services = [] if project is None else _ros_services(project, model)
+    of_ros = {} if project is None else _of_ros(project, model)
     with stages.stage("print"):
         printer = (
             partial(json_text, model, diagnostics) if as_json else partial(tree, model)
         )
-        text = printer(services)
+        text = printer(of_ros)
     return Compilation(
         artifacts=(Artifact("model", text, ()),),
         inputs={},
@@ -144,15 +144,21 @@ def _inspected(
     )
 
 
-def _ros_services(project: Project, model: Model) -> list[dict[str, str]]:
-    """Return the services of ROS 2 by which boards are called."""
-    if not (project.ros2.boards and model.tecs):
-        return []
-    from rtgen.compiler.lowering.tecs.boards import lower
-    from rtgen.ros2.boards.interfaces import interfaces, service_facts
+def _of_ros(project: Project, model: Model) -> dict[str, list[Any]]:
+    """Return what boards are in ROS 2: services of TECS boards, nodes of CANopen buses."""
+    of_ros: dict[str, list[Any]] = {}
+    space = project.ros2.namespace
+    if project.ros2.boards and model.tecs:
+        from rtgen.compiler.lowering.tecs.boards import lower
+        from rtgen.ros2.boards.interfaces import interfaces, service_facts
 
-    made = interfaces(lower(model, project.lowering).model, project.package)
-    return [*service_facts(made, project.ros2.namespace)]
+        made = interfaces(lower(model, project.lowering).model, project.package)
+        of_ros["ros_services"] = [*service_facts(made, space)]
+    if project.ros2.boards and model.buses:
+        from rtgen.ros2.devices import device_facts, devices
+
+        of_ros["ros_nodes"] = [*device_facts(devices(model), space)]
+    return of_ros
 
 
 def _checked(

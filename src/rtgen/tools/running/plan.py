@@ -16,7 +16,13 @@ from rtgen.compiler.diagnostics import (
     in_order,
 )
 from rtgen.compiler.model import System
-from rtgen.compiler.project import Project, cache, changed_inputs, load_around
+from rtgen.compiler.project import (
+    FILE_NAME,
+    Project,
+    cache,
+    changed_inputs,
+    load_around,
+)
 from rtgen.compiler.systems import conditions, timeline
 from rtgen.compiler.systems.checks import check_properties
 from rtgen.compiler.systems.conditions import Condition
@@ -43,9 +49,13 @@ if TYPE_CHECKING:
     from rtgen.tools.running.ros2_boards import Boards
 
 
+BOARDS = FILE_NAME
+"""In place of a system: the boards of the project around the working folder alone."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunOptions:
-    """The options of `rtgen run`, as its help describes them.
+    """The options of `rtgen run`, as its help describes them; `system` may be `BOARDS`.
 
     `until_at` is the place of `until` in rtgen.toml. `follows_ros`: the simulated time is that of
     ROS 2's topic `/clock`.
@@ -126,7 +136,9 @@ def planned(options: RunOptions, console: Console) -> Plan:
     """Return the plan of a whole system. Raises ReportedError, InputError, Refusal, ToolError."""
     carrying, simulated = options.carrying, options.simulated
     carrying.check(simulated=simulated)
-    profile = read_system(options.system, console)
+    profile = (
+        _nothing() if options.system == BOARDS else read_system(options.system, console)
+    )
     course = timeline.of_system(Path(options.system), options.timeline_file, profile)
     console.findings(course.skipped)
     project = load_around(Path(options.system))
@@ -138,7 +150,11 @@ def planned(options: RunOptions, console: Console) -> Plan:
         boards = ros2_boards.of_project(project)
         if boards is not None:
             console.findings(boards.findings)
-            profile = boards.completed(profile)
+            profile = boards.completed(profile, alone=options.system == BOARDS)
+    if not profile.components and options.system == BOARDS:
+        raise Refusal(
+            "no SYSTEM, no [run] system in rtgen.toml, and no boards for ROS 2"
+        )
     require_fitting(project, profile, course.steps, console)
     factories = Factories(project)
     languages = factories.foreign
@@ -160,6 +176,14 @@ def planned(options: RunOptions, console: Console) -> Plan:
             profile, plan.outside, carrying, languages, simulated=simulated
         )
     return plan
+
+
+def _nothing() -> System:
+    """Return a system without components, which has the name of the working folder."""
+    name = Path.cwd().name
+    return System(
+        name=name, id="", file=BOARDS, abstract="", components=(), connections=()
+    )
 
 
 def read_system(path: str | Path, console: Console) -> System:

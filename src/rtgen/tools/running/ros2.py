@@ -69,6 +69,12 @@ def join(
     nodes = _nodes(running) if settings.managed_nodes else {}
     joints = _joints(settings, running, node, nodes, others=boards is not None)
     services = _service_joints(settings, running, node, nodes)
+    found = {}
+    if boards is not None and boards.devices:
+        from rtgen.tools.running.ros2_devices import join_devices, present, require_free
+
+        found = present(boards.devices, running)
+        require_free((device for device, _ in found.values()), nodes.values())
     served = [] if boards is None else [*_of_boards(boards, running, node, nodes)]
     try:
         network = open_network(kind, node, project, console)
@@ -78,6 +84,8 @@ def join(
         running.closing.at_halt(network.end_calls)
         files.callback(RosPorts(network, joints).close)
         files.callback(RosServices(network, services, answers=served).close)
+        if found:
+            join_devices(found, network, node, running, message_classes, files)
         if nodes:
             classes = message_classes(*INTERFACES)
             space = settings.namespace

@@ -1,4 +1,4 @@
-"""TECS boards of a project in a run with `--ros2`: their RTCs, and functions as services."""
+"""Boards of a project in a run with `--ros2`: their RTCs, functions of TECS as services."""
 
 from __future__ import annotations
 
@@ -36,6 +36,7 @@ from rtgen.ros2.boards.interfaces import (
     interfaces,
 )
 from rtgen.ros2.boards.values import Classes, to_board, to_message
+from rtgen.ros2.devices import RosDevice, devices
 from rtgen.runtime.opaque_rpc import (
     E_OBJ,
     E_PAR,
@@ -48,11 +49,12 @@ from rtgen.runtime.opaque_rpc.errors import described
 from rtgen.runtime.ros2.types import blank
 from rtgen.runtime.services.servants import ServiceError
 from rtgen.tools.recording.schema_types import message_classes
+from rtgen.tools.running import ros2_devices
 
 if TYPE_CHECKING:
     from rtgen.runtime.services.ports import Provider
 
-_CDL = ".cdl"
+_SUFFIXES = (".cdl", ".eds", ".dcf", ".toml")
 
 
 class Served(msgspec.Struct, frozen=True):
@@ -66,10 +68,13 @@ class Served(msgspec.Struct, frozen=True):
 
 
 class Boards:
-    """The boards of a project with the services of their functions."""
+    """The boards of a project with the services of their functions, and its CANopen devices."""
 
-    def __init__(self, made: Iterable[Interfaces], package: str) -> None:
+    def __init__(
+        self, made: Iterable[Interfaces], devices: Iterable[RosDevice], package: str
+    ) -> None:
         self._made = tuple(made)
+        self.devices = tuple(devices)
         self._package = package
         self._marshallers: dict[int, str] = {}
         """The instances of marshallers, by the joins' ids."""
@@ -84,11 +89,14 @@ class Boards:
         for each in self._made:
             yield from each.board.plan.joins
 
-    def completed(self, system: System) -> System:
+    def completed(self, system: System, *, alone: bool) -> System:
         """Return a system with the marshaller and the communication RTC of each board.
 
-        Those that the system has are used.
+        Those that the system has are used. `alone`: there is no system; managers and proxies of all
+        CANopen buses are added, too.
         """
+        if alone:
+            system = ros2_devices.with_buses(system, self.devices)
         for join in self._joins:
             instance = _marshaller(system, join, self._joins)
             if instance is None:
@@ -139,7 +147,7 @@ class Boards:
 
 def of_project(project: Project) -> Boards | None:
     """Return the boards of a project; None if ROS 2 shows none. Raises InputError."""
-    files = [path for path in project.sources if path.suffix.lower() == _CDL]
+    files = [path for path in project.sources if path.suffix.lower() in _SUFFIXES]
     if not (project.ros2.boards and files):
         return None
     boards = replace(project, sources=tuple(files), adapters=())
@@ -147,7 +155,8 @@ def of_project(project: Project) -> Boards | None:
     if has_errors(read.diagnostics):
         raise InputError([d for d in read.diagnostics if has_errors([d])])
     made = interfaces(read.model, project.package)
-    return Boards(made, project.package) if made else None
+    nodes = devices(read.model) if read.model.buses else []
+    return Boards(made, nodes, project.package) if made or nodes else None
 
 
 def _marshaller(system: System, join: RtcJoin, joins: Iterable[RtcJoin]) -> str | None:

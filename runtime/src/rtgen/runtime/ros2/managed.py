@@ -7,7 +7,7 @@ Each component is a node with its instance name, with `~/get_state` and others,
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Final
 
 from rtgen.facts.ros_qos import PROFILES
@@ -128,16 +128,11 @@ class _ManagedNode:
     ) -> None:
         """Serve and publish. Raises Ros2Error."""
         node = self._name.rpartition("/")[2]
-        for name, type_ in _SERVICES.items():
-            request, response = (
-                classes[f"{type_}_{end}"] for end in ("Request", "Response")
-            )
-            service = RosService(
-                request, response, f"{self._name}/{name}", classes[EVENT_INFO], node
-            )
-            side = self.life_cycle if name in life_cycle.SERVICES else self._parameters
-            answer = _answering(getattr(side, name), response)
-            network.serve(service, Server(service, answer, workers, service.name).take)
+        for side, names in (
+            (self.life_cycle, life_cycle.SERVICES),
+            (self._parameters, parameters.SERVICES),
+        ):
+            _serve(network, classes, workers, self._name, side, names)
         for topic, type_, profile in (
             (f"{self._name}/transition_event", _TRANSITION_EVENT, "default"),
             ("/parameter_events", _PARAMETER_EVENT, "parameter_events"),
@@ -175,6 +170,55 @@ class _ManagedNode:
                 publish(octets)
         except Ros2Error as error:
             log.warning("%s: %s", self._name, error)
+
+
+def _serve(
+    network: RosNetwork,
+    classes: Mapping[str, type[Any]],
+    workers: Workers,
+    node: str,
+    side: object,
+    names: Iterable[str],
+    queue: str | None = None,
+) -> None:
+    """Serve methods of an object as services of a node. Raises Ros2Error."""
+    for name in names:
+        type_ = _SERVICES[name]
+        request, response = (
+            classes[f"{type_}_{end}"] for end in ("Request", "Response")
+        )
+        service = RosService(
+            *(request, response),
+            f"{node}/{name}",
+            classes[EVENT_INFO],
+            node.rpartition("/")[2],
+        )
+        answer = _answering(getattr(side, name), response)
+        queued = service.name if queue is None else queue
+        network.serve(service, Server(service, answer, workers, queued).take)
+
+
+class ParameterNodes:
+    """Nodes with parameters alone, until `close`; the network stays open."""
+
+    def __init__(
+        self,
+        network: RosNetwork,
+        nodes: Mapping[str, object],
+        classes: Mapping[str, type[Any]],
+    ) -> None:
+        """Initialize with the parameters of nodes by their qualified names. Raises Ros2Error.
+
+        `classes` are those of `INTERFACES`. The requests of a node are served one by one.
+        """
+        self._workers = Workers()
+        for node, values in nodes.items():
+            names = parameters.SERVICES
+            _serve(network, classes, self._workers, node, values, names, queue=node)
+
+    def close(self) -> None:
+        """Stop responding."""
+        self._workers.close()
 
 
 def _answering(

@@ -16,7 +16,6 @@ from rtgen.facts.primitives import FLOAT_LIMITS, INTEGER_RANGES
 from rtgen.runtime.errors import ConfigurationError
 from rtgen.runtime.ros2.life_cycle import Members
 from rtgen.runtime.rtc.configuration import ACTIVE_SET, ConfigurationSets
-from rtgen.runtime.rtc.profiles import ParameterProfile
 from rtgen.runtime.services.servants import ServiceError
 
 SERVICES: Final = {
@@ -46,7 +45,7 @@ class Kind(IntEnum):
 
 
 _ARRAY: Final = Kind.BOOL_ARRAY - Kind.BOOL
-_ALSO_ACCEPTED: Final = {
+ACCEPTED: Final = {
     Kind.DOUBLE: (Kind.INTEGER,),
     Kind.DOUBLE_ARRAY: (Kind.INTEGER_ARRAY,),
     Kind.BYTE_ARRAY: (Kind.INTEGER_ARRAY,),
@@ -75,32 +74,32 @@ class Parameters:
 
     def list_parameters(self, request: Any) -> Members:
         """Return the names at or below the prefixes, at most `depth` words deep; 0: any depth."""
-        _bounded(request.prefixes)
-        names = [n for n in (*self._profiles, ACTIVE_SET) if _is_listed(n, request)]
+        bounded(request.prefixes)
+        names = [n for n in (*self._profiles, ACTIVE_SET) if is_listed(n, request)]
         above = (name.rpartition(".")[0] for name in names)
         prefixes = list(dict.fromkeys(filter(None, above)))
         return {"result": {"names": names, "prefixes": prefixes}}
 
     def get_parameters(self, request: Any) -> Members:
         """Return the values; NOT_SET for unknown names."""
-        return {"values": [self.value(name) for name in _bounded(request.names)]}
+        return {"values": [self.value(name) for name in bounded(request.names)]}
 
     def get_parameter_types(self, request: Any) -> Members:
         """Return the types; NOT_SET for unknown names."""
-        names = _bounded(request.names)
+        names = bounded(request.names)
         return {"types": bytes(self.value(name)["type"] for name in names)}
 
     def describe_parameters(self, request: Any) -> Members:
         """Return the descriptors; for unknown names those of a parameter that is not set."""
-        return {"descriptors": [self._descriptor(n) for n in _bounded(request.names)]}
+        return {"descriptors": [self._descriptor(n) for n in bounded(request.names)]}
 
     def set_parameters(self, request: Any) -> Members:
         """Set parameters one by one."""
-        return {"results": [self._set([each]) for each in _bounded(request.parameters)]}
+        return {"results": [self._set([each]) for each in bounded(request.parameters)]}
 
     def set_parameters_atomically(self, request: Any) -> Members:
         """Set all parameters between the same two cycles, or none."""
-        return {"result": self._set(_bounded(request.parameters))}
+        return {"result": self._set(bounded(request.parameters))}
 
     def value(self, name: str, text: str | None = None) -> Members:
         """Return the ParameterValue of a parameter, or of a text for it."""
@@ -112,7 +111,7 @@ class Parameters:
             text = self._sets.texts(self._sets.active)[name]
         found = self._sets.value(name, text)
         kind = _kind(self._profiles[name].type, found)
-        return {"type": kind, _member(kind): _plain(kind, found)}
+        return {"type": kind, value_member(kind): _plain(kind, found)}
 
     def _descriptor(self, name: str) -> Members:
         kind = self.value(name)["type"]
@@ -125,7 +124,7 @@ class Parameters:
         return members | {
             "description": " ".join(words),
             "additional_constraints": profile.constraint,
-            **_ranges(profile, kind),
+            **range_of(kind, profile.minimum, profile.maximum),
         }
 
     def _set(self, parameters: Iterable[Any]) -> Members:
@@ -148,28 +147,27 @@ class Parameters:
             if expected == Kind.NOT_SET:
                 known = ", ".join((*self._profiles, ACTIVE_SET))
                 raise _RefusedError(f"there is no parameter {name!r}; known: {known}")
-            if value.type != expected and value.type not in _ALSO_ACCEPTED.get(
-                expected, ()
-            ):
-                given = _name(value.type)
+            if value.type != expected and value.type not in ACCEPTED.get(expected, ()):
+                given = kind_name(value.type)
                 raise _RefusedError(
-                    f"parameter {name!r} is of type {_name(expected)}, not {given}"
+                    f"parameter {name!r} is of type {kind_name(expected)}, not {given}"
                 )
             try:
-                found = getattr(value, _member(Kind(value.type)))
+                found = getattr(value, value_member(Kind(value.type)))
                 yield name, parameter_texts.text_of(found)
             except ValueError as error:
                 raise _RefusedError(f"parameter {name!r}: {error}") from None
 
 
-def _bounded(items: Sequence[T]) -> Sequence[T]:
+def bounded(items: Sequence[T]) -> Sequence[T]:
     """Return the items of a request. Raises ServiceError for too many."""
     if len(items) > _MAX_NAMES:
         raise ServiceError(f"{len(items)} items; a request may have {_MAX_NAMES}")
     return items
 
 
-def _is_listed(name: str, request: Any) -> bool:
+def is_listed(name: str, request: Any) -> bool:
+    """Return whether a parameter is at or below the prefixes of a request."""
     depth: int = request.depth
 
     def is_within(rest: str) -> bool:
@@ -184,12 +182,13 @@ def _is_listed(name: str, request: Any) -> bool:
     )
 
 
-def _name(kind: int) -> str:
+def kind_name(kind: int) -> str:
+    """Return the word for a kind in messages."""
     names = {each.value: each.name.lower() for each in Kind}
     return names.get(kind, f"unknown ({kind})")
 
 
-def _member(kind: Kind) -> str:
+def value_member(kind: Kind) -> str:
     """Return the member of rcl_interfaces/msg/ParameterValue for values of a kind."""
     return f"{kind.name.lower()}_value"
 
@@ -235,8 +234,8 @@ def _plain(kind: Kind, value: Any) -> Any:
     return str(value) if kind is Kind.STRING else value
 
 
-def _ranges(profile: ParameterProfile, kind: Kind) -> Members:
-    low, high = profile.minimum, profile.maximum
+def range_of(kind: Kind, low: float | None, high: float | None) -> Members:
+    """Return the range of a descriptor; none for a parameter without limits."""
     if low is None and high is None:
         return {}
     if kind in (Kind.INTEGER, Kind.INTEGER_ARRAY):
