@@ -48,7 +48,9 @@ def test_all_files_are_those_of_a_plain_package(
 ) -> None:
     model, options = reference
     plain_one, dotted = (
-        emitted(model, replace(options, package=package, target=target))
+        emitted(
+            model, replace(options, package=package, target=target, ros_boards=None)
+        )
         for package in ("acme", "acme.rover")
     )
     assert len(dotted.artifacts) > 100
