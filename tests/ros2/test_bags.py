@@ -159,7 +159,8 @@ def test_metadata_is_that_of_jazzy(
         reader = make_reader(stream)
         assert reader.get_header().profile == "ros2"
         [record] = [m.metadata["serialized_metadata"] for m in reader.iter_metadata()]
-    assert yaml.safe_load(record) == described
+    without_names = {**described, "relative_file_paths": [], "files": []}
+    assert yaml.safe_load(record) == without_names
     with pytest.raises(RecordingError, match="exists already"):
         BagWriter(tmp_path / "bag")
 

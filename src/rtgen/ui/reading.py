@@ -16,7 +16,7 @@ from rtgen.tools.recording.bag_files import Recording
 from rtgen.tools.recording.errors import RecordingError
 from rtgen.tools.recording.events import Decoders, Log, units_by_path
 from rtgen.tools.recording.mcap_reader import Channel, Message
-from rtgen.tools.recording.recorder import METADATA
+from rtgen.tools.recording.mcap_writer import METADATA
 from rtgen.tools.recording.schema_types import decoder, type_of
 from rtgen.ui import boards
 from rtgen.ui.buses import DescriberOf, SeenBuses

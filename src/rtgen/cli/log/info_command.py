@@ -16,7 +16,7 @@ from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import OK
 from rtgen.tools.recording.bag_writer import PROFILE
 from rtgen.tools.recording.events import Log
-from rtgen.tools.recording.recorder import METADATA
+from rtgen.tools.recording.mcap_writer import METADATA
 from rtgen.tools.recording.selection import reported, source
 from rtgen.tools.running.summary import table
 

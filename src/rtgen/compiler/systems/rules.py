@@ -40,5 +40,6 @@ TOPIC_QOS = Rule(
 )
 RECORDING = Rule("SYS0033", "recording that cannot be read", Severity.ERROR)
 UNREAD = Rule("SYS0034", "recording that is not whole", Severity.WARNING)
+NO_TOPIC = Rule("SYS0035", "topic that a bag lacks", Severity.WARNING)
 
 RULES = rules_of(globals())

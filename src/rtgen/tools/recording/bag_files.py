@@ -13,6 +13,7 @@ from typing import Final, Protocol
 from rtgen.facts.extras import installation
 from rtgen.facts.files import UnreadableError, open_file, read_file, read_start
 from rtgen.tools.recording.bag_metadata import METADATA_FILE, Folder, folder_of
+from rtgen.tools.recording.bag_writer import PROFILE
 from rtgen.tools.recording.errors import RecordingError, UnavailableError
 from rtgen.tools.recording.mcap_reader import MAGIC as MCAP
 from rtgen.tools.recording.mcap_reader import (
@@ -22,6 +23,7 @@ from rtgen.tools.recording.mcap_reader import (
     Work,
     decompressed,
 )
+from rtgen.tools.recording.mcap_writer import METADATA
 from rtgen.tools.recording.sqlite_reader import MAGIC as SQLITE
 from rtgen.tools.recording.sqlite_reader import SqliteFile, folder_with
 
@@ -81,6 +83,14 @@ def open_recording(path: Path) -> Recording | None:
     if head.startswith(_ZSTD):
         return _Unpacked(path)
     return _plain_file(path, head)
+
+
+def start_of(recording: Recording) -> int:
+    """Return the clock's time at the start [ns]; for bags of others, that of the first message."""
+    text = recording.metadata.get(METADATA, {}).get("start", "")
+    if text.isascii() and text.isdecimal():
+        return int(text)
+    return (recording.profile == PROFILE and recording.earliest) or 0
 
 
 def _plain_file(path: Path, head: bytes) -> McapFile | SqliteFile | None:

@@ -89,8 +89,12 @@ def information(
 
 
 def record_text(described: dict[str, Any]) -> str:
-    """Return metadata as the record of an MCAP file has it."""
-    return _text(described)
+    """Return metadata as the record of an MCAP file has it.
+
+    Without names of files, which readers take from the file itself: the same run gives the same
+    bytes.
+    """
+    return _text({**described, "relative_file_paths": [], "files": []})
 
 
 def file_text(described: dict[str, Any]) -> str:

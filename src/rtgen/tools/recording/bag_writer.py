@@ -6,7 +6,7 @@ mcap-ros2-support and Foxglove read it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -25,7 +25,7 @@ from rtgen.tools.recording.bag_metadata import (
     record_text,
 )
 from rtgen.tools.recording.errors import RecordingError, UnavailableError
-from rtgen.tools.recording.mcap_writer import McapWriter
+from rtgen.tools.recording.mcap_writer import METADATA, McapWriter
 
 PROFILE: Final = "ros2"
 """The profile in the header of MCAP files of ROS 2."""
@@ -40,9 +40,16 @@ class BagWriter(Closable):
     """
 
     def __init__(
-        self, path: Path, compression: str = "zstd", longest: int | None = None
+        self,
+        path: Path,
+        compression: str = "zstd",
+        longest: int | None = None,
+        described: Mapping[str, str] | None = None,
     ) -> None:
-        """Create the file. Raises RecordingError, also for a folder that exists."""
+        """Create the file; `described` is metadata of rtgen's own.
+
+        Raises RecordingError, also for a folder that exists.
+        """
         self._folder = None if path.suffix.lower() == SUFFIX else path
         self.file = path
         if self._folder is not None:
@@ -52,6 +59,8 @@ class BagWriter(Closable):
                 )
             self.file = path / f"{path.name}_0{SUFFIX}"
         self._writer = McapWriter(self.file, compression, longest, profile=PROFILE)
+        if described is not None:
+            self._writer.metadata(METADATA, described)
         self._topics: dict[str, tuple[int, TopicInformation]] = {}
         self._schemas: dict[str, int] = {}
         self._span: tuple[int, int] | None = None

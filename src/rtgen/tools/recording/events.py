@@ -17,11 +17,9 @@ from rtgen.facts.files import open_file, read_start
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.system.json_printers import plain
 from rtgen.tools.kit.member_units import Units
-from rtgen.tools.recording.bag_files import Recording, open_recording
-from rtgen.tools.recording.bag_writer import PROFILE
+from rtgen.tools.recording.bag_files import Recording, open_recording, start_of
 from rtgen.tools.recording.errors import RecordingError
 from rtgen.tools.recording.mcap_reader import Channel, Message
-from rtgen.tools.recording.recorder import METADATA
 from rtgen.tools.recording.schema_types import decoder, type_of
 from rtgen.tools.recording.schemas import ENCODINGS, Schema
 
@@ -96,17 +94,11 @@ class Log:
 
     @property
     def start(self) -> int:
-        """The clock's time at the start [ns]: 0 in simulated time.
+        """The clock's time at the start [ns]: 0 in simulated time, and in files of others.
 
         For bags of others, that of the first message.
         """
-        if self.recording is None:
-            return 0
-        text = self.recording.metadata.get(METADATA, {}).get("start", "")
-        if text.isascii() and text.isdecimal():
-            return int(text)
-        is_bag = self.recording.profile == PROFILE
-        return (is_bag and self.recording.earliest) or 0
+        return 0 if self.recording is None else start_of(self.recording)
 
     def losses(self) -> list[str]:
         """Return what could not be read of the file, in words, after all events were read."""

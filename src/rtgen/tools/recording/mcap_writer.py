@@ -24,6 +24,8 @@ from rtgen.tools.recording.errors import UnavailableError
 COMPRESSIONS: Final = ("zstd", "lz4", "none")
 CHUNK: Final = 1 << 18
 """Minimum octets of a chunk before compression; a killed process loses at most one chunk."""
+METADATA: Final = "rtgen"
+"""Name of the metadata record at the start of rtgen's recordings."""
 MAGIC: Final = b"\x89MCAP0\r\n"
 
 _LIBRARY = "rtgen"

@@ -30,11 +30,10 @@ from rtgen.runtime.timing.traffic import (
 from rtgen.runtime.xcdr import Representation, representation_of
 from rtgen.tools.kit.member_units import units_of
 from rtgen.tools.recording import messages
+from rtgen.tools.recording.mcap_writer import METADATA
 from rtgen.tools.recording.messages import Topic
 from rtgen.tools.recording.schemas import Schema, schema_of
 
-METADATA: Final = "rtgen"
-"""Name of the metadata record at the start of a recording."""
 LAYOUT: Final = "1"
 """Version of the layout of channels and metadata."""
 
@@ -80,16 +79,13 @@ class Recorder:
         self._system = system
         self._writer = writer
         self._simulated = isinstance(system.clock, SimulatedClock)
-        self._start = system.clock.now() - system.clock.elapsed()
+        self._start = start_of(system)
         self._encodings: dict[Any, tuple[int, str, Encoder]] = {}
         self._schemas: dict[Schema, int] = {}
         self._channels: dict[tuple[str, ...], int] = {}
         self._ticking = ""
         self._described: set[str] = set()
-        clock = "simulated" if self._simulated else "real"
-        writer.metadata(
-            METADATA, {"layout": LAYOUT, "clock": clock, "start": str(self._start)}
-        )
+        writer.metadata(METADATA, {"layout": LAYOUT, **clock_of(system)})
         self._describe()
         system.clock.traffic.watch(self._on_event)
         system.add_listener(self)
@@ -266,6 +262,18 @@ class Recorder:
         if members:
             entries["units"] = json.dumps(members, ensure_ascii=False)
         return {name: text for name, text in entries.items() if text}
+
+
+def start_of(system: System) -> int:
+    """Return the time of the clock at the start of a system [ns]."""
+    return system.clock.now() - system.clock.elapsed()
+
+
+def clock_of(system: System) -> dict[str, str]:
+    """Return the metadata of a recording that describe its times."""
+    is_simulated = isinstance(system.clock, SimulatedClock)
+    clock = "simulated" if is_simulated else "real"
+    return {"clock": clock, "start": str(start_of(system))}
 
 
 def topic_of(instance: str, port: str) -> str:

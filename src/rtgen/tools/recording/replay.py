@@ -17,9 +17,10 @@ from rtgen.runtime.system.simulated_time import SimulatedScheduler
 from rtgen.runtime.timing.clocks import SimulatedClock
 from rtgen.runtime.xcdr import deserialize
 from rtgen.tools.recording import messages
+from rtgen.tools.recording.bag_files import Recording
 from rtgen.tools.recording.errors import RecordingError
-from rtgen.tools.recording.mcap_reader import Channel, McapFile
-from rtgen.tools.recording.recorder import METADATA
+from rtgen.tools.recording.mcap_reader import Channel
+from rtgen.tools.recording.mcap_writer import METADATA
 from rtgen.tools.recording.schemas import Schema, schema_of
 
 _KINDS: dict[str, Any] = {
@@ -35,7 +36,7 @@ Address = tuple[str, str]
 class Course:
     """Facts of a recording that a replay needs in advance; times in ns since the start."""
 
-    file: McapFile
+    file: Recording
     start: int = 0
     components: list[messages.Component] = field(default_factory=list)
     connections: list[tuple[int, messages.Connection]] = field(default_factory=list)
@@ -70,10 +71,15 @@ class Course:
         )
 
 
-def course_of(file: McapFile) -> Course:
+def is_run(file: Recording) -> bool:
+    """Return whether `rtgen run --record` recorded a file with all events of a run."""
+    return file.metadata.get(METADATA, {}).get("layout") == "1"
+
+
+def course_of(file: Recording) -> Course:
     """Read through a recording of `rtgen run --record`. Raises RecordingError."""
     described = file.metadata.get(METADATA, {})
-    if described.get("layout") != "1":
+    if not is_run(file):
         raise RecordingError(
             f"{file.path} cannot be replayed: it is not a recording of rtgen run --record"
         )

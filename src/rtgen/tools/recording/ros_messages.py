@@ -89,7 +89,7 @@ def _add(descriptor: Descriptor, texts: dict[str, str], *, wide: bool) -> str:
     ):
         raise _NoMessageError
     words = descriptor.name.split("::")
-    if len(words) != 3 or _scoped("/".join(words)) is None:
+    if len(words) != 3 or scoped("/".join(words)) is None:
         raise _NoMessageError
     name = "/".join(words)
     if words[1] == "msg":
@@ -157,7 +157,7 @@ def _idl_model(name: str, text: str) -> Model | None:
     messages: list[Message] = []
     for title, section in idl_texts(text):
         words = title.split("/")
-        if _scoped(title) is None or len(words) != 3:
+        if scoped(title) is None or len(words) != 3:
             return None
         package, kind, last = words
         try:
@@ -169,7 +169,7 @@ def _idl_model(name: str, text: str) -> Model | None:
 
 
 def _shipped_model(name: str) -> Model:
-    if _scoped(name) is not None and f"{name}.msg" in ros_interfaces():
+    if scoped(name) is not None and f"{name}.msg" in ros_interfaces():
         file = ros_file(f"{name}.msg")
         return load([file], root=file.parents[2]).model
     raise SchemaError(
@@ -194,7 +194,7 @@ def message_model(name: str, text: str) -> Model:
             if match is None:
                 raise SchemaError(f"{name}: expected `MSG: package/Name` in the schema")
             section_name = match[1]
-        scoped_name = _scoped(section_name)
+        scoped_name = scoped(section_name)
         if scoped_name is None:
             raise SchemaError(f"{section_name} is not a message of ROS 2")
         parts = parts_of(section_text, name, findings)
@@ -208,7 +208,7 @@ def message_model(name: str, text: str) -> Model:
     return Model(declarations=tuple(_declarations(messages)))
 
 
-def _scoped(text: str, package: str = "") -> ScopedName | None:
+def scoped(text: str, package: str = "") -> ScopedName | None:
     """Return the scoped name of `Name`, `package/Name` or `package/msg/Name`; else None."""
     words = text.split("/")
     if len(words) == 1:
@@ -237,7 +237,7 @@ def _declarations(messages: list[Message]) -> Iterator[Declaration]:
                 raise SchemaError(f"the schema declares no {'/'.join(name)[:80]}")
             fields = by_name[name].part.fields
             inner = [
-                _scoped(f.type.base, name[0]) or (f.type.base,)
+                scoped(f.type.base, name[0]) or (f.type.base,)
                 for f in fields
                 if f.type.is_message
             ]

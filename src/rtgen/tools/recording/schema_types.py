@@ -96,7 +96,7 @@ def type_of(schema: Schema) -> type[DataType]:
             f"{schema.name}: the schema has over {_MAX_LENGTH} characters"
         )
     if schema.encoding in ros_messages.ENCODINGS:
-        name = tuple(schema.name.split("/"))
+        name = ros_messages.scoped(schema.name) or (schema.name,)
         known = ros_messages.model_of(schema.name, schema.text, schema.encoding)
         model = _idl_model(schema) if known is None else known
     else:

@@ -25,7 +25,7 @@ from rtgen.runtime.ros2.network import RosQos, RosService, RosTopic
 from rtgen.runtime.ros2.types import ros_name, type_hash
 from rtgen.runtime.system.simulated_time import SimulatedScheduler
 from rtgen.runtime.timing.clocks import SECOND, SimulatedClock
-from rtgen.tools.recording.bag_files import Recording
+from rtgen.tools.recording.bag_files import Recording, start_of
 from rtgen.tools.recording.errors import RecordingError
 from rtgen.tools.recording.mcap_reader import Channel, Message
 from rtgen.tools.recording.ros_messages import ENCODINGS
@@ -40,7 +40,7 @@ _LONGEST: Final = 366 * 24 * 3600 * SECOND
 
 @dataclass(slots=True)
 class Survey:
-    """The topics of a bag with their channels; the times [ns] of its first and last message."""
+    """The topics of a bag with their channels; its start, and the last message's time [ns]."""
 
     bag: Recording
     channels: dict[str, list[Channel]] = field(default_factory=dict)
@@ -67,7 +67,7 @@ def survey(bag: Recording) -> Survey:
     if not 0 <= first <= last < _LATEST:
         wrong = first if first < 0 else last
         raise RecordingError(f"{bag.path}: {wrong} ns is not a time since 1970")
-    found.start, found.end = first, last
+    found.start, found.end = min(first, start_of(bag)), last
     return found
 
 

@@ -9,6 +9,7 @@ from collections.abc import Collection, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
@@ -24,12 +25,14 @@ from rtgen.runtime.system.recording import JsonLinesRecorder
 from rtgen.runtime.timing.clocks import SECOND
 from rtgen.tools.kit.console import Console, for_output, write_out
 from rtgen.tools.kit.exits import INTERRUPTED, NO, OK
+from rtgen.tools.recording.bag_files import Recording, open_recording
+from rtgen.tools.recording.errors import RecordingError
 from rtgen.tools.recording.events import Log
-from rtgen.tools.recording.mcap_reader import McapFile
 from rtgen.tools.recording.replay import Course, Player, Replay, course_of
 from rtgen.tools.recording.selection import Choice, reported, say_losses
 from rtgen.tools.running import partition
 from rtgen.tools.running.assembly import assemble
+from rtgen.tools.running.bag_source import BagSource, Source, is_bag
 from rtgen.tools.running.factories import Factories, Factory
 from rtgen.tools.running.failures import FailureOptions, FailureReport, logged
 from rtgen.tools.running.interrupts import Ending, ending
@@ -39,6 +42,9 @@ from rtgen.tools.running.recording_options import RecordingOptions, tell_missing
 from rtgen.tools.running.run_view import View
 from rtgen.tools.running.summary import summary
 from rtgen.tools.running.trajectory import opened
+
+if TYPE_CHECKING:
+    from rtgen.tools.recording.bag_recorder import BagRecorder
 
 _PLAYER = "rtgen.Player"
 _NO_SPAN = Span("", 1, 1, 1, 1)
@@ -72,28 +78,33 @@ def replayed(file: Path, options: ReplayOptions, console: Console) -> int:
         present = partition.named(options.only, profile)
         partition.require_here(values, present)
     steps = _steps(plan.steps, profile, present)
-    with reported():
-        recorded = McapFile(file)
-        course = course_of(recorded)
+    with reported(file):
+        recorded = open_recording(file)
+        if recorded is None:
+            raise RecordingError(f"{file} is not an MCAP file, and no bag of ROS 2")
+        source: Source
+        if is_bag(recorded):
+            source = BagSource(recorded, project, profile, present, console)
+        else:
+            source = _Run(recorded, profile, present)
     say_losses(console, recorded)
-    player = Replay(course, present)
     finishing = conditions.finishing(profile)
-    profile = _with_players(profile, course, player, present)
+    profile = source.profile
     report = FailureReport(console, options.shown_failures, simulated=True)
     logging = None
     with (
-        reported(),
+        reported(file),
         ExitStack() as files,
         logged(report, console, options.shown_failures),
         ending(report.waiting) as end,
         assemble(
             profile,
             _Factories(project),
-            runtime.SimulatedClock(),
+            source.clock,
             values,
             steps,
             report=report,
-            prepare=player.prepare,
+            prepare=source.prepare,
             check_values=options.check_values,
         ) as running,
     ):
@@ -101,7 +112,9 @@ def replayed(file: Path, options: ReplayOptions, console: Console) -> int:
         if (stream := opened(files, options.log)) is not None:
             logging = JsonLinesRecorder(stream)
             running.add_listener(logging)
-        recorder = options.recording.begin(files, running)
+        bag = options.recording.bag(files, running) if source.has_topics else None
+        recorder = options.recording.begin(files, running, bag)
+        source.begin(files, running, bag)
         if options.rate is not None:
             pace(running, options.rate)
         view = View(
@@ -114,12 +127,12 @@ def replayed(file: Path, options: ReplayOptions, console: Console) -> int:
         )
         end.on_signal(running.end_run)
         begun = time.perf_counter()
-        unfinished = _is_interrupted(player, options.until, end)
+        unfinished = _is_interrupted(source, running, options.until, end)
         if unfinished:
             console.say(f"interrupted at {running.time / SECOND:.3f} s")
         wall = time.perf_counter() - begun
         if recorder is not None:
-            recorder.end(through=course.through)
+            recorder.end(through=source.through)
         outcome = view.outcome(wall, (), Condition(), False, report.still_blocked())
     lacking = options.recording.tell(console, recorder)
     if logging is not None:
@@ -134,15 +147,42 @@ def replayed(file: Path, options: ReplayOptions, console: Console) -> int:
     return INTERRUPTED if unfinished else OK
 
 
-def _is_interrupted(player: Replay, until: float | None, end: Ending) -> bool:
+def _is_interrupted(
+    source: Source, running: runtime.System, until: float | None, end: Ending
+) -> bool:
     """Replay to the end, or `until` [s]; return whether a signal ended it."""
     try:
-        player.run(None if until is None else round(until * SECOND))
+        source.run(running, None if until is None else round(until * SECOND))
     except BaseException as error:
         if not ends_run(error):
             raise
         return end.interrupted
     return False
+
+
+class _Run:
+    """A run that was recorded; see `Source`."""
+
+    has_topics = False
+
+    def __init__(
+        self, recorded: Recording, profile: System, present: Collection[str]
+    ) -> None:
+        course = course_of(recorded)
+        self._player = Replay(course, present)
+        self.clock = runtime.SimulatedClock()
+        self.profile = _with_players(profile, course, self._player, present)
+        self.through = course.through
+        self.prepare = self._player.prepare
+
+    def begin(
+        self, files: ExitStack, running: runtime.System, bag: BagRecorder | None
+    ) -> None:
+        """See `Source`."""
+
+    def run(self, running: runtime.System, until: int | None) -> None:
+        """See `Source`."""
+        self._player.run(until)
 
 
 class _Factories(Factories):

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
+
+from msgspec.structs import replace
 
 from rtgen import runtime
 from rtgen.compiler.diagnostics import Diagnostic, InputError, ToolError
@@ -94,6 +96,22 @@ def join(
         return clock.begin(network, running)
     except Ros2Error as error:
         raise ToolError(str(error)) from error
+
+
+def topic_joints(
+    project: Project, running: runtime.System, absent: Collection[str]
+) -> list[Joint]:
+    """Return the ports that are topics; those of `absent` components are left out.
+
+    Raises InputError for all invalid ones.
+    """
+    from rtgen.runtime.ros2.network import RosNode
+
+    settings = project.ros2
+    topics = tuple(each for each in settings.topics if each.instance not in absent)
+    node = RosNode("rtgen", settings.namespace)
+    present = replace(settings, topics=topics)
+    return _joints(present, running, node, {}, others=False)
 
 
 def _node_name(system: str) -> str:

@@ -19,5 +19,5 @@ class Drive(DriveBase):
     def on_activated(self, ec_id: int) -> ReturnCode_t:
         """Return without a value."""
         if ec_id:
-            return
+            return None
         return RTC_OK
