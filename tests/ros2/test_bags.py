@@ -53,6 +53,7 @@ def recorded(stack: ExitStack, path: Path) -> tuple[Any, BagRecorder]:
     stack.callback(recorder.close)
     made = network()
     made.observe(recorder.observe)
+    recorder.begin()
     return made, recorder
 
 

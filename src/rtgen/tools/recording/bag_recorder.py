@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+from collections import deque
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
@@ -10,6 +12,9 @@ from rtgen.facts.ros_qos import Durability, Profile, Reliability
 from rtgen.runtime.ros2.network import OnMessage, RosTopic
 from rtgen.runtime.system.system import System
 from rtgen.tools.recording.bag_writer import BagWriter
+from rtgen.tools.recording.recorder import clock_of
+
+_MOST_EARLY = 10_000
 
 
 @dataclass(slots=True)
@@ -34,6 +39,19 @@ class BagRecorder:
         self._writer = writer
         self._ends: dict[str, _Ends] = {}
         self._announced: set[str] = set()
+        self._early: deque[tuple[str, bytes]] | None = deque(maxlen=_MOST_EARLY)
+        self._lock = threading.Lock()
+
+    def begin(self) -> None:
+        """Write what has come; from now on the clock of the system is that of the run.
+
+        A run may take its time from a topic, too: before, it is not known.
+        """
+        with self._lock:
+            self._writer.describe(clock_of(self._system))
+            early, self._early = self._early or (), None
+            for name, octets in early:
+                self._write(name, octets)
 
     def observe(
         self, topic: RosTopic, profile: Profile, sent: bool
@@ -66,6 +84,14 @@ class BagRecorder:
             self._put(name, octets)
 
     def _put(self, name: str, octets: bytes) -> None:
+        if self._early is not None:
+            with self._lock:
+                if self._early is not None:
+                    self._early.append((name, octets))
+                    return
+        self._write(name, octets)
+
+    def _write(self, name: str, octets: bytes) -> None:
         try:
             self._announce(name)
             self._writer.message(name, self._system.clock.now(), octets)

@@ -44,12 +44,8 @@ class BagWriter(Closable):
         path: Path,
         compression: str = "zstd",
         longest: int | None = None,
-        described: Mapping[str, str] | None = None,
     ) -> None:
-        """Create the file; `described` is metadata of rtgen's own.
-
-        Raises RecordingError, also for a folder that exists.
-        """
+        """Create the file. Raises RecordingError, also for a folder that exists."""
         self._folder = None if path.suffix.lower() == SUFFIX else path
         self.file = path
         if self._folder is not None:
@@ -59,12 +55,14 @@ class BagWriter(Closable):
                 )
             self.file = path / f"{path.name}_0{SUFFIX}"
         self._writer = McapWriter(self.file, compression, longest, profile=PROFILE)
-        if described is not None:
-            self._writer.metadata(METADATA, described)
         self._topics: dict[str, tuple[int, TopicInformation]] = {}
         self._schemas: dict[str, int] = {}
         self._span: tuple[int, int] | None = None
         self._is_open = True
+
+    def describe(self, entries: Mapping[str, str]) -> None:
+        """Write metadata of rtgen's own, before the first message."""
+        self._writer.metadata(METADATA, entries)
 
     def topic(self, name: str, type_: type[Any], profiles: Sequence[Profile]) -> None:
         """Announce a topic with the class of its messages, and QoS offered by its publishers.

@@ -162,6 +162,8 @@ class _Run:
             bag=bag,
             boards=plan.boards,
         )
+        if bag is not None:
+            bag.begin()
         options.live.begin(files, running, console, name, rest)
         if of_poses or plan.measures:
             running.every(

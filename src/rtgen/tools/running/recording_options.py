@@ -49,14 +49,12 @@ class RecordingOptions:
         from rtgen.tools.recording.bag_recorder import BagRecorder
         from rtgen.tools.recording.bag_writer import BagWriter
         from rtgen.tools.recording.errors import RecordingError
-        from rtgen.tools.recording.recorder import clock_of
 
         try:
             writer = BagWriter(
                 Path(self.file),
                 self.compression or "zstd",
                 _longest(running),
-                clock_of(running),
             )
         except RecordingError as error:
             raise ToolError(str(error), hint=error.hint) from error
