@@ -422,6 +422,17 @@ def test_short_tracebacks_have_no_frames_of_rtgen(
     assert bool(re.search(r'File "[^"]*rtgen/', err)) is (form == "full")
 
 
+def test_definitions_of_ros_2_that_ship_with_rtgen_are_not_changed(
+    project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    file = project / "idl/heating.idl"
+    file.write_text(f'#include "geometry_msgs/msg/Twist.idl"\n{file.read_text()}')
+    assert run(["generate", "-q"]) == 0
+    forget_modules()
+    run([*WARM, "-q"])
+    assert "PRJ0020" not in capfd.readouterr().err
+
+
 def test_a_run_says_that_definitions_have_changed(
     project: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

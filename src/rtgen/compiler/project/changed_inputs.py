@@ -52,7 +52,9 @@ def _changed(project: Project, before: Mapping[str, str]) -> Iterator[str]:
             if digest(read_file(project.root / key)) != sha256:
                 yield key
         except OSError:
-            if (project.root / key).parent != project.root:  # others may lie elsewhere
+            # Others, such as the messages of ROS 2, lie outside the project.
+            folder = (project.root / key).parent
+            if folder != project.root and folder.is_dir():
                 yield key
     if before:
         keys = (key_of(path, project.root) for path in project.sources)
