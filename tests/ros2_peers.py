@@ -3,6 +3,7 @@
     python tests/ros2_peers.py
 
 makes those that are missing, in `build/ros2`: 63 MB to fetch and 240 MB of disk each, some seconds.
+rtgen is installed into each of them from this clone, so that it runs as in a sourced installation.
 Its packages exist for CPython 3.11 on Linux (x86-64). Where an installation cannot be made, tests
 are skipped, and say why.
 """
@@ -36,7 +37,9 @@ PACKAGES = (
     "rosidl-parser",
     "rosidl-generator-type-description",
 )
-FOLDER = Path(__file__).resolve().parent.parent / "build" / "ros2"
+ROOT = Path(__file__).resolve().parent.parent
+OWN = tuple(f"--editable={folder}" for folder in (ROOT / "runtime", ROOT))
+FOLDER = ROOT / "build" / "ros2"
 PYTHON = "3.11"
 _FAILURE_LIFETIME = 600.0
 """Seconds during which a failed installation is not tried again."""
@@ -55,6 +58,7 @@ class Installation:
         self.distribution = distribution
         self.folder = FOLDER / distribution
         self.python = str(self.folder / "bin" / "python")
+        self.rtgen = str(self.folder / "bin" / "rtgen")
         self.share = self.folder / "share"
         """The folder of the packages' interface files."""
 
@@ -121,7 +125,8 @@ def make(distribution: str, *, again: bool = False) -> Installation:
     `again`: try it also if it failed a short time ago. Raises UnavailableError.
     """
     made = Installation(distribution)
-    requirements = tuple(f"ros-{distribution}-{name}" for name in PACKAGES)
+    packages = tuple(f"ros-{distribution}-{name}" for name in PACKAGES)
+    requirements = (*packages, *OWN)
     stamp = made.folder / "requirements.txt"
     failure = FOLDER / f"{distribution}.failed"
     with _alone(distribution):

@@ -15,15 +15,45 @@ from ros2_peers import Installation
 SCRIPT = Path(__file__).with_name("rclpy_peer.py")
 
 
-class Node:
-    """A node, and the events that it told."""
+class Events:
+    """The events that a node told."""
+
+    def __init__(self) -> None:
+        self.events: list[list[Any]] = []
+        self._changed = threading.Condition()
+        self._ended = False
+
+    def tell(self, *event: Any) -> None:
+        """Add an event."""
+        with self._changed:
+            self.events.append(list(event))
+            self._changed.notify_all()
+
+    def event(self, *start: Any) -> list[Any]:
+        """Wait for the next event that begins so; return what follows its name.
+
+        Events before it stay.
+        """
+        with self._changed:
+            found = self._changed.wait_for(
+                lambda: next(
+                    (e for e in self.events if e[: len(start)] == list(start)),
+                    self._ended,
+                ),
+                PATIENCE,
+            )
+            assert isinstance(found, list), f"no {start}: {self.events}"
+            self.events.remove(found)
+            return found[1:]
+
+
+class Node(Events):
+    """A node of rclpy."""
 
     def __init__(
         self, installation: Installation, name: str, namespace: str, domain: int
     ) -> None:
-        self.events: list[list[Any]] = []
-        self._changed = threading.Condition()
-        self._ended = False
+        super().__init__()
         self._process = installation.start(SCRIPT, name, namespace, domain=domain)
         self._reading = threading.Thread(target=self._read, daemon=True)
         self._reading.start()
@@ -32,9 +62,7 @@ class Node:
     def _read(self) -> None:
         assert self._process.stdout is not None
         for line in self._process.stdout:
-            with self._changed:
-                self.events.append(json.loads(line))
-                self._changed.notify_all()
+            self.tell(*json.loads(line))
         with self._changed:
             self._ended = True
             self._changed.notify_all()
@@ -43,17 +71,6 @@ class Node:
         """Tell the node to do something: a method of `rclpy_peer.Peer`."""
         assert self._process.stdin is not None
         print(json.dumps([command, *arguments]), file=self._process.stdin, flush=True)
-
-    def event(self, name: str) -> list[Any]:
-        """Wait for the next event of a name; return its values. Events before it stay."""
-        with self._changed:
-            found = self._changed.wait_for(
-                lambda: next((e for e in self.events if e[0] == name), self._ended),
-                PATIENCE,
-            )
-            assert isinstance(found, list), f"no {name}: {self.events}"
-            self.events.remove(found)
-            return found[1:]
 
     def close(self) -> None:
         """End the process."""

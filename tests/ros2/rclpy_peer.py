@@ -10,15 +10,20 @@ import importlib
 import json
 import sys
 import threading
+import time
 from array import array
 from typing import Any
+from uuid import uuid4
 
 import rclpy
-from rclpy.action import ActionClient, ActionServer, CancelResponse
+from rclpy.action import ActionClient, ActionServer, CancelResponse, GoalResponse
+from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.parameter import Parameter
-from rclpy.qos import QoSProfile
+from rclpy.parameter_client import AsyncParameterClient
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import deserialize_message, serialize_message
+from unique_identifier_msgs.msg import UUID
 
 
 def class_of(name: str) -> Any:
@@ -74,8 +79,9 @@ class Peer:
         rclpy.init()
         self.node = rclpy.create_node(name, namespace=namespace)
         self.lock = threading.Lock()
+        self.finished = False
         self.ends: dict[tuple[str, str], Any] = {}
-        self.executor = MultiThreadedExecutor(4)
+        self.executor = MultiThreadedExecutor(8)
         self.executor.add_node(self.node)
         threading.Thread(target=self.executor.spin, daemon=True).start()
 
@@ -125,19 +131,28 @@ class Peer:
         found = plain(future.result()) if done.wait(seconds) else None
         self.tell("called", name, found)
 
-    def subscribe(self, topic: str, type_: str, depth: int = 100) -> None:
-        """Subscribe: each message is an event."""
+    def subscribe(
+        self, topic: str, type_: str, depth: int = 100, late: str | None = None
+    ) -> None:
+        """Subscribe: each message is an event.
+
+        `late`: messages from before come, too, as events of that name instead of the topic's.
+        """
+        durability = (
+            DurabilityPolicy.TRANSIENT_LOCAL if late else DurabilityPolicy.VOLATILE
+        )
+        name = late or topic
         self.end(
             "reader",
-            topic,
+            name,
             lambda: self.node.create_subscription(
                 class_of(type_),
                 topic,
-                lambda message: self.tell("message", topic, plain(message)),
-                QoSProfile(depth=depth),
+                lambda message: self.tell("message", name, plain(message)),
+                QoSProfile(depth=depth, durability=durability),
             ),
         )
-        self.tell("subscribed", topic)
+        self.tell("subscribed", name)
 
     def publish(
         self, topic: str, type_: str, values: list[Any], raw: bool = False
@@ -163,37 +178,110 @@ class Peer:
         self.tell("decoded", plain(message), serialize_message(message).hex())
 
     def act(self, name: str, type_: str) -> None:
-        """Serve an action: each goal is an event."""
+        """Serve Fibonacci's action: each goal is an event.
+
+        Goals of order 0 are rejected, others end when they are cancelled, or by `finish`.
+        """
+        class_ = class_of(type_)
 
         def execute(goal: Any) -> Any:
             self.tell("goal", name, plain(goal.request))
-            goal.succeed()
-            return class_of(type_).Result()
+            numbers = [0, 1]
+            while len(numbers) <= goal.request.order:
+                numbers.append(numbers[-1] + numbers[-2])
+                goal.publish_feedback(class_.Feedback(sequence=numbers))
+            while not (goal.is_cancel_requested or self.finished):
+                time.sleep(0.005)
+            if goal.is_cancel_requested:
+                goal.canceled()
+            else:
+                goal.succeed()
+            return class_.Result(sequence=numbers)
 
         self.end(
             "action",
             name,
             lambda: ActionServer(
                 self.node,
-                class_of(type_),
+                class_,
                 name,
                 execute,
+                goal_callback=lambda goal: (
+                    GoalResponse.ACCEPT if goal.order > 0 else GoalResponse.REJECT
+                ),
                 cancel_callback=lambda _: CancelResponse.ACCEPT,
+                callback_group=ReentrantCallbackGroup(),
             ),
         )
         self.tell("acting", name)
 
+    def finish(self, finished: bool) -> None:
+        """Let goals succeed, those under way and later ones."""
+        self.finished = finished
+
     def ask(self, name: str, type_: str, goal: Any, seconds: float) -> None:
-        """Send a goal; the event says whether it was accepted, or null without an answer."""
+        """Send a goal; the event says whether it was accepted, or null without an answer.
+
+        Feedback and the result are events, too.
+        """
         client = self.end(
             "asker", name, lambda: ActionClient(self.node, class_of(type_), name)
         )
         known = client.wait_for_server(seconds)
-        future = client.send_goal_async(filled(class_of(type_).Goal(), goal))
+        identity = UUID(uuid=list(uuid4().bytes))
+        text = bytes(identity.uuid).hex()
+        future = client.send_goal_async(
+            filled(class_of(type_).Goal(), goal),
+            feedback_callback=lambda message: self.tell(
+                "feedback", text, plain(message.feedback.sequence)
+            ),
+            goal_uuid=identity,
+        )
         done = threading.Event()
         future.add_done_callback(lambda _: done.set())
-        found = future.result().accepted if done.wait(seconds) else None
-        self.tell("asked", name, known, found)
+        handle = future.result() if done.wait(seconds) else None
+        accepted = handle.accepted if handle is not None else None
+        self.tell("asked", name, known, accepted, text)
+        if accepted:
+            self.ends["goal", text] = handle
+
+            def end(result: Any) -> None:
+                found = result.result()
+                self.tell("result", text, found.status, plain(found.result.sequence))
+
+            handle.get_result_async().add_done_callback(end)
+
+    def cancel(self, goal: str) -> None:
+        """Cancel an accepted goal."""
+
+        def told(future: Any) -> None:
+            found = future.result()
+            self.tell("cancelled", goal, found.return_code, len(found.goals_canceling))
+
+        self.ends["goal", goal].cancel_goal_async().add_done_callback(told)
+
+    def parameters(self, node: str, values: dict[str, Any], seconds: float) -> None:
+        """List, set, get and describe parameters by rclpy's own client of a node."""
+        client = self.end(
+            "parameters", node, lambda: AsyncParameterClient(self.node, node)
+        )
+
+        def result(future: Any) -> Any:
+            done = threading.Event()
+            future.add_done_callback(lambda _: done.set())
+            return plain(future.result()) if done.wait(seconds) else None
+
+        known = client.wait_for_services(seconds)
+        changed = [Parameter(name, value=value) for name, value in values.items()]
+        self.tell(
+            "parameters",
+            node,
+            known,
+            result(client.list_parameters()),
+            result(client.set_parameters(changed)),
+            result(client.get_parameters(list(values))),
+            result(client.describe_parameters(list(values))),
+        )
 
     def follow(self, topic: str, period: float) -> None:
         """Take the time from `/clock`, and publish it (std_msgs/msg/Float64) each period of it."""
@@ -239,6 +327,7 @@ def main() -> None:
     for line in sys.stdin:
         command, *arguments = json.loads(line)
         getattr(peer, command)(*arguments)
+    peer.finish(True)  # threads that execute goals would be waited for
 
 
 if __name__ == "__main__":

@@ -265,29 +265,6 @@ def test_zenoh_shows_its_tokens(
     assert until(lambda: tokens() if len(tokens()) == 3 else None) == expected
 
 
-@pytest.mark.parametrize("kind", ["dds", "zenoh"])
-def test_late_subscriptions_get_the_last_message(
-    kind: str, messages: dict[str, ModuleType], stack: ExitStack
-) -> None:
-    """A map is published once, and read by nodes that start later."""
-    type_ = messages["std_msgs"].Float32
-    topic = RosTopic("/map", type_)
-    if kind == "dds":
-        one, two = dds_network(), dds_network()
-    else:
-        from rtgen.runtime.ros2.zenoh import configuration, open_zenoh
-
-        one, _, place = zenoh_pair(stack)
-        node = RosNode("late", "/robot", DOMAIN)
-        two = open_zenoh(node, config=configuration(connect=place))
-    stack.callback(one.close)
-    stack.callback(two.close)
-    one.publisher(topic, PROFILES["map"])(b"\x00\x01\x00\x00" + type_(7.0).to_cdr(True))
-    came: list[bytes] = []
-    two.subscribe(topic, PROFILES["map"], came.append)
-    assert until(lambda: came)[0][4:] == type_(7.0).to_cdr(True)
-
-
 def test_other_types_are_refused(messages: dict[str, ModuleType]) -> None:
     from rtgen.runtime import idl
     from rtgen.runtime.cdr import Aggregated

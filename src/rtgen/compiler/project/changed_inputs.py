@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 
 import msgspec
 
 from rtgen.compiler.diagnostics import Diagnostic
 from rtgen.compiler.frontends import key_of
+from rtgen.compiler.kit.resources import ros_interfaces
 from rtgen.compiler.project.kinds import FILE_NAME
 from rtgen.compiler.project.loading import Project
 from rtgen.compiler.project.output import MANIFEST
 from rtgen.compiler.project.rules import CHANGED_INPUTS
 from rtgen.facts.encodings import digest
 from rtgen.facts.files import MAX_BYTES, read_file, read_start
+from rtgen.facts.ros import interface_beside
 
 _LIBRARY = "rtgen/"
 """How the keys of files that come with rtgen begin."""
@@ -43,6 +46,14 @@ def findings(project: Project) -> Iterator[Diagnostic]:
         yield CHANGED_INPUTS.at(None, message)
 
 
+def _lies_elsewhere(project: Project, key: str) -> bool:
+    """Return whether a file that is not in the project may never have been there."""
+    folder = (project.root / key).parent
+    interface = interface_beside(Path(key))
+    ships = interface is not None and interface.as_posix() in ros_interfaces()
+    return ships or folder == project.root or not folder.is_dir()
+
+
 def _changed(project: Project, before: Mapping[str, str]) -> Iterator[str]:
     """Yield the keys of definitions that are changed, new or missing."""
     for key, sha256 in before.items():
@@ -52,9 +63,7 @@ def _changed(project: Project, before: Mapping[str, str]) -> Iterator[str]:
             if digest(read_file(project.root / key)) != sha256:
                 yield key
         except OSError:
-            # Others, such as the messages of ROS 2, lie outside the project.
-            folder = (project.root / key).parent
-            if folder != project.root and folder.is_dir():
+            if not _lies_elsewhere(project, key):
                 yield key
     if before:
         keys = (key_of(path, project.root) for path in project.sources)

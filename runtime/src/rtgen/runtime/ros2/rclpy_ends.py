@@ -175,17 +175,18 @@ class Publisher:
     def __init__(self, node: Any, publisher: Any, *, is_durable: bool) -> None:
         self._node = node
         self._publisher = publisher
+        self._topic = publisher.topic_name
         self._is_durable = is_durable
 
     def publish(self, octets: bytes) -> None:
         """See `medium.Publisher`."""
-        with reported(self._publisher.topic_name):
+        with reported(self._topic):
             self._publisher.publish(octets)
 
     @property
     def matched(self) -> bool:
         """See `medium.Publisher`."""
-        with reported(self._publisher.topic_name):
+        with reported(self._topic):
             count: int = self._publisher.get_subscription_count()
         return self._is_durable or count > 0
 
