@@ -110,7 +110,10 @@ def _findings(
         of_systems = [
             *added.diagnostics[len(definitions.diagnostics) :],
             *timeline_checks.findings(
-                project.systems, project.encoding, reading.models_of(definitions)
+                project.systems,
+                project.encoding,
+                reading.models_of(definitions),
+                behaviours.calls(project),
             ),
         ]
         result = replace(result, sources=added.sources)

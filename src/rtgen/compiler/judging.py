@@ -100,7 +100,7 @@ class Judge:
 
     def _judged(self, system: System, steps: Sequence[Step]) -> Compilation:
         from rtgen.compiler.model.system_links import definitions_of
-        from rtgen.compiler.systems import ros_topics
+        from rtgen.compiler.systems import connections, ros_topics
         from rtgen.compiler.systems.reading import as_defined
         from rtgen.compiler.systems.timeline_checks import new_connections
 
@@ -108,7 +108,8 @@ class Judge:
         whole = replace(system, connections=(*system.connections, *links))
         [named] = as_defined([whole], self._models)
         ends = definitions_of(named, self._known)
-        findings = [d for c in named.connections for d in _compared(c, ends)]
+        findings = [*connections.twice(system)]
+        findings += [d for c in named.connections for d in _compared(c, ends)]
         findings += ros_topics.findings(self._project.ros2.topics, ends)
         sources = _with_texts(self._definitions.sources, findings)
         hashes = self._definitions.hashes

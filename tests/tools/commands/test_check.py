@@ -11,11 +11,13 @@ from msgspec.structs import replace
 
 from rtgen.cli import run
 from rtgen.compiler.diagnostics import Severity
+from rtgen.compiler.frontends.kit.memo import Memo
 from rtgen.compiler.lint import rules as lint_rules
 from rtgen.compiler.project import load
 from rtgen.compiler.project.output import MANIFEST, Change, plan
 from rtgen.tools.compiling.cached import build
 from rtgen.tools.compiling.checking import Part
+from rtgen.tools.indexing import reading
 
 IDL = """\
 // Two structs, an enum, a service and two components.
@@ -375,7 +377,7 @@ def test_a_host_shows_each_fault_at_its_line(
     Path("src/thermostat.py").write_text(
         "from kitchen.components.thermostat import ThermostatBase\n\n\n"
         "class Thermostat(ThermostatBase):\n    def on_execute(self, ec_id):\n"
-        "        measured = self.measured.read()\n"
+        "        measured = self.measured.read()\n        return 0\n"
     )
     Path("systems/units.xml").write_text(SYSTEM.replace('"measured"', '"seen"'))
     change(
@@ -403,3 +405,46 @@ def test_a_host_shows_each_fault_at_its_line(
             ("warning", "src/thermostat.py", 6, "PRJ0013"),
         )
     }
+
+
+@pytest.mark.usefixtures("system")
+def test_every_reader_of_a_system_judges_its_timeline(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    Path(TIMELINE).write_text('[[at]]\nt = 1\nset = "Oven0.gian=3"\n')
+    expected = ("SYS0004", TIMELINE, 3)
+    for words in (
+        ["check"],
+        ["lint"],
+        ["inspect", FILE, KITCHEN],
+        ["inspect", KITCHEN],
+    ):
+        capfd.readouterr()
+        run([*words, "--diagnostics", "json"])
+        found = json.loads(capfd.readouterr().err)
+        assert expected in [(d["code"], d["file"], d["line"]) for d in found], words
+    project = load(Path.cwd())
+    of_editor = reading.read(project, Memo(), texts={}).of_systems
+    assert expected in [(d.code, d.span.file, d.span.line) for d in of_editor if d.span]
+
+
+CALLER = """\
+from kitchen.components.thermostat import ThermostatBase
+
+
+class Thermostat(ThermostatBase):
+    def on_execute(self, ec_id):
+        return self.clock.start(1.0) and 0
+"""
+
+
+@pytest.mark.usefixtures("system")
+def test_a_consumer_without_a_provider(capfd: pytest.CaptureFixture[str]) -> None:
+    assert findings(capfd, code=0) == []  # no behaviour uses it
+    Path("src/thermostat.py").write_text(CALLER)
+    [finding] = findings(capfd, code=1)
+    assert (finding["code"], finding["file"]) == ("RTC0598", KITCHEN)
+    text = Path("rtgen.toml").read_text()
+    Path("rtgen.toml").write_text(f'{text}\n[ros2]\nnode = "kitchen"\n')
+    assert run(["generate", "-q"]) == 0
+    assert findings(capfd, "--only", "systems", code=0) == []

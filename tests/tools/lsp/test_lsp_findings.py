@@ -172,7 +172,7 @@ def test_findings_of_behaviours(editor: Editor) -> None:
         "from robots.components.painter import PainterBase\n\n\n"
         "class Painter(PainterBase):\n"
         "    def on_execute(self) -> None:\n"
-        "        self.wherre.read()\n"
+        "        return self.wherre.read()\n"
     )
     editor.open("types_idl")
     [found] = editor.findings("types_idl")["painter.py"]

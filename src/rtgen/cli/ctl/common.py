@@ -19,7 +19,7 @@ from rtgen.cli.options import with_console
 from rtgen.cli.parameter_types import FiniteRange
 from rtgen.cli.run_table import GIVEN, with_run_table
 from rtgen.cli.transport_options import ENGINE_OPTIONS, PROCESSES
-from rtgen.compiler.diagnostics import ToolError, has_errors
+from rtgen.compiler.diagnostics import InputError, ToolError, has_errors
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import BAD_INPUT, NO, ReportedError
 from rtgen.tools.kit.signals import terminable
@@ -151,10 +151,17 @@ def judged_profile_of(console: Console, options: CtlOptions) -> System | None:
     if profile is not None:
         from rtgen.compiler.judging import Judge
         from rtgen.compiler.project import cache, load_around
+        from rtgen.compiler.systems import timeline
         from rtgen.tools.running.plan import is_fitting
 
         judge = Judge(load_around(Path(profile.file)), cache.default())
-        is_fitting(judge, profile, (), console)
+        steps: Sequence[timeline.Step] = ()
+        try:
+            path = Path(options.system or "")
+            steps = timeline.of_system(path, None, profile).steps
+        except InputError as error:
+            console.findings(error.diagnostics)
+        is_fitting(judge, profile, steps, console)
     return profile
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path, PurePosixPath
 
@@ -212,6 +212,27 @@ def check_texts(project: Project) -> list[Diagnostic]:
             for file, text in _texts(project, ()).items()
             for f in behaviour_callbacks.findings(project.package, file, text)
         ]
+
+
+def calls(project: Project) -> Callable[[str, str], bool] | None:
+    """Return the function that tells whether the behaviour of a component type uses a port.
+
+    None if nodes of ROS 2, which the project has settings for, may serve it.
+    """
+    if project.ros2.is_used:
+        return None
+    texts: list[str] = []
+
+    def uses_port(type_name: str, port: str) -> bool:
+        if not texts:
+            texts.extend(_texts(project, ()).values())
+        return any(
+            re.search(rf"^class {type_name}\b", text, re.M)
+            and re.search(rf"\.{port}\b", text)
+            for text in texts
+        )
+
+    return uses_port
 
 
 def modules(project: Project, artifacts: Sequence[Artifact]) -> list[Path]:

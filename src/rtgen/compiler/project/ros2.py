@@ -74,6 +74,11 @@ class Ros2Settings(msgspec.Struct, frozen=True, kw_only=True):
     services: tuple[ServiceEntry, ...] = ()
     actions: tuple[ActionEntry, ...] = ()
 
+    @property
+    def is_used(self) -> bool:
+        """Whether the project has settings for ROS 2, whose nodes may join its systems."""
+        return self != Ros2Settings()
+
 
 def ros2_settings(settings: Settings) -> Ros2Settings:
     """Return the section of a validated rtgen.toml."""

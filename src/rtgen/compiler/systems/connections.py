@@ -6,11 +6,11 @@ allows, by the property `rtgen.allow.CODE` with a reason, becomes a note.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 
 from msgspec.structs import replace
 
-from rtgen.compiler.diagnostics import Diagnostic, Rule, Severity, Span
+from rtgen.compiler.diagnostics import Diagnostic, Related, Rule, Severity, Span
 from rtgen.compiler.frontends.kit.suggestions import guess
 from rtgen.compiler.model import (
     Connection,
@@ -48,6 +48,9 @@ ALLOWED_IN_VAIN = Rule(
     "RTC0597", "connector that allows what it does not have", Severity.WARNING
 )
 
+TWICE = Rule("RTC0519", "ports joined twice", Severity.ERROR)
+UNSERVED = Rule("RTC0598", "consumer without a provider", Severity.WARNING)
+
 RULES = (
     UNKNOWN_PORT,
     PORTS_DIFFER,
@@ -55,6 +58,8 @@ RULES = (
     PROPERTY_VALUE,
     DATA_TYPE,
     ALLOWED_IN_VAIN,
+    TWICE,
+    UNSERVED,
     *units.RULES,
 )
 
@@ -71,8 +76,63 @@ def findings(system: System, components: Mapping[str, Known]) -> Iterator[Diagno
     judged by its properties alone.
     """
     ends = definitions_of(system, components)
+    yield from twice(system)
     for connection in system.connections:
         yield from judged(connection, ends)
+
+
+def twice(system: System) -> Iterator[Diagnostic]:
+    """Yield a diagnostic for each connection whose ports an earlier one joins."""
+    joined: dict[object, Connection] = {}
+    for connection in system.connections:
+        ends: Collection[PortReference] = (connection.source, connection.target)
+        if connection.service:
+            ends = frozenset(ends)
+        earlier = joined.setdefault(ends, connection)
+        if earlier is not connection:
+            message = f"{connection.source} and {connection.target} are joined twice"
+            related = [Related(earlier.span, "the first connector")]
+            yield TWICE.at(connection.span, message, related=related)
+
+
+def unserved(
+    system: System,
+    links: Iterable[Connection],
+    components: Mapping[str, Known],
+    calls: Callable[[str, str], bool],
+) -> Iterator[Diagnostic]:
+    """Yield a diagnostic for each service port with consumers that are called, and nothing joins.
+
+    `links` are connections that a timeline makes. `calls` returns whether the behaviour of a
+    component type uses a port.
+    """
+    ends = definitions_of(system, components)
+    joined = {
+        (end.instance, end.port)
+        for connection in (*system.connections, *links)
+        for end in (connection.source, connection.target)
+    }
+    provided = {
+        (str(port.type), f"{instance}.{port.port}")
+        for instance, known in ends.items()
+        for port in known.component.ports
+        if port.kind is PortKind.PROVIDER
+    }
+    for c in system.components:
+        consumers: dict[str, Port] = {}
+        for port in ends[c.instance].component.ports if c.instance in ends else ():
+            if port.kind is PortKind.CONSUMER and (c.instance, port.port) not in joined:
+                consumers.setdefault(port.port, port)
+        for name, port in consumers.items():
+            if not calls(c.type, name):
+                continue
+            fitting = sorted(p for type_, p in provided if type_ == str(port.type))
+            where = f": {' or '.join(fitting)}" if fitting else ""
+            yield UNSERVED.at(
+                c.span,
+                f"{c.instance}.{name} is joined with no provider, so its calls fail",
+                hint=f"connect it with a provider of {port.type}{where}",
+            )
 
 
 def judged(connection: Connection, ends: Mapping[str, Known]) -> Iterator[Diagnostic]:

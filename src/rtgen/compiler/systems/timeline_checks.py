@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from msgspec.structs import replace
@@ -19,43 +19,67 @@ from rtgen.compiler.systems.timeline import (
     Disconnect,
     SetParameter,
     Step,
+    Timeline,
     load,
 )
+from rtgen.facts.files import is_file
 
 _SYSTEM = "system.xml"
 
 
 def findings(
-    systems: Iterable[Path], encoding: str = "auto", models: Sequence[Model] = ()
+    systems: Iterable[Path],
+    encoding: str = "auto",
+    models: Sequence[Model] = (),
+    calls: Callable[[str, str], bool] | None = None,
 ) -> Iterator[Diagnostic]:
-    """Yield the diagnostics of the timelines that runs of systems carry out by default.
+    """Yield the diagnostics of systems with the timelines that their runs carry out by default.
 
     That is the `timeline.toml` in the folder of a `system.xml`. A system with errors is left out.
-    The ends of new connections are compared if `models` define their components.
+    `calls` returns whether the behaviour of a component type uses a port; with it, consumers that
+    nothing joins are reported.
     """
     components = known_components(models)
     for path in systems:
         file = path.parent / TIMELINE_FILE
-        if path.name != _SYSTEM or not file.is_file():
+        has_plan = path.name == _SYSTEM and is_file(file)
+        if calls is None and not has_plan:
             continue
         system, _, _ = read_file(path, encoding)
         if system is None:
             continue
-        try:
-            plan = load(file, system)
-        except InputError as error:
-            yield from error.diagnostics
-        except ToolError as error:
-            place = Span(file.as_posix(), 1, 1, 1, 1)
-            yield TIMELINE.at(place, error.message, hint=error.hint)
-        else:
-            yield from plan.skipped
-            yield from _in_vain(plan.steps, system)
-            yield from timeline_calls.findings(plan.steps, system, components)
-            yield from _values(plan.steps, system, components)
-            links = new_connections(plan.steps, system, components)
-            [named] = as_defined([replace(system, connections=tuple(links))], models)
-            yield from connections.findings(named, components)
+        [system] = as_defined([system], models)
+        links: list[Connection] = []
+        if has_plan:
+            try:
+                plan = load(file, system)
+            except InputError as error:
+                yield from error.diagnostics
+                continue
+            except ToolError as error:
+                place = Span(file.as_posix(), 1, 1, 1, 1)
+                yield TIMELINE.at(place, error.message, hint=error.hint)
+                continue
+            links = [*new_connections(plan.steps, system, components)]
+            yield from _of_plan(plan, system, links, models, components)
+        if calls is not None:
+            yield from connections.unserved(system, links, components, calls)
+
+
+def _of_plan(
+    plan: Timeline,
+    system: System,
+    links: Sequence[Connection],
+    models: Sequence[Model],
+    components: Mapping[str, Known],
+) -> Iterator[Diagnostic]:
+    """Yield the diagnostics of a timeline, which makes the connections `links`."""
+    yield from plan.skipped
+    yield from _in_vain(plan.steps, system)
+    yield from timeline_calls.findings(plan.steps, system, components)
+    yield from _values(plan.steps, system, components)
+    [named] = as_defined([replace(system, connections=tuple(links))], models)
+    yield from connections.findings(named, components)
 
 
 def new_connections(

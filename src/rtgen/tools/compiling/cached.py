@@ -171,11 +171,23 @@ def _checked(
     from rtgen.compiler import compilation
     from rtgen.compiler.judging import Judge
     from rtgen.compiler.project import load_around
-    from rtgen.compiler.systems import checks, reading
+    from rtgen.compiler.systems import checks, reading, timeline_checks
 
+    path = Path(system.file)
     if project is None:
         of_properties = checks.as_warnings(checks.check_properties(system))
-        judgement = Judge(load_around(Path(system.file))).of_system(system)
-        return [system], [*of_properties, *judgement.diagnostics]
+        around = load_around(path)
+        definitions = compilation.read(around, lowered=True) if around.sources else None
+        judgement = Judge(around, definitions=definitions).of_system(system)
+        models = () if definitions is None else reading.models_of(definitions)
+        of_timeline = timeline_checks.findings([path], models=models)
+        return [system], [*of_properties, *judgement.diagnostics, *of_timeline]
     definitions = compilation.read(project, lowered=True)
-    return reading.against([system], definitions, project.ros2.topics)
+    named, diagnostics = reading.against([system], definitions, project.ros2.topics)
+    of_timeline = timeline_checks.findings(
+        [path],
+        project.encoding,
+        reading.models_of(definitions),
+        behaviours.calls(project),
+    )
+    return named, [*diagnostics, *of_timeline]

@@ -145,7 +145,10 @@ def _made(
     diagnostics = [
         *systems.diagnostics,
         *timeline_checks.findings(
-            project.systems, project.encoding, reading.models_of(read)
+            project.systems,
+            project.encoding,
+            reading.models_of(read),
+            behaviours.calls(project),
         ),
         *known.diagnostics,
     ]

@@ -16,8 +16,8 @@ from rtgen.compiler.frontends.cdl.syntax.unit import Unit as CdlUnit
 from rtgen.compiler.frontends.idl.names.tables import Tables
 from rtgen.compiler.frontends.kit.memo import Memo
 from rtgen.compiler.model import Model
-from rtgen.compiler.project import Project, shown
-from rtgen.compiler.systems import reading
+from rtgen.compiler.project import Project, behaviours, shown
+from rtgen.compiler.systems import reading, timeline_checks
 from rtgen.facts.encodings import decode
 from rtgen.facts.files import absolute_path, read_start
 from rtgen.tools.indexing.cdl import CdlNames
@@ -112,6 +112,12 @@ def _with_systems(
     systems = [system for each in read_systems for system in each.systems]
     _, more = reading.against(systems, complete or result, project.ros2.topics)
     findings += [*(d for each in read_systems for d in each.diagnostics), *more]
+    findings += timeline_checks.findings(
+        project.systems,
+        project.encoding,
+        reading.models_of(complete or result),
+        behaviours.calls(project),
+    )
     sources = {
         name: text for each in read_systems for name, text in each.sources.items()
     }

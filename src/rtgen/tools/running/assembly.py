@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from functools import partial
@@ -19,7 +20,7 @@ from rtgen.compiler.diagnostics import (
     ToolError,
     has_errors,
 )
-from rtgen.compiler.frontends.kit.suggestions import nearest
+from rtgen.compiler.frontends.kit.suggestions import guess, nearest
 from rtgen.compiler.model import Connection, System, SystemComponent
 from rtgen.compiler.systems.rules import (
     CONNECTION,
@@ -58,6 +59,8 @@ if TYPE_CHECKING:
 
 _MILLISECOND = 1_000_000
 _POLL_PERIOD = 20 * _MILLISECOND
+_CHOICES = re.compile(r"'([^']*)'; known: (.+)$")
+"""A name that is not there, and those that are, at the end of an error of the runtime."""
 _GONE = (
     runtime.UnknownComponentError,
     runtime.UnknownConnectionError,
@@ -319,7 +322,9 @@ def _findings(
     except runtime.TransportError as error:
         raise ToolError(str(error)) from error
     except runtime.RtcError as error:
-        yield rule.at(span, str(error))
+        match = _CHOICES.search(str(error))
+        hint = guess(match[1], match[2].split(", ")) if match else None
+        yield rule.at(span, str(error), hint=hint)
 
 
 def _add(

@@ -34,7 +34,6 @@ NUMBER = Rule("RTC0515", "bad number", Severity.ERROR)
 CYCLE = Rule("RTC0516", "activation waits for itself", Severity.ERROR)
 ID = Rule("RTC0517", "id without a component type", Severity.ERROR)
 OTHER_ID = Rule("RTC0518", "id is not that of the instance", Severity.WARNING)
-TWICE = Rule("RTC0519", "ports joined twice", Severity.WARNING)
 
 RULES = (
     *profile_tree.RULES,
@@ -47,7 +46,6 @@ RULES = (
     CYCLE,
     ID,
     OTHER_ID,
-    TWICE,
 )
 
 _DROPPED = frozenset(
@@ -247,7 +245,6 @@ class _Reader:
         return instance
 
     def _connections(self, root: Element) -> Iterator[Connection]:
-        joined: dict[tuple[bool, PortReference, PortReference], Span] = {}
         for element in root.children:
             if element.name == (RTS, "DataPortConnectors"):
                 service = False
@@ -256,19 +253,8 @@ class _Reader:
             else:
                 continue
             connection = self._connection(element, service)
-            if connection is None:
-                continue
-            key = (service, connection.source, connection.target)
-            earlier = joined.setdefault(key, connection.span)
-            if earlier is not connection.span:
-                message = (
-                    f"{connection.source} and {connection.target} are joined twice"
-                )
-                related = [Related(earlier, "the first connector")]
-                self._findings.report(
-                    TWICE.at(connection.span, message, related=related)
-                )
-            yield connection
+            if connection is not None:
+                yield connection
 
     def _connection(self, element: Element, service: bool) -> Connection | None:
         kind = "Service" if service else "Data"
