@@ -18,6 +18,7 @@ from uuid import uuid4
 import rclpy
 from rclpy.action import ActionClient, ActionServer, CancelResponse, GoalResponse
 from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.duration import Duration
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
@@ -70,6 +71,15 @@ def _field(message: Any, name: str, before: Any, field: Any) -> Any:
         class_ = class_of(f"{package}/msg/{last}")
         return [filled(class_(), each) for each in field]
     return field
+
+
+def profile(depth: int, qos: dict[str, Any] | None) -> QoSProfile:
+    """Return a profile; times are in seconds."""
+    values = {
+        name: Duration(seconds=value) if isinstance(value, float) else value
+        for name, value in (qos or {}).items()
+    }
+    return QoSProfile(depth=depth, **values)
 
 
 class Peer:
@@ -132,15 +142,19 @@ class Peer:
         self.tell("called", name, found)
 
     def subscribe(
-        self, topic: str, type_: str, depth: int = 100, late: str | None = None
+        self,
+        topic: str,
+        type_: str,
+        depth: int = 100,
+        late: str | None = None,
+        qos: dict[str, Any] | None = None,
     ) -> None:
         """Subscribe: each message is an event.
 
         `late`: messages from before come, too, as events of that name instead of the topic's.
         """
-        durability = (
-            DurabilityPolicy.TRANSIENT_LOCAL if late else DurabilityPolicy.VOLATILE
-        )
+        if late:
+            qos = {"durability": DurabilityPolicy.TRANSIENT_LOCAL}
         name = late or topic
         self.end(
             "reader",
@@ -149,10 +163,23 @@ class Peer:
                 class_of(type_),
                 topic,
                 lambda message: self.tell("message", name, plain(message)),
-                QoSProfile(depth=depth, durability=durability),
+                profile(depth, qos),
             ),
         )
         self.tell("subscribed", name)
+
+    def advertise(
+        self, topic: str, type_: str, depth: int, qos: dict[str, Any]
+    ) -> None:
+        """Make a publisher, which `publish` takes."""
+        self.end(
+            "writer",
+            topic,
+            lambda: self.node.create_publisher(
+                class_of(type_), topic, profile(depth, qos)
+            ),
+        )
+        self.tell("advertised", topic)
 
     def publish(
         self, topic: str, type_: str, values: list[Any], raw: bool = False

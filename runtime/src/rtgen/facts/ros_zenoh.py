@@ -15,6 +15,7 @@ NODE, PUBLISHER, SUBSCRIPTION, SERVICE, CLIENT = "NN", "MP", "MS", "SS", "SC"
 _DEFAULT: Final = Profile(42)
 """The profile whose values rmw_zenoh omits from tokens (qos.cpp)."""
 _SECOND: Final = 10**9
+_TOKEN_PARTS: Final = 13
 _ATTACHMENT: Final = struct.Struct(f"<qqB{GID_SIZE}s")
 
 
@@ -77,6 +78,24 @@ def entity_token(node: Node, number: int, entity: Entity) -> str:
         qos_text(entity.qos),
     )
     return "/".join(parts)
+
+
+def tokens_of(domain: int, kind: str, name: str, type_: str) -> str:
+    """Return the key expression of the tokens of all entities of a topic of one kind."""
+    ends = "*", "*", "*", kind, "*", "*", "*", mangled(name), dds_type(type_), "*", "*"
+    return "/".join((ADMIN, str(domain), *ends))
+
+
+def parse_entity(token: str) -> tuple[str, Profile]:
+    """Return the qualified name of the node of an entity, and the profile in its token.
+
+    Raises ValueError.
+    """
+    parts = token.split("/")
+    if len(parts) != _TOKEN_PARTS:
+        raise ValueError("is not the token of an entity")
+    space, node = parts[7:9]
+    return f"{space.replace('%', '/').rstrip('/')}/{node}", parse_qos(parts[-1])
 
 
 def _node(node: Node, number: int) -> tuple[str, ...]:

@@ -48,11 +48,8 @@ class Losses:
                     why = self._why(instance, state, connector)
                     yield f"{port}: {connector.lost} samples of {connector.source} lost: {why}"
                 if missed := connector.missed_deadlines:
-                    within = connector.properties["dataport.qos.deadline"]
-                    yield (
-                        f"{port}: no sample of {connector.source} within {within} s, "
-                        f"{missed} times: dataport.qos.deadline"
-                    )
+                    within = f"within the deadline of {connector.deadline} s"
+                    yield f"{port}: no sample of {connector.source} {within}, {missed} times"
             if port.lost_when_cut:
                 yield (
                     f"{port}: {port.lost_when_cut} samples lost on connections that were cut"
@@ -69,7 +66,7 @@ class Losses:
             policy = connector.settings.push_policy.value
             return f"left out by the push policy {policy!r} of the connection"
         if full < connector.missed:
-            return "on the way from the other process; dataport.qos.depth keeps more of them"
+            return connector.why_missed
         length = connector.buffer.settings.length
         what = (
             "newer ones took their place" if connector.overwritten else "write refused"

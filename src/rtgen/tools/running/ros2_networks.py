@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 AUTOMATIC: Final = "auto"
 NETWORKS: Final = ("rclpy", "dds", "zenoh")
 """The values of the option; without one it is rclpy if that can be imported, else DDS."""
-_LIBRARIES: Final = {"dds": "cyclonedds", "zenoh": "eclipse-zenoh"}
+_LIBRARIES: Final = {"zenoh": "eclipse-zenoh"}
+"""Names of packages that differ from those of their modules."""
 _SOURCED: Final = (
     "source the setup file of ROS 2 (/opt/ros/DISTRIBUTION/setup.bash), and run rtgen with its "
     "Python; --ros2 dds needs no installation of ROS 2"
@@ -41,7 +42,9 @@ def open_network(
         else:
             network = _zenoh(node, settings.zenoh, project)
     except ImportError as error:
-        message = f"--ros2 {chosen} needs {_LIBRARIES[chosen]}, which is not installed"
+        missing = (error.name or "a library").partition(".")[0]
+        missing = _LIBRARIES.get(missing, missing)
+        message = f"--ros2 {chosen} needs {missing}, which is not installed"
         hint = installation(chosen)
         if kind == AUTOMATIC:
             message, hint = (

@@ -433,6 +433,12 @@ class DataConnector(Generic[T]):
         self.refused = 0
         self.cut = 0
         self.connected = False
+        self.why_missed = (
+            "on the way from the other process; dataport.qos.depth keeps more of them"
+        )
+        """Where samples were lost that `missed` counts, and what to do."""
+        self.deadline = self.properties.get("dataport.qos.deadline", "")
+        """The deadline of samples from another process, in seconds."""
         self.end_publishing: Callable[[], None] = _do_nothing
         """Stops running the publisher; set by the scheduler that runs it."""
         self._snapshot = _snapshot_between(source.type, target.type)

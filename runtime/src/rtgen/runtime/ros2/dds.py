@@ -37,6 +37,12 @@ from rtgen.runtime.dds.types import idl_class
 from rtgen.runtime.distribution.medium import MediumError, OnRequest, OnSample, Token
 from rtgen.runtime.ros2.dds_ends import CLIENT, SERVER, Role, Strangers
 from rtgen.runtime.ros2.dds_services import Client, Server
+from rtgen.runtime.ros2.dds_topics import (
+    Discovery,
+    RosPublisher,
+    RosSubscription,
+    room,
+)
 from rtgen.runtime.ros2.graph import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
 from rtgen.runtime.ros2.network import (
     Ros2Error,
@@ -46,6 +52,7 @@ from rtgen.runtime.ros2.network import (
     RosService,
     RosTopic,
 )
+from rtgen.runtime.ros2.qos import Own
 from rtgen.runtime.ros2.types import encoded, ros_name
 
 _FOREVER = (1 << 63) - 1
@@ -110,6 +117,11 @@ class RosDds(DdsEngine):
                 DdsPublisher(self._end(DataWriter, graph, GRAPH), 0.0)
             )
             self._announce()
+            named = self._strangers.when_named
+            self._discovery = self._keep(
+                Discovery(self._participant, self._control, named)
+            )
+            self._keep(self._strangers)
             every = GRAPH._replace(history=History.KEEP_ALL)
             self._keep(
                 DdsSubscription(
@@ -120,19 +132,34 @@ class RosDds(DdsEngine):
                 )
             )
 
-    def publisher(self, topic: RosTopic, qos: RosQos) -> DdsPublisher:
+    def publisher(self, topic: RosTopic, qos: RosQos) -> RosPublisher:
         """See `Messaging`."""
-        writer = self._announced(DataWriter, _data(topic), qos.profile)
-        return self._keep(DdsPublisher(writer, qos.patience))
+        data = _data(topic)
+        writer = self._announced(DataWriter, data, qos.profile)
+        made = self._keep(RosPublisher(writer, qos.patience))
+        self._compare(topic, data, writer, qos.profile)
+        return made
 
     def subscribe(
         self, topic: RosTopic, qos: RosQos, on_sample: OnSample
-    ) -> DdsSubscription:
+    ) -> RosSubscription:
         """See `Messaging`."""
-        reader = self._announced(DataReader, _data(topic), qos.profile)
-        return self._keep(
-            DdsSubscription(reader, self._data, on_sample, are_numbered=False)
-        )
+        data, profile = _data(topic), qos.profile
+        roomy = profile._replace(depth=room(profile, topic.type))
+        reader = self._announced(DataReader, data, roomy)
+        made = self._keep(RosSubscription(reader, self._data, on_sample, qos.depth))
+        self._compare(topic, data, reader, profile)
+        return made
+
+    def _compare(
+        self, topic: RosTopic, data: _Topic, end: Any, profile: Profile
+    ) -> None:
+        """Report readers and writers of the topic that do not fit."""
+        space = self._node.namespace.rstrip("/")
+        node = f"{space}/{topic.node or self._node.name}"
+        own = Own(end.guid.bytes, node, profile, isinstance(end, DataWriter))
+        type_name = ros_names.dds_type(topic.type_name)
+        self._discovery.add(data.name, topic.name, type_name, own)
 
     def serve(
         self, service: str, types: Sequence[RosService], on_request: OnRequest

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
-from collections.abc import Iterable
-from typing import Any, Final, NamedTuple
+from collections.abc import Callable, Iterable
+from typing import Any, Final, NamedTuple, TypeAlias
 
 import msgspec
 from cyclonedds.pub import DataWriter
@@ -37,6 +37,9 @@ _PREFIX = 12
 """Octets of a GUID that are those of its participant (DDSI-RTPS 2.5, 8.2.4.1)."""
 _HEAD = 4
 _ACTION = "/_action/"
+
+
+WhenNamed: TypeAlias = Callable[[str | None], None]
 
 
 class Graph:
@@ -101,6 +104,43 @@ class Strangers:
         self._named = threading.Condition()
         self._pending: dict[bytes, tuple[str, Role, bytes]] = {}
         self._reported: set[bytes] = set()
+        self._waiting: list[tuple[bytes, WhenNamed]] = []
+        self._timer: threading.Timer | None = None
+
+    def when_named(self, guid: bytes, call: WhenNamed) -> None:
+        """Call a function with the name of the node of an end, with None if it stays unknown."""
+        with self._lock:
+            self._waiting.append((guid, call))
+            if self._timer is None and self._graph.node(guid) is None:
+                self._timer = threading.Timer(_NAME_TIMEOUT, self._end_waiting)
+                self._timer.daemon = True
+                self._timer.start()
+        self._call_known()
+
+    def close(self) -> None:
+        """Wait for names no more."""
+        with self._lock:
+            self._waiting.clear()
+            if self._timer is not None:
+                self._timer.cancel()
+
+    def _end_waiting(self) -> None:
+        with self._lock:
+            self._timer = None
+        self._call_known(all_=True)
+
+    def _call_known(self, *, all_: bool = False) -> None:
+        with self._lock:
+            named = [(self._graph.node(guid), call) for guid, call in self._waiting]
+            known = [all_ or node is not None for node, _ in named]
+            self._waiting = [
+                each
+                for each, is_known in zip(self._waiting, known, strict=True)
+                if not is_known
+            ]
+        for (node, call), is_known in zip(named, known, strict=True):
+            if is_known:
+                call(node)
 
     def discovered(self, service: str, role: Role, ends: Iterable[End]) -> None:
         """Report those of the ends that have no header once the names of their nodes are known."""
@@ -118,6 +158,7 @@ class Strangers:
             self._graph.take(octets)
             self._named.notify_all()
         self._report_known()
+        self._call_known()
 
     def wait_for_node(self, guid: bytes, timeout: float) -> None:
         """Wait for the name of a node, of which readers may be discovered before."""

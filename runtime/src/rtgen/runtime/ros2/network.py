@@ -23,10 +23,12 @@ from rtgen.runtime.distribution.medium import (
     ReplyTimeoutError,
     Sample,
     ServiceTypes,
+    Subscription,
     Token,
     Topic,
 )
 from rtgen.runtime.failures import log
+from rtgen.runtime.ros2.qos import QosWatch
 from rtgen.runtime.ros2.turns import Turns
 from rtgen.runtime.ros2.types import ros_name, service_hash, type_hash
 from rtgen.runtime.services.servants import (
@@ -158,6 +160,7 @@ class RosNetwork:
         self._ends: list[Token] = []
         self._clients: list[Client] = []
         self._observers: list[Observer] = []
+        self._qos = QosWatch()
         self._ending = threading.Lock()
         self._times_ended = 0
 
@@ -176,6 +179,7 @@ class RosNetwork:
         with _as_ros2(topic.name):
             publisher = self.medium.publisher(topic, RosQos.of(profile))
         self._ends.append(publisher)
+        self._qos.add(topic.name, publisher, profile, writes=True)
         observed = self._observed(topic, profile, sent=True)
 
         def publish(octets: bytes) -> None:
@@ -188,7 +192,7 @@ class RosNetwork:
 
     def subscribe(
         self, topic: RosTopic, profile: Profile, on_message: OnMessage
-    ) -> None:
+    ) -> Subscription:
         """Receive the messages of a topic until `close`."""
 
         observed = self._observed(topic, profile, sent=False)
@@ -208,7 +212,10 @@ class RosNetwork:
                 self.turns.post(partial(handle, sample.octets))
 
         with _as_ros2(topic.name):
-            self._ends.append(self.medium.subscribe(topic, RosQos.of(profile), take))
+            subscription = self.medium.subscribe(topic, RosQos.of(profile), take)
+        self._ends.append(subscription)
+        self._qos.add(topic.name, subscription, profile, writes=False)
+        return subscription
 
     def serve(self, service: RosService, on_request: OnRequest) -> None:
         """Serve a service until `close`."""
@@ -245,6 +252,7 @@ class RosNetwork:
 
     def close(self) -> None:
         """Close the network with all nodes."""
+        self._qos.close()
         self.medium.close()
 
 

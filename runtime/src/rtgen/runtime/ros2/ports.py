@@ -7,8 +7,9 @@ from typing import Any
 
 import msgspec
 
-from rtgen.facts.ros_qos import Profile
+from rtgen.facts.ros_qos import Profile, seconds
 from rtgen.runtime.cdr import CdrError
+from rtgen.runtime.distribution.medium import Subscription
 from rtgen.runtime.failures import log
 from rtgen.runtime.ports.data_ports import DataConnector, InPort, OutPort
 from rtgen.runtime.return_codes import PORT_OK, PortStatus
@@ -68,21 +69,48 @@ class TopicWriter:
         self._port.remove_outlet(self.send)
 
 
+class TopicConnector(DataConnector[Any]):
+    """The connection of an InPort with a topic; `invalid` messages could not be decoded."""
+
+    def __init__(self, port: InPort[Any], topic: str, profile: Profile) -> None:
+        outside: OutPort[Any] = OutPort("topic", port.type, topic.strip("/"))
+        super().__init__(topic, outside, port, {}, lambda: port._guard)
+        self.invalid = 0
+        self.subscription: Subscription | None = None
+        self.deadline = seconds(profile.deadline)
+        self.why_missed = (
+            "lost in the network, not to be decoded, or more than the depth of "
+            f"{profile.depth} waited: depth in [ros2.topics] of rtgen.toml keeps more"
+        )
+
+    @property
+    def missed(self) -> int:
+        """See `DataConnector`."""
+        return self.invalid + (self.subscription.lost if self.subscription else 0)
+
+    @property
+    def missed_deadlines(self) -> int:
+        """See `DataConnector`."""
+        return self.subscription.missed_deadlines if self.subscription else 0
+
+
 class TopicReader:
-    """Writes messages of a topic to an InPort; `invalid` counts those that could not be decoded."""
+    """Writes messages of a topic to an InPort."""
 
     def __init__(
         self, network: RosNetwork, port: InPort[Any], topic: RosTopic, joint: Joint
     ) -> None:
-        self.invalid = 0
         self._type = topic.type
         self._marshaling = joint.marshaling
-        outside: OutPort[Any] = OutPort("topic", port.type, topic.name.strip("/"))
-        self._connector = DataConnector(
-            topic.name, outside, port, {}, lambda: port._guard
-        )
+        self._connector = TopicConnector(port, topic.name, joint.profile)
         self._connector.attach()
-        network.subscribe(topic, joint.profile, self._take)
+        subscription = network.subscribe(topic, joint.profile, self._take)
+        self._connector.subscription = subscription
+
+    @property
+    def invalid(self) -> int:
+        """Number of messages that could not be decoded."""
+        return self._connector.invalid
 
     def _take(self, octets: bytes) -> None:
         port = self._connector.target
@@ -91,8 +119,8 @@ class TopicReader:
             if self._marshaling is not None:
                 value = self._marshaling.of_message(value)
         except (CdrError, ValueError) as error:
-            self.invalid += 1
-            if self.invalid == 1:
+            self._connector.invalid += 1
+            if self._connector.invalid == 1:
                 log.warning("%s: a message cannot be decoded: %s", port, error)
             return
         self._connector.give(value)

@@ -5,25 +5,22 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Iterable, Sequence
-from hashlib import sha256
 from itertools import count
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import zenoh
 
 from rtgen.facts import ros_zenoh
 from rtgen.facts.files import UnreadableError, check_file
-from rtgen.facts.ros_names import GID_SIZE
 from rtgen.facts.ros_qos import PROFILES, Profile
-from rtgen.facts.ros_zenoh import Attachment, Entity, Node
+from rtgen.facts.ros_zenoh import Entity, Node
 from rtgen.runtime.distribution.medium import (
     Client,
     NotServedError,
     OnRequest,
     OnSample,
     PeerLostError,
-    Subscription,
     Token,
 )
 from rtgen.runtime.failures import log
@@ -35,11 +32,20 @@ from rtgen.runtime.ros2.network import (
     RosService,
     RosTopic,
 )
-from rtgen.runtime.zenoh.declared import Declared
+from rtgen.runtime.ros2.qos import Own
+from rtgen.runtime.ros2.zenoh_topics import (
+    Attachments,
+    Discovery,
+    RosPublisher,
+    RosSubscription,
+    Shown,
+    gid_of,
+    report_ignored,
+)
 from rtgen.runtime.zenoh.medium import ZenohEngine
 from rtgen.runtime.zenoh.services import ZenohClient, ZenohService
 from rtgen.runtime.zenoh.session import plain, reported
-from rtgen.runtime.zenoh.topics import ZenohSubscription, reliability
+from rtgen.runtime.zenoh.topics import reliability
 
 ROUTER = "tcp/localhost:7447"
 """Default address of rmw_zenoh's router."""
@@ -90,6 +96,7 @@ class RosZenoh(ZenohEngine):
         self._nodes: dict[str, Node] = {}
         self._tokens: list[Any] = []
         self._numbers = count()
+        self._discovery = Discovery(session)
         self._show_node("")
         self._looking = threading.Timer(_REPORT_AFTER, self._tell_if_alone)
         self._looking.daemon = True
@@ -117,20 +124,37 @@ class RosZenoh(ZenohEngine):
             else:
                 publisher = self._session.declare_publisher(key, **options)
             shown = self._show(ros_zenoh.PUBLISHER, topic, qos.profile)
-        return RosPublisher(self._session, publisher, shown, is_durable=qos.durable)
+            made = RosPublisher(
+                self._session, publisher, shown, qos.profile, is_durable=qos.durable
+            )
+            made.add(self._compare(topic, shown, qos.profile, writes=True))
+        return made
 
     def subscribe(
         self, topic: RosTopic, qos: RosQos, on_sample: OnSample
-    ) -> Subscription:
+    ) -> RosSubscription:
         """See `Messaging`."""
         profile = qos.profile
         history = profile.depth if qos.durable else None
         with reported("Zenoh"):
-            made = ZenohSubscription(
-                self._session, self._key(topic), on_sample, history
+            made = RosSubscription(
+                self._session, self._key(topic), on_sample, history, profile
             )
-            made.add(self._show(ros_zenoh.SUBSCRIPTION, topic, profile).token)
+            shown = self._show(ros_zenoh.SUBSCRIPTION, topic, profile)
+            made.add(shown.token)
+            made.add(self._compare(topic, shown, profile, writes=False))
         return made
+
+    def _compare(
+        self, topic: RosTopic, shown: Shown, profile: Profile, *, writes: bool
+    ) -> Any:
+        """Return what reports ends of the topic that do not fit."""
+        report_ignored(topic.name, profile, writes=writes)
+        space = self._node.namespace.rstrip("/")
+        node = f"{space}/{topic.node or self._node.name}"
+        own = Own(shown.text, node, profile, writes)
+        domain, type_name = self._node.domain, topic.type_name
+        return self._discovery.watch(domain, topic.name, type_name, own)
 
     def serve(
         self, service: str, types: Sequence[RosService], on_request: OnRequest
@@ -184,53 +208,17 @@ class RosZenoh(ZenohEngine):
 
     def _show(
         self, kind: str, described: RosTopic | RosService, profile: Profile
-    ) -> _Shown:
+    ) -> Shown:
         """Declare the token of an entity."""
         entity = Entity(
             kind, described.name, described.type_name, described.type_hash, profile
         )
         node = self._show_node(described.node)
         text = ros_zenoh.entity_token(node, next(self._numbers), entity)
-        gid = sha256(text.encode()).digest()[:GID_SIZE]
-        return _Shown(self._token(text), gid)
+        return Shown(self._token(text), text, gid_of(text))
 
     def _token(self, text: str) -> Any:
         return self._session.liveliness().declare_token(text)
-
-
-class _Shown(NamedTuple):
-    """The token of an entity, and its identifier in attachments."""
-
-    token: Any
-    gid: bytes
-
-
-class RosPublisher:
-    """See `medium.Publisher`: each sample has an attachment."""
-
-    def __init__(
-        self, session: zenoh.Session, publisher: Any, shown: _Shown, *, is_durable: bool
-    ) -> None:
-        self._publisher = publisher
-        self._is_durable = is_durable
-        self._attachments = _Attachments(shown.gid)
-        self._lock = threading.Lock()
-        self._declared = Declared(session, publisher, shown.token)
-
-    def publish(self, octets: bytes) -> None:
-        """See `medium.Publisher`."""
-        with self._lock, reported("Zenoh"):
-            self._publisher.put(octets, attachment=self._attachments.next())
-
-    @property
-    def matched(self) -> bool:
-        """See `medium.Publisher`; Zenoh does not tell it of one that is durable."""
-        with reported("Zenoh"):
-            return self._is_durable or self._declared.matches(self._publisher)
-
-    def close(self) -> None:
-        """See `medium.Publisher`."""
-        self._declared.close()
 
 
 class AttachedService(ZenohService):
@@ -261,11 +249,11 @@ class AttachingClient(ZenohClient):
         key: str,
         service: str,
         querier: zenoh.Querier,
-        shown: _Shown,
+        shown: Shown,
     ) -> None:
         super().__init__(session, service, querier)
         self._key = key
-        self._attachments = _Attachments(shown.gid)
+        self._attachments = Attachments(shown.gid)
         self._closing.add(shown.token)
 
     def call(self, octets: bytes, timeout: float) -> bytes:
@@ -293,16 +281,3 @@ class AttachingClient(ZenohClient):
             timeout=timeout,
             cancellation_token=cancellation,
         )
-
-
-class _Attachments:
-    """The attachments of one entity, numbered."""
-
-    def __init__(self, gid: bytes) -> None:
-        self._gid = gid
-        self._numbers = count(1)
-
-    def next(self) -> bytes:
-        """Return the attachment of what is sent now."""
-        value = Attachment(next(self._numbers), time.time_ns(), self._gid)
-        return ros_zenoh.attachment(value)
