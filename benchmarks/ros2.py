@@ -1,0 +1,124 @@
+"""Nodes of ROS 2 side by side: written by hand with rclpy, `--ros2 rclpy`, and `--ros2 dds`.
+
+    python benchmarks/ros2.py [ROUNDS]
+
+What a driver sends on one topic comes back on another: by rclpy's executor and a callback, or by an
+InPort and an OutPort of rtgen. Messages are decoded, changed and encoded again. The driver is the
+same for all, a node of rclpy on Fast DDS. Latency is that of the way there and back, `cpu` the
+processor time of the node for each message, `found` the time until a node that starts gets the
+first message. Rounds alternate; figures are medians of rounds.
+"""
+
+from __future__ import annotations
+
+import json
+import statistics
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any, NamedTuple
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parent / "tests"))
+
+from media import own_domain  # noqa: E402
+from ros2_peers import DISTRIBUTIONS, Installation, make  # noqa: E402
+
+ENDS = HERE / "ros2_ends.py"
+KINDS = ("hand", "rclpy", "dds")
+ROUNDS = 5
+
+
+class Load(NamedTuple):
+    """Messages of a type: how many in a round, how many a second, and the octets of their data."""
+
+    title: str
+    type: str
+    count: int
+    rate: float
+    octets: int
+
+
+LOADS = (
+    Load("1 kHz odometry", "nav_msgs/msg/Odometry", 3000, 1000.0, 0),
+    Load("10 MB clouds", "sensor_msgs/msg/PointCloud2", 10, 2.0, 10_000_000),
+)
+
+
+class Figures(NamedTuple):
+    """Those of one round: times in milliseconds, `found` in seconds, `came` as a share."""
+
+    latency: float
+    worst: float
+    cpu: float
+    found: float
+    came: float
+
+
+def start(python: str, ros2: Installation, domain: int, *words: str) -> Any:
+    """Start one of the ends."""
+    return subprocess.Popen(
+        [python, str(ENDS), *words],
+        env=ros2.environment(domain),
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+
+
+def line(process: Any, text: str | None = None) -> Any:
+    """Write a line, if any; return the next one that the process writes."""
+    if text is not None:
+        print(text, file=process.stdin, flush=True)
+    return process.stdout.readline()
+
+
+def measured(ros2: Installation, kind: str, load: Load) -> Figures:
+    """Run a node and the driver."""
+    domain = own_domain()
+    python = sys.executable if kind == "dds" else ros2.python
+    node = start(python, ros2, domain, "echo", kind, load.type)
+    line(node)
+    words = load.type, str(load.count), str(load.rate), str(load.octets)
+    driver = start(ros2.python, ros2, domain, "drive", *words)
+    try:
+        found = json.loads(line(driver))["found"]
+        before = float(line(node, "cpu"))
+        latencies = json.loads(line(driver, "go"))["latencies"]
+        used = float(line(node, "cpu")) - before
+    finally:
+        for process in (driver, node):
+            process.kill()
+            process.communicate()
+    return Figures(
+        statistics.median(latencies) if latencies else float("nan"),
+        latencies[int(len(latencies) * 0.99)] if latencies else float("nan"),
+        used * 1e3 / load.count,
+        found,
+        len(latencies) / load.count,
+    )
+
+
+def main(rounds: int) -> None:
+    for distribution in DISTRIBUTIONS:
+        ros2 = make(distribution)
+        for load in LOADS:
+            print(
+                f"{distribution}, {load.title}: latency [ms], 99 %, cpu [ms], found [s], came"
+            )
+            results: dict[str, list[Figures]] = {kind: [] for kind in KINDS}
+            for _ in range(rounds):
+                for kind in KINDS:
+                    results[kind].append(measured(ros2, kind, load))
+            for kind, figures in results.items():
+                latency, worst, cpu, found, came = map(
+                    statistics.median, zip(*figures, strict=True)
+                )
+                print(
+                    f"  {kind:6} {latency:8.2f} {worst:8.2f} {cpu:8.3f} {found:6.2f} {came:6.1%}",
+                    flush=True,
+                )
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else ROUNDS)

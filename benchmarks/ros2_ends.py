@@ -1,0 +1,147 @@
+"""Nodes of `ros2.py`: what comes on `/in` goes on `/out`, and a driver that measures it.
+
+    python ros2_ends.py echo hand|rclpy|dds TYPE
+    python ros2_ends.py drive TYPE COUNT RATE OCTETS
+
+An echo writes its processor time for each line that it reads. A driver is a node of rclpy, with
+serialized messages; it writes how many came back, and their latencies in milliseconds.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+import sys
+import threading
+import time
+from typing import Any
+
+DEPTH = 100
+
+
+def class_of(type_: str) -> Any:
+    """Return the class of rclpy."""
+    package, _, name = type_.split("/")
+    return getattr(importlib.import_module(f"{package}.msg"), name)
+
+
+def hand(type_: str) -> None:
+    """Spin a node as it is written by hand."""
+    import rclpy
+    from rclpy.qos import QoSProfile
+
+    class_ = class_of(type_)
+    rclpy.init()
+    node = rclpy.create_node("echo")
+    profile = QoSProfile(depth=DEPTH)
+    publisher = node.create_publisher(class_, "out", profile)
+
+    def echo(message: Any) -> None:
+        message.header.frame_id = "echo"
+        publisher.publish(message)
+
+    node.create_subscription(class_, "in", echo, profile)
+    threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
+
+
+def rtgen(kind: str, type_: str) -> None:
+    """Connect an InPort and an OutPort."""
+    from rtgen.facts.ros_qos import PROFILES
+    from rtgen.runtime.ports.data_ports import InPort, OutPort
+    from rtgen.runtime.ros2.network import RosNode
+    from rtgen.runtime.ros2.ports import Joint, RosPorts
+    from rtgen.tools.running.ros2_classes import message_classes
+
+    node = RosNode("echo", "/", int(os.environ["ROS_DOMAIN_ID"]))
+    if kind == "dds":
+        from rtgen.runtime.ros2.dds import open_dds
+
+        network = open_dds(node)
+    else:
+        from rtgen.runtime.ros2.rclpy import open_rclpy
+
+        network = open_rclpy(node)
+    class_ = message_classes(type_)[type_]
+    in_: InPort[Any] = InPort("in", class_, "echo0")
+    out: OutPort[Any] = OutPort("out", class_, "echo0")
+
+    def echo() -> None:
+        message = in_.read()
+        message.header.frame_id = "echo"
+        out.write(message)
+
+    in_.call_on_arrival(echo)
+    profile = PROFILES["default"]._replace(depth=DEPTH)
+    RosPorts(network, [Joint(in_, "/in", profile), Joint(out, "/out", profile)])
+
+
+def echo(kind: str, type_: str) -> None:
+    """Run a node until the input ends."""
+    if kind == "hand":
+        hand(type_)
+    else:
+        rtgen(kind, type_)
+    print("ready", flush=True)
+    for _ in sys.stdin:
+        print(time.process_time(), flush=True)
+
+
+def drive(type_: str, count: int, rate: float, octets: int) -> None:
+    """Send messages at a rate [Hz], of about that many octets; write what came back."""
+    import rclpy
+    from rclpy.qos import QoSProfile
+    from rclpy.serialization import serialize_message
+
+    class_ = class_of(type_)
+    rclpy.init()
+    node = rclpy.create_node("driver")
+    profile = QoSProfile(depth=DEPTH)
+    message = class_()
+    if octets:
+        message.data = bytes(octets)
+    whole = serialize_message(message)
+    sent = [0.0] * count
+    latencies: dict[int, float] = {}
+    done = threading.Event()
+
+    def came(raw: bytes) -> None:
+        number = int.from_bytes(raw[4:8], "little", signed=True)
+        if 0 <= number < count:
+            latencies[number] = (time.perf_counter() - sent[number]) * 1e3
+            if len(latencies) == count:
+                done.set()
+        else:
+            known.set()
+
+    known = threading.Event()
+    publisher = node.create_publisher(class_, "in", profile)
+    node.create_subscription(class_, "out", came, profile, raw=True)
+    threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
+    begun = time.perf_counter()
+    while not known.is_set():
+        publisher.publish(whole[:4] + b"\xff\xff\xff\xff" + whole[8:])
+        known.wait(0.05)
+    found = time.perf_counter() - begun
+    time.sleep(0.3)
+    print(json.dumps({"found": found}), flush=True)
+    sys.stdin.readline()
+    next_ = time.perf_counter()
+    for number in range(count):
+        octets_ = whole[:4] + number.to_bytes(4, "little") + whole[8:]
+        while (left := next_ - time.perf_counter()) > 0:
+            time.sleep(left)
+        sent[number] = time.perf_counter()
+        publisher.publish(octets_)
+        next_ += 1 / rate
+    done.wait(3.0)
+    print(json.dumps({"latencies": sorted(latencies.values())}), flush=True)
+    os._exit(0)  # the thread that spins would be in the way of an orderly end
+
+
+if __name__ == "__main__":
+    if sys.argv[1] == "echo":
+        echo(*sys.argv[2:4])
+    else:
+        kind_, number_, rate_, size_ = sys.argv[2:6]
+        drive(kind_, int(number_), float(rate_), int(size_))
