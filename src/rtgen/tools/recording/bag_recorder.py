@@ -43,10 +43,7 @@ class BagRecorder:
         self._lock = threading.Lock()
 
     def begin(self) -> None:
-        """Write what has come; from now on the clock of the system is that of the run.
-
-        A run may take its time from a topic, too: before, it is not known.
-        """
+        """Write what has come. Call it when the run begins: its time is not known before."""
         with self._lock:
             self._writer.describe(clock_of(self._system))
             early, self._early = self._early or (), None
@@ -70,6 +67,8 @@ class BagRecorder:
 
     def close(self) -> None:
         """Announce the topics that had no message."""
+        if self._early is not None:
+            self.begin()
         for name in self._ends:
             self._announce(name)
 

@@ -106,7 +106,7 @@ class BagSource:
         network = RosNetwork(medium)
         if bag is not None:
             network.observe(bag.observe)
-            bag.begin()
+            running.at(0, bag.begin)
         files.callback(RosPorts(network, joints).close)
         read = [each for each in joints if isinstance(each.port, runtime.InPort)]
         played = [each for each in read if each.topic not in medium.written]

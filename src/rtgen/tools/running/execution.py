@@ -163,7 +163,7 @@ class _Run:
             boards=plan.boards,
         )
         if bag is not None:
-            bag.begin()
+            running.at(0, bag.begin)
         options.live.begin(files, running, console, name, rest)
         if of_poses or plan.measures:
             running.every(
