@@ -13,6 +13,7 @@ COMMANDS: dict[str, str] = {
     "csv": "Write values of ports as CSV.",
     "plot": "Plot values of ports over time.",
     "diff": "Compare two files.",
+    "export": "Write a bag of ROS 2.",
 }
 """Command to its line of help; the module `<command>_command` has a function `<command>_`."""
 
@@ -21,5 +22,6 @@ COMMANDS: dict[str, str] = {
 def log() -> None:
     """Show, export and compare recorded runs.
 
-    FILE is a file that `rtgen run` wrote: MCAP by --record, or JSON lines by --log.
+    FILE is a file that `rtgen run` wrote: MCAP by --record, or JSON lines by --log; or a bag of
+    ROS 2: a folder, or a file in MCAP or sqlite3.
     """

@@ -7,12 +7,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from enum import IntEnum
 from pathlib import PurePosixPath
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 import yaml
 
-from rtgen.facts.ros_qos import Profile
+from rtgen.facts.ros_qos import (
+    Durability,
+    History,
+    Liveliness,
+    Profile,
+    Reliability,
+)
 from rtgen.tools.recording.errors import RecordingError
 
 METADATA_FILE: Final = "metadata.yaml"
@@ -21,10 +28,14 @@ METADATA_RECORD: Final = "rosbag2"
 VERSION: Final = 9
 DISTRIBUTION: Final = "jazzy"
 
+_Policy = TypeVar("_Policy", bound=IntEnum)
+
 _ROOT: Final = "rosbag2_bagfile_information"
 _FOREVER: Final = {"sec": 9223372036, "nsec": 854775807}
 """`RMW_DURATION_INFINITE`."""
 _SECOND: Final = 1_000_000_000
+_NEVER: Final = 1 << 62
+_MAX_PROFILES: Final = 1 << 16
 _MAX_FILES: Final = 100_000
 _MAX_DEPTH: Final = 32
 
@@ -43,6 +54,55 @@ class TopicInformation:
 def profiles_text(profiles: Sequence[Profile]) -> str:
     """Return profiles as the entry `offered_qos_profiles` of a channel."""
     return _text([_described(profile) for profile in profiles]).rstrip("\n")
+
+
+def profiles_of(text: str) -> tuple[Profile, ...]:
+    """Return the profiles of an entry `offered_qos_profiles`; without what cannot be read.
+
+    Names of policies (version 9) and their numbers (up to version 8) are taken.
+    """
+    try:
+        listed = yaml.load(text[:_MAX_PROFILES], Loader=_Loader)
+    except (yaml.YAMLError, RecursionError, ValueError, OverflowError):
+        return ()
+    if not isinstance(listed, list):
+        return ()
+    found = (_profile(each) for each in listed if isinstance(each, dict))
+    return tuple(each for each in found if each is not None)
+
+
+def _profile(described: dict[str, Any]) -> Profile | None:
+    depth = described.get("depth")
+    history = _policy(History, described.get("history"))
+    return Profile(
+        depth=depth if isinstance(depth, int) and 0 < depth < 1 << 31 else 10,
+        reliability=_policy(Reliability, described.get("reliability"))
+        or Reliability.RELIABLE,
+        durability=_policy(Durability, described.get("durability"))
+        or Durability.VOLATILE,
+        history=history or History.KEEP_LAST,
+        deadline=_nanoseconds(described.get("deadline")),
+        lifespan=_nanoseconds(described.get("lifespan")),
+        liveliness=_policy(Liveliness, described.get("liveliness"))
+        or Liveliness.AUTOMATIC,
+        lease=_nanoseconds(described.get("liveliness_lease_duration")),
+    )
+
+
+def _policy(kind: type[_Policy], value: object) -> _Policy | None:
+    if isinstance(value, str):
+        return kind.__members__.get(value.upper())
+    return next((each for each in kind if each == value), None)
+
+
+def _nanoseconds(described: object) -> int | None:
+    if not isinstance(described, dict) or described == _FOREVER:
+        return None
+    seconds, rest = described.get("sec"), described.get("nsec")
+    if not (isinstance(seconds, int) and isinstance(rest, int)):
+        return None
+    whole = seconds * _SECOND + rest
+    return whole if 0 < whole < _NEVER else None
 
 
 def information(

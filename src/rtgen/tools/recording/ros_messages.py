@@ -139,7 +139,7 @@ def model_of(name: str, text: str, encoding: str) -> Model | None:
         case "ros2idl":
             return _idl_model(name, text)
         case "":
-            return _shipped_model(name)
+            return shipped_model(name)
     return message_model(name, text)
 
 
@@ -168,7 +168,8 @@ def _idl_model(name: str, text: str) -> Model | None:
     return Model(declarations=tuple(_declarations(messages)))
 
 
-def _shipped_model(name: str) -> Model:
+def shipped_model(name: str) -> Model:
+    """Return the declarations of a message that ships with rtgen. Raises SchemaError."""
     if scoped(name) is not None and f"{name}.msg" in ros_interfaces():
         file = ros_file(f"{name}.msg")
         return load([file], root=file.parents[2]).model

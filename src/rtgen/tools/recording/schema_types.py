@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from functools import partial
+from keyword import iskeyword
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -76,6 +77,7 @@ Decode: TypeAlias = Callable[[Any, bytes], Any]
 """Function that returns the value of a type of serialized data. Raises CdrError."""
 
 _FILE = "schema.idl"
+_IDENTIFIER = re.compile(r"[A-Za-z]\w*", re.ASCII)
 _INCLUDE = re.compile(r"^[ \t]*#[ \t]*include[^\n]*", re.MULTILINE)
 _MAX_LENGTH = 1 << 20
 """Maximum length of a schema in characters."""
@@ -91,6 +93,18 @@ def type_of(schema: Schema) -> type[DataType]:
 
     No repository id is registered, so types of generated code are not affected.
     """
+    return _type_of(schema, own_names=False)
+
+
+def named_type_of(schema: Schema) -> type[DataType]:
+    """Return the type that a schema names; attributes have the names of members.
+
+    Raises SchemaError, also for names that are not plain identifiers.
+    """
+    return _type_of(schema, own_names=True)
+
+
+def _type_of(schema: Schema, *, own_names: bool) -> type[DataType]:
     if len(schema.text) > _MAX_LENGTH:
         raise SchemaError(
             f"{schema.name}: the schema has over {_MAX_LENGTH} characters"
@@ -102,13 +116,24 @@ def type_of(schema: Schema) -> type[DataType]:
     else:
         model = _idl_model(schema)
         name = tuple(schema.name.split("::"))
-    descriptor = Types(model).named(name, schema.name)
+    if own_names:
+        _require_identifiers(schema, model)
+    descriptor = Types(model, own_names=own_names).named(name, schema.name)
     class_: type[DataType] | None = getattr(descriptor, "class_", None)
     if class_ is None or not isinstance(descriptor, StructDescriptor | UnionDescriptor):
         raise SchemaError(
             f"{schema.name} is neither a struct nor a union of the schema"
         )
     return class_
+
+
+def _require_identifiers(schema: Schema, model: Model) -> None:
+    """Raise SchemaError for names of members that would be others in Python, or code."""
+    for declaration in model.declarations:
+        for member in getattr(declaration, "members", ()):
+            name = str(member.name)
+            if not _IDENTIFIER.fullmatch(name) or iskeyword(name):
+                raise SchemaError(f"{schema.name}: {name!r} cannot be an attribute")
 
 
 def message_classes(model: Model) -> dict[str, type[DataType]]:
