@@ -51,10 +51,15 @@ class Node(Events):
     """A node of rclpy."""
 
     def __init__(
-        self, installation: Installation, name: str, namespace: str, domain: int
+        self,
+        installation: Installation,
+        name: str,
+        namespace: str,
+        domain: int,
+        script: Path = SCRIPT,
     ) -> None:
         super().__init__()
-        self._process = installation.start(SCRIPT, name, namespace, domain=domain)
+        self._process = installation.start(script, name, namespace, domain=domain)
         self._reading = threading.Thread(target=self._read, daemon=True)
         self._reading.start()
         self.name = self.event("ready")[0]
@@ -84,10 +89,15 @@ class Node(Events):
 
 @contextmanager
 def node(
-    installation: Installation, name: str, namespace: str = "/", *, domain: int
+    installation: Installation,
+    name: str,
+    namespace: str = "/",
+    *,
+    domain: int,
+    script: Path = SCRIPT,
 ) -> Iterator[Node]:
-    """Yield a node, which ends afterwards."""
-    made = Node(installation, name, namespace, domain)
+    """Yield a node, which ends afterwards; `script` is its program."""
+    made = Node(installation, name, namespace, domain, script)
     try:
         yield made
     finally:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Sequence
+from functools import partial
 from typing import Any, TypeVar
 
 import rclpy
@@ -30,6 +31,7 @@ from rtgen.runtime.ros2.network import (
     RosService,
     RosTopic,
 )
+from rtgen.runtime.ros2.qos import Own, Peers
 from rtgen.runtime.ros2.rclpy_ends import (
     Client,
     Publisher,
@@ -38,6 +40,7 @@ from rtgen.runtime.ros2.rclpy_ends import (
     Waiter,
     reported,
 )
+from rtgen.runtime.ros2.rclpy_qos import OF_PUBLISHER, OF_SUBSCRIPTION, Status
 from rtgen.runtime.ros2.rclpy_types import installed
 
 _SERVICE = PROFILES["services_default"]
@@ -73,6 +76,7 @@ class RosRclpy:
         self._nodes: dict[str, Node] = {}
         self._open: list[Token] = []
         self._closed = False
+        self._peers = Peers()
         self._context = Context()
         with reported("rclpy"):
             self._context.init(args=[], initialize_logging=False, domain_id=node.domain)
@@ -93,7 +97,8 @@ class RosRclpy:
             made = node.create_publisher(
                 class_, topic.name, _qos(qos.profile), event_callbacks=silent
             )
-        return self._keep(Publisher(node, made, is_durable=qos.durable))
+            status = self._status(topic, node, made, qos.profile, writes=True)
+        return self._keep(Publisher(node, made, status, is_durable=qos.durable))
 
     def subscribe(
         self, topic: RosTopic, qos: RosQos, on_sample: OnSample
@@ -111,7 +116,24 @@ class RosRclpy:
                 event_callbacks=silent,
                 raw=True,
             )
-            return self._keep(Subscription(node, made, on_sample, self._topics))
+            status = self._status(topic, node, made, qos.profile, writes=False)
+            return self._keep(Subscription(node, made, on_sample, self._topics, status))
+
+    def _status(
+        self, topic: RosTopic, node: Node, end: Any, profile: Profile, *, writes: bool
+    ) -> Status:
+        """Return the QoS events of an end."""
+        name = node.get_fully_qualified_name()
+        own = Own(f"{end.handle.pointer} {writes}", name, profile, writes)
+        types = OF_PUBLISHER if writes else OF_SUBSCRIPTION
+        others = (
+            node.get_subscriptions_info_by_topic
+            if writes
+            else node.get_publishers_info_by_topic
+        )
+        return Status(
+            end.handle, types, own, topic, self._peers, partial(others, topic.name)
+        )
 
     def serve(
         self, service: str, types: Sequence[RosService], on_request: OnRequest

@@ -30,6 +30,7 @@ from rtgen.runtime.distribution.medium import (
     Sample,
 )
 from rtgen.runtime.failures import log
+from rtgen.runtime.ros2.rclpy_qos import Gaps, Status
 
 _BATCH = 64
 """Messages taken from an end before others have their turn."""
@@ -169,12 +170,38 @@ class Waiter:
                     log.warning("ROS 2: what has come cannot be read: %s", error)
 
 
-class Publisher:
+class _Watched:
+    """See `qos.End`."""
+
+    status: Status
+
+    @property
+    def missed_deadlines(self) -> int:
+        """See `qos.End`."""
+        with reported("QoS"):
+            return self.status.total("deadline")
+
+    @property
+    def lost_liveliness(self) -> int:
+        """See `qos.End`."""
+        with reported("QoS"):
+            return self.status.total("liveliness")
+
+    def look(self) -> None:
+        """See `qos.End`."""
+        with reported("QoS"):
+            self.status.look()
+
+
+class Publisher(_Watched):
     """See `medium.Publisher`."""
 
-    def __init__(self, node: Any, publisher: Any, *, is_durable: bool) -> None:
+    def __init__(
+        self, node: Any, publisher: Any, status: Status, *, is_durable: bool
+    ) -> None:
         self._node = node
         self._publisher = publisher
+        self.status = status
         self._topic = publisher.topic_name
         self._is_durable = is_durable
 
@@ -192,19 +219,26 @@ class Publisher:
 
     def close(self) -> None:
         """See `medium.Publisher`."""
+        self.status.close()
         self._node.destroy_publisher(self._publisher)
 
 
-class Subscription:
+class Subscription(_Watched):
     """See `medium.Subscription`."""
 
     kind = "subscription"
-    lost = 0
-    missed_deadlines = 0
 
     def __init__(
-        self, node: Any, subscription: Any, on_sample: OnSample, waiter: Waiter
+        self,
+        node: Any,
+        subscription: Any,
+        on_sample: OnSample,
+        waiter: Waiter,
+        status: Status,
     ) -> None:
+        self.status = status
+        name = subscription.topic_name
+        self._gaps = Gaps(lambda: int(node.count_publishers(name)))
         self._node = node
         self._subscription = subscription
         self.handle = subscription.handle
@@ -220,13 +254,20 @@ class Subscription:
             taken = self.handle.take_message(self._type, True)
             if taken is None or self._closed:
                 return
+            self._gaps.count(taken[1])
             self._on_sample(Sample(taken[0], None))
+
+    @property
+    def lost(self) -> int:
+        """See `medium.Subscription`."""
+        return self._gaps.lost
 
     def close(self) -> None:
         """See `medium.Subscription`."""
         if not self._closed:
             self._closed = True
             self._waiter.remove(self)
+            self.status.close()
             self._node.destroy_subscription(self._subscription)
 
 
