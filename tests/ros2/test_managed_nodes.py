@@ -477,8 +477,8 @@ def test_both_nodes_are_in_the_graph_of_zenoh(stack: ExitStack) -> None:
         found = plain.liveliness().get(f"@ros2_lv/{DOMAIN}/**")
         return sorted(str(reply.ok.key_expr) for reply in found if reply.ok)
 
-    # A node each; 11 services and two publishers.
-    found = until(lambda: tokens() if len(tokens()) == 15 else [])
+    # A node each; 11 services and three publishers.
+    found = until(lambda: tokens() if len(tokens()) == 16 else [])
     kinds = [token.split("/")[5:] for token in found]
     assert ["NN", "%", "%robot", "node"] in kinds
     assert ["NN", "%", "%robot", "Valve0"] in kinds
@@ -488,7 +488,7 @@ def test_both_nodes_are_in_the_graph_of_zenoh(stack: ExitStack) -> None:
     own = [token.split("/")[3] for token in found if "/SS/" in token or "/MP/" in token]
     assert set(own) == {number}
     names = {kind[4].removeprefix("%robot%Valve0%") for kind in others}
-    assert names == {*SERVICES, "transition_event", "%parameter_events"}
+    assert names == {*SERVICES, "transition_event", "%parameter_events", "%rosout"}
 
 
 def test_both_nodes_are_in_the_graph_of_dds(stack: ExitStack) -> None:

@@ -116,6 +116,27 @@ class BoardCall(Aggregated):
     error: str = ""
 
 
+class LogLine(Aggregated):
+    """A line of a component's log, with a level of Python's `logging`, and its place."""
+
+    _descriptor_: ClassVar = idl.struct(
+        "rtgen::LogLine",
+        instance=idl.STRING,
+        level=idl.LONG,
+        text=idl.STRING,
+        file=idl.STRING,
+        function=idl.STRING,
+        line=idl.LONG,
+    )
+
+    instance: str = ""
+    level: int = 0
+    text: str = ""
+    file: str = ""
+    function: str = ""
+    line: int = 0
+
+
 class Run(Aggregated):
     """An event of the run itself: `end`, before or after the actions due at that time."""
 
@@ -135,6 +156,7 @@ class Topic:
     STATES = "/rtgen/states"
     PARAMETERS = "/rtgen/parameters"
     CONNECTIONS = "/rtgen/connections"
+    LOGS = "/rtgen/logs"
     CAN = "/rtgen/can/"
     CALLS = "/rtgen/calls/"
 
@@ -148,6 +170,7 @@ TYPES: dict[str, Any] = {
         Connection,
         CanFrame,
         BoardCall,
+        LogLine,
         Run,
     )
 }

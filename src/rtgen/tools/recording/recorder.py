@@ -25,6 +25,7 @@ from rtgen.runtime.timing.traffic import (
     BusFrame,
     ConnectionChange,
     Event,
+    LogLine,
     ParameterChange,
 )
 from rtgen.runtime.xcdr import Representation, representation_of
@@ -203,6 +204,8 @@ class Recorder:
                     self._put_parameter(event)
                 case ConnectionChange():
                     self._put_connection(event)
+                case LogLine():
+                    self._put(Topic.LOGS, "log", messages.LogLine(*event))
                 case BusFrame(bus, can_id, data, remote, extended):
                     frame = messages.CanFrame(can_id, extended, remote, data)
                     self._put(Topic.CAN + bus, "frame", frame, bus=bus)

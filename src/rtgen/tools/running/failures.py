@@ -23,6 +23,7 @@ from rtgen.compiler.systems.timeline import Call as TimelineCall
 from rtgen.compiler.systems.timeline import Step
 from rtgen.runtime import BlockedError, CallbackError, Failure, ObservableError
 from rtgen.runtime.failures import NOTE, described, ends_run
+from rtgen.runtime.rtc.logs import LOGGERS, instance_of
 from rtgen.runtime.stack_frames import is_rtgens, is_users
 from rtgen.runtime.system.json_calls import Outcome
 from rtgen.runtime.system.watchdog import Call, calls_under_way
@@ -325,8 +326,11 @@ def _span(frame: FrameSummary) -> Span:
     return Span(file, number, begin + 1, number, max(end, begin + 1) + 1)
 
 
+_FORM = logging.Formatter("%(message)s")
+
+
 class _LogHandler(logging.Handler):
-    """Prints log records of the runtime."""
+    """Prints log records of the runtime, and the lines of components."""
 
     def __init__(self, report: FailureReport, console: Console, form: str) -> None:
         super().__init__()
@@ -335,6 +339,10 @@ class _LogHandler(logging.Handler):
         self._form = form
 
     def emit(self, record: logging.LogRecord) -> None:
+        if instance := instance_of(record):
+            text = _FORM.format(record) if self._form != "none" else record.getMessage()
+            self._console.say(f"{record.levelname.lower()}: {instance}: {text}")
+            return
         if record.levelno < logging.WARNING:
             self._console.say(f"{record.levelname.lower()}: {record.getMessage()}")
             return
@@ -348,14 +356,19 @@ class _LogHandler(logging.Handler):
 def logged(
     report: FailureReport, console: Console, options: FailureOptions
 ) -> Iterator[None]:
-    """Print log records of the runtime within the block: warnings and notes, or more with -v."""
+    """Print log records within the block: the runtime's warnings and notes, components' lines from
+    INFO on; more with -v.
+    """
     log = logging.getLogger("rtgen")
     handler = _LogHandler(report, console, options.form)
     before = log.level
     log.setLevel((NOTE, logging.INFO, logging.DEBUG)[min(options.verbose, 2)])
     log.addHandler(handler)
+    components = logging.getLogger(LOGGERS)
+    components.setLevel(logging.DEBUG if options.verbose else logging.INFO)
     try:
         yield
     finally:
+        components.setLevel(logging.NOTSET)
         log.removeHandler(handler)
         log.setLevel(before)

@@ -27,8 +27,9 @@ from rtgen.tools.running.ros2_networks import open_network
 from rtgen.tools.running.ros2_time import RosTime
 
 if TYPE_CHECKING:
+    from rtgen.runtime.ros2.descriptions import TypeDescriptions
     from rtgen.runtime.ros2.marshaling import Marshaling
-    from rtgen.runtime.ros2.network import RosNode
+    from rtgen.runtime.ros2.network import RosNetwork, RosNode
     from rtgen.runtime.ros2.ports import Joint
     from rtgen.runtime.ros2.services import Answer, EventJoint, ServiceJoint
     from rtgen.tools.recording.bag_recorder import BagRecorder
@@ -93,6 +94,8 @@ def join(
             space = settings.namespace
             managed = ManagedNodes(network, running, nodes, classes, space)
             files.callback(managed.close)
+        described = _described(network, node, nodes, project)
+        files.callback(described.close)
         return clock.begin(network, running)
     except Ros2Error as error:
         raise ToolError(str(error)) from error
@@ -112,6 +115,26 @@ def topic_joints(
     node = RosNode("rtgen", settings.namespace)
     present = replace(settings, topics=topics)
     return _joints(present, running, node, {}, others=False)
+
+
+def _described(
+    network: RosNetwork, node: RosNode, nodes: Mapping[str, str], project: Project
+) -> TypeDescriptions:
+    """Serve the types that the nodes use. Raises Ros2Error."""
+    from rtgen.runtime.ros2.descriptions import SERVICE, TypeDescriptions
+    from rtgen.runtime.ros2.managed import EVENT_INFO
+    from rtgen.tools.running.ros2_definitions import definitions
+
+    classes = message_classes(SERVICE, EVENT_INFO)
+    names = {"": node.name, **{name: name for name in nodes.values()}}
+    space = node.namespace.rstrip("/")
+    return TypeDescriptions(
+        network,
+        {end: f"{space}/{name}" for end, name in names.items()},
+        classes,
+        classes[EVENT_INFO],
+        definitions([project.root, *project.include]),
+    )
 
 
 def _node_name(system: str) -> str:

@@ -14,6 +14,7 @@ from types import ModuleType
 from typing import Any
 
 from rtgen.runtime.failures import log
+from rtgen.runtime.rtc.logs import LOGGERS, instance_of
 
 _ENDING = 5.0
 """Seconds for the threads of an ORB that was destroyed."""
@@ -82,7 +83,7 @@ def behaviour_module(file: Path) -> ModuleType:
 
 
 class ManagerLog(logging.Handler):
-    """Forwards log records of the runtime to the log of OpenRTM's manager."""
+    """Forwards log records of the runtime and of components to the log of OpenRTM's manager."""
 
     def __init__(self) -> None:
         super().__init__(logging.INFO)
@@ -92,10 +93,16 @@ class ManagerLog(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         """See `logging.Handler`."""
         write = next(name for level, name in _LEVELS if record.levelno >= level)
-        getattr(self._out, write)("%s", self.format(record))
+        instance = instance_of(record)
+        text = self.format(record)
+        getattr(self._out, write)("%s", f"{instance}: {text}" if instance else text)
 
 
 def log_to_manager() -> None:
     """Install `ManagerLog`, once for each process."""
     if not any(isinstance(handler, ManagerLog) for handler in log.handlers):
-        log.addHandler(ManagerLog())
+        handler = ManagerLog()
+        log.addHandler(handler)
+        components = logging.getLogger(LOGGERS)
+        components.setLevel(logging.INFO)
+        components.addHandler(handler)

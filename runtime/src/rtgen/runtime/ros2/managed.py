@@ -6,6 +6,7 @@ Each component is a node with its instance name, with `~/get_state` and others,
 
 from __future__ import annotations
 
+import logging
 import threading
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Final
@@ -13,6 +14,7 @@ from typing import Any, Final
 from rtgen.facts.ros_qos import PROFILES
 from rtgen.runtime.distribution.workers import Workers
 from rtgen.runtime.failures import log
+from rtgen.runtime.return_codes import ERROR_STATE
 from rtgen.runtime.ros2 import life_cycle, parameters
 from rtgen.runtime.ros2.life_cycle import LifeCycle, Members
 from rtgen.runtime.ros2.network import (
@@ -29,11 +31,14 @@ from rtgen.runtime.rtc.configuration import ACTIVE_SET
 from rtgen.runtime.system.records import StateRecord
 from rtgen.runtime.system.system import System
 from rtgen.runtime.timing.clocks import SECOND
-from rtgen.runtime.timing.traffic import Event, ParameterChange
+from rtgen.runtime.timing.traffic import Event, LogLine, ParameterChange
 
 EVENT_INFO: Final = "service_msgs/msg/ServiceEventInfo"
 _TRANSITION_EVENT: Final = "lifecycle_msgs/msg/TransitionEvent"
 _PARAMETER_EVENT: Final = "rcl_interfaces/msg/ParameterEvent"
+_LOG: Final = "rcl_interfaces/msg/Log"
+_LEVELS: Final = (10, 20, 30, 40, 50)
+"""The levels of rcl_interfaces/msg/Log, which are those of `logging`, too."""
 _SERVICES: Final = {
     **{
         name: f"lifecycle_msgs/srv/{type_}"
@@ -46,7 +51,10 @@ _SERVICES: Final = {
 }
 INTERFACES: Final = tuple(
     dict.fromkeys(
-        (EVENT_INFO, _TRANSITION_EVENT, _PARAMETER_EVENT, *_SERVICES.values())
+        (
+            *(EVENT_INFO, _TRANSITION_EVENT, _PARAMETER_EVENT, _LOG),
+            *_SERVICES.values(),
+        )
     )
 )
 """The interfaces whose classes `ManagedNodes` requires."""
@@ -103,6 +111,10 @@ class ManagedNodes:
             node = self._nodes.get(event.instance)
             if node is not None:
                 node.on_parameter(event.parameter, event.value)
+        if isinstance(event, LogLine) and not self._closed:
+            node = self._nodes.get(event.instance)
+            if node is not None:
+                node.on_line(event)
 
 
 class _ManagedNode:
@@ -136,6 +148,7 @@ class _ManagedNode:
         for topic, type_, profile in (
             (f"{self._name}/transition_event", _TRANSITION_EVENT, "default"),
             ("/parameter_events", _PARAMETER_EVENT, "parameter_events"),
+            ("/rosout", _LOG, "rosout"),
         ):
             shown = RosTopic(topic, classes[type_], node)
             publish = network.publisher(shown, PROFILES[profile])
@@ -146,6 +159,27 @@ class _ManagedNode:
         event = self.life_cycle.changed(record)
         if event is not None:
             self._publish(_TRANSITION_EVENT, event)
+        if record.after is ERROR_STATE:
+            reason = record.reason or "ERROR"
+            self.on_line(LogLine(record.instance, logging.ERROR, reason, "", "", 0))
+
+    def on_line(self, line: LogLine) -> None:
+        """Publish a line of the component's log."""
+        levels = [level for level in _LEVELS if level <= line.level]
+        message = {
+            "stamp": self._stamp(),
+            "level": max(levels, default=_LEVELS[0]),
+            "name": self._name.strip("/").replace("/", "."),
+            "msg": line.text,
+            "file": line.file,
+            "function": line.function,
+            "line": line.line,
+        }
+        self._publish(_LOG, message)
+
+    def _stamp(self) -> Members:
+        seconds, rest = divmod(self._now(), SECOND)
+        return {"sec": seconds, "nanosec": rest}
 
     def on_parameter(self, name: str, text: str) -> None:
         """Publish a parameter that has taken effect, and the active set with its first one."""
@@ -154,9 +188,8 @@ class _ManagedNode:
         if active != self._active_set:
             self._active_set = active
             changed.append({"name": ACTIVE_SET, "value": active})
-        seconds, rest = divmod(self._now(), SECOND)
         event = {
-            "stamp": {"sec": seconds, "nanosec": rest},
+            "stamp": self._stamp(),
             "node": self._name,
             "changed_parameters": changed,
         }

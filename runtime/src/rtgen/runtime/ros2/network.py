@@ -30,7 +30,14 @@ from rtgen.runtime.distribution.medium import (
 from rtgen.runtime.failures import log
 from rtgen.runtime.ros2.qos import QosWatch
 from rtgen.runtime.ros2.turns import Turns
-from rtgen.runtime.ros2.types import ros_name, service_hash, type_hash
+from rtgen.runtime.ros2.types import (
+    Described,
+    ros_name,
+    service_description,
+    service_hash,
+    type_description,
+    type_hash,
+)
 from rtgen.runtime.services.servants import (
     CallEnded,
     CallTimeout,
@@ -69,6 +76,11 @@ class RosTopic(Topic, frozen=True, dict=True):
         """The type's hash, `RIHS01_...`."""
         return type_hash(self.type)
 
+    @property
+    def described(self) -> Described:
+        """The type's description."""
+        return type_description(self.type)
+
 
 class RosService(ServiceTypes, frozen=True, dict=True):
     """A service: the generated classes of its two messages, and its fully qualified name.
@@ -90,6 +102,11 @@ class RosService(ServiceTypes, frozen=True, dict=True):
     def type_hash(self) -> str:
         """The hash `RIHS01_...` of the service itself."""
         return service_hash(self.request, self.reply, self.event_info)
+
+    @property
+    def described(self) -> Described:
+        """The description of the service itself."""
+        return service_description(self.request, self.reply, self.event_info)
 
     @cached_property
     def hashes(self) -> tuple[str, str]:
@@ -157,6 +174,8 @@ class RosNetwork:
         self.medium = medium
         self.turns: Turns | None = None
         """In simulated time, what does the work of messages and requests."""
+        self.used: dict[str, dict[str, RosTopic | RosService]] = {}
+        """An end for each type that a node uses, by the names of node and type."""
         self._ends: list[Token] = []
         self._clients: list[Client] = []
         self._observers: list[Observer] = []
@@ -174,8 +193,12 @@ class RosNetwork:
         observed = (observer(topic, profile, sent) for observer in self._observers)
         return [each for each in observed if each is not None]
 
+    def _use(self, end: RosTopic | RosService) -> None:
+        self.used.setdefault(end.node, {}).setdefault(end.type_name, end)
+
     def publisher(self, topic: RosTopic, profile: Profile) -> Publish:
         """Return a publisher of a topic."""
+        self._use(topic)
         with _as_ros2(topic.name):
             publisher = self.medium.publisher(topic, RosQos.of(profile))
         self._ends.append(publisher)
@@ -194,7 +217,7 @@ class RosNetwork:
         self, topic: RosTopic, profile: Profile, on_message: OnMessage
     ) -> Subscription:
         """Receive the messages of a topic until `close`."""
-
+        self._use(topic)
         observed = self._observed(topic, profile, sent=False)
 
         def handle(octets: bytes) -> None:
@@ -219,11 +242,13 @@ class RosNetwork:
 
     def serve(self, service: RosService, on_request: OnRequest) -> None:
         """Serve a service until `close`."""
+        self._use(service)
         with _as_ros2(service.name):
             self._ends.append(self.medium.serve(service.name, (service,), on_request))
 
     def client(self, service: RosService) -> Call:
         """Return a client of a service."""
+        self._use(service)
         with _as_ros2(service.name):
             client = self.medium.client(service.name, service)
         self._clients.append(client)

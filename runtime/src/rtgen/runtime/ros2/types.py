@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeAlias
 
 from rtgen.facts import ros_hash
 from rtgen.facts.primitives import FLOAT_LIMITS
@@ -27,11 +27,19 @@ def ros_name(type_: type[Any]) -> str | None:
     return "/".join(name) if is_interface(name) else None
 
 
+Described: TypeAlias = tuple[dict[str, Any], dict[str, dict[str, Any]]]
+"""The description of a type, and those of all types that it refers to, by name."""
+
+
+def type_description(type_: type[Any]) -> Described:
+    """Return the description of a message. Raises ValueError for types unknown to ROS 2."""
+    described: dict[str, dict[str, Any]] = {}
+    return _described(type_._descriptor_, described), described
+
+
 def type_hash(type_: type[Any]) -> str:
     """Return a message's hash (`RIHS01_...`). Raises ValueError for types unknown to ROS 2."""
-    described: dict[str, dict[str, Any]] = {}
-    whole = _described(type_._descriptor_, described)
-    return ros_hash.rihs01(whole, described)
+    return ros_hash.rihs01(*type_description(type_))
 
 
 def _described(struct: Any, found: dict[str, dict[str, Any]]) -> dict[str, Any]:
@@ -124,7 +132,14 @@ def request_of(type_: type[Any] | None) -> str | None:
 
 
 def service_hash(request: type[Any], response: type[Any], info: type[Any]) -> str:
-    """Return the hash of a service, with that of its events (REP 2016).
+    """Return the hash of a service; see `service_description`."""
+    return ros_hash.rihs01(*service_description(request, response, info))
+
+
+def service_description(
+    request: type[Any], response: type[Any], info: type[Any]
+) -> Described:
+    """Return the description of a service, with that of its events (REP 2016).
 
     `info` is service_msgs/msg/ServiceEventInfo. Raises ValueError for types unknown to ROS 2.
     """
@@ -152,7 +167,7 @@ def service_hash(request: type[Any], response: type[Any], info: type[Any]) -> st
             ("event_message", ros_hash.field_type(ros_hash.nested(event))),
         ),
     )
-    return ros_hash.rihs01(whole, described)
+    return whole, described
 
 
 _HEAD = b"\x00\x01\x00\x00"

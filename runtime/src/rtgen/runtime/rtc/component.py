@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar, cast
 
@@ -27,10 +29,12 @@ from rtgen.runtime.rtc.configuration import ConfigurationSets
 from rtgen.runtime.rtc.context_operations import ExecutionContextOperations
 from rtgen.runtime.rtc.declarations import Declaration, derived_profile
 from rtgen.runtime.rtc.life_cycle import TRANSITIONS, Request
+from rtgen.runtime.rtc.logs import logger_of
 from rtgen.runtime.rtc.profiles import ComponentProfile
 from rtgen.runtime.services.ports import Consumer, Provider
 from rtgen.runtime.services.servants import Servant
 from rtgen.runtime.timing.clocks import SECOND, Clock, SimulatedClock
+from rtgen.runtime.timing.traffic import LogLine
 
 if TYPE_CHECKING:
     from rtgen.runtime.timing.simulated_network import SimulatedNetwork
@@ -254,6 +258,15 @@ class Component:
         """Return the runtime's time in ns: simulated from 0, real as UTC since 1970."""
         return self._clock.now()
 
+    @cached_property
+    def log(self) -> logging.Logger:
+        """The component's logger.
+
+        `rtgen run` prints and records its lines from INFO on, those of DEBUG with `-v`; with ROS 2
+        they are on `/rosout`, in OpenRTM's manager in its log.
+        """
+        return logger_of(self.instance_name, self._report_line)
+
     @property
     def network(self) -> SimulatedNetwork | None:
         """The simulated network in simulated time; None in real time."""
@@ -435,6 +448,11 @@ class Component:
                 repeated,
             )
         )
+
+    def _report_line(self, line: LogLine) -> None:
+        traffic = self._clock.traffic
+        if traffic.watchers:
+            traffic.report(line)
 
     def _end_run(self, error: BaseException) -> None:
         """Raise an interrupt in the component's driver. Replaced by the system."""

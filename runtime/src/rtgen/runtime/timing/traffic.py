@@ -52,7 +52,18 @@ class BoardCall(NamedTuple):
     duration: int = 0
 
 
-Event: TypeAlias = ParameterChange | ConnectionChange | BusFrame | BoardCall
+class LogLine(NamedTuple):
+    """A line of a component's log, with a level of `logging`, and the place of its code."""
+
+    instance: str
+    level: int
+    text: str
+    file: str
+    function: str
+    line: int
+
+
+Event: TypeAlias = ParameterChange | ConnectionChange | BusFrame | BoardCall | LogLine
 Watcher: TypeAlias = Callable[[Event], None]
 
 

@@ -28,6 +28,7 @@ COMPONENT_NAMES = frozenset(
         "instance_name",
         "is_active",
         "is_alive",
+        "log",
         "lost",
         "network",
         "now",
