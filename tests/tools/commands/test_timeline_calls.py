@@ -142,6 +142,23 @@ def test_an_exception_that_cannot_be_raised(capfd: pytest.CaptureFixture[str]) -
     assert run(timeline("Hand0.hand.hold()", raises="UnknownException")) == 0
 
 
+IN_JOB = (
+    (("x=1", "z=1"), "work: what: way: 'z' is not one of x, y"),
+    (("x=1, ", ""), "work: what: way: x is missing"),
+    (("y=2.5", "y='c'"), "work: what: way: y: 'c' is not a number"),
+    (("[3, 0x10]", "[3]"), "work: what: grid: 1 elements are not 2 to 2"),
+    (("0x10", "0x1000000000"), "68719476736 is out of the range of long"),
+    (
+        ("real = 2", "reel = 2"),
+        "work: which: {'reel': 2} is not an object with one of real, whole",
+    ),
+    (("letter='c'", "letter='cc'"), "work: letter: 'cc' is not a character"),
+    (("255", "256"), "work: raw: 256 is out of the range of octet"),
+    (("fast=true", "fast=1"), "work: fast: 1 is not true or false"),
+)
+"""Changes of the call with all kinds of values, and what is said of them."""
+
+
 @pytest.mark.parametrize(
     ("call", "what"),
     [
@@ -158,6 +175,10 @@ def test_an_exception_that_cannot_be_raised(capfd: pytest.CaptureFixture[str]) -
         ("Hand0.hand.turn(ONN, 1)", "turn: how: 'ONN' is not one of OFF, ON\n"),
         ("Hand0.hand.kick(256)", "kick: strength: 256 is out of the range of octet\n"),
         ("Hand0.hand.work(1, 2, 3, 4, 5)", "work: what: 1 is not an object\n"),
+        *(
+            (f"Hand0.hand.work({JOB.replace(*change)})", f"{what}\n")
+            for change, what in IN_JOB
+        ),
     ],
 )
 def test_check_reads_calls_without_a_run(
@@ -179,6 +200,14 @@ def test_check_reads_calls_without_a_run(
     assert code == (2 if what else 0)
     assert ("systems/timeline.toml:3:1: error[SYS0007]: " in err) is bool(what)
     assert what in err
+
+
+@pytest.mark.parametrize(("change", "what"), IN_JOB)
+def test_a_run_says_the_same(
+    change: tuple[str, str], what: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert run(timeline(f"Hand0.hand.work({JOB.replace(*change)})")) == 2
+    assert f"{what}\n" in capfd.readouterr().err
 
 
 def test_an_unknown_instance_is_skipped(capfd: pytest.CaptureFixture[str]) -> None:

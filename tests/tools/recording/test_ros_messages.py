@@ -16,6 +16,7 @@ from rtgen.compiler.backends import Options
 from rtgen.compiler.backends.types import BACKEND
 from rtgen.compiler.kit.resources import ros_file, ros_interfaces
 from rtgen.compiler.model import Model, Struct
+from rtgen.compiler.typemap.data_classes import Types
 from rtgen.ros2.rosidl import load
 from rtgen.runtime import (
     RTC_OK,
@@ -29,7 +30,7 @@ from rtgen.tools.recording.errors import SchemaError
 from rtgen.tools.recording.events import Log
 from rtgen.tools.recording.mcap_writer import McapWriter
 from rtgen.tools.recording.recorder import Recorder
-from rtgen.tools.recording.schema_types import Types, type_of
+from rtgen.tools.recording.schema_types import type_of
 from rtgen.tools.recording.schemas import Schema, schema_of
 
 SEPARATOR = "=" * 80

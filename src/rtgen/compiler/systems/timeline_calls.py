@@ -3,30 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any, Final
+from typing import Final
 
 from rtgen.compiler.diagnostics import Diagnostic
 from rtgen.compiler.frontends.kit.suggestions import guess
 from rtgen.compiler.model import (
-    Enum,
     Interface,
+    Member,
     Model,
     NamedType,
     Operation,
     Port,
     PortKind,
-    PrimitiveType,
-    SequenceType,
-    StringType,
-    Struct,
     System,
-    Type,
 )
 from rtgen.compiler.model.system_links import Known, definitions_of
-from rtgen.compiler.systems.call_texts import Value
 from rtgen.compiler.systems.rules import TIMELINE
 from rtgen.compiler.systems.timeline import Call, Step
-from rtgen.facts.primitives import FLOAT_LIMITS, INTEGER_RANGES
 
 _SENT: Final = ("in", "inout")
 """Directions of the parameters that a call passes."""
@@ -82,67 +75,26 @@ def _declared(model: Model, port: Port) -> Sequence[Operation] | None:
 def _of_operation(
     call: Call, operation: Operation, model: Model
 ) -> Iterator[tuple[str, str | None]]:
+    # imported lazily: only timelines with calls need the runtime's types
+    from rtgen.compiler.typemap.data_classes import NoTypeError, Types
+    from rtgen.runtime.system.json_calls import CallError, request_of
+
     name = operation.name
-    sent = {p.name: p.type for p in operation.parameters if p.direction in _SENT}
-    pairs: dict[str, Value] = {}
-    for number, (parameter, value) in enumerate(call.text.arguments):
-        if number >= len(sent):
-            known = ", ".join(sent) or "none"
-            yield f"{name}: {len(call.text.arguments)} arguments; parameters: {known}", None
-            return
-        key = parameter or [*sent][number]
-        if key not in sent:
-            yield f"{name}: no parameter {key!r}", guess(key, sent)
-            return
-        pairs[key] = value
-    for parameter, type_ in sent.items():
-        if parameter not in pairs:
-            yield f"{name}: {parameter} is missing", None
-        elif problem := _problem(model, type_, pairs[parameter]):
-            yield f"{name}: {parameter}: {problem}", None
+    sent = [
+        Member(name=p.name, type=p.type, span=p.span)
+        for p in operation.parameters
+        if p.direction in _SENT
+    ]
+    try:
+        request = Types(model).request(name, sent)
+        request_of(name, request, call.text.arguments)
+    except CallError as error:
+        message, mark, near = str(error).partition(": did you mean ")
+        yield message, f"did you mean {near}" if mark else None
+    except NoTypeError:
+        yield f"{name} cannot be called with texts: objects are passed", None
     exceptions = [each[-1] for each in operation.raises]
     raised = call.raises.rpartition("::")[2]
     hint = guess(raised, exceptions)
     if raised and raised not in exceptions and hint is not None:
         yield f"{name} does not raise {call.raises}", hint
-
-
-def _problem(model: Model, type_: Type, value: Any) -> str | None:
-    """Return why a value is none of a type; None if it may be one."""
-    target = model.unalias(type_)
-    declaration = model.find(target.name) if isinstance(target, NamedType) else None
-    match target, declaration:
-        case PrimitiveType(kind=kind), _ if kind in INTEGER_RANGES:
-            low, high = INTEGER_RANGES[kind]
-            if type(value) is not int:
-                return f"{value!r} is not an integer"
-            return (
-                None
-                if low <= value <= high
-                else f"{value} is out of the range of {kind}"
-            )
-        case PrimitiveType(kind=kind), _ if kind in FLOAT_LIMITS:
-            fine = type(value) in (int, float) or value in ("nan", "inf", "-inf")
-            return None if fine else f"{value!r} is not a number"
-        case PrimitiveType(kind="boolean"), _:
-            return (
-                None if isinstance(value, bool) else f"{value!r} is not true or false"
-            )
-        case StringType(), _:
-            return None if isinstance(value, str) else f"{value!r} is not a text"
-        case SequenceType(element=element), _:
-            if not isinstance(value, list):
-                return f"{value!r} is not a list"
-            return next(
-                filter(None, (_problem(model, element, v) for v in value)), None
-            )
-        case _, Enum(members=members):
-            names = [each.name for each in members]
-            return (
-                None
-                if value in names
-                else f"{value!r} is not one of {', '.join(names)}"
-            )
-        case _, Struct() if not isinstance(value, dict):
-            return f"{value!r} is not an object"
-    return None

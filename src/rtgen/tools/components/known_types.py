@@ -13,11 +13,10 @@ from rtgen.compiler.frontends.stage import Settings, read_idl
 from rtgen.compiler.kit.resources import OPENRTM_IDL
 from rtgen.compiler.model import Model
 from rtgen.compiler.project import Project
+from rtgen.compiler.typemap.data_classes import NoTypeError, Types
 from rtgen.runtime.failures import log
 from rtgen.runtime.marshalling.descriptors import DataType
 from rtgen.runtime.services.servants import Servant
-from rtgen.tools.recording.errors import SchemaError
-from rtgen.tools.recording.schema_types import Types
 
 _MODULES = "_idl"
 """The packages of generated code that declare types."""
@@ -83,7 +82,7 @@ class KnownTypes:
             return None
         try:
             descriptor: Any = Types(self._openrtm).named(scoped)
-        except SchemaError:
+        except NoTypeError:
             return None
         class_: type[DataType] | None = getattr(descriptor, "class_", None)
         return class_

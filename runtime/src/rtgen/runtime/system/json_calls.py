@@ -55,16 +55,11 @@ class JsonCall:
         self._provider = provider
         self._operation = operation
         self._call = call_of(provider, operation)
-        _, _, convert = forms_of(self._call)
-        self._arguments: tuple[object, ...] = ()
-        names = _member_names(self._call.request)
-        try:
-            request = convert(_named(arguments, names))
-            if request is not None:
-                request.to_cdr(True)  # raises CdrError for values out of range
-                self._arguments = _values(request)
-        except (CdrError, ValueError) as error:
-            raise CallError(f"{operation}: {error}") from None
+        forms_of(self._call)  # raises CallError for a reply without a JSON form, too
+        request = request_of(operation, self._call.request, arguments)
+        self._arguments: tuple[object, ...] = (
+            () if request is None else _values(request)
+        )
 
     def require_exception(self, name: str) -> None:
         """Raise CallError unless the operation may raise an exception of this name."""
@@ -94,6 +89,24 @@ class JsonCall:
         values = results if isinstance(results, tuple) else ()
         out = dict(zip(names, map(plain, values), strict=False))
         return Outcome(out.pop(RESULT, None), out)
+
+
+def request_of(operation: str, type_: Any, arguments: Arguments) -> Any:
+    """Return the request of an operation, a value of `type_`; None if that is None.
+
+    Raises CallError for arguments that are not those of the type, or are out of its ranges.
+    """
+    _, convert = _form(type_)
+    try:
+        request = convert(_named(arguments, _member_names(type_)))
+        if request is not None:
+            request.to_xcdr1()  # raises CdrError for values out of range
+    except CdrError as error:
+        reason = str(error).removeprefix(f"{type_._descriptor_.name}.")
+        raise CallError(f"{operation}: {reason}") from None
+    except ValueError as error:
+        raise CallError(f"{operation}: {error}") from None
+    return request
 
 
 def provider_of(component: Component, target: str, operation: str) -> Provider[Any]:

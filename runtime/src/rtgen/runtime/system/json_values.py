@@ -27,6 +27,7 @@ Convert: TypeAlias = Callable[[Any], Any]
 """Function that converts a JSON value. Raises ValueError with the reason."""
 
 _OCTETS: Final = ("octet", "uint8")
+_MAX_OCTET: Final = 255
 
 
 class NoJsonError(TypeError):
@@ -123,6 +124,9 @@ def _list(
         if not low <= len(value) <= high:
             raise ValueError(f"{len(value)} elements are not {low} to {high}")
         items = [convert_item(item) for item in value]
+        for item in items if octets else ():
+            if not 0 <= item <= _MAX_OCTET:
+                raise ValueError(f"{item} is out of the range of octet")
         return bytes(items) if octets else items
 
     return {"type": "array", "items": items, **limits}, convert
