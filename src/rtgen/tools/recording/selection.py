@@ -16,6 +16,8 @@ from rtgen.tools.recording.errors import RecordingError, UnavailableError
 from rtgen.tools.recording.events import Log
 
 _NEAR = 3
+_ALIKE = 0.8
+"""Ratio of further names: those of one namespace are alike in any case."""
 
 
 @contextmanager
@@ -81,7 +83,11 @@ def near_names(name: str, known: Iterable[str]) -> str:
     names = sorted(known)
     last = name.rpartition("/")[2]
     alike = [each for each in names if last and each.rpartition("/")[2] == last]
-    near = [*alike, *get_close_matches(name, names, n=_NEAR)]
+    near = [
+        *alike,
+        *get_close_matches(name, names, n=1),
+        *get_close_matches(name, names, n=_NEAR, cutoff=_ALIKE),
+    ]
     if not near:
         return "`rtgen log info` lists the ports and topics"
     return f"did you mean {' or '.join([*dict.fromkeys(near)][:_NEAR])}?"

@@ -87,7 +87,7 @@ class SqliteFile:
         import sqlite3
 
         first: int | None = None
-        with closing(self._opened()) as connection, suppress(sqlite3.Error):
+        with closing(self._opened()) as connection, suppress(sqlite3.Error, ValueError):
             for (time,) in connection.execute(
                 "SELECT timestamp FROM messages NOT INDEXED"
             ):
@@ -126,7 +126,7 @@ class SqliteFile:
                         continue
                     work.take_octets(len(data))
                     yield Message(channel, time, data)
-            except sqlite3.Error as error:
+            except (sqlite3.Error, ValueError) as error:
                 self._damage = str(error)
 
     def _opened(self) -> sqlite3.Connection:
@@ -199,7 +199,7 @@ class SqliteFile:
                 channels[number] = Channel(
                     number, _of(row, "name"), form, schema, metadata
                 )
-        except sqlite3.Error as error:
+        except (sqlite3.Error, ValueError) as error:
             raise RecordingError(f"{self.path}: {error}") from error
         return channels
 

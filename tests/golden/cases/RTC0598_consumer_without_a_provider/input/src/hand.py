@@ -1,6 +1,7 @@
 """The component Hand."""
 
 from robots.components.hand import HandBase
+
 from rtgen.runtime import RTC_OK, ReturnCode_t
 
 
