@@ -14,16 +14,12 @@ from rtgen.compiler.model import Component, Const, Interface, Model, Struct
 from rtgen.ros2.rosidl import load
 
 PACKAGES = {
-    *("action_msgs", "builtin_interfaces", "diagnostic_msgs", "geometry_msgs"),
-    *(
-        "lifecycle_msgs",
-        "nav_msgs",
-        "rcl_interfaces",
-        "rmw_dds_common",
-        "rosgraph_msgs",
-    ),
-    *("sensor_msgs", "service_msgs", "std_msgs", "std_srvs", "tf2_msgs"),
-    "unique_identifier_msgs",
+    *("action_msgs", "actionlib_msgs", "builtin_interfaces", "diagnostic_msgs"),
+    *("geometry_msgs", "lifecycle_msgs", "nav_msgs", "rcl_interfaces"),
+    *("rmw_dds_common", "rosgraph_msgs", "sensor_msgs", "service_msgs"),
+    *("shape_msgs", "std_msgs", "std_srvs", "stereo_msgs", "tf2_msgs"),
+    *("trajectory_msgs", "type_description_interfaces", "unique_identifier_msgs"),
+    "visualization_msgs",
 }
 
 
@@ -52,7 +48,7 @@ def shipped() -> Model:
 
 def test_each_has_a_description(shipped: Model) -> None:
     assert {name.partition("/")[0] for name in ros_interfaces()} == PACKAGES
-    assert len(ros_interfaces()) == 152
+    assert len(ros_interfaces()) == 185
     described = {d.file for d in shipped.declarations if d.doc}
     assert described == {file.name for file in shipped.files}
 
