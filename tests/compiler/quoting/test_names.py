@@ -10,7 +10,11 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from rtgen.compiler.typemap.python.names import identifier, module_name
+from rtgen.compiler.typemap.python.names import (
+    identifier,
+    module_name,
+    snake_case,
+)
 
 
 @given(st.text())
@@ -48,3 +52,24 @@ def test_any_text_gives_an_identifier(text: str) -> None:
 )
 def test_what_can_be_kept_is_kept(text: str, name: str) -> None:
     assert identifier(text) == name
+
+
+WORDS = {
+    "CANopen": "canopen",
+    "CANopenState": "canopen_state",
+    "MyCANopenNode": "my_canopen_node",
+    "CiA402Drive": "cia402_drive",
+    "PDOs": "pdos",
+    "nodeIDs": "node_ids",
+    "IDsOfNodes": "ids_of_nodes",
+    "HTTPServer": "http_server",
+    "LaserScan": "laser_scan",
+    "OmniTo2WD": "omni_to2_wd",
+    "minAngle": "min_angle",
+    "already_snake": "already_snake",
+}
+
+
+@pytest.mark.parametrize("name", WORDS)
+def test_words_of_names(name: str) -> None:
+    assert snake_case(name) == WORDS[name]

@@ -11,6 +11,8 @@ from functools import lru_cache
 from rtgen.compiler.model import ScopedName
 from rtgen.facts import python_modules
 
+_WHOLE_WORD = re.compile(r"CANopen|CiA(?![a-z])|[A-Z]{2,}s(?![a-z])")
+"""Words whose capitals do not begin others: names of the field, plurals of acronyms."""
 _WORD_END = re.compile(r"([A-Z]+)([A-Z][a-z])")
 _WORD_START = re.compile(r"([a-z0-9])([A-Z])")
 _NOT_A_WORD = re.compile(r"\W")
@@ -50,7 +52,11 @@ def words(name: str) -> str:
 
 
 def snake_case(name: str) -> str:
-    """Convert to snake case: `RefHardRh3` to `ref_hard_rh3`, `OmniTo2WD` to `omni_to2_wd`."""
+    """Convert to snake case: `RefHardRh3` to `ref_hard_rh3`, `OmniTo2WD` to `omni_to2_wd`.
+
+    `CANopenPDOs` becomes `canopen_pdos`; else the words are those of rosidl's names of files.
+    """
+    name = _WHOLE_WORD.sub(lambda found: found[0].capitalize(), name)
     name = _WORD_END.sub(r"\1_\2", name)
     return _WORD_START.sub(r"\1_\2", name).lower()
 
