@@ -16,7 +16,7 @@ from rtgen.facts.ros_qos import Durability, History, Liveliness, Profile, Reliab
 from rtgen.runtime.ros2.network import RosNode, RosTopic
 from rtgen.runtime.ros2.rclpy import open_rclpy
 from rtgen.runtime.ros2.types import encoded
-from rtgen.tools.running.ros2 import message_classes
+from rtgen.tools.running.ros2_classes import message_classes
 
 FLOAT = "std_msgs/msg/Float32"
 

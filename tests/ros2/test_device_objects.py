@@ -27,7 +27,7 @@ from rtgen.runtime.ros2.managed import EVENT_INFO, INTERFACES
 from rtgen.runtime.ros2.network import RosNode, RosService
 from rtgen.runtime.ros2.parameters import Kind
 from rtgen.runtime.ros2.types import decoded, encoded, made
-from rtgen.tools.running.ros2 import message_classes
+from rtgen.tools.running.ros2_classes import message_classes
 from rtgen.tools.running.ros2_devices import join_devices, present
 
 pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
