@@ -7,6 +7,7 @@ import functools
 import os
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Concatenate, ParamSpec
 
 import click
@@ -17,6 +18,7 @@ from rtgen.compiler.diagnostics import Diagnostic, InputError, ToolError
 from rtgen.compiler.project import (
     path_finding,
 )
+from rtgen.compiler.project.paths import RENAME_JOURNAL
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import BAD_INPUT, FAILED, ReportedError
 
@@ -53,6 +55,7 @@ def with_console(
     ) -> int:
         console = Console(form, _in_colour(color), quiet)
         try:
+            _complete_renames(console)
             return function(console, *args, **kwargs)
         except ReportedError as error:
             return error.code
@@ -81,6 +84,21 @@ def with_console(
             console.close()
 
     return wrapped
+
+
+def _complete_renames(console: Console) -> None:
+    """Complete a rename of the project here that was interrupted, and say so."""
+    try:
+        here = Path.cwd()
+    except FileNotFoundError:  # The folder has been removed.
+        return
+    around = (here, *here.parents)
+    place = next((p for p in around if (p / RENAME_JOURNAL).exists()), None)
+    if place is None:
+        return
+    from rtgen.tools.renaming.interrupted import completed
+
+    console.findings(completed(place))
 
 
 def _of_file(error: OSError) -> Diagnostic | None:

@@ -125,6 +125,7 @@ def _reverted(renaming: Renaming) -> Renaming:
     return Renaming(
         renaming.new,
         renaming.old,
+        renaming.root,
         contents={
             moves.get(name, name): (new, old)
             for name, (old, new) in renaming.contents.items()

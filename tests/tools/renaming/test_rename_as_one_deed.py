@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -342,3 +344,89 @@ def test_an_editor_that_moves_no_files_is_told_the_command(project: Path) -> Non
     place = source.index("double watt") + len("double ")
     position = view.range(place, place).start
     assert renamed(view, position, "watts", moves=False).changes
+
+
+KILLED = """
+import os, sys
+from rtgen.tools.renaming import writing
+from rtgen.cli import run
+
+def then(function, left=[int(sys.argv[1])]):
+    def called(*args):
+        if left[0] == 0:
+            os._exit(9)
+        left[0] -= 1
+        return function(*args)
+    return called
+
+writing.replace_file = then(writing.replace_file)
+writing._move = then(writing._move)
+run(["generate", "--rename", sys.argv[2]])
+"""
+
+
+def killed(steps: int, rename: str) -> int:
+    """Rename in a process that is killed after some files; return its exit code."""
+    words = [sys.executable, "-c", KILLED, str(steps), rename]
+    return subprocess.run(words, capture_output=True, check=False).returncode
+
+
+def test_a_rename_that_is_killed_is_completed(
+    project: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    before = texts(project)
+    assert run(["generate", "-q", "--rename", "Heater=Radiator"]) == 0
+    after = texts(project)
+    shutil.rmtree(project)
+    for steps in range(8):
+        write(project)
+        monkeypatch.chdir(project)
+        assert run(["generate", "-q"]) == 0
+        assert texts(project) == before
+        if killed(steps, "Heater=Radiator") != 9:
+            assert steps > 5
+            break
+        assert (project / ".rtgen-rename.json").exists()
+        capfd.readouterr()
+        assert run(["generate"]) == 0
+        err = capfd.readouterr().err
+        assert (
+            "warning[PRJ0027]: the rename of Heater to Radiator was interrupted" in err
+        )
+        assert texts(project) == after
+        assert not (project / ".rtgen-rename.json").exists()
+        assert run(["check"]) == 0
+        shutil.rmtree(project)
+
+
+def test_a_file_changed_since_is_left(
+    project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert killed(1, "Heater=Radiator") == 9
+    changed = [f for f in project.rglob("*.xml") if "generated" not in f.parts]
+    for file in changed:
+        file.write_text(file.read_text() + "<!-- mine -->\n")
+    run(["check"])
+    err = capfd.readouterr().err
+    assert "except in files that have changed since: " in err
+    for file in changed:
+        assert file.read_text().endswith("<!-- mine -->\n")
+
+
+def test_a_journal_changes_nothing_outside_of_its_folder(
+    project: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    outside = tmp_path / "outside.txt"
+    outside.write_text("a")
+    entry = {
+        "names": ["A", "B"],
+        "contents": [["../outside.txt", "YQ==", "Yg=="]],
+        "moves": [],
+    }
+    (project / ".rtgen-rename.json").write_text(json.dumps(entry))
+    run(["check"])
+    assert "outside.txt" in capfd.readouterr().err
+    assert outside.read_text() == "a"
+    (project / ".rtgen-rename.json").write_text("{}")
+    assert run(["check"]) == 3
+    assert "cannot be completed" in capfd.readouterr().err

@@ -9,6 +9,9 @@ from pathlib import Path
 from rtgen.compiler.project.kinds import FILE_NAME, is_definition, is_generated
 from rtgen.facts.files import is_file
 
+RENAME_JOURNAL = ".rtgen-rename.json"
+"""The file beside rtgen.toml that a rename has until it is complete."""
+
 
 def find(folder: Path) -> Path | None:
     """Return the nearest rtgen.toml in the absolute folder or above it."""

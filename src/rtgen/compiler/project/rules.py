@@ -42,6 +42,7 @@ NOT_FOLLOWED = Rule("PRJ0023", "use that a rename did not follow", Severity.WARN
 NOT_PYTHON = Rule("PRJ0024", "behaviour that Python cannot read", Severity.ERROR)
 NO_BEHAVIOUR = Rule("PRJ0025", "component without a behaviour", Severity.WARNING)
 NO_ANSWER = Rule("PRJ0026", "callback without a return code", Severity.WARNING)
+INTERRUPTED = Rule("PRJ0027", "rename that was interrupted", Severity.WARNING)
 SAME_PATH = Rule("PRJ0101", "two files of one name", Severity.ERROR)
 LEAVES_OUTPUT = Rule("PRJ0102", "file outside the output folder", Severity.ERROR)
 LINK_IN_OUTPUT = Rule("PRJ0103", "link in the output folder", Severity.ERROR)

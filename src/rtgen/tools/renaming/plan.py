@@ -38,11 +38,12 @@ class Renaming:
     `contents` has the old and the new bytes of each changed file by absolute path, `edits` the
     same for editors, by displayed path; `moves` pairs of absolute paths, of which the first is
     moved; the second is missing, or an untouched skeleton. `doubts` are uses that may have to be
-    changed by hand. `old` and `new` are the names.
+    changed by hand. `old` and `new` are the names, `root` is the folder of the project.
     """
 
     old: str
     new: str
+    root: Path
     contents: dict[str, tuple[bytes, bytes]] = field(default_factory=dict)
     edits: dict[str, list[Edit]] = field(default_factory=dict)
     moves: list[tuple[Path, Path]] = field(default_factory=list)
@@ -131,7 +132,7 @@ def _planned(
         definitions.check(before.index, key, name)
     definition = before.index.definition(keys[0])
     assert definition is not None
-    result = Renaming(definition.name, name)
+    result = Renaming(definition.name, name, load().root)
     span = definitions.span_of(before.index, definition)
     with overlaid(contents):
         project = load()

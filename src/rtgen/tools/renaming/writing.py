@@ -11,28 +11,40 @@ from pathlib import Path
 from rtgen.compiler.diagnostics import ToolError
 from rtgen.compiler.project import shown
 from rtgen.facts.files import read_file, replace_file
+from rtgen.tools.renaming import journal
 from rtgen.tools.renaming.plan import Renaming
 
 
 def write(renaming: Renaming) -> None:
-    """Change and move the files of a rename. Raises ToolError; all files are then as before."""
-    undo: list[Callable[[], object]] = []
+    """Change and move the files of a rename. Raises ToolError; all files are then as before.
+
+    A process that is killed leaves a journal, by which the next command completes the rename.
+    """
+    names = (renaming.old, renaming.new)
     try:
         _check(renaming)
+        with journal.kept(renaming.root, names, renaming.contents, renaming.moves):
+            _write(renaming)
+    except OSError as error:
+        where = shown(Path(error.filename)) if error.filename else "a file"
+        message = f"cannot rename in {where}: {error.strerror or error}"
+        raise ToolError(message, hint="nothing was changed") from error
+
+
+def _write(renaming: Renaming) -> None:
+    """Change and move the files. Raises OSError; all files are then as before."""
+    undo: list[Callable[[], object]] = []
+    try:
         for name, (old, new) in renaming.contents.items():
             path = Path(name)
             replace_file(path, new, old)
             undo.append(partial(replace_file, path, old, new))
         for source, target in renaming.moves:
             undo += _move(source, target)
-    except BaseException as error:
+    except BaseException:
         for step in reversed(undo):
             with suppress(OSError):
                 step()
-        if isinstance(error, OSError):
-            where = shown(Path(error.filename)) if error.filename else "a file"
-            message = f"cannot rename in {where}: {error.strerror or error}"
-            raise ToolError(message, hint="nothing was changed") from error
         raise
 
 
