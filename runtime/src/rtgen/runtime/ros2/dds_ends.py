@@ -185,8 +185,8 @@ class Strangers:
         name = f"DDS entity {guid.hex()}" if node is None else f"node {node}"
         text = (
             f"{service}: the {role.name} in {name} {role.fate}: its middleware, such as "
-            "rmw_fastrtps, has other service messages than rmw_cyclonedds; start the node with "
-            "RMW_IMPLEMENTATION=rmw_cyclonedds_cpp, or use --ros2 zenoh with rmw_zenoh_cpp"
+            "rmw_fastrtps, has other service messages than rmw_cyclonedds; use --ros2 rclpy where "
+            "ROS 2 is installed, or start the node with RMW_IMPLEMENTATION=rmw_cyclonedds_cpp"
         )
         key = _key(service, guid)
         with self._lock:
