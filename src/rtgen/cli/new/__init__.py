@@ -11,6 +11,7 @@ COMMANDS = {
     "component": "Add a component with its behaviour and test.",
     "device": "Add a CANopen device with a bus, its behaviour and test.",
     "board": "Add a TECS board with a join and a test.",
+    "base": "Create a folder with a mobile base for ROS 2, from its drives.",
     "system": "Add a system of components, connected by their types, and a test.",
     "template": "Copy a template of generated files into the project, or list them.",
     "backend": "Create a package that extends rtgen by a back end.",

@@ -57,6 +57,52 @@ def project(console: Console, name: str, source: str | None) -> int:
 
 @command()
 @click.argument("name", metavar="NAME")
+@click.argument(
+    "drives",
+    nargs=-1,
+    required=True,
+    metavar="EDS...",
+    type=click.Path(path_type=Path, exists=True, dir_okay=False),
+)
+@click.option("--ros2", "is_ros2", is_flag=True, help="Serve it as a node of ROS 2.")
+@click.option("--twist", is_flag=True, help="/cmd_vel is a Twist, not a TwistStamped.")
+@with_console
+def base(
+    console: Console, name: str, drives: tuple[Path, ...], is_ros2: bool, twist: bool
+) -> int:
+    """Create the folder NAME with a mobile base of two CANopen drives.
+
+    EDS are the descriptions of the left and the right drive, or one for both: drives of CiA 402
+    whose PDOs have controlword, mode, target velocity, statusword and position. The base serves
+    /cmd_vel, /odom, /tf, /joint_states and /diagnostics; its README says how to drive it, also with
+    simulated drives.
+    """
+    from rtgen.tools.scaffold import bases, writing
+    from rtgen.tools.scaffold.names import project_names
+
+    if not is_ros2:
+        raise click.UsageError("Missing option '--ros2': there are bases for ROS 2 alone.")
+    if len(drives) > len(bases.SIDES):
+        raise click.UsageError("EDS: one description, or those of the left and the right drive.")
+    package, forms = project_names(name)
+    target = Path(name)
+    with writing.new_folder(target) as folder:
+        files, kinds = bases.base(forms, package, folder, drives, stamped=not twist)
+        settings = bases.settings(forms, package, folder, complete=False)
+        writing.write([*files, settings])
+        bases.copy(kinds, folder)
+        (folder / "systems").mkdir()
+        writing.write(bases.parts(forms, load(folder), kinds, stamped=not twist))
+        writing.write(bases.systems(forms, load(folder)))
+        settings.path.unlink()
+        writing.write([bases.settings(forms, package, folder, complete=True)])
+        _generate(console, load(folder))
+    console.say(f"{shown(target)}: created; see {shown(target / 'README.md')}")
+    return OK
+
+
+@command()
+@click.argument("name", metavar="NAME")
 @with_console
 def component(console: Console, name: str) -> int:
     """Add a component: its definition, behaviour and test."""

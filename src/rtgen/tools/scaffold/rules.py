@@ -9,5 +9,6 @@ EXISTS = Rule("NEW0002", "file that exists already", Severity.ERROR)
 NO_PROJECT = Rule("NEW0003", "no project to add to", Severity.ERROR)
 NO_COMPONENT = Rule("NEW0004", "system without such a component", Severity.ERROR)
 NO_TEMPLATES = Rule("NEW0005", "no folder for templates", Severity.ERROR)
+NO_DRIVE = Rule("NEW0006", "drive that a base cannot use", Severity.ERROR)
 
 RULES = rules_of(globals())

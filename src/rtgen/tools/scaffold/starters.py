@@ -98,7 +98,7 @@ def component(name: Names, place: Place) -> list[File]:
     Raises InputError for a name that its test imports.
     """
     require_free(name, _USED_BY_TESTS)
-    return _files(
+    return files_of(
         "component",
         {
             place.definitions / f"{name.module}.idl": "definition.idl",
@@ -114,7 +114,7 @@ def component(name: Names, place: Place) -> list[File]:
 
 def device(name: Names, place: Place) -> list[File]:
     """Return a CANopen device with a PDO each way, a bus with it, its behaviour and a test."""
-    return _files(
+    return files_of(
         "device",
         {
             place.definitions / f"{name.module}.eds": "device.eds",
@@ -132,7 +132,7 @@ def device(name: Names, place: Place) -> list[File]:
 
 def board(name: Names, place: Place) -> list[File]:
     """Return a TECS board with a signature, a join that leads to it, and a test over TCP."""
-    return _files(
+    return files_of(
         "board",
         {
             place.definitions / f"{name.module}.cdl": "board.cdl",
@@ -155,7 +155,7 @@ def system(
     """
     profile, ambiguous = system_of(name.module, model, components)
     folder = place.root / "systems"
-    test = _files(
+    test = files_of(
         "system",
         {_test(place, name): "test.py"},
         name=name.module,
@@ -175,7 +175,7 @@ def project(name: Names, package: str, root: Path) -> list[File]:
         skeletons=root / "src" / behaviours,
         root=root,
     )
-    files = _files(
+    files = files_of(
         "project",
         {
             root / FILE_NAME: "rtgen.toml",
@@ -195,7 +195,7 @@ def project(name: Names, package: str, root: Path) -> list[File]:
 def reference(root: Path) -> list[File]:
     """Return the reference pipeline as a project: the mobile base RH3 drives to a goal."""
     values = {"name": "rh3", "package": "refrobots", "behaviours": "refnav"}
-    files = _files(
+    files = files_of(
         "project",
         {
             root / "pyproject.toml": "pyproject.toml",
@@ -205,7 +205,7 @@ def reference(root: Path) -> list[File]:
         **values,
         generated=OUTPUT,
     )
-    files += _files(
+    files += files_of(
         "reference",
         {
             root / FILE_NAME: "rtgen.toml",
@@ -222,8 +222,8 @@ def backend(name: Names, root: Path) -> list[File]:
     """Return a package with a back end, its test, and a project to try it with."""
     package = root / "src" / name.module
     attributes = {root / ".gitattributes": "gitattributes.txt"}
-    files = _files("project", attributes, generated=f"example/{OUTPUT}")
-    return files + _files(
+    files = files_of("project", attributes, generated=f"example/{OUTPUT}")
+    return files + files_of(
         "backend",
         {
             root / "pyproject.toml": "pyproject.toml",
@@ -243,7 +243,10 @@ def _test(place: Place, name: Names) -> Path:
     return place.root / "tests" / f"test_{name.module}.py"
 
 
-def _files(kind: str, templates: Mapping[Path, str], **values: object) -> list[File]:
+def files_of(
+    kind: str, templates: Mapping[Path, str], **values: object
+) -> list[File]:
+    """Return files by the templates of a kind of starter."""
     return [
         File(Path(os.path.normpath(path)), render(f"new/{kind}/{t}.j2", **values))
         for path, t in templates.items()
