@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING
 import click
 
 from rtgen.cli.help import command
+from rtgen.cli.new.base import base as base
+from rtgen.cli.new.base import generate
 from rtgen.cli.options import with_console
 from rtgen.compiler.project import Project, load, shown
 from rtgen.tools.kit.console import Console, write_out
-from rtgen.tools.kit.exits import BAD_INPUT, OK
+from rtgen.tools.kit.exits import OK
 
 if TYPE_CHECKING:  # loaded by the commands that need it
     from rtgen.compiler.model import Model
@@ -50,53 +52,7 @@ def project(console: Console, name: str, source: str | None) -> int:
             model = _model(created)
             twice = [starters.FIRST] * 2
             writing.write(starters.system(forms, place, model, twice)[0])
-        _generate(console, load(folder))
-    console.say(f"{shown(target)}: created; see {shown(target / 'README.md')}")
-    return OK
-
-
-@command()
-@click.argument("name", metavar="NAME")
-@click.argument(
-    "drives",
-    nargs=-1,
-    required=True,
-    metavar="EDS...",
-    type=click.Path(path_type=Path, exists=True, dir_okay=False),
-)
-@click.option("--ros2", "is_ros2", is_flag=True, help="Serve it as a node of ROS 2.")
-@click.option("--twist", is_flag=True, help="/cmd_vel is a Twist, not a TwistStamped.")
-@with_console
-def base(
-    console: Console, name: str, drives: tuple[Path, ...], is_ros2: bool, twist: bool
-) -> int:
-    """Create the folder NAME with a mobile base of two CANopen drives.
-
-    EDS are the descriptions of the left and the right drive, or one for both: drives of CiA 402
-    whose PDOs have controlword, mode, target velocity, statusword and position. The base serves
-    /cmd_vel, /odom, /tf, /joint_states and /diagnostics; its README says how to drive it, also with
-    simulated drives.
-    """
-    from rtgen.tools.scaffold import bases, writing
-    from rtgen.tools.scaffold.names import project_names
-
-    if not is_ros2:
-        raise click.UsageError("Missing option '--ros2': there are bases for ROS 2 alone.")
-    if len(drives) > len(bases.SIDES):
-        raise click.UsageError("EDS: one description, or those of the left and the right drive.")
-    package, forms = project_names(name)
-    target = Path(name)
-    with writing.new_folder(target) as folder:
-        files, kinds = bases.base(forms, package, folder, drives, stamped=not twist)
-        settings = bases.settings(forms, package, folder, complete=False)
-        writing.write([*files, settings])
-        bases.copy(kinds, folder)
-        (folder / "systems").mkdir()
-        writing.write(bases.parts(forms, load(folder), kinds, stamped=not twist))
-        writing.write(bases.systems(forms, load(folder)))
-        settings.path.unlink()
-        writing.write([bases.settings(forms, package, folder, complete=True)])
-        _generate(console, load(folder))
+        generate(console, load(folder))
     console.say(f"{shown(target)}: created; see {shown(target / 'README.md')}")
     return OK
 
@@ -173,7 +129,7 @@ def template(console: Console, name: str | None) -> int:
         return OK
     file = templates.copy_of(name)
     with writing.added([file]):
-        _generate(console, load())
+        generate(console, load())
     console.say(f"created: {shown(file.path)}")
     return OK
 
@@ -203,7 +159,7 @@ def _add(
     forms = names(name)
     files = files_of(forms, starters.place_of(load()))
     with writing.added(files):
-        _generate(console, load())
+        generate(console, load())
     console.say(f"created: {', '.join(shown(file.path) for file in files)}")
     return OK
 
@@ -217,16 +173,3 @@ def _model(project: Project) -> Model:
     if has_errors(result.diagnostics):
         raise InputError(result.diagnostics)
     return result.model
-
-
-def _generate(console: Console, project: Project) -> None:
-    """Generate what belongs to the new files. Raises ReportedError if there are errors."""
-    from rtgen.compiler.project import output
-    from rtgen.tools.compiling.cached import build
-    from rtgen.tools.kit.exits import ReportedError
-
-    run = build(project, None)
-    console.findings(run.diagnostics, run.sources)
-    if run.failed:
-        raise ReportedError(BAD_INPUT)
-    output.write(project, run)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -24,14 +24,15 @@ from rtgen.compiler.model import (
 )
 from rtgen.compiler.model.can_bus import BusNode
 from rtgen.compiler.model.canopen import Device, PdoDirection
-from rtgen.compiler.project import FILE_NAME, OUTPUT, Project
+from rtgen.compiler.project import FILE_NAME, OUTPUT, Project, load
 from rtgen.compiler.typemap.canopen.names import field_names
 from rtgen.compiler.typemap.canopen.names import module_name as device_module
 from rtgen.compiler.typemap.canopen.ports import DevicePorts
 from rtgen.compiler.typemap.python.names import module_name
 from rtgen.facts.canopen import TPDO_COMMUNICATION
 from rtgen.facts.files import read_start
-from rtgen.tools.scaffold.names import Names
+from rtgen.tools.scaffold import writing
+from rtgen.tools.scaffold.names import Names, project_names
 from rtgen.tools.scaffold.rules import NO_DRIVE
 from rtgen.tools.scaffold.starters import File, Place, files_of
 
@@ -58,16 +59,42 @@ class _Kind(msgspec.Struct, frozen=True):
     device: Device
 
 
-def base(
-    name: Names, package: str, root: Path, paths: Sequence[Path], *, stamped: bool
-) -> tuple[list[File], list[_Kind]]:
-    """Return the files of a project of a base, without those that depend on its ports.
+def create(
+    name: str,
+    paths: Sequence[Path],
+    generate: Callable[[Project], None],
+    *,
+    stamped: bool,
+) -> Path:
+    """Create the folder of a base; return it. `generate` writes the generated files.
 
     `paths` are the descriptions of the left and the right drive, or one of both. `stamped`: the
-    velocity is a TwistStamped. Raises InputError, OSError.
+    velocity is a TwistStamped. Raises InputError, ToolError.
     """
+    package, forms = project_names(name)
+    target = Path(name)
+    with writing.new_folder(target) as folder:
+        files, kinds = _first_files(forms, package, folder, paths, stamped)
+        settings = _settings(forms, package, folder, complete=False)
+        writing.write([*files, settings])
+        for kind in kinds:
+            copy = folder / "definitions" / f"{kind.file}.eds"
+            copy.write_bytes(kind.data)
+        (folder / "systems").mkdir()
+        writing.write(_parts(forms, load(folder), kinds, stamped))
+        writing.write(_systems(forms, load(folder)))
+        settings.path.unlink()
+        writing.write([_settings(forms, package, folder, complete=True)])
+        generate(load(folder))
+    return target
+
+
+def _first_files(
+    name: Names, package: str, root: Path, paths: Sequence[Path], stamped: bool
+) -> tuple[list[File], list[_Kind]]:
+    """Return the files that do not depend on the ports of the drives. Raises InputError."""
     kinds = _kinds(paths)
-    place = place_of(name, package, root)
+    place = _place_of(name, package, root)
     values = _values(name, place, stamped)
     sides = [
         {"name": side, "kind": kinds[min(n, len(kinds) - 1)].name, "id": n + 1}
@@ -100,26 +127,20 @@ def base(
     return files, kinds
 
 
-def settings(name: Names, package: str, root: Path, *, complete: bool) -> File:
+def _settings(name: Names, package: str, root: Path, *, complete: bool) -> File:
     """Return rtgen.toml; `complete`: with the system, which is there."""
-    values = _values(name, place_of(name, package, root), True)
+    values = _values(name, _place_of(name, package, root), True)
     [file] = files_of(
         "base", {root / FILE_NAME: "rtgen.toml"}, complete=complete, **values
     )
     return file
 
 
-def copy(kinds: Sequence[_Kind], root: Path) -> None:
-    """Copy the descriptions of drives to a new project."""
-    for kind in kinds:
-        (root / "definitions" / f"{kind.file}.eds").write_bytes(kind.data)
-
-
-def parts(
-    name: Names, project: Project, kinds: Sequence[_Kind], *, stamped: bool
+def _parts(
+    name: Names, project: Project, kinds: Sequence[_Kind], stamped: bool
 ) -> list[File]:
     """Return the files of a base that depend on the ports of its drives."""
-    place = place_of(name, project.package, project.root)
+    place = _place_of(name, project.package, project.root)
     read = compilation.read(project, lowered=True)
     if has_errors(read.diagnostics):
         raise InputError(read.diagnostics)
@@ -153,7 +174,7 @@ def parts(
     return files
 
 
-def systems(name: Names, project: Project) -> list[File]:
+def _systems(name: Names, project: Project) -> list[File]:
     """Return the systems of a base, whose definitions are complete: the robot, its simulation."""
     read = compilation.read(project, lowered=True)
     if has_errors(read.diagnostics):
@@ -166,7 +187,7 @@ def systems(name: Names, project: Project) -> list[File]:
     ]
 
 
-def place_of(name: Names, package: str, root: Path) -> Place:
+def _place_of(name: Names, package: str, root: Path) -> Place:
     """Return the places of the project's parts."""
     behaviours = f"{package.replace('.', '_')}_behaviours"
     return Place(
@@ -275,9 +296,7 @@ def _of_proxy(node: BusNode) -> dict[str, str]:
 def _system(name: Names, model: Model, simulated: bool) -> System:
     """Return the system of the robot, or that with simulated drives."""
     bus = model.buses[0]
-    components = {
-        d.name[-1]: d for d in model.declarations if isinstance(d, Component)
-    }
+    components = {d.name[-1]: d for d in model.declarations if isinstance(d, Component)}
     network = ("network", bus.name)
     interface = () if simulated else (("interface", "socketcan"),)
     placed: list[SystemComponent] = []

@@ -243,9 +243,7 @@ def _test(place: Place, name: Names) -> Path:
     return place.root / "tests" / f"test_{name.module}.py"
 
 
-def files_of(
-    kind: str, templates: Mapping[Path, str], **values: object
-) -> list[File]:
+def files_of(kind: str, templates: Mapping[Path, str], **values: object) -> list[File]:
     """Return files by the templates of a kind of starter."""
     return [
         File(Path(os.path.normpath(path)), render(f"new/{kind}/{t}.j2", **values))

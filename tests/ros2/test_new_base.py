@@ -1,0 +1,126 @@
+"""A base that `rtgen new base --ros2` makes of RH3's drives, driven by a program of rclpy."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import media
+import pytest
+from logged_process import LoggedProcess
+from ros2_peers import installation
+
+from rtgen.cli import run as rtgen
+from rtgen.facts.ros_qos import PROFILES
+from rtgen.runtime.ros2.network import RosNode, RosTopic
+from rtgen.runtime.ros2.types import decoded
+from rtgen.tools.running.ros2 import message_classes
+
+pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
+
+from rtgen.runtime.ros2.dds import open_dds
+
+ROOT = Path(__file__).resolve().parents[2]
+EDS = ROOT / "specs" / "canopen" / "epos_drive.eds"
+DOMAIN = media.own_domain()
+TRANSFORMS = "tf2_msgs/msg/TFMessage"
+
+
+@pytest.mark.peer
+@pytest.mark.waits
+@pytest.mark.parametrize("kind", ["stamped", "plain"])
+def test_a_base_is_driven_by_rclpy(
+    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It stops when the commands end."""
+    peer = installation("jazzy")
+    monkeypatch.chdir(tmp_path)
+    twist = [] if kind == "stamped" else ["--twist"]
+    assert rtgen(["new", "base", "Rover", str(EDS), "--ros2", *twist]) == 0
+    folder = tmp_path / "Rover"
+    environment = {**os.environ, "ROS_DOMAIN_ID": str(DOMAIN)}
+    command = ["-m", "rtgen", "run", "systems/simulation.xml", "--clock", "real"]
+    type_ = message_classes(TRANSFORMS)[TRANSFORMS]
+    transforms: list[Any] = []
+    network = open_dds(RosNode("listener", "/", DOMAIN))
+    network.subscribe(
+        RosTopic("/tf", type_),
+        PROFILES["default"],
+        lambda octets: transforms.append(decoded(type_, octets)),
+    )
+    run = LoggedProcess(
+        [*command, "--ros2", "dds"], folder, environment, tmp_path / "run.log"
+    )
+    try:
+        run.says("Base0 ACTIVE")
+        script = Path(__file__).with_name("rclpy_teleop.py")
+        found = json.loads(peer.output(script, kind, domain=DOMAIN).splitlines()[-1])
+    finally:
+        run.end()
+        network.close()
+    assert {*found["received"]} == {"/odom", "/joint_states", "/diagnostics"}
+    # tf2_msgs has no package for rclpy there.
+    [transform] = transforms[-1].transforms
+    assert [transform.header.frame_id, transform.child_frame_id] == found["frames"]
+    assert transform.transform.translation.x == pytest.approx(found["way"], abs=0.02)
+    # 0.5 s without a command, and the messages under way, at 0.2 m/s
+    assert 0.3 <= found["way"] < 0.5
+    assert found["angle"] == pytest.approx(found["way"] / 0.1, abs=0.01)
+    assert found["frames"] == ["odom", "base_link"]
+    assert found["joints"] == ["left_wheel_joint", "right_wheel_joint"]
+    assert found["diagnosed"] == {
+        "Base0: command": "no velocity: the base stands",
+        "Base0: left drive": "enabled",
+        "Base0: right drive": "enabled",
+    }
+
+
+def test_what_a_drive_lacks_is_located(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Nothing is left behind."""
+    monkeypatch.chdir(tmp_path)
+    text = EDS.read_text()
+    assert "0x60FF0020" in text
+    Path("drive.eds").write_text(text.replace("0x60FF0020", "0x607A0020"))
+    assert rtgen(["new", "base", "Rover", "drive.eds", "--ros2"]) == 2
+    error = capsys.readouterr().err
+    assert "drive.eds:" in error
+    assert "NEW0006" in error
+    assert "no RPDO maps the target, 60FFh" in error
+    assert [path.name for path in Path().iterdir()] == ["drive.eds"]
+
+
+def test_two_descriptions_and_no_ros2(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("one.eds").write_bytes(EDS.read_bytes())
+    other = EDS.read_text().replace("ProductName=", "ProductName=Other ", 1)
+    Path("two.eds").write_text(other)
+    assert rtgen(["new", "base", "Rover", "one.eds", "two.eds", "--ros2"]) == 0
+    monkeypatch.chdir("Rover")
+    assert rtgen(["check", "-q", "--no-cache"]) == 0
+    bus = Path("definitions/rover_bus.toml").read_text()
+    assert '[device.left]\neds = "one.eds"' in bus
+    assert '[device.right]\neds = "two.eds"' in bus
+    capsys.readouterr()
+    assert rtgen(["new", "base", "Other", str(EDS)]) == 2
+    assert "Missing option '--ros2'" in capsys.readouterr().err
+
+
+def test_its_own_test_passes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert rtgen(["new", "base", "Rover", str(EDS), "--ros2"]) == 0
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"],
+        cwd="Rover",
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout
