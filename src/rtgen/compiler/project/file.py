@@ -508,7 +508,9 @@ def read(file: Path, name: str) -> Settings:
     try:
         content = parse(decoded.normal, name)
     except TomlError as error:
-        raise InputError([FILE_UNREADABLE.at(error.span, str(error))]) from None
+        raise InputError(
+            [FILE_UNREADABLE.at(error.span, str(error), hint=error.hint)]
+        ) from None
     problems: Sequence[Diagnostic] = ()
     if decoded.encoding != "utf8" or decoded.doubt is not None:
         # Front ends are imported only if they are needed.

@@ -210,7 +210,9 @@ def _content(text: str, name: str) -> dict[str, Any]:
     try:
         return toml_text.parse(text, name)
     except toml_text.TomlError as error:
-        raise InputError([TIMELINE.at(error.span, str(error))]) from None
+        raise InputError(
+            [TIMELINE.at(error.span, str(error), hint=error.hint)]
+        ) from None
 
 
 def _place(action: Action) -> int:

@@ -62,7 +62,9 @@ def _values(text: str, name: str) -> dict[str, Any]:
     try:
         return toml_text.parse(text, name)
     except toml_text.TomlError as error:
-        raise InputError([NO_TOKENS.at(error.span, str(error))]) from None
+        raise InputError(
+            [NO_TOKENS.at(error.span, str(error), hint=error.hint)]
+        ) from None
 
 
 def _is_same(before: dict[str, Any], new: str, name: str) -> bool:

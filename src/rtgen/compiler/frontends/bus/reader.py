@@ -127,7 +127,9 @@ class _Reader:
         try:
             self._toml = Toml(text, self._file)
         except TomlError as error:
-            self._findings.report(rules.BAD_FILE.at(error.span, str(error)))
+            self._findings.report(
+                rules.BAD_FILE.at(error.span, str(error), hint=error.hint)
+            )
             return False
         for place, problem in problems(self._toml.content):
             where = ".".join(map(str, place))

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from operator import ne
 
 _MAX_COMPARED = 500
 """Number of candidates above which only those of similar start and length are compared."""
+
+_COMPARED = 3
+"""Number of the most similar candidates among which one that differs in a letter is preferred."""
 
 _MAX_GUESSES = 200
 """Maximum number of errors of one kind for which suggestions are searched, which is slow."""
@@ -45,8 +49,14 @@ def nearest(word: str, candidates: Iterable[str]) -> str | None:
         return None
     from difflib import get_close_matches
 
-    matches = get_close_matches(word, choices, n=1, cutoff=0.7)
-    return matches[0] if matches else None
+    matches = get_close_matches(word, choices, n=_COMPARED, cutoff=0.7)
+    # One other letter is likelier than one that is missing.
+    alike = [each for each in matches if _differ_in_one(each, word)]
+    return next(iter((*alike, *matches)), None)
+
+
+def _differ_in_one(one: str, other: str) -> bool:
+    return len(one) == len(other) and sum(map(ne, one, other)) == 1
 
 
 def guess(word: str, candidates: Iterable[str]) -> str | None:
