@@ -1,8 +1,8 @@
 """The log of Cyclone DDS's C library as messages of the runtime's log.
 
-A domain logs to what C's `stderr` is when it is created: here a pipe that a thread reads. The
-library cannot be given a function of Python, since its receiving threads must not wait for Python's
-lock.
+A domain logs to what C's `stderr` is when it is created, and errors in configurations go to what
+it was when a domain was deleted: here a pipe that a thread reads. The library cannot be given a
+function of Python, since its receiving threads must not wait for Python's lock.
 """
 
 from __future__ import annotations
@@ -40,6 +40,15 @@ def logged() -> AbstractContextManager[list[str]]:
     return nullcontext([]) if c_log is None else c_log.creation()
 
 
+def closing() -> AbstractContextManager[None]:
+    """Let what is logged after the domain that is deleted in the context be logged here, too.
+
+    The library then goes back to what C's `stderr` is, for the next errors in configurations.
+    """
+    c_log = _log()
+    return nullcontext() if c_log is None else c_log.exchanged()
+
+
 @cache
 def _log() -> _Log | None:
     symbol = _SYMBOLS.get(sys.platform)
@@ -72,17 +81,22 @@ class _Log:
         """See `logged`."""
         messages: list[str] = []
         self._creating = messages
-        before, self._stderr.value = self._stderr.value, self._file
         try:
-            yield messages
-        except BaseException:
-            self._end_creation()
-            raise
+            with self.exchanged():
+                yield messages
         finally:
-            self._stderr.value = before
-        self._end_creation()
+            self._end_creation()
         for message in messages:
             self._report(message)
+
+    @contextmanager
+    def exchanged(self) -> Iterator[None]:
+        """Let C's `stderr` be the pipe meanwhile."""
+        before, self._stderr.value = self._stderr.value, self._file
+        try:
+            yield
+        finally:
+            self._stderr.value = before
 
     def _end_creation(self) -> None:
         """Wait for the messages of a creation."""

@@ -117,7 +117,8 @@ class _Domains:
             if users > 1:
                 self._open[number] = domain, config, users - 1
             else:
-                entities.delete(domain)
+                with c_log.closing():
+                    entities.delete(domain)
 
 
 def _created(number: int, config: str) -> Domain:
