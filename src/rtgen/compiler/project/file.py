@@ -27,7 +27,7 @@ from rtgen.compiler.project.rules import (
     WRONG_TYPE,
 )
 from rtgen.compiler.project.transport_names import TRANSPORTS
-from rtgen.facts import file_names, ros_names, ros_qos_words
+from rtgen.facts import file_names, ros_names, ros_qos_words, ros_transforms
 from rtgen.facts.adapter_constants import constants
 from rtgen.facts.decoded_text import NAMES
 from rtgen.facts.encodings import decode
@@ -298,6 +298,31 @@ def _set_of(table: dict[str, Any]) -> str | None:
     return None
 
 
+def _ros_transforms(value: Any) -> str | None:
+    """Check transforms by port, and constant ones."""
+    if not isinstance(value, dict):
+        return "must be a table of INSTANCE.PORT to frames"
+    pairs = []
+    for key, entry in value.items():
+        if key == ros_transforms.STATIC:
+            tables = entry if isinstance(entry, list) else [entry]
+            for table in tables:
+                if why := ros_transforms.static_violation(table):
+                    return _Problem(f"holds a constant transform that {why}", key)
+                pairs.append((table["parent"], table["child"]))
+            continue
+        if key.count(".") != 1:
+            return _Problem(f"holds {key!r}, which is not INSTANCE.PORT", key)
+        if not isinstance(entry, dict) or not set(entry) <= {"parent", "child"}:
+            form = '{ parent = "FRAME", child = "FRAME" }'
+            return _Problem(f"holds {key!r}, which must be {form}", key)
+        for end, frame in entry.items():
+            if why := ros_transforms.frame_violation(frame):
+                return _Problem(f"gives {key!r} the {end} {frame!r}, which {why}", key)
+        pairs.append((entry.get("parent", ""), entry.get("child", "")))
+    return ros_transforms.tree_violation(pairs)
+
+
 def _ros_names(dots: int, form: str, what: str, value: Any) -> str | None:
     """Check services by operation, or actions by port."""
     if not isinstance(value, dict):
@@ -380,6 +405,7 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
         "managed_nodes": _flag,
         "boards": _flag,
         "topics": _ros_topics,
+        "tf": _ros_transforms,
         "services": partial(_ros_names, 2, "INSTANCE.PORT.OPERATION", "service"),
         "actions": partial(_ros_names, 1, "INSTANCE.PORT", "action"),
     },

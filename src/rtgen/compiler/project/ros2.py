@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import msgspec
@@ -11,6 +12,7 @@ from rtgen.facts.adapter_constants import AdapterConstant, constants
 from rtgen.facts.ros_marshaling import parse
 from rtgen.facts.ros_qos import Profile
 from rtgen.facts.ros_qos_words import POLICIES, profile_of, value_of
+from rtgen.facts.ros_transforms import STATIC
 
 if TYPE_CHECKING:
     from rtgen.compiler.project.file import Settings
@@ -53,6 +55,16 @@ class ActionEntry(msgspec.Struct, frozen=True, kw_only=True):
     span: Span
 
 
+class TransformEntry(msgspec.Struct, frozen=True, kw_only=True):
+    """An OutPort (`INSTANCE.PORT`) whose poses are a transform; a frame may be the message's."""
+
+    instance: str
+    port: str
+    parent: str
+    child: str
+    span: Span
+
+
 class Ros2Settings(msgspec.Struct, frozen=True, kw_only=True):
     """`[ros2]`. None: name of the system, ROS_DOMAIN_ID, loopback, rmw_zenoh's configuration.
 
@@ -73,6 +85,8 @@ class Ros2Settings(msgspec.Struct, frozen=True, kw_only=True):
     topics: tuple[TopicEntry, ...] = ()
     services: tuple[ServiceEntry, ...] = ()
     actions: tuple[ActionEntry, ...] = ()
+    transforms: tuple[TransformEntry, ...] = ()
+    static_transforms: tuple[Mapping[str, Any], ...] = ()
 
     @property
     def is_used(self) -> bool:
@@ -88,7 +102,7 @@ def ros2_settings(settings: Settings) -> Ros2Settings:
     rest = {
         key: value
         for key, value in section.items()
-        if key not in ("topics", "services", "actions")
+        if key not in ("topics", "services", "actions", "tf")
     }
     if "namespace" in rest:
         rest["namespace"] = "/" + rest["namespace"].strip("/")
@@ -137,9 +151,26 @@ def ros2_settings(settings: Settings) -> Ros2Settings:
         actions.append(
             ActionEntry(instance=instance, port=port, action=name, span=span)
         )
+    transforms = section.get("tf", {})
     return Ros2Settings(
         **{"boards": True, **rest},
+        transforms=tuple(
+            TransformEntry(
+                instance=key.partition(".")[0],
+                port=key.partition(".")[2],
+                parent=table.get("parent", ""),
+                child=table.get("child", ""),
+                span=settings.span("ros2.tf", key),
+            )
+            for key, table in transforms.items()
+            if key != STATIC
+        ),
+        static_transforms=_list(transforms.get(STATIC, ())),
         topics=tuple(topics),
         services=tuple(services),
         actions=tuple(actions),
     )
+
+
+def _list(value: Any) -> tuple[Any, ...]:
+    return tuple(value) if isinstance(value, list | tuple) else (value,)

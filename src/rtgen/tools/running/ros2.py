@@ -25,6 +25,7 @@ from rtgen.tools.kit.console import Console
 from rtgen.tools.running.ros2_classes import message_classes
 from rtgen.tools.running.ros2_networks import open_network
 from rtgen.tools.running.ros2_time import RosTime
+from rtgen.tools.running.ros2_transforms import frames_of, publish_transforms
 
 if TYPE_CHECKING:
     from rtgen.runtime.ros2.descriptions import TypeDescriptions
@@ -63,6 +64,7 @@ def join(
     from rtgen.runtime.ros2.network import Ros2Error, RosNode
     from rtgen.runtime.ros2.ports import RosPorts
     from rtgen.runtime.ros2.services import RosServices
+    from rtgen.runtime.ros2.transforms import MESSAGE as TRANSFORMS
 
     node = RosNode(
         settings.node or _node_name(name),
@@ -72,6 +74,7 @@ def join(
     nodes = _nodes(running) if settings.managed_nodes else {}
     joints = _joints(settings, running, node, nodes, others=boards is not None)
     services = _service_joints(settings, running, node, nodes)
+    frames = frames_of(settings, running, nodes)
     found = {}
     if boards is not None and boards.devices:
         from rtgen.tools.running.ros2_devices import join_devices, present, require_free
@@ -94,6 +97,11 @@ def join(
             space = settings.namespace
             managed = ManagedNodes(network, running, nodes, classes, space)
             files.callback(managed.close)
+        if frames or settings.static_transforms:
+            class_ = message_classes(TRANSFORMS)[TRANSFORMS]
+            now = running.clock.now()
+            sent = publish_transforms(network, settings, frames, class_, now)
+            files.callback(sent.close)
         described = _described(network, node, nodes, project)
         files.callback(described.close)
         return clock.begin(network, running)
@@ -180,6 +188,7 @@ def _joints(
     from rtgen.runtime.ros2.ports import Joint
 
     entries = [*settings.topics, *_connected(running)]
+    others = others or bool(settings.transforms or settings.static_transforms)
     if not (entries or settings.services or settings.actions or nodes or others):
         hint = (
             '[ros2.topics] "INSTANCE.PORT" = "TOPIC" in rtgen.toml, or [ros2.services]'
