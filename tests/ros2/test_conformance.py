@@ -28,6 +28,7 @@ from seeds import seed
 from subject import LAST, OTHERS, SPACE, create, port_of, running, shipped
 
 from rtgen.runtime.ros2.network import RosNode
+from rtgen.runtime.ros2.types import type_hash
 
 pytestmark = [pytest.mark.peer, pytest.mark.waits]
 
@@ -426,6 +427,21 @@ def test_parameters(lab: Lab) -> None:
         "descriptors"
     ]
     assert found["floating_point_range"][0]["to_value"] == 3.0
+    lab.peer.do("subscribe", "/parameter_events", "rcl_interfaces/msg/ParameterEvent")
+
+    def told() -> bool:
+        """Set one until its event comes: the topic may not be known yet."""
+        number = {"name": "number", "value": {"type": 2, "integer_value": 9}}
+        call("set_parameters", "SetParameters", {"parameters": [number]})
+        time.sleep(0.1)
+        return any(
+            event[:2] == ["message", "/parameter_events"]
+            and event[2]["node"] == place
+            and event[2]["changed_parameters"][0]["value"]["integer_value"] == 9
+            for event in lab.peer.events
+        )
+
+    until(told)
     if lab.beside.distribution is not None:
         lab.peer.do("parameters", place, {"size": 2.5, "word": "b", "number": 3}, LIMIT)
         known, listed, changed, found, described = lab.peer.event("parameters")[1:]
@@ -449,3 +465,38 @@ def test_nodes(lab: Lab) -> None:
         return {f"{SPACE}/{name}" for name in wanted} <= set(names)
 
     until(seen)
+
+
+@pytest.mark.parametrize("lab", [*EVERY, *TOPICS_ALONE], indirect=True, ids=str)
+def test_lines_of_logs_are_kept_for_late_nodes(lab: Lab) -> None:
+    lab.peer.do("subscribe", "/rosout", "rcl_interfaces/msg/Log", 100, "rosout")
+    line = until(
+        lambda: next(
+            (
+                event[2]
+                for event in lab.peer.events
+                if event[:2] == ["message", "rosout"]
+                and event[2]["msg"] == "the counter counts"
+            ),
+            None,
+        )
+    )
+    assert line["level"] == 30
+
+
+@everywhere
+def test_types_are_described(lab: Lab) -> None:
+    name = "std_msgs/msg/String"
+    request = {
+        "type_name": name,
+        "type_hash": type_hash(lab.classes.of(name)),
+        "include_type_sources": True,
+    }
+    service = f"{SPACE}/Asker0/get_type_description"
+    type_ = "type_description_interfaces/srv/GetTypeDescription"
+    lab.peer.do("call", service, type_, request, LIMIT)
+    response = lab.peer.event("called", service)[1]
+    assert response["successful"], response["failure_reason"]
+    described = response["type_description"]["type_description"]
+    assert described["type_name"] == name
+    assert [field["name"] for field in described["fields"]] == ["data"]

@@ -116,6 +116,11 @@ class Counter(CounterBase):
         self.goals.set_servant(self.served)
         return RTC_OK
 
+    def on_activated(self, ec_id: int) -> ReturnCode_t:
+        """Say so."""
+        self.log.warning("the counter counts")
+        return RTC_OK
+
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:
         """No call waits for a goal."""
         self.served.finish()
