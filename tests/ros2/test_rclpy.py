@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,8 @@ from rtgen.cli import run as rtgen
 
 pytestmark = [pytest.mark.peer, pytest.mark.waits]
 
+CALLS = Path(__file__).with_name("rclpy_calls.py")
+NO_VARIABLES: Mapping[str, str] = {}
 SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
 <rts:RtsProfile rts:id="RTSystem:me:s:1.0.0" rts:version="0.2"
     xmlns:rts="http://www.openrtp.org/namespaces/rts">
@@ -89,7 +92,10 @@ def run(
     """Return a function that runs the system with lines of `[ros2.topics]`, and options."""
 
     def ran(
-        lines: str, *options: str, rtgen: str = ros2.rtgen
+        lines: str,
+        *options: str,
+        rtgen: str = ros2.rtgen,
+        variables: Mapping[str, str] = NO_VARIABLES,
     ) -> subprocess.CompletedProcess[str]:
         text = SETTINGS.format(name="rclpy") + lines
         (project / "rtgen.toml").write_text(text)
@@ -97,7 +103,7 @@ def run(
         return subprocess.run(
             [*command, *options],
             cwd=project,
-            env=ros2.environment(media.own_domain()),
+            env={**ros2.environment(media.own_domain()), **variables},
             capture_output=True,
             text=True,
             check=False,
@@ -159,3 +165,30 @@ def test_dds_is_taken_where_rclpy_is_not(run: Callable[..., Any]) -> None:
     assert done.returncode == 3
     assert "rclpy, which cannot be imported" in done.stderr
     assert "setup.bash" in done.stderr
+
+
+def test_calls_that_fail(ros2: Installation) -> None:
+    output = ros2.output(CALLS, domain=media.own_domain())
+    assert json.loads(output) == {
+        "nobody serves": "ObjectNotExist",
+        "no response": "CallTimeout",
+        "late": "CallTimeout",
+        "after a late one": "in time",
+        "in another order": ["0", "1", "2", "3", "4"],
+        "the run ends": "CallEnded",
+        "the server is lost": "CommunicationFailure",
+    }
+
+
+def test_errors_of_rclpy_are_reported(run: Callable[..., Any]) -> None:
+    place = "/nowhere/keys"
+    variables = {"ROS_SECURITY_ENABLE": "true", "ROS_SECURITY_STRATEGY": "Enforce"}
+    done = run(
+        TOPIC.format("fine"),
+        "--ros2",
+        variables={**variables, "ROS_SECURITY_KEYSTORE": place},
+    )
+    assert done.returncode == 3
+    assert "error[ENV0001]: rclpy: " in done.stderr
+    assert place in done.stderr
+    assert "Traceback" not in done.stderr
