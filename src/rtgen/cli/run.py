@@ -65,6 +65,9 @@ from rtgen.tools.running.transports import TransportOptions
     metavar="FOLDER",
     help="Keep the state of components for the next run.",
 )
+@click.option(
+    "--inactive", is_flag=True, help="Leave the components to those who activate them."
+)
 @grouped(
     "Results",
     click.option(
@@ -126,6 +129,7 @@ def run(
     picture: tuple[str, ...],
     log: str | None,
     checkpoints: str | None,
+    inactive: bool,
     supervise: str | None,
     groups: tuple[str, ...],
     restarts: int,
@@ -156,6 +160,7 @@ def run(
         picture=picture,
         log=log,
         checkpoints=checkpoints,
+        inactive=inactive,
         check_values=check_values,
         recording=recording,
         ros2=ros2,

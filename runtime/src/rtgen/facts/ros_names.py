@@ -47,6 +47,13 @@ def violation(name: str) -> str | None:
     return None
 
 
+def node_name(text: str) -> str:
+    """Convert the name of a system or a component to one of a node."""
+    words = "".join(c if c.isascii() and c.isalnum() else " " for c in text).split()
+    name = "_".join(words) or "rtgen"
+    return f"rtgen_{name}" if name[0].isdigit() else name
+
+
 def qualified(name: str, namespace: str = "/") -> str:
     """Qualify a name with its namespace (`scan` in `/robot`: `/robot/scan`). Raises ValueError."""
     space = namespace.strip("/")

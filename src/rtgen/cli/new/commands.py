@@ -49,7 +49,7 @@ def project(console: Console, name: str, source: str | None) -> int:
             (folder / "systems").mkdir()
             created = load(folder)
             place = starters.place_of(created)
-            model = _model(created)
+            model = model_of(created)
             twice = [starters.FIRST] * 2
             writing.write(starters.system(forms, place, model, twice)[0])
         generate(console, load(folder))
@@ -104,7 +104,7 @@ def system(console: Console, name: str, components: tuple[str, ...]) -> int:
     ambiguous: list[str] = []
 
     def files_of(forms: Names, place: Place) -> Sequence[File]:
-        files, diagnostics = starters.system(forms, place, _model(load()), components)
+        files, diagnostics = starters.system(forms, place, model_of(load()), components)
         ambiguous.extend(diagnostics)
         return files
 
@@ -164,7 +164,7 @@ def _add(
     return OK
 
 
-def _model(project: Project) -> Model:
+def model_of(project: Project) -> Model:
     """Return the components of the project. Raises InputError if its definitions have errors."""
     from rtgen.compiler import compilation
     from rtgen.compiler.diagnostics import InputError, has_errors

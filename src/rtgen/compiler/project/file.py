@@ -19,6 +19,7 @@ from rtgen.compiler.diagnostics import (
     has_errors,
 )
 from rtgen.compiler.kit.toml_text import TomlError, parse
+from rtgen.compiler.project.ros2 import MAINTAINER
 from rtgen.compiler.project.rules import (
     FILE_UNREADABLE,
     NO_PLUGIN,
@@ -205,6 +206,11 @@ def _ros_name(value: Any) -> str | None:
     if value == "/" or problem is None:
         return None
     return f"must be a name of ROS 2, which {problem or 'is a string'}"
+
+
+def _maintainer(value: Any) -> str | None:
+    fine = isinstance(value, str) and MAINTAINER.fullmatch(value)
+    return None if fine else "must be 'NAME <EMAIL>'"
 
 
 class _Problem(str):
@@ -404,6 +410,8 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
         "interfaces": _flag,
         "managed_nodes": _flag,
         "boards": _flag,
+        "maintainer": _maintainer,
+        "license": _text,
         "topics": _ros_topics,
         "tf": _ros_transforms,
         "services": partial(_ros_names, 2, "INSTANCE.PORT.OPERATION", "service"),

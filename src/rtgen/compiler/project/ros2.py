@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,10 @@ from rtgen.facts.ros_transforms import STATIC
 
 if TYPE_CHECKING:
     from rtgen.compiler.project.file import Settings
+
+
+MAINTAINER = re.compile(r"\s*(?P<name>[^<>]+?)\s*<(?P<email>[^<>\s]+@[^<>\s]+)>\s*")
+"""A maintainer: `NAME <EMAIL>`."""
 
 
 class TopicEntry(msgspec.Struct, frozen=True, kw_only=True):
@@ -71,7 +76,7 @@ class Ros2Settings(msgspec.Struct, frozen=True, kw_only=True):
     `zenoh` is the path of a Zenoh configuration, relative to the project; `interfaces`: write ROS 2
     interface files; `managed_nodes`: each component is a node with the services of life cycle and
     parameters; `boards`: functions of TECS boards are services, objects of CANopen nodes topics and
-    parameters.
+    parameters. `maintainer` (`NAME <EMAIL>`) and `license` are those of packages for colcon.
     """
 
     node: str | None = None
@@ -82,6 +87,8 @@ class Ros2Settings(msgspec.Struct, frozen=True, kw_only=True):
     interfaces: bool = False
     managed_nodes: bool = True
     boards: bool = False
+    maintainer: str | None = None
+    license: str | None = None
     topics: tuple[TopicEntry, ...] = ()
     services: tuple[ServiceEntry, ...] = ()
     actions: tuple[ActionEntry, ...] = ()

@@ -83,8 +83,10 @@ def assemble(
     checkpoints: runtime.CheckpointFolder | None = None,
     check_values: str = "first",
     skipped: Callable[[Diagnostic], None] | None = None,
+    stay_inactive: bool = False,
 ) -> runtime.System:
-    """Assemble the system: all components INACTIVE, their start scheduled on its timeline.
+    """Assemble the system: all components INACTIVE, their start scheduled on its timeline, unless
+    they `stay_inactive`.
 
     A component that calls providers of other processes is activated once the components before it
     in the order of activation are ACTIVE, after `patience` [s] at the latest. `prepare` is called
@@ -121,7 +123,9 @@ def assemble(
                 for finding in idle.findings(system):
                     report.notice(finding)
             defined = factories.defined
-            _fill(system, profile, steps, transport, patience, report.notice, defined)
+            _fill(system, profile, steps, report.notice, defined)
+            if not stay_inactive:
+                _schedule_start(system, profile, transport, patience)
             _schedule(system, steps, report, skipped)
     except runtime.TransportError as error:
         system.close()
@@ -179,12 +183,10 @@ def _fill(
     system: runtime.System,
     profile: System,
     steps: Sequence[Step],
-    transport: ProcessTransport | None,
-    patience: float,
     warn: Callable[[Diagnostic], None],
     defined: Collection[str],
 ) -> None:
-    """Add connections and activations to the system, and check the timeline.
+    """Add connections to the system, and check the timeline.
 
     The judge has compared the ends of connections of `defined` types. Raises as `assemble` does.
     """
@@ -216,6 +218,15 @@ def _fill(
                 prepare = partial(_prepared, system, step.action)
                 findings += _findings(TIMELINE, step.span, prepare)
     _raise_if_any(findings)
+
+
+def _schedule_start(
+    system: runtime.System,
+    profile: System,
+    transport: ProcessTransport | None,
+    patience: float,
+) -> None:
+    """Add the activations to the system; see `assemble`."""
     before: list[str] = []
     earlier: list[str] = []
     for time, instance in _start(profile, system):

@@ -74,6 +74,7 @@ def executed(plan: Plan, console: Console) -> int:
             report,
             checkpoints=_checkpoint_folder(options.checkpoints),
             check_values=options.check_values,
+            stay_inactive=options.inactive,
         ) as running,
     ):
         report.end_run = running.end_run

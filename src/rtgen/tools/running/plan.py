@@ -73,6 +73,7 @@ class RunOptions:
     log: str | None = None
     checkpoints: str | None = None
     check_values: str = "first"
+    inactive: bool = False
     recording: RecordingOptions = field(default_factory=RecordingOptions)
     ros2: str | None = None
     live: LiveOptions = field(default_factory=LiveOptions)

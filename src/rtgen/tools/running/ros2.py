@@ -67,7 +67,7 @@ def join(
     from rtgen.runtime.ros2.transforms import MESSAGE as TRANSFORMS
 
     node = RosNode(
-        settings.node or _node_name(name),
+        settings.node or ros_names.node_name(name),
         settings.namespace,
         _domain() if settings.domain is None else settings.domain,
     )
@@ -145,18 +145,11 @@ def _described(
     )
 
 
-def _node_name(system: str) -> str:
-    """Convert the name of a system to a ROS name."""
-    words = "".join(c if c.isascii() and c.isalnum() else " " for c in system).split()
-    name = "_".join(words) or "rtgen"
-    return f"rtgen_{name}" if name[0].isdigit() else name
-
-
 def _nodes(running: runtime.System) -> dict[str, str]:
     """Return the nodes of components, by instance. Raises InputError for duplicate names."""
     nodes: dict[str, str] = {}
     for instance in running.instances:
-        name = _node_name(instance)
+        name = ros_names.node_name(instance)
         if name in nodes.values():
             other = next(each for each in nodes if nodes[each] == name)
             message = f"{other} and {instance} would both be the node {name!r}"

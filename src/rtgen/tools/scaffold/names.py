@@ -10,15 +10,19 @@ from dataclasses import dataclass, replace
 
 from rtgen.compiler.diagnostics import InputError
 from rtgen.compiler.typemap.idl_keywords import escaped
-from rtgen.compiler.typemap.python.names import module_name
+from rtgen.compiler.typemap.python.names import module_name, snake_case
 from rtgen.facts import python_modules
 from rtgen.facts.file_names import is_device
+from rtgen.ros2.rosidl.syntax import PACKAGE_NAME
 from rtgen.tools.scaffold.rules import UNUSABLE_NAME
 
 MAX_LENGTH = 64
 _FORM = re.compile(r"[A-Za-z][A-Za-z0-9]*([_-][A-Za-z0-9]+)*")
 _RESERVED = frozenset({"components", "generated", "rtc", "tecs"})
 _FORM_HINT = "use ASCII letters, digits, '_' and '-', beginning with a letter"
+_ROS_HINT = (
+    "use lower-case letters, digits and single '_', two at least, a letter first"
+)
 _OTHER_HINT = "choose another name"
 
 
@@ -54,6 +58,29 @@ def project_names(text: str) -> tuple[str, Names]:
     parts = [names(first), *(names(part, inner=True) for part in inner)]
     package = ".".join(part.module for part in parts)
     return package, replace(parts[-1], given=text)
+
+
+def ros_package_name(text: str, taken: Collection[str]) -> None:
+    """Raise InputError for a name that no package of ROS 2 can have (REP 144), or that is `taken`.
+
+    The package has a Python package of this name.
+    """
+    words = re.sub(r"[^a-z0-9]+", "_", snake_case(text).lower()).strip("_")
+    near = words.lstrip("0123456789_")
+    fits = len(near) > 1 and near != text
+    hint = f"did you mean {near}?" if fits else _OTHER_HINT
+    if not PACKAGE_NAME.fullmatch(text) or len(text) < 2:
+        fault = "is not a name of a package of ROS 2 (REP 144)"
+        raise _unusable(text, fault, hint if fits else _ROS_HINT)
+    if len(text) > MAX_LENGTH:
+        raise _unusable(text, f"is longer than {MAX_LENGTH} characters")
+    if keyword.iskeyword(text):
+        raise _unusable(text, "is a keyword of Python")
+    if owner := python_modules.owner(text):
+        raise _unusable(text, f"is a module of {owner}, which it would hide")
+    if text in taken:
+        fault = "is another package that the systems need"
+        raise _unusable(text, fault, f"for example {text}_systems")
 
 
 def require_free(name: Names, used: Collection[str]) -> None:

@@ -10,5 +10,8 @@ NO_PROJECT = Rule("NEW0003", "no project to add to", Severity.ERROR)
 NO_COMPONENT = Rule("NEW0004", "system without such a component", Severity.ERROR)
 NO_TEMPLATES = Rule("NEW0005", "no folder for templates", Severity.ERROR)
 NO_DRIVE = Rule("NEW0006", "drive that a base cannot use", Severity.ERROR)
+NO_SYSTEM = Rule("NEW0007", "package without a system to launch", Severity.ERROR)
+CIRCLE = Rule("NEW0008", "packages that need each other", Severity.ERROR)
+OUTSIDE = Rule("NEW0009", "file that no package can have", Severity.ERROR)
 
 RULES = rules_of(globals())

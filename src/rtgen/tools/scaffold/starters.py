@@ -37,6 +37,14 @@ class File:
 
 
 @dataclass(frozen=True, slots=True)
+class Link:
+    """A symbolic link to make, and where it leads from its folder."""
+
+    path: Path
+    target: Path
+
+
+@dataclass(frozen=True, slots=True)
 class Place:
     """Where the parts of a project are placed: its packages, and the folders of its files."""
 
@@ -65,15 +73,21 @@ class Place:
         return self.skeletons / f"{module}.py"
 
 
+def require_project(project: Project) -> None:
+    """Raise InputError without a project."""
+    if project.file is None:
+        message = f"there is no {FILE_NAME} here, or in a folder above"
+        hint = "rtgen new project NAME makes one"
+        raise InputError([NO_PROJECT.at(None, message, hint=hint)])
+
+
 def place_of(project: Project) -> Place:
     """Return the place of new parts: the first folder among the project's sources, and `skeletons`.
 
     Raises InputError without a project, or without such a folder.
     """
-    if project.file is None:
-        message = f"there is no {FILE_NAME} here, or in a folder above"
-        hint = "rtgen new project NAME makes one"
-        raise InputError([NO_PROJECT.at(None, message, hint=hint)])
+    require_project(project)
+    assert project.file is not None
     from rtgen.compiler.project import file as project_file
 
     settings = project_file.read(project.file, FILE_NAME)
@@ -245,7 +259,9 @@ def _test(place: Place, name: Names) -> Path:
 
 def files_of(kind: str, templates: Mapping[Path, str], **values: object) -> list[File]:
     """Return files by the templates of a kind of starter."""
-    return [
-        File(Path(os.path.normpath(path)), render(f"new/{kind}/{t}.j2", **values))
-        for path, t in templates.items()
-    ]
+    return [rendered(path, f"{kind}/{t}", **values) for path, t in templates.items()]
+
+
+def rendered(path: Path, template: str, **values: object) -> File:
+    """Return a file that a template below `new` describes."""
+    return File(Path(os.path.normpath(path)), render(f"new/{template}.j2", **values))

@@ -13,7 +13,7 @@ from pathlib import Path
 from rtgen.compiler.diagnostics import InputError, ToolError
 from rtgen.compiler.project import shown
 from rtgen.tools.scaffold.rules import EXISTS
-from rtgen.tools.scaffold.starters import File
+from rtgen.tools.scaffold.starters import File, Link
 
 
 def require_absent(paths: Sequence[Path]) -> None:
@@ -47,8 +47,8 @@ def new_folder(target: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def added(files: Sequence[File]) -> Iterator[None]:
-    """Write files that are removed again if the block raises an exception.
+def added(files: Sequence[File | Link]) -> Iterator[None]:
+    """Write files and links that are removed again if the block raises an exception.
 
     Raises InputError if one of them exists, ToolError if the disk fails.
     """
@@ -58,6 +58,10 @@ def added(files: Sequence[File]) -> Iterator[None]:
         with _disk_failures():
             for file in files:
                 paths += _make_folders(file.path.parent)
+                if isinstance(file, Link):
+                    file.path.symlink_to(file.target)
+                    paths.append(file.path)
+                    continue
                 with file.path.open("x", encoding="utf-8", newline="\n") as stream:
                     paths.append(file.path)
                     stream.write(file.text)
@@ -66,7 +70,8 @@ def added(files: Sequence[File]) -> Iterator[None]:
         for path in reversed(paths):
             # A folder that has other content by now is kept.
             with contextlib.suppress(OSError):
-                path.rmdir() if path.is_dir() else path.unlink()
+                is_folder = path.is_dir() and not path.is_symlink()
+                path.rmdir() if is_folder else path.unlink()
         raise
 
 
