@@ -140,7 +140,7 @@ def test_every_command_has_a_row_in_its_section() -> None:
 @pytest.mark.parametrize("name", ["new", "log", "ctl", "can", "rpc"])
 def test_the_row_of_a_group_has_its_commands(name: str) -> None:
     text = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
-    [listed] = re.findall(rf"^\| `rtgen {name} ([\w|\\]+)", text, re.MULTILINE)
+    [listed] = re.findall(rf"^\| `rtgen {name} ([\w|\\-]+)", text, re.MULTILINE)
     context = click.Context(application, info_name="rtgen")
     group = application.get_command(context, name)
     assert isinstance(group, click.Group)

@@ -13,6 +13,7 @@ EXAMPLES = {
     "new component": "rtgen new component Arm",
     "new device": "rtgen new device Drive",
     "new board": "rtgen new board Lamp",
+    "new ros2-package": "rtgen new ros2-package rover_ros",
     "new system": "rtgen new system bench Arm Arm",
     "new template": "rtgen new template header.txt.j2",
     "new backend": "rtgen new backend struct-list",

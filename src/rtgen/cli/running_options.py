@@ -42,7 +42,7 @@ def with_failures(command: Callable[..., int]) -> Callable[..., int]:
             type=click.Choice(["error", "never"]),
             default="error",
             metavar="WHAT",
-            help="Exit code 1 for components that fail: error, never.",
+            help="Exit code 1 if components fail: error, never.",
         ),
         click.option(
             "--traceback",
