@@ -247,7 +247,7 @@ def _parts(
     settings = project_file.read(project.file, FILE_NAME)
     included = settings.texts("sources", "include")
     behaviours = project.import_folders[1]
-    named = [
+    named: list[str | Path] = [
         *settings.texts("sources", "paths"),
         *(path for path in included if not Path(path).is_absolute()),
         settings.text("templates", "path", ""),
