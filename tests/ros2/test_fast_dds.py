@@ -331,13 +331,3 @@ def test_managed_nodes(
 
     until(told)
     assert peer.event("message")[1]["goal_state"]["label"] == "active"
-
-
-def test_a_node_sees_the_nodes_of_components(
-    peer: Node, network: Any, stack: ExitStack
-) -> None:
-    def seen() -> bool:
-        peer.do("nodes")
-        return "/lab/node" in peer.event("nodes")[0]
-
-    until(seen)

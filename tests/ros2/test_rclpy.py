@@ -29,6 +29,7 @@ SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
 SETTINGS = """
 [sources]
 paths = ["t.idl", "lab", "std_msgs"]
+include = ["{share}"]
 [output]
 package = "parts_{name}"
 skeletons = "src/parts"
@@ -37,6 +38,8 @@ skeletons = "src/parts"
 IDL = """
 #include "std_msgs/msg/Float32.idl"
 #include "std_msgs/msg/String.idl"
+#include "std_srvs/srv/SetBool.idl"
+#include "test_msgs/action/Fibonacci.idl"
 #include "lab/msg/Own.idl"
 #include "lab/srv/Ask.idl"
 #include "lab/action/Go.idl"
@@ -44,6 +47,8 @@ interface Asked { lab::srv::Ask_Response ask(in lab::srv::Ask_Request request); 
 component Part {
     publishes std_msgs::msg::Float32 changed;
     publishes std_msgs::msg::String fine;
+    publishes std_srvs::srv::SetBool_Request request;
+    publishes test_msgs::action::Fibonacci_SendGoal_Request goal;
     publishes lab::msg::Own own;
     provides Asked asked;
     @port("go") provides lab::action::Go goals;
@@ -54,6 +59,11 @@ FLOAT32 = "RIHS01_7170d3d8f841f7be3172ce5f4f59f3a4d7f63b0447e8b33327601ad64d83d6
 TOPIC = '"Part0.{0}" = "{0}"'
 SERVICE = '[ros2.services]\n"Part0.asked.ask" = "ask"'
 ACTION = '[ros2.actions]\n"Part0.go" = "go"'
+
+
+def settings() -> str:
+    share = installation("jazzy").share.as_posix()
+    return SETTINGS.format(name="rclpy", share=share)
 
 
 @pytest.fixture(
@@ -70,7 +80,7 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
     files = {
         "t.idl": IDL,
         "system.xml": SYSTEM,
-        "rtgen.toml": SETTINGS.format(name="rclpy"),
+        "rtgen.toml": settings(),
         "std_msgs/msg/Float32.msg": "float64 data\n",
         "lab/msg/Own.msg": "float64 x\n",
         "lab/srv/Ask.srv": "float64 x\n---\nfloat64 x\n",
@@ -97,7 +107,7 @@ def run(
         rtgen: str = ros2.rtgen,
         variables: Mapping[str, str] = NO_VARIABLES,
     ) -> subprocess.CompletedProcess[str]:
-        text = SETTINGS.format(name="rclpy") + lines
+        text = settings() + lines
         (project / "rtgen.toml").write_text(text)
         command = [rtgen, "run", "system.xml", "--clock", "real", "--until", "0.1"]
         return subprocess.run(
@@ -113,8 +123,9 @@ def run(
 
 
 def test_rclpy_is_taken_if_it_is_there(run: Callable[..., Any]) -> None:
+    topics = "\n".join(map(TOPIC.format, ("fine", "request", "goal")))
     for option in ("--ros2", "--ros2=rclpy"):
-        done = run(TOPIC.format("fine"), option)
+        done = run(topics, option)
         assert done.returncode == 0, done.stderr
         assert "ROS 2: rclpy, rmw_fastrtps_cpp\n" in done.stderr
         assert "PRJ0020" not in done.stderr

@@ -166,7 +166,7 @@ class Waiter:
                 end = self._entered[pointer]
                 try:
                     end.take()
-                except _ERRORS as error:
+                except Exception as error:
                     log.warning("ROS 2: what has come cannot be read: %s", error)
 
 

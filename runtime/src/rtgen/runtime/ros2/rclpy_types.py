@@ -17,7 +17,7 @@ _OF_ACTIONS: Final = {
     "GetResult": "GetResultService",
     "FeedbackMessage": "FeedbackMessage",
 }
-"""Attributes of an action's `Impl` by the suffixes of what is derived from it."""
+"""Attributes of an action's `Impl` by suffixes; others are attributes of its class."""
 
 
 def installed(name: str, type_hash: str) -> Any:
@@ -42,23 +42,24 @@ def installed(name: str, type_hash: str) -> Any:
 def _described(name: str) -> tuple[Any, Mapping[str, str]]:
     """Return the class of an interface and the hashes that its file states, by names."""
     package, kind, last = name.split("/")
-    stem, _, part = last.rpartition("_") if kind == "action" else (last, "", "")
+    stem, *parts = last.split("_")
     try:
         module = importlib.import_module(f"{package}.{kind}")
     except ModuleNotFoundError as error:
-        if (
-            not package.startswith(str(error.name))
-            and error.name != f"{package}.{kind}"
-        ):
+        if error.name not in (package, f"{package}.{kind}"):
             raise MediumError(f"{name} cannot be imported: {error}") from error
-        raise MediumError(_missing(name, f"the package {package}")) from None
+        what = f"{stem} of the package" if error.name != package else "the package"
+        raise MediumError(_missing(name, f"{what} {package}")) from None
     except ImportError as error:
         raise MediumError(f"{name} cannot be imported: {error}") from error
     class_ = getattr(module, stem, None)
-    if class_ is not None and part:
-        class_ = getattr(class_.Impl, _OF_ACTIONS[part])
     if class_ is None:
         raise MediumError(_missing(name, f"{stem} of the package {package}"))
+    for part in parts:
+        hidden = _OF_ACTIONS.get(part)
+        class_ = (
+            getattr(class_, part) if hidden is None else getattr(class_.Impl, hidden)
+        )
     return class_, _hashes(Path(str(module.__file__)), f"{package}/{kind}/{stem}.json")
 
 
