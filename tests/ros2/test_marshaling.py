@@ -378,3 +378,57 @@ def test_constants_of_a_topic(
     errors = capsys.readouterr().err
     for message in REFUSED_SETTINGS[text]:
         assert message.replace("s.toml", "rtgen.toml") in errors
+
+
+PROPERTY = '<rtsExt:Properties rtsExt:name="dataport.{}" rtsExt:value="{}"/>'
+QOS: dict[tuple[tuple[str, str], ...], str | None] = {
+    (("ros2.qos", "sensor_data"), ("ros2.depth", "50")): None,
+    (
+        ("cyclone-dds.writer_qos.durability.kind", "TRANSIENT_LOCAL_DURABILITY_QOS"),
+        ("fast-rtps.subscriber.topic.historyQos.depth", "100"),
+    ): None,
+    (("ros2.depth", "0"),): "it must be a number of messages from 1 to",
+    (("ros2.deadline", "soon"),): "it must be a time in seconds, above 0",
+    (("ros2.reliabilty", "reliable"),): "did you mean dataport.ros2.reliability?",
+    (
+        ("fast-rtps.publisher.qos.reliability.kind", "BEST_EFFORT"),
+    ): "it must be RELIABLE_RELIABILITY_QOS or BEST_EFFORT_RELIABILITY_QOS",
+    (
+        ("ros2.reliability", "reliable"),
+        ("ros2.reader_qos.reliability.kind", "BEST_EFFORT_RELIABILITY_QOS"),
+    ): "state one of them",
+    (
+        ("ros2.history", "keep_all"),
+        ("ros2.depth", "5"),
+    ): "history = keep_all keeps every",
+    (
+        ("fast-rtps.publisher.qos.reliability.kind", "BEST_EFFORT_RELIABILITY_QOS"),
+    ): "reliability is best_effort at the publisher, reliable at the subscription",
+    (
+        ("fast-rtps.subscriber.qos.deadline.period.seconds", "1"),
+        ("fast-rtps.publisher.qos.deadline.period.seconds", "2"),
+    ): "deadline is 2 at the publisher, 1 at the subscription",
+}
+
+
+@pytest.mark.parametrize("stated", QOS, ids=str)
+def test_qos_of_a_connection(
+    stated: tuple[tuple[str, str], ...],
+    module: str,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
+    import importlib
+
+    more = "".join(PROPERTY.format(*each) for each in stated)
+    system = SYSTEM.format(message="std_msgs/Float64", topic="speed", more=more)
+    Path("s.xml").write_text(system)
+    code, message = rtgen([*RUN]), QOS[stated]
+    said = capsys.readouterr().err
+    if message is None:
+        assert importlib.import_module(module).READ
+    else:
+        assert code == 2
+        assert message in said
+        assert "RTC058" in said
+        assert "dataport." in said

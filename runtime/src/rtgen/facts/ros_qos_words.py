@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping
 from enum import IntEnum
-from functools import partial
+from functools import cache, partial
 from math import inf
 from typing import Any, Final, NamedTuple, TypeAlias
 
@@ -155,6 +155,7 @@ _TIMES: Final = {
 _BEYOND = re.compile(r"[0-9]{1,10}")
 
 
+@cache
 def _kind(policy: str) -> Callable[[str], Any]:
     """Return a function that reads DDS's constants (DDS 1.4, 2.3.3), as OpenRTM spells them."""
     known: dict[str, Any] = {
