@@ -323,3 +323,21 @@ def test_a_reader_that_takes_nothing_does_not_stop_the_writer(
 
     with pytest.raises(Ros2Error, match="no room for a sample"):
         fill()
+
+
+def test_cyclone_keeps_more_than_the_depth_of_types_that_cannot_be_large() -> None:
+    """Its own history drops without a count."""
+    from rtgen.runtime.ros2.dds_topics import room
+    from rtgen.tools.running.ros2 import message_classes
+
+    kept = {
+        "std_msgs/msg/Float32": 8192,
+        "geometry_msgs/msg/TwistWithCovariance": 8192,
+        "std_msgs/msg/String": 1024,
+        "geometry_msgs/msg/PoseStamped": 1024,
+        "sensor_msgs/msg/Image": 128,
+        "nav_msgs/msg/Path": 128,
+    }
+    classes = message_classes(*kept)
+    assert {name: room(Profile(), classes[name]) for name in kept} == kept
+    assert room(Profile(10_000), classes["sensor_msgs/msg/Image"]) == 10_000

@@ -34,16 +34,17 @@ from rtgen.runtime.distribution.medium import MediumError, OnSample, Sample
 from rtgen.runtime.marshalling.descriptors import (
     ArrayDescriptor,
     SequenceDescriptor,
+    StringDescriptor,
     StructDescriptor,
     plain,
 )
 from rtgen.runtime.ros2.qos import Own, Peers
 
-_ROOM: Final = 8192
-_ROOM_OF_LARGE: Final = 128
+_ROOM: Final = (8192, 1024, 128)
 """Samples that Cyclone keeps at least until they are taken, so that those beyond the depth of a
-subscription can be counted: it does not count what it drops itself. Samples with sequences may be
-large, so that fewer of them are kept.
+subscription can be counted: it does not count what it drops itself. The first number is for types
+of a fixed size, the second for those with strings, the last for those with sequences, whose samples
+may be large.
 """
 _MAX_ENDS: Final = 8192
 """Maximum number of remembered readers and writers of other processes."""
@@ -53,21 +54,23 @@ _FOREVER: Final = (1 << 63) - 1
 
 def room(profile: Profile, type_: type[Any]) -> int:
     """Return the depth of the history of a Cyclone reader for a subscription with a profile."""
-    is_large = _has_sequences(type_._descriptor_, set())
-    return max(profile.depth, _ROOM_OF_LARGE if is_large else _ROOM)
+    return max(profile.depth, _ROOM[_growth(type_._descriptor_, set())])
 
 
-def _has_sequences(descriptor: Any, seen: set[str]) -> bool:
+def _growth(descriptor: Any, seen: set[str]) -> int:
+    """Return the place of a type in `_ROOM`."""
     descriptor = plain(descriptor)
     match descriptor:
+        case StringDescriptor():
+            return 1
         case SequenceDescriptor():
-            return True
+            return 2
         case ArrayDescriptor(element=element):
-            return _has_sequences(element, seen)
+            return _growth(element, seen)
         case StructDescriptor() if descriptor.repository_id not in seen:
             seen.add(descriptor.repository_id)
-            return any(_has_sequences(m.type, seen) for m in descriptor.members)
-    return False
+            return max((_growth(m.type, seen) for m in descriptor.members), default=0)
+    return 0
 
 
 class RosPublisher(DdsPublisher):
