@@ -43,6 +43,7 @@ EXAMPLES = {
     "log csv": "rtgen log csv goal.mcap Arm0.state.data -o state.csv",
     "log plot": "rtgen log plot goal.mcap Arm0.state",
     "log diff": "rtgen log diff goal.mcap again.mcap Arm0",
+    "log export": "rtgen log export --ros2 goal.mcap goal",
     "graph": "rtgen graph systems/bench.xml -o bench.svg",
     "convert": "rtgen convert MyComponent.py",
     "adopt": "rtgen adopt MyComponent.py",
