@@ -205,6 +205,8 @@ ROWS: Mapping[str, tuple[Row, ...]] = {
     ),
     "log diff file": (Row("log diff @ a.mcap", *MCAP),),
     "log diff other": (Row("log diff a.mcap @", *MCAP),),
+    "log export file": (Row("log export --ros2 @ ../bag", *MCAP),),
+    "log export folder": (Row("log export --ros2 a.mcap @", kind="folder"),),
     "graph system": (Row("graph @", *SYSTEM), Row("graph @", ".yaml")),
     "graph output": (Row("graph systems/demo.xml -o @", ".svg", kind="written"),),
     "graph timeline_file": (Row("graph systems/demo.xml --timeline @", *TIMELINE),),

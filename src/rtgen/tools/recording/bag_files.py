@@ -11,7 +11,13 @@ from pathlib import Path
 from typing import Final, Protocol
 
 from rtgen.facts.extras import installation
-from rtgen.facts.files import UnreadableError, open_file, read_file, read_start
+from rtgen.facts.files import (
+    UnreadableError,
+    create_file,
+    open_file,
+    read_file,
+    read_start,
+)
 from rtgen.tools.recording.bag_metadata import METADATA_FILE, Folder, folder_of
 from rtgen.tools.recording.bag_writer import PROFILE
 from rtgen.tools.recording.errors import RecordingError, UnavailableError
@@ -237,7 +243,7 @@ class _Unpacked:
         inner = folder_with(self) / path.stem
         work = Work(path, path.stat().st_size)
         try:
-            with open_file(path) as packed, inner.open("wb") as stream:
+            with open_file(path) as packed, create_file(inner) as stream:
                 parts = zstandard.ZstdDecompressor().stream_reader(packed)
                 while part := parts.read(_PART):
                     work.take_octets(len(part))

@@ -16,7 +16,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeGuard
 
-from rtgen.facts.files import open_file
+from rtgen.facts.files import create_file, open_file
 from rtgen.tools.recording.errors import RecordingError, UnavailableError
 from rtgen.tools.recording.mcap_reader import MAX_SIZE, Channel, Message, Work
 from rtgen.tools.recording.schemas import Schema
@@ -60,7 +60,7 @@ class SqliteFile:
                     self._damage = _CUT
                     self._read = folder_with(self) / path.name
                     stream.seek(0)
-                    with self._read.open("wb") as copy:
+                    with create_file(self._read) as copy:
                         while whole and (part := stream.read(min(whole, _PART))):
                             whole -= copy.write(part)
         except OSError as error:
