@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -13,6 +14,7 @@ import media
 import pytest
 from logged_process import LoggedProcess
 from ros2_peers import installation
+from type_checkers import check_by_mypy
 
 from rtgen.cli import run as rtgen
 from rtgen.facts.ros_qos import PROFILES
@@ -26,24 +28,37 @@ from rtgen.runtime.ros2.dds import open_dds
 
 ROOT = Path(__file__).resolve().parents[2]
 EDS = ROOT / "specs" / "canopen" / "epos_drive.eds"
+CDL = ROOT / "specs" / "tecs" / "board.cdl"
 DOMAIN = media.own_domain()
 TRANSFORMS = "tf2_msgs/msg/TFMessage"
 
 
+def free_port() -> int:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port: int = server.getsockname()[1]
+        return port
+
+
 @pytest.mark.peer
 @pytest.mark.waits
-@pytest.mark.parametrize("kind", ["stamped", "plain"])
+@pytest.mark.parametrize(
+    ("source", "kind"), [(EDS, "stamped"), (EDS, "plain"), (CDL, "stamped")]
+)
 def test_a_base_is_driven_by_rclpy(
-    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    source: Path, kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """It stops when the commands end."""
     peer = installation("jazzy")
     monkeypatch.chdir(tmp_path)
     twist = [] if kind == "stamped" else ["--twist"]
-    assert rtgen(["new", "base", "Rover", str(EDS), "--ros2", *twist]) == 0
+    assert rtgen(["new", "base", "Rover", str(source), "--ros2", *twist]) == 0
     folder = tmp_path / "Rover"
     environment = {**os.environ, "ROS_DOMAIN_ID": str(DOMAIN)}
     command = ["-m", "rtgen", "run", "systems/simulation.xml", "--clock", "real"]
+    if source == CDL:
+        port = free_port()
+        for setting in ("Board0.port", "OpaqueRpcCommunication0.port"):
+            command += ["--set", f"{setting}={port}"]
     type_ = message_classes(TRANSFORMS)[TRANSFORMS]
     transforms: list[Any] = []
     network = open_dds(RosNode("listener", "/", DOMAIN))
@@ -72,10 +87,10 @@ def test_a_base_is_driven_by_rclpy(
     assert found["angle"] == pytest.approx(found["way"] / 0.1, abs=0.01)
     assert found["frames"] == ["odom", "base_link"]
     assert found["joints"] == ["left_wheel_joint", "right_wheel_joint"]
+    drives = {"Base0: left drive": "enabled", "Base0: right drive": "enabled"}
     assert found["diagnosed"] == {
         "Base0: command": "no velocity: the base stands",
-        "Base0: left drive": "enabled",
-        "Base0: right drive": "enabled",
+        **({"Base0: board": "answers"} if source == CDL else drives),
     }
 
 
@@ -113,9 +128,17 @@ def test_two_descriptions_and_no_ros2(
     assert "Missing option '--ros2'" in capsys.readouterr().err
 
 
-def test_its_own_test_passes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("source", [EDS, CDL])
+def test_what_it_makes_is_sound(
+    source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
-    assert rtgen(["new", "base", "Rover", str(EDS), "--ros2"]) == 0
+    assert rtgen(["new", "base", "Rover", str(source), "--ros2"]) == 0
+    with monkeypatch.context() as inside:
+        inside.chdir("Rover")
+        assert rtgen(["check", "--no-cache"]) == 0
+        folders = [Path("src").resolve(), Path("generated").resolve()]
+        check_by_mypy([Path("src"), Path("tests")], folders)
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"],
         cwd="Rover",
@@ -124,3 +147,60 @@ def test_its_own_test_passes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
         check=False,
     )
     assert done.returncode == 0, done.stdout
+
+
+SHAPES = {
+    "two numbers, and a function for the counts": (
+        "void setSpeeds( [in] int16_t left, [in] int16_t right );"
+        "ER getCounts( [out,size_is(2)] int32_t *count );"
+    ),
+    "arrays of fixed length": (
+        "void drive( [in] const float32_t speed[2], [out] struct tagWheels *wheels );"
+    ),
+    "a getter with a struct, sizes, a limit": (
+        "ER identify( [out,string(9)] char_t *name ); ER setLimit( [in] float32_t speed );"
+        "ER go( [in,size_is(n)] const int32_t *speeds, [in] uint8_t n );"
+        "void look( [out] struct tagWheels *class );"
+    ),
+}
+JOIN = """
+struct tagWheels { float32_t volts; int16_t position[2]; };
+signature sBase { %s };
+celltype tBase { entry sBase eBase; };
+[active] celltype tUser { call sBase cBase; };
+cell tBase Base {};
+cell tUser User { [through(RTCPlugin,"")] cBase = Base.eBase; };
+"""
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_boards_of_other_shapes(
+    shape: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("wheels.cdl").write_text(JOIN % SHAPES[shape])
+    assert rtgen(["new", "base", "Rover", "wheels.cdl", "--ros2"]) == 0
+    with monkeypatch.context() as inside:
+        inside.chdir("Rover")
+        folders = [Path("src").resolve(), Path("generated").resolve()]
+        check_by_mypy([Path("src"), Path("tests")], folders)
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"],
+        cwd="Rover",
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout
+
+
+def test_a_board_without_such_a_function(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("wheels.cdl").write_text(JOIN % "ER beep( [in] uint8_t times );")
+    assert rtgen(["new", "base", "Rover", "wheels.cdl", "--ros2"]) == 2
+    error = capsys.readouterr().err
+    assert "NEW0006" in error
+    assert "there are: beep" in error
+    assert [path.name for path in Path().iterdir()] == ["wheels.cdl"]

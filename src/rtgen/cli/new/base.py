@@ -19,7 +19,7 @@ from rtgen.tools.kit.exits import BAD_INPUT, OK
     "drives",
     nargs=-1,
     required=True,
-    metavar="EDS...",
+    metavar="EDS...|CDL",
     type=click.Path(path_type=Path, exists=True, dir_okay=False),
 )
 @click.option("--ros2", "is_ros2", is_flag=True, help="Serve it as a node of ROS 2.")
@@ -28,12 +28,13 @@ from rtgen.tools.kit.exits import BAD_INPUT, OK
 def base(
     console: Console, name: str, drives: tuple[Path, ...], is_ros2: bool, twist: bool
 ) -> int:
-    """Create the folder NAME with a mobile base of two CANopen drives.
+    """Create the folder NAME with a mobile base of two CANopen drives, or of a TECS board.
 
     EDS are the descriptions of the left and the right drive, or one for both: drives of CiA 402
-    whose PDOs have controlword, mode, target velocity, statusword and position. The base serves
-    /cmd_vel, /odom, /tf, /joint_states and /diagnostics; its README says how to drive it, also with
-    simulated drives.
+    whose PDOs have controlword, mode, target velocity, statusword and position. CDL joins a
+    signature through RTCPlugin; one of its functions takes the speeds of both wheels, and returns
+    the counts of their encoders, or another one does. The base serves /cmd_vel, /odom, /tf,
+    /joint_states and /diagnostics; its README says how to drive it, also in a simulation.
     """
     from rtgen.tools.scaffold import bases
 

@@ -34,7 +34,7 @@ from rtgen.facts.files import read_start
 from rtgen.tools.scaffold import writing
 from rtgen.tools.scaffold.names import Names, project_names
 from rtgen.tools.scaffold.rules import NO_DRIVE
-from rtgen.tools.scaffold.starters import File, Place, files_of
+from rtgen.tools.scaffold.starters import File, base_values, files_of, new_place
 
 _NO_SPAN: Final = Span("", 1, 1, 1, 1)
 SIDES: Final = ("left", "right")
@@ -68,9 +68,13 @@ def create(
 ) -> Path:
     """Create the folder of a base; return it. `generate` writes the generated files.
 
-    `paths` are the descriptions of the left and the right drive, or one of both. `stamped`: the
-    velocity is a TwistStamped. Raises InputError, ToolError.
+    `paths` are the descriptions of the left and the right drive, one of both, or the CDL file of a
+    board. `stamped`: the velocity is a TwistStamped. Raises InputError, ToolError.
     """
+    if paths[0].suffix.lower() == ".cdl":
+        from rtgen.tools.scaffold import board_bases
+
+        return board_bases.create(name, paths[0], generate, stamped=stamped)
     package, forms = project_names(name)
     target = Path(name)
     with writing.new_folder(target) as folder:
@@ -94,8 +98,8 @@ def _first_files(
 ) -> tuple[list[File], list[_Kind]]:
     """Return the files that do not depend on the ports of the drives. Raises InputError."""
     kinds = _kinds(paths)
-    place = _place_of(name, package, root)
-    values = _values(name, place, stamped)
+    place = new_place(package, root)
+    values = base_values(name, place, stamped)
     sides = [
         {"name": side, "kind": kinds[min(n, len(kinds) - 1)].name, "id": n + 1}
         for n, side in enumerate(SIDES)
@@ -129,7 +133,7 @@ def _first_files(
 
 def _settings(name: Names, package: str, root: Path, *, complete: bool) -> File:
     """Return rtgen.toml; `complete`: with the system, which is there."""
-    values = _values(name, _place_of(name, package, root), True)
+    values = base_values(name, new_place(package, root), True)
     [file] = files_of(
         "base", {root / FILE_NAME: "rtgen.toml"}, complete=complete, **values
     )
@@ -140,12 +144,12 @@ def _parts(
     name: Names, project: Project, kinds: Sequence[_Kind], stamped: bool
 ) -> list[File]:
     """Return the files of a base that depend on the ports of its drives."""
-    place = _place_of(name, project.package, project.root)
+    place = new_place(project.package, project.root)
     read = compilation.read(project, lowered=True)
     if has_errors(read.diagnostics):
         raise InputError(read.diagnostics)
     nodes = read.model.buses[0].nodes
-    values = _values(name, place, stamped)
+    values = base_values(name, place, stamped)
     ports = [port for node in nodes for port in _ports(node, read.model)]
     files = files_of(
         "base",
@@ -185,28 +189,6 @@ def _systems(name: Names, project: Project) -> list[File]:
         File(folder / f"{name.module}.xml", system_text(_system(name, model, False))),
         File(folder / "simulation.xml", system_text(_system(name, model, True))),
     ]
-
-
-def _place_of(name: Names, package: str, root: Path) -> Place:
-    """Return the places of the project's parts."""
-    behaviours = f"{package.replace('.', '_')}_behaviours"
-    return Place(
-        package=package,
-        behaviours=behaviours,
-        definitions=root / "definitions",
-        skeletons=root / "src" / behaviours,
-        root=root,
-    )
-
-
-def _values(name: Names, place: Place, stamped: bool) -> dict[str, object]:
-    return {
-        **place.values,
-        "name": name.type,
-        "module": name.module,
-        "stamped": stamped,
-        "twist": "TwistStamped" if stamped else "Twist",
-    }
 
 
 def _kinds(paths: Sequence[Path]) -> list[_Kind]:

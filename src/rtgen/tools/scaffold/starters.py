@@ -181,14 +181,7 @@ def system(
 
 def project(name: Names, package: str, root: Path) -> list[File]:
     """Return a project with a component, but without a system."""
-    behaviours = f"{package.replace('.', '_')}_behaviours"
-    place = Place(
-        package=package,
-        behaviours=behaviours,
-        definitions=root / "definitions",
-        skeletons=root / "src" / behaviours,
-        root=root,
-    )
+    place = new_place(package, root)
     files = files_of(
         "project",
         {
@@ -204,6 +197,30 @@ def project(name: Names, package: str, root: Path) -> list[File]:
         system=name.module,
     )
     return [*files, *component(names(FIRST), place)]
+
+
+def new_place(package: str, root: Path) -> Place:
+    """Return the places of the parts of a new project."""
+    behaviours = f"{package.replace('.', '_')}_behaviours"
+    return Place(
+        package=package,
+        behaviours=behaviours,
+        definitions=root / "definitions",
+        skeletons=root / "src" / behaviours,
+        root=root,
+    )
+
+
+def base_values(name: Names, place: Place, stamped: bool) -> dict[str, object]:
+    """Return the variables of all templates of a base; `stamped`: it takes a TwistStamped."""
+    return {
+        **place.values,
+        "name": name.type,
+        "module": name.module,
+        "stamped": stamped,
+        "twist": "TwistStamped" if stamped else "Twist",
+        "is_board": False,
+    }
 
 
 def reference(root: Path) -> list[File]:

@@ -263,13 +263,16 @@ class RosServices:
                 self._join_event(joint)
             else:
                 self._join_service(joint)
+        failures: list[str] = []
         for each in answers:
             function = _in_turn(each.function, network.turns)
             server = Server(each.service, function, self._short, each.queue)
             try:
                 network.serve(each.service, server.take)
             except Ros2Error as error:
-                log.warning("%s is not served: %s", each.service.name, error)
+                failures.append(str(error))
+        if failures:
+            log.warning("services without a server: %d, %s", len(failures), failures[0])
 
     def _join_service(self, joint: ServiceJoint) -> None:
         if isinstance(joint.port, Provider):
