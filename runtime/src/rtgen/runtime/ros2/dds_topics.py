@@ -67,8 +67,8 @@ def _growth(descriptor: Any, seen: set[str]) -> int:
             return 2
         case ArrayDescriptor(element=element):
             return _growth(element, seen)
-        case StructDescriptor() if descriptor.repository_id not in seen:
-            seen.add(descriptor.repository_id)
+        case StructDescriptor() if descriptor.name not in seen:
+            seen.add(descriptor.name)
             return max((_growth(m.type, seen) for m in descriptor.members), default=0)
     return 0
 
