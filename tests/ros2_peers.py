@@ -11,7 +11,9 @@ are skipped, and say why.
 from __future__ import annotations
 
 import fcntl
+import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -37,10 +39,31 @@ PACKAGES = (
     "rosidl-parser",
     "rosidl-generator-type-description",
 )
+BUILDING = (
+    *("ament-cmake", "ament-cmake-core", "ament-cmake-export-definitions"),
+    *("ament-cmake-export-dependencies", "ament-cmake-export-include-directories"),
+    *("ament-cmake-export-interfaces", "ament-cmake-export-libraries"),
+    *("ament-cmake-export-link-flags", "ament-cmake-export-targets"),
+    *("ament-cmake-gen-version-h", "ament-cmake-gmock", "ament-cmake-gtest"),
+    *("ament-cmake-include-directories", "ament-cmake-libraries", "ament-cmake-pytest"),
+    *("ament-cmake-python", "ament-cmake-ros", "ament-cmake-target-dependencies"),
+    *("ament-cmake-test", "ament-cmake-version", "ament-index-python", "ament-package"),
+    *("rosidl-core-generators", "rosidl-default-generators"),
+    *("rosidl-default-runtime", "rosidl-generator-py"),
+)
+"""What builds packages of interface files besides."""
+OF_ONE = {"jazzy": ("python-cmake-module",), "kilted": ("ament-cmake-ros-core",)}
+"""What else one distribution has for it."""
+COLCON = ("colcon-common-extensions", "empy<4", "setuptools<80")
 ROOT = Path(__file__).resolve().parent.parent
 OWN = tuple(f"--editable={folder}" for folder in (ROOT / "runtime", ROOT))
 FOLDER = ROOT / "build" / "ros2"
 PYTHON = "3.11"
+_FOLDERS = re.compile(
+    r"/opt/python/[\w-]+/(include(?=/)|lib(?=/python[\d.]+/site-packages))"
+    r"/python[\d.]+(?:/site-packages)?"
+)
+_KINDS = {"include": "include", "lib": "purelib"}
 _FAILURE_LIFETIME = 600.0
 """Seconds during which a failed installation is not tried again."""
 _OWN_VARIABLES = ("ROS_", "RMW_", "RCUTILS_", "AMENT_", "FASTDDS_", "FASTRTPS_")
@@ -54,9 +77,10 @@ class UnavailableError(Exception):
 class Installation:
     """A distribution of ROS 2; nodes in it use Fast DDS on the loopback interface alone."""
 
-    def __init__(self, distribution: str) -> None:
+    def __init__(self, distribution: str, *, builds: bool = False) -> None:
         self.distribution = distribution
-        self.folder = FOLDER / distribution
+        self.name = f"{distribution}-colcon" if builds else distribution
+        self.folder = FOLDER / self.name
         self.python = str(self.folder / "bin" / "python")
         self.rtgen = str(self.folder / "bin" / "rtgen")
         self.share = self.folder / "share"
@@ -108,34 +132,41 @@ class Installation:
 
 
 @cache
-def installation(distribution: str) -> Installation:
+def installation(distribution: str, *, builds: bool = False) -> Installation:
     """Return an installation, made by the first process that needs it.
 
-    The calling test is skipped where it cannot be made.
+    `builds`: it has colcon, and what builds packages. The calling test is skipped where it cannot
+    be made.
     """
     try:
-        return make(distribution)
+        return make(distribution, builds=builds)
     except UnavailableError as error:
         pytest.skip(str(error))
 
 
-def make(distribution: str, *, again: bool = False) -> Installation:
+def make(
+    distribution: str, *, again: bool = False, builds: bool = False
+) -> Installation:
     """Return an installation, which may have to be made.
 
-    `again`: try it also if it failed a short time ago. Raises UnavailableError.
+    `again`: try it also if it failed a short time ago; `builds`: with colcon. Raises
+    UnavailableError.
     """
-    made = Installation(distribution)
-    packages = tuple(f"ros-{distribution}-{name}" for name in PACKAGES)
-    requirements = (*packages, *OWN)
+    made = Installation(distribution, builds=builds)
+    more = (*BUILDING, *OF_ONE.get(distribution, ())) if builds else ()
+    names = (*PACKAGES, *more)
+    packages = tuple(f"ros-{distribution}-{name}" for name in names)
+    requirements = (*packages, *OWN, *(COLCON if builds else ()))
     stamp = made.folder / "requirements.txt"
-    failure = FOLDER / f"{distribution}.failed"
-    with _alone(distribution):
+    failure = FOLDER / f"{made.name}.failed"
+    with _alone(made.name):
         if stamp.exists() and stamp.read_text().split() == list(requirements):
             return made
         if not again and _is_recent(failure):
             raise UnavailableError(failure.read_text())
         try:
             _install(made.folder, requirements)
+            _set_folders(made)
         except UnavailableError as error:
             failure.write_text(str(error))
             raise
@@ -158,6 +189,19 @@ def _install(folder: Path, requirements: tuple[str, ...]) -> None:
         raise UnavailableError(
             f"{requirements[0]} cannot be installed from the package index"
         ) from None
+
+
+def _set_folders(made: Installation) -> None:
+    """Name the folders of this Python in CMake files, which name those of another machine."""
+    code = "import json, sysconfig; print(json.dumps(sysconfig.get_paths()))"
+    command = (made.python, "-c", code)
+    answer = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
+    folders = json.loads(answer.stdout)
+    for path in made.share.glob("*/cmake/*.cmake"):
+        text = path.read_text(encoding="utf-8")
+        changed = _FOLDERS.sub(lambda match: folders[_KINDS[match[1]]], text)
+        if changed != text:
+            path.write_text(changed, encoding="utf-8")
 
 
 @contextmanager

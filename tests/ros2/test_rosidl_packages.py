@@ -10,14 +10,13 @@ from typing import Any
 
 import pytest
 from ros2_peers import DISTRIBUTIONS, installation
+from rosidl_values import hashes
 from seeds import cases
 
 from rtgen import api
 from rtgen.compiler.backends.kit.idl_text import idl_text
 from rtgen.compiler.kit.resources import ros_file, ros_interfaces
-from rtgen.compiler.layouts.ros_types import service_hash, type_hash
 from rtgen.compiler.model import Const, Interface, Model, Struct
-from rtgen.facts.ros import is_interface
 from rtgen.ros2.backend.packages import interface_texts
 from rtgen.ros2.rosidl import load
 
@@ -127,23 +126,6 @@ def of_rosidl(
     write(folder, files)
     ros2 = installation(distribution)
     return json.loads(ros2.output(ORACLE, str(folder), *packages))
-
-
-def hashes(model: Model) -> dict[str, str]:
-    """Return rtgen's hashes of a model's messages and services, by name."""
-    structs = {
-        d.name: d
-        for d in model.declarations
-        if isinstance(d, Struct) and is_interface(d.name)
-    }
-    found = {"/".join(name): type_hash(model, each) for name, each in structs.items()}
-    for name, request in structs.items():
-        stem = name[-1].removesuffix("_Request")
-        if stem != name[-1]:
-            response = structs[(*name[:-1], f"{stem}_Response")]
-            whole = "/".join((*name[:-1], stem))
-            found[whole] = service_hash(model, request, response)
-    return found
 
 
 def values(model: Model) -> dict[str, Any]:
