@@ -28,6 +28,7 @@ from rtgen.runtime.distribution.rpc_header import Identities
 from rtgen.runtime.distribution.rpc_types import interface_types, lineage_types
 from rtgen.runtime.distribution.services import RemoteCalls
 from rtgen.runtime.distribution.workers import Workers
+from rtgen.runtime.failures import NOTE
 from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 from rtgen.runtime.opaque_rpc.interface import OpaqueRpc, OpaqueRpcFailed
 from rtgen.runtime.xcdr import deserialize, serialize
@@ -389,6 +390,27 @@ def test_a_lost_process_fails_nobody_who_can_do_without_it(
     before = here.system.statistics("a").ticks
     until(lambda: here.system.statistics("a").ticks > before + 2)
     assert here.system.state("a") is runtime.LifeCycleState.ACTIVE_STATE
+
+
+@pytest.mark.parametrize("is_planned", [True, False])
+def test_a_process_that_ends_as_planned_is_not_reported_as_lost(
+    pair: tuple[Process, Process],
+    is_planned: bool,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    here, there = pair
+    caplog.set_level(NOTE)
+    here.ready()
+    until(lambda: here.transport.peers.is_elsewhere("b"))
+    if is_planned:
+        there.transport.close()
+    else:
+        there.medium.close()
+    until(lambda: here.transport.peers.is_lost("b"))
+    until(lambda: any("b " in text for text in caplog.messages))
+    [line] = [r for r in caplog.records if r.getMessage().startswith("b ")]
+    assert (line.levelno < logging.WARNING) is is_planned
+    assert ("has ended" if is_planned else "is lost") in line.getMessage()
 
 
 def test_who_is_missing_is_named(start: Start) -> None:

@@ -11,6 +11,8 @@ from typing import Any
 
 from rtgen.runtime.distribution.medium import Topic
 
+ENDING = "-ends"
+"""The end of the process in a name that announces its end."""
 _OTHER = re.compile(rb"[^A-Za-z0-9_]")
 _ESCAPE = re.compile(rb"-([0-9a-f]{2})")
 
@@ -49,6 +51,11 @@ def control_name(instance: str) -> str:
 def presence_name(instance: str, process: str) -> str:
     """Return the name that announces an instance of a process."""
     return f"{escaped(instance)}/{process}"
+
+
+def ending_name(instance: str, process: str) -> str:
+    """Return the name that announces that a process with an instance is about to end."""
+    return presence_name(instance, f"{process}{ENDING}")
 
 
 def present(name: str) -> tuple[str, str] | None:

@@ -22,6 +22,7 @@ class Presence(Enum):
     """The presence of an instance of another process."""
 
     LOST = "is lost: its process ended or is out of reach"
+    ENDED = "has ended with its process"
     BACK = "is there again"
 
 
@@ -37,8 +38,8 @@ def _log(instance: str, presence: Presence) -> None:
 class Peers:
     """Follows the presence of all instances of the system, including those of this process.
 
-    `timeout` [s] of a query. `listeners` are called when an instance of another process is lost or
-    returns; the first one logs it. Raises MediumError.
+    `timeout` [s] of a query. `listeners` are called when an instance of another process is lost,
+    ends as announced, or returns; the first one logs it. Raises MediumError.
     """
 
     def __init__(self, medium: Medium, process: str, timeout: float) -> None:
@@ -48,6 +49,8 @@ class Peers:
         self._changed = threading.Condition()
         self._present: dict[str, list[str]] = {}
         self._lost: set[str] = set()
+        self._ending: set[str] = set()
+        """Processes that have announced their end."""
         self._descriptions: dict[str, Description] = {}
         self._silent: dict[str, float] = {}
         self._askers: dict[str, control.Asker] = {}
@@ -121,6 +124,10 @@ class Peers:
         if presence is None:
             return
         instance, process = presence
+        if process.endswith(names.ENDING):
+            if present:
+                self._ending.add(process.removesuffix(names.ENDING))
+            return
         with self._changed:
             before = self._present.get(instance, [])
             after = [p for p in before if p != process] + [process] * present
@@ -137,7 +144,8 @@ class Peers:
         if process == self._process:
             return  # Its own presence ends and returns with the engine's link to a router.
         if not after and before:
-            self._notify(instance, Presence.LOST)
+            is_ended = process in self._ending
+            self._notify(instance, Presence.ENDED if is_ended else Presence.LOST)
         elif after and was_lost:
             self._notify(instance, Presence.BACK)
 

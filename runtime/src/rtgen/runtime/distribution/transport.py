@@ -6,7 +6,7 @@ import os
 import threading
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
 import msgspec
@@ -21,7 +21,7 @@ from rtgen.runtime.distribution.data import (
 )
 from rtgen.runtime.distribution.descriptions import DataPort
 from rtgen.runtime.distribution.medium import Medium, MediumError
-from rtgen.runtime.distribution.names import presence_name
+from rtgen.runtime.distribution.names import ending_name, presence_name
 from rtgen.runtime.distribution.peers import Peers, Presence
 from rtgen.runtime.distribution.qos import fails_on_loss
 from rtgen.runtime.distribution.services import RemoteProvider, ServedProvider
@@ -95,6 +95,9 @@ class DistributedTransport(Closable):
     def close(self) -> None:
         """Withdraw everything, and close the medium. A second call has no effect."""
         with self._closing:
+            for instance in self._published:
+                with suppress(MediumError):
+                    self._medium.announce(ending_name(instance, self._process))
             for published in self._published.values():
                 published.close()
             self._published.clear()
@@ -225,7 +228,7 @@ class DistributedTransport(Closable):
 
     def _on_presence(self, lost: str, presence: Presence) -> None:
         """Put the components in ERROR that need a lost instance."""
-        if presence is not Presence.LOST:
+        if presence is Presence.BACK:
             return
         standing = {c.name for c in (*self._data, *self._calls) if c.connected}
         failing = {
@@ -236,7 +239,7 @@ class DistributedTransport(Closable):
         for instance, name in failing.items():
             published = self._published.get(instance)
             if published is not None and published.component.is_active:
-                reason = f"{name}: {lost} {presence.value}"
+                reason = f"{name}: {lost} {Presence.LOST.value}"
                 published.component._request_failure(reason)
 
     # Other processes
