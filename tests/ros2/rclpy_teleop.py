@@ -30,7 +30,7 @@ class Teleop(Node):
         self.frames: tuple[str, str] = ("", "")
         self.joints: list[str] = []
         self.diagnosed: dict[str, str] = {}
-        self.stands = False
+        self.stands = self.wheels_stand = False
         self.driving = True
         self.sender = self.create_publisher(
             TwistStamped if stamped else Twist, "/cmd_vel", 10
@@ -69,6 +69,7 @@ class Teleop(Node):
         self.count("/joint_states")
         self.joints = list(message.name)
         self.angle = message.position[0]
+        self.wheels_stand = message.velocity[0] == 0.0
 
     def on_diagnostics(self, message: DiagnosticArray) -> None:
         self.count("/diagnostics")
@@ -79,7 +80,9 @@ def main() -> None:
     rclpy.init()
     node = Teleop(stamped=sys.argv[1] == "stamped")
     while not (
-        node.stands and "no velocity" in node.diagnosed.get("Base0: command", "")
+        node.stands
+        and node.wheels_stand
+        and "no velocity" in node.diagnosed.get("Base0: command", "")
     ):
         rclpy.spin_once(node, timeout_sec=0.1)
     print(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import chdir
 from pathlib import Path
 from typing import Final
 
@@ -47,7 +48,9 @@ def create(
     package, forms = project_names(name)
     target = Path(name)
     beside = _files_of(path)
-    with writing.new_folder(target) as folder:
+    with writing.new_folder(target) as made, chdir(made):
+        # Imports of CDL are searched for in the working folder, too.
+        folder = Path.cwd()
         place = new_place(package, folder)
         values = {**base_values(forms, place, stamped), "is_board": True}
         first = files_of(
