@@ -1,7 +1,7 @@
 /** The trees of naming services: contexts, and components with their states. */
 
 import type { Binding, Component, SystemState } from "./protocol/Ui.ts";
-import { stateName, store } from "./store.ts";
+import { stateClass, stateOf, store } from "./store.ts";
 
 interface Branch {
   binding: Binding;
@@ -54,8 +54,8 @@ function Names({ branches, ...shown }: Shown & { branches: readonly Branch[] }) 
 function Name({ binding, name, components, selected, select }: Shown & { binding: Binding; name: string }) {
   const component = components.get(binding.instance);
   const dead = binding.kind === "BINDING_DEAD";
-  const state = dead ? "does not answer" : component ? stateName(component.current) : "";
-  const mark = state && <small className={dead ? "reason" : `state ${component?.current}`}>{state}</small>;
+  const state = dead ? "does not answer" : component ? stateOf(component) : "";
+  const mark = state && <small className={dead ? "reason" : `state ${component ? stateClass(component) : ""}`}>{state}</small>;
   if (!component)
     return (
       <span className={dead ? "dead" : ""}>

@@ -10,13 +10,17 @@ import { MapView } from "./MapView.tsx";
 import { Plot, Span, curvesOf, inPlots, ofUnits, overlaid } from "./Plot.tsx";
 import type { Channel, Component, SystemState } from "./protocol/Ui.ts";
 import { Services } from "./Services.tsx";
+import { Pencil } from "lucide-react";
+import { IconButton } from "./kit/Button.tsx";
+import { Tabs } from "./kit/Tabs.tsx";
+import { Overview } from "./Overview.tsx";
 import type { Line, Statistics } from "./store.ts";
-import { leaves, stateName, store } from "./store.ts";
+import { leaves, stateClass, stateOf, store } from "./store.ts";
 
 export const TABS = ["Values", "Connections", "Map", "Drive", "Configuration", "Services", "Buses", "Boards", "Timeline"] as const;
 
-/** The id of the element with the open view. */
-export const VIEW = "view";
+/** Moves the focus to the open view. */
+export const focusView = (): void => document.querySelector<HTMLElement>(".panel [role=tabpanel]")?.focus();
 
 export type Tab = (typeof TABS)[number];
 
@@ -121,7 +125,7 @@ function Timeline({ lines }: { lines: readonly Line[] }) {
   return (
     <ol className="timeline">
       {sorted.map((line, i) => (
-        <li key={lines.length - i}>
+        <li key={lines.length - i} className={`line-${line.kind}`}>
           <time>{line.time.toFixed(3)} s</time> <bdi>{line.instance}</bdi> <bdi>{line.text}</bdi>
         </li>
       ))}
@@ -138,14 +142,15 @@ export function Panel(props: {
   select: (instance: string) => void;
   tab: Tab;
   open: (tab: Tab) => void;
+  rename: (instance: string) => void;
 }) {
-  const { system, component, statistics, lines, full, select, tab, open } = props;
+  const { system, component, statistics, lines, full, select, tab, open, rename } = props;
   return (
     <aside className="panel" aria-label="Component">
       <label>
         Component
         <select value={component?.instance ?? ""} onChange={(e) => select(e.target.value)}>
-          <option value="">none</option>
+          <option value="">Overview</option>
           {system.components.map((each) => (
             <option key={each.instance} value={each.instance}>{each.instance}</option>
           ))}
@@ -154,7 +159,7 @@ export function Panel(props: {
       {component && (
         <>
           <p>
-            <span className={`state ${component.current}`}>{stateName(component.current)}</span> <bdi>{component.type}</bdi>
+            <span className={`state ${stateClass(component)}`}>{stateOf(component)}</span> <bdi>{component.type}</bdi>
             {component.contexts.map((each) => (
               <Fragment key={each.handle}>
                 , {each.rate} Hz <bdi>{each.kind.toLowerCase()}</bdi>
@@ -167,6 +172,9 @@ export function Panel(props: {
           {component.silent && <p className="reason">{component.silent}</p>}
           {(component.reason || statistics?.impaired) && <p className="reason">{component.reason || statistics?.impaired}</p>}
           <div className="buttons">
+            {!component.place && (
+              <IconButton icon={Pencil} label={`Rename ${component.instance}`} keys="F2" disabled={!full} onClick={() => rename(component.instance)} />
+            )}
             {(
               [
                 ["Activate", "activated"],
@@ -181,26 +189,7 @@ export function Panel(props: {
           </div>
         </>
       )}
-      <div
-        role="tablist"
-        aria-label="Views"
-        className="tabs"
-        onKeyDown={(e) => {
-          const at = TABS.indexOf(tab);
-          const next = { ArrowRight: at + 1, ArrowLeft: at - 1, Home: 0, End: -1 }[e.key];
-          if (next === undefined) return;
-          e.preventDefault();
-          open(TABS.at(next % TABS.length)!);
-          ([...e.currentTarget.children].at(next % TABS.length) as HTMLElement).focus();
-        }}
-      >
-        {TABS.map((each) => (
-          <button key={each} type="button" role="tab" aria-selected={tab === each} tabIndex={tab === each ? 0 : -1} onClick={() => open(each)}>
-            {each}
-          </button>
-        ))}
-      </div>
-      <div role="tabpanel" id={VIEW} tabIndex={-1} aria-label={tab}>
+      <Tabs label="Views" names={TABS} shown={tab} show={open}>
         {tab === "Timeline" ? (
           <Timeline lines={lines} />
         ) : tab === "Map" ? (
@@ -212,7 +201,7 @@ export function Panel(props: {
         ) : tab === "Boards" ? (
           <Board />
         ) : !component ? (
-          <p>Select a component.</p>
+          <Overview system={system} select={select} />
         ) : tab === "Values" ? (
           <Values key={component.instance} system={system} component={component} full={full} />
         ) : tab === "Connections" ? (
@@ -222,7 +211,7 @@ export function Panel(props: {
         ) : (
           <Configuration key={component.instance} component={component} full={full} />
         )}
-      </div>
+      </Tabs>
     </aside>
   );
 }

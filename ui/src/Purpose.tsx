@@ -2,7 +2,7 @@
 
 import { useState } from "react";
 import type { Fit, PortAddress } from "./protocol/Ui.ts";
-import { Question } from "./Question.tsx";
+import { Question } from "./kit/Dialog.tsx";
 import { store } from "./store.ts";
 
 export interface Misfit {

@@ -1,7 +1,10 @@
-/** Time bar: play, pause, step, speed, setting time, and looking back. */
+/** The time line: play, pause, step, speed, setting time, and looking back, with marks of what happened and what is planned. */
 
-import { useEffect, useState } from "react";
-import type { SystemState } from "./protocol/Ui.ts";
+import { Pause, Play, Rewind, StepForward } from "lucide-react";
+import { memo, useEffect, useState } from "react";
+import { Button, IconButton } from "./kit/Button.tsx";
+import type { PlannedEvent, SystemState } from "./protocol/Ui.ts";
+import type { Line } from "./store.ts";
 import { store } from "./store.ts";
 
 /** Minimum step of the slider [s], and its number of steps. */
@@ -10,9 +13,13 @@ const STEPS = 1000;
 /** The part of a recording that is played in one step [s]. */
 const FRAME = 0.1;
 const SPEEDS = [0.1, 0.5, 1, 2, 5, 10, 0];
+/** What one button looks back [s]. */
+const BACK = 10;
+/** Marks nearer than this to the mouse are told [px]. */
+const NEAR = 6;
 
-/** Plays a recording as fast as it was recorded. */
-function Player({ now, last }: { now: number; last: number }) {
+/** Plays a recording as fast as it was recorded; at its end, from its beginning. */
+function Player({ now, first, last }: { now: number; first: number; last: number }) {
   const [playing, play] = useState(false);
   const over = now >= last;
   useEffect(() => {
@@ -20,37 +27,109 @@ function Player({ now, last }: { now: number; last: number }) {
     const next = setTimeout(() => void store.look(Math.min(now + FRAME, last)), 1000 * FRAME);
     return () => clearTimeout(next);
   }, [playing, over, now, last]);
+  const isPlaying = playing && !over;
   return (
-    <button type="button" disabled={over} onClick={() => play(!playing)}>
-      {playing && !over ? "Pause" : "Play"}
-    </button>
+    <IconButton
+      icon={isPlaying ? Pause : Play}
+      look="primary"
+      label={isPlaying ? "Pause" : "Play"}
+      disabled={last <= first}
+      onClick={() => {
+        if (over) void store.look(first);
+        play(!isPlaying);
+      }}
+    />
   );
 }
 
-export function TimeBar({ system, full }: { system: SystemState; full: boolean }) {
-  const { time } = system;
+interface Mark {
+  time: number;
+  kind: Line["kind"] | "plan";
+  text: string;
+}
+
+const ORDER = ["plan", "beside", "event", "state", "error"] as const;
+
+/** Marks over the whole line, drawn as one path for each kind. */
+const Marks = memo(function Marks({ marks, first, end }: { marks: readonly Mark[]; first: number; end: number }) {
+  const at = (time: number) => (1000 * (time - first)) / (end - first);
+  const near = (e: { clientX: number; currentTarget: Element }) => {
+    const { left, width } = e.currentTarget.getBoundingClientRect();
+    const distance = ({ time }: Mark) => Math.abs(left + (width * at(time)) / 1000 - e.clientX);
+    return marks.filter((each) => distance(each) < NEAR).sort((a, b) => distance(a) - distance(b));
+  };
+  return (
+    <svg
+      className="marks"
+      viewBox="0 0 1000 10"
+      preserveAspectRatio="none"
+      aria-hidden
+      onMouseMove={(e) => {
+        const lines = near(e).map((each) => `${each.time.toFixed(3)} s ${each.text}`);
+        e.currentTarget.querySelector("title")!.textContent = lines.slice(0, 12).join("\n");
+      }}
+      onClick={(e) => {
+        const [nearest] = near(e);
+        if (nearest && nearest.kind !== "plan") void store.look(nearest.time);
+      }}
+    >
+      <title />
+      <rect width="1000" height="10" fill="transparent" />
+      {ORDER.map((kind) => (
+        <path
+          key={kind}
+          className={kind}
+          vectorEffect="non-scaling-stroke"
+          d={marks
+            .filter((each) => each.kind === kind)
+            .map((each) => `M${at(each.time).toFixed(2)} 0V10`)
+            .join("")}
+        />
+      ))}
+    </svg>
+  );
+});
+
+function marksOf(lines: readonly Line[], plan: readonly PlannedEvent[], now: number): Mark[] {
+  return [
+    ...lines.map(({ time, kind, instance, text }) => ({ time, kind, text: `${instance} ${text}` })),
+    ...plan.map(({ time, kind, text }) => ({ time, kind: time > now ? ("plan" as const) : ("event" as const), text: `${kind} ${text}` })),
+  ];
+}
+
+export function TimeBar({ system, full, lines, live }: { system: SystemState; full: boolean; lines: readonly Line[]; live: boolean }) {
+  const { time, plan } = system;
   const [goal, setGoal] = useState("");
   const simulated = time.kind === "CLOCK_SIMULATED";
   const recording = time.kind === "CLOCK_RECORDING";
   const kept = system.keeps || system.beside !== "";
+  const last = Math.max(time.last, time.first + MIN_STEP);
+  const end = Math.max(last, ...plan.map((each) => each.time));
+  const part = (100 * (last - time.first)) / (end - time.first);
   return (
-    <div className="time" role="toolbar" aria-label="Time">
-      <output aria-label="Time of the run">{time.now.toFixed(3)} s</output>
-      {simulated && (
-        <>
-          <button
-            type="button"
-            disabled={!full}
-            onClick={() => store.order(time.playing ? { case: "paused", value: true } : { case: "played", value: true })}
-          >
-            {time.playing ? "Pause" : "Play"}
-          </button>
-          <button type="button" disabled={!full || time.playing} onClick={() => store.order({ case: "step", value: 0 })}>
-            Step
-          </button>
+    <footer>
+      <div className="time" role="toolbar" aria-label="Time">
+      <div className="toolbar">
+        {simulated && (
+          <>
+            <IconButton icon={Rewind} look="plain" label={`Look back by ${BACK} s`} disabled={time.now <= time.first} onClick={() => void store.look(Math.max(time.first, time.now - BACK))} />
+            <IconButton
+              icon={time.playing ? Pause : Play}
+              look="primary"
+              label={time.playing ? "Pause" : "Play"}
+              keys="Space"
+              disabled={!full}
+              onClick={() => store.order(time.playing ? { case: "paused", value: true } : { case: "played", value: true })}
+            />
+            <IconButton icon={StepForward} label="Step" keys="." disabled={!full || time.playing} onClick={() => store.order({ case: "step", value: 0 })} />
+          </>
+        )}
+        {recording && <Player now={time.now} first={time.first} last={time.last} />}
+        <output aria-label="Time of the run">{time.now.toFixed(3)} s</output>
+        {simulated && (
           <label>
-            Speed
-            <select disabled={!full} value={time.speed} onChange={(e) => store.order({ case: "speed", value: Number(e.target.value) })}>
+            <span className="announced">Speed</span>
+            <select aria-label="Speed" title="Speed" disabled={!full} value={time.speed} onChange={(e) => store.order({ case: "speed", value: Number(e.target.value) })}>
               {[...new Set([...SPEEDS, time.speed])].map((speed) => (
                 <option key={speed} value={speed}>
                   {speed ? `${speed}×` : "fastest"}
@@ -58,49 +137,60 @@ export function TimeBar({ system, full }: { system: SystemState; full: boolean }
               ))}
             </select>
           </label>
-          <form
-            onSubmit={(e) => {
-              e.preventDefault();
-              if (goal.trim() && Number.isFinite(Number(goal))) void store.order({ case: "time", value: Number(goal) });
-            }}
-          >
-            <input aria-label="Go to time in seconds" placeholder="time [s]" inputMode="decimal" size={6} value={goal} onChange={(e) => setGoal(e.target.value)} disabled={!full} />
-            <button type="submit" disabled={!full}>
-              Go
-            </button>
-          </form>
-        </>
-      )}
-      {simulated && (
-        <button
-          type="button"
-          aria-pressed={kept}
-          title={[system.beside, "Show this run beside those that begin when time is set back"].filter(Boolean).join("\n")}
-          disabled={!full}
-          onClick={() => store.order({ case: "kept", value: !kept })}
-        >
-          {system.beside ? `Beside: ${system.beside}` : "Keep beside"}
-        </button>
-      )}
-      {time.ended && !recording && <span>ended</span>}
-      {recording && <Player now={time.now} last={time.last} />}
-      <input
-        type="range"
-        className="past"
-        aria-label="Look at time"
-        aria-valuetext={`${time.now.toFixed(3)} s`}
-        min={time.first}
-        max={Math.max(time.last, time.first + MIN_STEP)}
-        step={Math.max((time.last - time.first) / STEPS, MIN_STEP)}
-        value={time.now}
-        onChange={(e) => void store.look(Number(e.target.value))}
-      />
-      {time.first > 0 && <small>kept from {time.first.toFixed(1)} s on</small>}
-      {!recording && (
-        <button type="button" disabled={!time.past} onClick={() => void store.look(-1)}>
-          Live
-        </button>
-      )}
-    </div>
+        )}
+      </div>
+      <div className="line">
+        <Marks marks={marksOf(lines, plan, time.last)} first={time.first} end={end} />
+        <input
+          type="range"
+          className="past"
+          style={{ width: `max(28px, ${part}%)` }}
+          aria-label="Look at time"
+          aria-valuetext={`${time.now.toFixed(3)} s`}
+          min={time.first}
+          max={last}
+          step={Math.max((last - time.first) / STEPS, MIN_STEP)}
+          value={time.now}
+          onChange={(e) => void store.look(Number(e.target.value))}
+        />
+        <small className="ends">
+          <span>{time.first > 0 ? `kept from ${time.first.toFixed(1)} s on` : "0 s"}</span>
+          {time.ended && !recording && <span>ended</span>}
+          <span>{end.toFixed(end < 100 ? 1 : 0)} s</span>
+        </small>
+      </div>
+      <div className="toolbar">
+        {simulated && (
+          <>
+            <form
+              className="group"
+              onSubmit={(e) => {
+                e.preventDefault();
+                if (goal.trim() && Number.isFinite(Number(goal))) void store.order({ case: "time", value: Number(goal) });
+              }}
+            >
+              <input aria-label="Go to time in seconds" placeholder="time [s]" inputMode="decimal" size={6} value={goal} onChange={(e) => setGoal(e.target.value)} disabled={!full} />
+              <Button type="submit" disabled={!full}>
+                Go
+              </Button>
+            </form>
+            <Button
+              aria-pressed={kept}
+              title={[system.beside, "Show this run beside those that begin when time is set back"].filter(Boolean).join("\n")}
+              disabled={!full}
+              onClick={() => store.order({ case: "kept", value: !kept })}
+            >
+              {system.beside ? `Beside: ${system.beside}` : "Keep beside"}
+            </Button>
+          </>
+        )}
+        {!recording && (
+          <Button className={`live ${live && !time.past ? "on" : ""}`} title={time.past ? "Back to the present" : "The page shows the present"} disabled={!time.past} onClick={() => void store.look(-1)}>
+            Live
+          </Button>
+        )}
+      </div>
+      </div>
+    </footer>
   );
 }

@@ -1,26 +1,33 @@
 /** The graph of components and connections, changed by mouse and by keyboard. */
 
-import { Background, BaseEdge, ControlButton, Controls, Handle, Position, ReactFlow, getBezierPath, useNodesState } from "@xyflow/react";
+import { Background, BaseEdge, ControlButton, Controls, EdgeLabelRenderer, Handle, MiniMap, Position, ReactFlow, getSmoothStepPath, useNodesState, useViewport } from "@xyflow/react";
+import { LayoutGrid, Plus } from "lucide-react";
 import type { Connection as Drawn, Edge, EdgeProps, Node, NodeProps, ReactFlowInstance } from "@xyflow/react";
-import { memo, useCallback, useEffect, useMemo, useRef, useState } from "react";
+import type { CSSProperties } from "react";
+import { memo, useCallback, useEffect, useLayoutEffect, useMemo, useRef, useState } from "react";
 import { BusLine, OpenBuses } from "./BusLine.tsx";
 import type { BusNode, Drop } from "./BusLine.tsx";
-import { WIDEST, around, arrange, height, hung, line, rails, shown, size, stored, title, view, width } from "./layout.ts";
+import { Button } from "./kit/Button.tsx";
+import { WIDEST, around, arrange, height, hung, line, portPlace, rails, shown, size, stored, title, typeOf, view, width } from "./layout.ts";
 import type { Arrangement, Point } from "./layout.ts";
 import { linesOf } from "./lines.ts";
 import { Menu } from "./Menu.tsx";
 import type { Item, Place } from "./Menu.tsx";
 import type { Tab } from "./Panel.tsx";
-import type { Bus, Component, Connection, Fit, Port, PortAddress } from "./protocol/Ui.ts";
+import { DRAGGED } from "./Palette.tsx";
+import { Taken, isClear, route } from "./routes.ts";
+import type { Bus, Component, Connection, Fit, Flow, PlannedEvent, Port, PortAddress } from "./protocol/Ui.ts";
 import type { Misfit } from "./Purpose.tsx";
 import { Purpose } from "./Purpose.tsx";
 import type { Statistics } from "./store.ts";
-import { stateName, store } from "./store.ts";
+import { stateClass, stateOf, store } from "./store.ts";
 
 interface BoxData extends Record<string, unknown> {
   component: Component;
   overruns: bigint;
   fits: ReadonlyMap<string, Fit> | undefined;
+  /** The names of the ports with connections. */
+  joined: ReadonlySet<string>;
 }
 
 type Box = Node<BoxData, "component">;
@@ -40,7 +47,10 @@ export function hue(type: string): number {
   return sum;
 }
 
-function PortRow({ component, port, fits }: { component: Component; port: Port; fits: BoxData["fits"] }) {
+/** The colour of a type, with a contrast above 3 on light and on dark paper (WCAG 2.2, 1.4.11). */
+const ink = (type: string): string => `oklch(58% 0.15 ${hue(type)})`;
+
+function PortRow({ component, port, fits, isOpen }: { component: Component; port: Port; fits: BoxData["fits"]; isOpen: boolean }) {
   const service = port.kind === "PORT_SERVICE";
   const kind = service ? "service" : port.kind === "PORT_IN" ? "in" : "out";
   const refused = fits?.get(address({ instance: component.instance, port: port.name }))?.refused;
@@ -48,12 +58,13 @@ function PortRow({ component, port, fits }: { component: Component; port: Port; 
   const title = [port.name, type, port.unit && `[${port.unit}]`, port.doc, refused && `Does not fit: ${refused}`].filter(Boolean).join("\n");
   const mark = fits ? (refused === undefined ? "other" : refused ? "refused" : "fits") : "";
   const provided = port.interfaces.some((each) => each.provided);
-  const style = { background: service && !provided ? "var(--box)" : `hsl(${hue(type)} 65% 50%)` };
+  const style = { "--ink": ink(service ? typeOf(port) : port.type) } as CSSProperties;
   const names = { id: idOf(port.name), role: "img", "aria-label": `${kind} port ${component.instance}.${port.name}`, title, style };
   return (
-    <div className={`port ${kind} ${mark} ${service && !provided ? "socket" : ""}`} title={title}>
+    <div className={`port ${kind} ${mark} ${isOpen ? "open" : ""} ${service && !provided ? "socket" : ""}`} title={title}>
       {kind !== "out" && <Handle type="target" position={Position.Left} {...names} />}
       <span>{port.name}</span>
+      <small>{typeOf(port)}</small>
       {kind === "out" && <Handle type="source" position={Position.Right} {...names} />}
       {service && <Handle type="source" position={Position.Right} {...names} />}
     </div>
@@ -61,19 +72,19 @@ function PortRow({ component, port, fits }: { component: Component; port: Port; 
 }
 
 function ComponentBox({ data, selected }: NodeProps<Box>) {
-  const { component, overruns, fits } = data;
+  const { component, overruns, fits, joined } = data;
   const of = (kind: Port["kind"]) =>
     component.ports
       .filter((port) => port.kind === kind)
-      .map((port) => <PortRow key={port.name} component={component} port={port} fits={fits} />);
+      .map((port) => <PortRow key={port.name} component={component} port={port} fits={fits} isOpen={!joined.has(port.name)} />);
   const rates = component.contexts.map((each) => `${each.rate} Hz`).join(", ");
   return (
-    <div className={`box ${component.current} ${component.silent ? "silent" : ""} ${selected ? "selected" : ""}`} style={{ width: width(component) }}>
+    <div className={`box ${stateClass(component)} ${component.silent ? "silent" : ""} ${selected ? "selected" : ""}`} style={{ width: width(component) }}>
       <div className="head" title={[component.place && component.instance, component.type, component.doc, component.silent || component.reason].filter(Boolean).join("\n")}>
         <strong>{title(component)}</strong>
         <small>
-          {component.silent ? "does not answer" : stateName(component.current)} {rates}
-          {overruns > 0n && ` ${overruns} overruns`}
+          {component.silent ? "does not answer" : stateOf(component)} {rates}
+          {overruns > 0n && <span className="late">{` ${overruns} overruns`}</span>}
         </small>
       </div>
       <div className="ports">
@@ -87,14 +98,74 @@ function ComponentBox({ data, selected }: NodeProps<Box>) {
 
 const nodeTypes = { component: ComponentBox, bus: BusLine };
 
-type Wire = Edge<{ route: readonly Point[] | undefined }, "wire">;
+interface WireData extends Record<string, unknown> {
+  route: readonly Point[] | undefined;
+  type: string;
+  flow?: Flow | undefined;
+  planned?: string;
+}
 
-function WireLine({ id, data, interactionWidth, ...ends }: EdgeProps<Wire>) {
-  const path = data?.route ? line(data.route) : getBezierPath(ends)[0];
-  return <BaseEdge id={id} path={path} {...(interactionWidth !== undefined && { interactionWidth })} />;
+type Wire = Edge<WireData, "wire">;
+
+/** An end of a wire is where its port is, unless its box is being moved. */
+const NEAR = 14;
+
+/** The middle of a line through corners. */
+function middle(points: readonly Point[]): Point {
+  const lengths = points.slice(1).map((each, i) => Math.hypot(each.x - points[i]!.x, each.y - points[i]!.y));
+  let rest = lengths.reduce((sum, each) => sum + each, 0) / 2;
+  for (const [i, length] of lengths.entries()) {
+    const [one, other] = [points[i]!, points[i + 1]!];
+    if (rest <= length && length > 0) return { x: one.x + ((other.x - one.x) * rest) / length, y: one.y + ((other.y - one.y) * rest) / length };
+    rest -= length;
+  }
+  return points[0]!;
+}
+
+function WireLine({ id, data, selected, interactionWidth, ...ends }: EdgeProps<Wire>) {
+  const [over, hover] = useState(false);
+  const route = data?.route;
+  const [first, last] = [route?.[0], route?.at(-1)];
+  const fits = first && last && Math.hypot(first.x - ends.sourceX, first.y - ends.sourceY) < NEAR && Math.hypot(last.x - ends.targetX, last.y - ends.targetY) < NEAR;
+  const [stepped, x, y] = getSmoothStepPath(ends);
+  const path = fits ? line(route!) : stepped;
+  const at = fits ? middle(route!) : { x, y };
+  const flow = data?.flow;
+  const lost = flow && flow.lost > 0n;
+  const rate = flow && flow.rate >= 0 ? `${flow.rate.toFixed(flow.rate < 10 ? 1 : 0)}/s` : "";
+  const said = data?.planned ?? [rate, lost ? `${flow.lost} lost` : ""].filter(Boolean).join(", ");
+  return (
+    <g onMouseEnter={() => hover(true)} onMouseLeave={() => hover(false)}>
+      <BaseEdge id={id} path={path} style={{ stroke: ink(data?.type ?? "") }} {...(interactionWidth !== undefined && { interactionWidth })} />
+      {said && (lost || over || selected) && (
+        <EdgeLabelRenderer>
+          <div className={`health ${lost ? "lossy" : ""}`} style={{ transform: `translate(-50%, -50%) translate(${at.x}px, ${at.y}px)` }}>
+            {said}
+            {lost && (over || selected) && <small>{flow.details}</small>}
+          </div>
+        </EdgeLabelRenderer>
+      )}
+    </g>
+  );
+}
+
+/** A map of the whole wiring, while a part of it is out of sight. */
+function Whole({ corners: [start, end], room }: { corners: [Point, Point]; room: string }) {
+  const { x, y, zoom } = useViewport();
+  const [wide = 0, high = 0] = room.split("x").map(Number);
+  const isSeen = start.x * zoom + x > -1 && start.y * zoom + y > -1 && end.x * zoom + x < wide + 1 && end.y * zoom + y < high + 1;
+  if (isSeen || wide < ROOM_FOR_MAP) return null;
+  return <MiniMap<Shown> pannable zoomable ariaLabel="Map of the wiring" nodeClassName={(node) => (node.type === "component" ? stateClass(node.data.component) : "bus")} />;
 }
 
 const edgeTypes = { wire: WireLine };
+const NONE: ReadonlySet<string> = new Set();
+/** The name of a connection that the timeline will make, which no connection has. */
+const plannedName = (number: number): string => `\0${number}`;
+/** The least width of a view with a map of the whole [px]. */
+const ROOM_FOR_MAP = 640;
+/** Wires are routed in parts of this duration, between which the page goes on [ms]. */
+const PART = 8;
 /** Distance between the lines of two nodes of a bus [px]. */
 const APART = 10;
 /** Whether boxes are at the places of the layout; kept when the page is reloaded. */
@@ -106,13 +177,18 @@ export const Wiring = memo(function Wiring(props: {
   components: readonly Component[];
   connections: readonly Connection[];
   buses: readonly Bus[];
+  /** Connections that the timeline will make. */
+  planned: readonly PlannedEvent[];
+  flows: ReadonlyMap<string, Flow>;
   full: boolean;
   statistics: ReadonlyMap<string, Statistics>;
   selected: string;
   select: (instance: string) => void;
   open: (tab: Tab) => void;
+  rename: (instance: string) => void;
+  add: () => void;
 }) {
-  const { file, components, connections, buses, full, statistics, selected, select, open } = props;
+  const { file, components, connections, buses, planned, flows, full, statistics, selected, select, open, rename, add } = props;
   const [nodes, setNodes, onNodesChange] = useNodesState<Shown>([]);
   const [arrangement, setArrangement] = useState<Arrangement & { shape: string }>();
   const [arranged, setArranged] = useState(() => sessionStorage.getItem(ARRANGED) !== "no");
@@ -161,6 +237,13 @@ export const Wiring = memo(function Wiring(props: {
     return { of, rails: found.rails, corners: [corners[0], found.end] as [Point, Point] };
   }, [arrangement, arranged, components, lines]);
 
+  const joined = useMemo(() => {
+    const found = new Map<string, Set<string>>();
+    for (const { source, target } of connections)
+      for (const { instance, port } of [source, target]) found.set(instance, (found.get(instance) ?? new Set()).add(port));
+    return found;
+  }, [connections]);
+
   useEffect(() => {
     if (!places) return;
     setNodes((before) => {
@@ -173,8 +256,8 @@ export const Wiring = memo(function Wiring(props: {
           id,
           type: "component" as const,
           position: old?.dragging ? old.position : (steered.current.get(id) ?? places.of.get(component.instance) ?? { x: 0, y: 0 }),
-          ariaLabel: `${component.instance}, ${component.type}, ${component.silent ? "does not answer" : stateName(component.current)}`,
-          data: { component, overruns: statistics.get(component.instance)?.overruns ?? 0n, fits },
+          ariaLabel: `${component.instance}, ${component.type}, ${component.silent ? "does not answer" : stateOf(component)}`,
+          data: { component, overruns: statistics.get(component.instance)?.overruns ?? 0n, fits, joined: joined.get(component.instance) ?? NONE },
         };
       });
       const sizes = new Map(components.map((each) => [each.instance, size(each)]));
@@ -212,7 +295,7 @@ export const Wiring = memo(function Wiring(props: {
       });
       return [...boxes, ...buses];
     });
-  }, [components, places, lines, statistics, fits, selected, setNodes]);
+  }, [components, places, lines, statistics, fits, joined, selected, setNodes]);
 
   // React Flow calls each new function with what is selected, as if it had just been selected.
   const onSelectionChange = useCallback(({ nodes: chosen }: { nodes: Shown[] }) => chosen[0] && select(nameOf(chosen[0].id)), [select]);
@@ -241,23 +324,91 @@ export const Wiring = memo(function Wiring(props: {
     if (!moved.current) fit();
   }, [room]);
 
-  const edges = useMemo(
-    () =>
-      connections.map(
-        (each): Wire => ({
-          id: idOf(each.name),
-          type: "wire",
-          data: { route: arranged ? arrangement?.routes.get(each.name) : undefined },
-          source: idOf(each.source.instance),
-          sourceHandle: idOf(each.source.port),
-          target: idOf(each.target.instance),
-          targetHandle: idOf(each.target.port),
-          selected: picked.has(idOf(each.name)),
-          ariaLabel: `connection ${each.name} from ${each.source.instance}.${each.source.port} to ${each.target.instance}.${each.target.port}`,
-        }),
-      ),
-    [connections, picked, arrangement, arranged],
-  );
+  /** Routes of the wires that the layout has none for, around the boxes as they are. */
+  const [routes, setRoutes] = useState<ReadonlyMap<string, readonly Point[]>>(new Map());
+  useLayoutEffect(() => {
+    if (!places) return undefined;
+    const known = byInstance(components);
+    const boxes = components.flatMap((each) => {
+      const place = places.of.get(each.instance);
+      return place ? [{ ...place, ...size(each) }] : [];
+    });
+    const end = ({ instance, port }: PortAddress, right: boolean): Point | undefined => {
+      const [component, place] = [known.get(instance), places.of.get(instance)];
+      const at = component && portPlace(component, port, right);
+      return at && place && { x: place.x + at.x, y: place.y + at.y };
+    };
+    const taken = new Taken();
+    const isAt = (one: Point | undefined, other: Point) => one !== undefined && Math.hypot(one.x - other.x, one.y - other.y) < 1;
+    const found = new Map<string, readonly Point[]>();
+    const wires = [...connections, ...planned.map((each, i) => ({ ...each, name: plannedName(i) }))];
+    const waiting = wires.flatMap(({ name, source, target }) => {
+      const [from, to] = [end(source, true), end(target, false)];
+      if (!from || !to) return [];
+      const proposed = arranged ? arrangement?.routes.get(name) : undefined;
+      if (!proposed || !isAt(proposed[0], from) || !isAt(proposed.at(-1), to) || !isClear(boxes, proposed)) return [{ name, from, to }];
+      taken.add(proposed);
+      found.set(name, proposed);
+      return [];
+    });
+    let current = true;
+    const go = () => {
+      if (!current) return;
+      const until = performance.now() + PART;
+      while (waiting.length && performance.now() < until) {
+        const wire = waiting.shift()!;
+        const points = route(boxes, wire, taken);
+        if (!points) continue;
+        taken.add(points);
+        found.set(wire.name, points);
+      }
+      if (waiting.length) setTimeout(go);
+      else setRoutes(found);
+    };
+    go();
+    return () => {
+      current = false;
+    };
+  }, [places, connections, components, planned, arranged, arrangement]);
+
+  const edges = useMemo(() => {
+    const known = byInstance(components);
+    const typeAt = ({ instance, port }: PortAddress): string => {
+      const found = known.get(instance)?.ports.find((each) => each.name === port);
+      return found ? (found.kind === "PORT_SERVICE" ? typeOf(found) : found.type) : "";
+    };
+    const joins = new Set(connections.map((each) => `${address(each.source)} ${address(each.target)}`));
+    const now = connections.map((each): Wire => {
+      const flow = flows.get(each.name);
+      return {
+        id: idOf(each.name),
+        type: "wire",
+        data: { route: routes.get(each.name), type: typeAt(each.source), flow },
+        source: idOf(each.source.instance),
+        sourceHandle: idOf(each.source.port),
+        target: idOf(each.target.instance),
+        targetHandle: idOf(each.target.port),
+        selected: picked.has(idOf(each.name)),
+        ariaLabel: `connection ${each.name} from ${each.source.instance}.${each.source.port} to ${each.target.instance}.${each.target.port}${flow && flow.lost > 0n ? `, ${flow.lost} samples lost` : ""}`,
+      };
+    });
+    const later = planned
+      .filter(({ source, target }) => known.has(source.instance) && known.has(target.instance) && !joins.has(`${address(source)} ${address(target)}`))
+      .map((each, i): Wire => ({
+        id: `planned ${i}`,
+        type: "wire",
+        className: "planned",
+        data: { route: routes.get(plannedName(planned.indexOf(each))), type: typeAt(each.source), planned: `at ${each.time} s` },
+        source: idOf(each.source.instance),
+        sourceHandle: idOf(each.source.port),
+        target: idOf(each.target.instance),
+        targetHandle: idOf(each.target.port),
+        selectable: false,
+        deletable: false,
+        focusable: false,
+      }));
+    return [...later, ...now];
+  }, [connections, components, planned, flows, picked, routes]);
 
   const begin = async (port: PortAddress) => {
     const drag = ++drags.current;
@@ -289,6 +440,7 @@ export const Wiring = memo(function Wiring(props: {
       order("Activate", "activated"),
       order("Deactivate", "deactivated"),
       order("Reset", "restored"),
+      ...(components.find((each) => each.instance === label)?.place ? [] : [{ name: "Rename", act: () => rename(label) }]),
       { name: "Connections", act: connections },
       { name: "Remove", act: () => void store.order({ case: "removed", value: label }) },
     ];
@@ -300,6 +452,18 @@ export const Wiring = memo(function Wiring(props: {
       className="wiring"
       aria-label="Wiring"
       aria-busy={arrangement?.shape !== shape}
+      onDragOver={(e) => {
+        if (!full || !e.dataTransfer.types.includes(DRAGGED)) return;
+        e.preventDefault();
+        e.dataTransfer.dropEffect = "copy";
+      }}
+      onDrop={(e) => {
+        const type = e.dataTransfer.getData(DRAGGED);
+        if (!type || !flow) return;
+        e.preventDefault();
+        const where = stored(flow.screenToFlowPosition({ x: e.clientX, y: e.clientY }));
+        void store.order({ case: "added", value: { type, instance: "", placed: true, where } });
+      }}
       onKeyUp={(e) => {
         // Arrow keys have moved the selected boxes on this page; drags are stored when they end.
         if (full && !arranged && e.key.startsWith("Arrow")) for (const [id, position] of steered.current) void place(id, position);
@@ -386,13 +550,21 @@ export const Wiring = memo(function Wiring(props: {
                 sessionStorage.setItem(ARRANGED, arranged ? "no" : "yes");
               }}
             >
-              <svg viewBox="0 0 32 32" aria-hidden>
-                <path d="M2 4h11v9H2zM19 4h11v9H19zM2 19h11v9H2zM19 19h11v9H19z" />
-              </svg>
+              <LayoutGrid aria-hidden />
             </ControlButton>
           </Controls>
+          {places && <Whole corners={places.corners} room={room} />}
         </ReactFlow>
         </OpenBuses.Provider>
+      )}
+      {!components.length && (
+        <div className="empty over">
+          <strong>This system has no components yet.</strong>
+          <p>Add the first one, then drag from port to port to connect it with the next.</p>
+          <Button icon={Plus} look="primary" disabled={!full} onClick={add}>
+            Add a component
+          </Button>
+        </div>
       )}
       {menu && <Menu place={menu} items={items(menu)} close={() => setMenu(undefined)} />}
       {misfit && <Purpose misfit={misfit} close={() => ask(undefined)} />}

@@ -4,8 +4,9 @@ import type { ElkNode, ElkPort } from "elkjs/lib/elk-api";
 import type { Line } from "./lines.ts";
 import type { Component, Connection, Location, Port } from "./protocol/Ui.ts";
 
-const HEADER = 45;
-const ROW = 22;
+const HEADER = 46;
+/** A port has its name, and below it its type. */
+const ROW = 30;
 const END = 9;
 /** Space for state, rate and overruns. */
 const NARROWEST = 180;
@@ -15,8 +16,8 @@ export const WIDEST = 320;
 const PADDING = 24;
 /** Scale of places by RT System Editor, whose boxes are narrower. */
 const SPREAD = 1.5;
-/** Minimum zoom, at which text has 9 px. */
-const SMALLEST = 0.75;
+/** Minimum zoom, at which names can still be told from each other. */
+const SMALLEST = 0.5;
 const MARGIN = 16;
 /** Space for the buttons of the view. */
 const LEFT = 52;
@@ -114,7 +115,7 @@ const lengths = new Map<string, number>();
 function length(text: string, font: string): number {
   const key = `${font} ${text}`;
   if (!lengths.has(key)) {
-    canvas.font = `${font} 12px system-ui, sans-serif`;
+    canvas.font = `${font} ${getComputedStyle(document.documentElement).fontFamily}`;
     lengths.set(key, canvas.measureText(text).width);
   }
   return Math.min(lengths.get(key)! + PADDING, WIDEST);
@@ -125,14 +126,30 @@ export const title = ({ place, instance }: Component): string => (place ? instan
 
 /** Size of a box for its labels. */
 export function width(component: Component): number {
-  const longest = (kind: Port["kind"]) => Math.max(0, ...ports(component, kind).map((port) => length(port.name, "normal")));
-  const needed = [NARROWEST, length(title(component), "bold"), longest("PORT_IN") + longest("PORT_OUT"), longest("PORT_SERVICE")];
+  const longest = (kind: Port["kind"]) => Math.max(0, ...ports(component, kind).map((port) => Math.max(length(port.name, "12px"), length(typeOf(port), "10px"))));
+  const needed = [NARROWEST, length(title(component), "bold 12px"), longest("PORT_IN") + longest("PORT_OUT"), longest("PORT_SERVICE")];
   return Math.ceil(Math.max(...needed));
 }
 
 export function size(component: Component): { width: number; height: number } {
   const rows = Math.max(ports(component, "PORT_IN").length, ports(component, "PORT_OUT").length) + ports(component, "PORT_SERVICE").length;
   return { width: width(component), height: HEADER + ROW * rows + END };
+}
+
+/** The end of a wire at a port, relative to its box. */
+export function portPlace(component: Component, name: string, right: boolean): Point | undefined {
+  const [ins, outs, services] = [ports(component, "PORT_IN"), ports(component, "PORT_OUT"), ports(component, "PORT_SERVICE")];
+  const find = (list: readonly Port[]) => list.findIndex((each) => each.name === name);
+  const row = right ? find(outs) : find(ins);
+  const service = find(services);
+  const at = row >= 0 ? row : service >= 0 ? Math.max(ins.length, outs.length) + service : undefined;
+  return at === undefined ? undefined : { x: right ? size(component).width : 0, y: HEADER + ROW * (at + 0.5) };
+}
+
+/** The last part of the name of a type, and of the interfaces of a service port. */
+export function typeOf(port: Port): string {
+  const last = (name: string) => name.replace(/^IDL:(.*):[\d.]+$/, "$1").split(/::|\//).at(-1) ?? name;
+  return port.kind === "PORT_SERVICE" ? port.interfaces.map((each) => last(each.type)).join(", ") : last(port.type);
 }
 
 // Names may contain any character.

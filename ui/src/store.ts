@@ -1,7 +1,7 @@
 /** State of the page: the system as described by the events of the server. */
 
 import { ClientMessage, ServerMessage, VERSION } from "./protocol/Ui.ts";
-import type { Channel, Command, Component, Connection, Event, Result, SystemState } from "./protocol/Ui.ts";
+import type { Channel, Command, Component, Connection, Event, Flow, Result, SystemState } from "./protocol/Ui.ts";
 import { CdrError, decode, deserialize, encode } from "./protocol/_cdr.ts";
 import { TypeTable } from "./protocol/table.ts";
 import { isFull, thin } from "./series.ts";
@@ -11,6 +11,8 @@ export interface Line {
   time: number;
   instance: string;
   text: string;
+  /** What the line is about, by which its mark on the time line is drawn. */
+  kind: "state" | "error" | "event" | "beside";
 }
 
 export interface Statistics {
@@ -42,6 +44,8 @@ export interface Page {
   lines: readonly Line[];
   /** States in the compared run, by instance. */
   beside: ReadonlyMap<string, string>;
+  /** The counts of samples, by connection. */
+  flows: ReadonlyMap<string, Flow>;
   notice: string;
   /** The last change of the wiring as text, for screen readers. */
   announced: string;
@@ -64,6 +68,8 @@ function token(): string {
   return given;
 }
 
+/** Kinds of notices that are failures. */
+const FAILURES = ["error", "end", "lost", "overrun"];
 const MAX_LINES = 500;
 const RECONNECT_AFTER = 1000;
 
@@ -74,6 +80,7 @@ const unavailable: Page = {
   statistics: new Map(),
   lines: [],
   beside: new Map(),
+  flows: new Map(),
   notice: "",
   announced: "",
   span: 0,
@@ -198,10 +205,10 @@ export class Store {
     }));
   }
 
-  private line(time: number, instance: string, text: string): void {
+  private line(time: number, instance: string, text: string, kind: Line["kind"]): void {
     this.page = {
       ...this.page,
-      lines: [...this.page.lines, { time, instance, text }].slice(-MAX_LINES),
+      lines: [...this.page.lines, { time, instance, text, kind }].slice(-MAX_LINES),
     };
   }
 
@@ -227,7 +234,7 @@ export class Store {
         this.types.add(0, event.value.types);
         this.tracks.clear();
         this.traffic = new Traffic();
-        if (event.value.time.past || this.page.system?.time.past || begun(event.value) !== begun(this.page.system)) this.page = { ...this.page, lines: [], statistics: new Map(), beside: new Map() };
+        if (event.value.time.past || this.page.system?.time.past || begun(event.value) !== begun(this.page.system)) this.page = { ...this.page, lines: [], statistics: new Map(), beside: new Map(), flows: new Map() };
         this.page = { ...this.page, system: event.value, notice: "" };
         if (this.wanted !== undefined) {
           const now = this.wanted;
@@ -263,13 +270,15 @@ export class Store {
       case "change": {
         const { time, instance, after, reason } = event.value;
         this.component(instance, () => ({ current: after, reason }));
-        this.line(time, instance, stateName(after) + (reason ? `: ${reason}` : ""));
+        const finishes = this.page.system?.components.find((each) => each.instance === instance)?.finishes ?? false;
+        const name = stateOf({ current: after, finishes });
+        this.line(time, instance, name + (reason ? `: ${reason}` : ""), name === "ERROR" ? "error" : "state");
         break;
       }
       case "other": {
         const { time, instance, after, reason } = event.value;
         this.page = { ...this.page, beside: new Map(this.page.beside).set(instance, stateName(after)) };
-        this.line(time, instance, `beside: ${stateName(after)}${reason ? `: ${reason}` : ""}`);
+        this.line(time, instance, `beside: ${stateName(after)}${reason ? `: ${reason}` : ""}`, "beside");
         break;
       }
       case "statistics":
@@ -316,13 +325,16 @@ export class Store {
         this.system(() => ({ edits: event.value }));
         break;
       case "reported":
-        this.line(event.value.time, event.value.instance, `${event.value.kind}: ${event.value.text}`);
+        this.line(event.value.time, event.value.instance, `${event.value.kind}: ${event.value.text}`, FAILURES.includes(event.value.kind) ? "error" : "event");
         break;
       case "less":
         this.page = { ...this.page, notice: `This page is slow: ${event.value.dropped} messages were left out.` };
         break;
       case "reason":
         this.page = { ...this.page, notice: event.value };
+        break;
+      case "flows":
+        this.page = { ...this.page, flows: new Map(event.value.map((each) => [each.name, each])) };
         break;
       case "traffic":
         for (const frame of event.value) this.traffic.frame(frame);
@@ -403,6 +415,14 @@ export function leaves(value: unknown, path = "", found: [string, unknown][] = [
   }
   return found;
 }
+
+/** The state of a component as people read it: that of one that ends in ERROR as planned is FINISHED. */
+export const stateOf = ({ current, finishes }: Pick<Component, "current" | "finishes">): string =>
+  finishes && current === "STATE_ERROR" ? "FINISHED" : stateName(current);
+
+/** The class of the colours of a state. */
+export const stateClass = (component: Pick<Component, "current" | "finishes">): string =>
+  stateOf(component) === "FINISHED" ? "FINISHED" : component.current;
 
 export const stateName = (state: Component["current"]): string => state.replace("STATE_", "");
 

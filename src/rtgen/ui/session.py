@@ -268,7 +268,6 @@ class Session:
         hello = ui.Hello(version=ui.VERSION, server=self.name, full=page.full)
         page.put(ui.Event.of_greeting(hello))
         self.look(page, -1.0)
-        page.put(ui.Event.of_flows(self.flows.latest))
         with self._lock:
             self._pages = (*self._pages, page)
 
@@ -328,6 +327,7 @@ class Session:
         events = self.history.at(now, self.types.nodes, page.watched)
         if time < 0:
             events[0] = ui.Event.of_whole(self.whole())
+            events.append(ui.Event.of_flows(self.flows.latest))
         else:
             whole = events[0].whole
             beside = self._channels_beside
@@ -377,6 +377,7 @@ class Session:
             naming=[*remote.services],
             foreign=[*self.foreign],
             plan=[*map(planned, self.project.timeline(self.profile).steps)],
+            doc=self.profile.abstract,
         )
 
     @property

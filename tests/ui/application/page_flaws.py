@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 _CONTRAST = 4.5
@@ -23,6 +24,18 @@ def flaws(page: Any, part: str = "body") -> list[str]:
     return found
 
 
+def violations(page: Any) -> list[str]:
+    """Return what axe-core finds against a page."""
+    if not page.evaluate("typeof axe === 'object'"):
+        page.evaluate(AXE.read_text(encoding="utf-8"))
+    found: list[str] = page.evaluate(
+        """axe.run().then(({ violations }) => violations.flatMap(each =>
+            each.nodes.map(node => `${each.id}: ${node.html.slice(0, 120)}`)))"""
+    )
+    return found
+
+
+AXE = Path(__file__).parents[3] / "ui/node_modules/axe-core/axe.min.js"
 _LOOKS = 30
 _BETWEEN = 100
 """Milliseconds between two looks."""

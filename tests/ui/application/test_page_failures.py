@@ -19,7 +19,8 @@ from rtgen.ui.session import Session
 
 pytestmark = [pytest.mark.slow, pytest.mark.peer]
 STRONGEST = """each => {
-    const parts = getComputedStyle(each).backgroundColor.match(/[0-9]+/g).map(Number);
+    const stripe = getComputedStyle(each, "::before");
+    const parts = stripe.backgroundColor.match(/[0-9]+/g).map(Number);
     return ["red", "green", "blue"][parts.indexOf(Math.max(...parts))];
 }"""
 HUES = {"ACTIVE": "green", "INACTIVE": "blue", "ERROR": "red"}

@@ -115,6 +115,7 @@ def shown_texts(browser: Any, hostile: Hostile) -> Iterator[Any]:
     ):
         page.on("dialog", lambda dialog: dialogs.append(dialog.message))
         page.locator(".wiring[aria-busy=false] .react-flow__node").first.wait_for()
+        page.get_by_role("button", name="Components", exact=True).click()
         yield page
     assert dialogs == []
 

@@ -29,6 +29,7 @@ def test_two_pages_are_in_step(page: Any, looking: Any, session: Session) -> Non
     box.locator(".head").click(button="right")
     page.get_by_role("menuitem", name="Deactivate").click()
     looking.get_by_label(f"{ODOMETRY}, Odometry, INACTIVE").wait_for()
+    page.get_by_role("button", name="Components").click()
     page.get_by_role("button", name="Add Odometry", exact=True).press("Enter")
     looking.get_by_label("Odometry1, Odometry, INACTIVE").wait_for()
     page.get_by_role("button", name="Undo", disabled=False).click()
@@ -53,6 +54,7 @@ def test_one_that_is_loaded_again_finds_its_state(page: Any, session: Session) -
 @pytest.mark.usefixtures("page")
 def test_one_that_may_only_look_changes_nothing(looking: Any, session: Session) -> None:
     looking.get_by_text("live, read only").wait_for()
+    looking.get_by_role("button", name="Components").click()
     buttons = (
         *("Activate all", "Deactivate all", "Reset all", "Undo", "Redo", "Save"),
         *("Pause", "Step", "Go", "Keep beside", "Add Odometry"),

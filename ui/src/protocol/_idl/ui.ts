@@ -571,6 +571,8 @@ export interface Ui$SystemState {
   foreign: Ui$Strings;
   /** The timeline of the system, in order. */
   plan: Ui$PlannedEvent[];
+  /** What the system is, as its file says. */
+  doc: string;
 }
 export const Ui$SystemState: CdrType<Ui$SystemState> = struct("Ui::SystemState", [
   field("name", string()),
@@ -588,6 +590,7 @@ export const Ui$SystemState: CdrType<Ui$SystemState> = struct("Ui::SystemState",
   field("naming", Ui$NamingServices),
   field("foreign", Ui$Strings),
   field("plan", sequence(Ui$PlannedEvent)),
+  field("doc", string()),
 ]);
 
 export interface Ui$Hello {

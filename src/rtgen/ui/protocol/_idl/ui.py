@@ -768,6 +768,7 @@ class SystemState(Aggregated):
         naming=_NamingServices_alias,
         foreign=_Strings_alias,
         plan=idl.sequence(PlannedEvent),
+        doc=idl.STRING,
     )
 
     name: str = ""
@@ -790,6 +791,8 @@ class SystemState(Aggregated):
     """Paths of the components of other processes in the file."""
     plan: list[PlannedEvent] = field(default_factory=list)
     """The timeline of the system, in order."""
+    doc: str = ""
+    """What the system is, as its file says."""
 
 
 class Hello(Aggregated):

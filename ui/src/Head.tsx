@@ -1,0 +1,159 @@
+/** The head of the page: what runs, its file and edits, all components at once, and the way to everything else. */
+
+import { CircleHelp, Command as CommandIcon, Play, Plus, Redo2, RotateCcw, Square, Undo2 } from "lucide-react";
+import { useEffect, useState } from "react";
+import { Button, IconButton } from "./kit/Button.tsx";
+import { Question } from "./kit/Dialog.tsx";
+import type { EditState, SystemState } from "./protocol/Ui.ts";
+import type { Page } from "./store.ts";
+import { store } from "./store.ts";
+
+/** The names of systems by their files, with the folder where a name alone is ambiguous. */
+function namesOf(files: readonly string[]): ReadonlyMap<string, string> {
+  const parts = files.map((file) => /^(?:(.*)\/)?([^/]*?)(?:\.xml)?$/.exec(file)!);
+  const isAmbiguous = (name: string) => parts.filter((each) => each[2] === name).length > 1;
+  return new Map(parts.map(([file, folder, name]) => [file, folder && isAmbiguous(name!) ? `${name} (${folder})` : name!]));
+}
+
+/** The code of a result that the user must decide about. */
+const QUESTION = "UIS0011";
+const SAID_FOR = 3000;
+
+/** Saves the system, optionally under a new name; other files are replaced only when the user says so. */
+function Save({ edits, full }: { edits: EditState; full: boolean }) {
+  const [edited, edit] = useState<string>();
+  const [question, ask] = useState<string>();
+  const [said, say] = useState("");
+  const name = edited ?? edits.file;
+  const enabled = full && name.trim() !== "" && (!edits.saved || name !== edits.file);
+  useEffect(() => {
+    const silence = said ? setTimeout(() => say(""), SAID_FOR) : undefined;
+    return () => clearTimeout(silence);
+  }, [said]);
+  const save = async (asked: "file" | "replaced") => {
+    const result = await store.ask({ case: asked, value: name.trim() });
+    const message = [result.message, result.hint].filter(Boolean).join(": ");
+    if (result.code === QUESTION) {
+      ask(message);
+      return;
+    }
+    store.notify(result.done ? "" : message);
+    if (!result.done) return;
+    edit((now) => (now === name ? undefined : now));
+    say([`Saved ${name.trim()}`, result.text].filter(Boolean).join("; "));
+  };
+  return (
+    <>
+      <form
+        className="save"
+        onSubmit={(e) => {
+          e.preventDefault();
+          if (enabled) void save("file");
+        }}
+      >
+        <textarea
+          aria-label="File of the system"
+          placeholder="system.xml"
+          rows={1}
+          title={name}
+          disabled={!full}
+          value={name}
+          onChange={(e) => edit(e.target.value.replace(/[\r\n]/g, ""))}
+          onKeyDown={(e) => {
+            if (e.key !== "Enter") return;
+            e.preventDefault();
+            e.currentTarget.form!.requestSubmit();
+          }}
+        />
+        <Button type="submit" look={enabled && !edits.saved ? "primary" : "quiet"} aria-disabled={!enabled}>
+          Save
+        </Button>
+        <output>{said || (edits.saved ? "" : "unsaved edits")}</output>
+      </form>
+      {question !== undefined && <Question text={question} name="Replace" yes={() => void save("replaced")} close={() => ask(undefined)} />}
+    </>
+  );
+}
+
+/** Opens another system; edits that are not saved are lost only when the user says so. */
+function Systems({ system, full }: { system: SystemState; full: boolean }) {
+  const { edits } = system;
+  const [wanted, want] = useState<string>();
+  const open = (file: string) => void store.order({ case: "system", value: file });
+  return (
+    <>
+      <label>
+        <span className="announced">System</span>
+        <select aria-label="System" title={edits.file} disabled={!full} value={edits.file} onChange={({ target: { value } }) => (edits.saved ? open(value) : want(value))}>
+          {!system.systems.includes(edits.file) && <option value={edits.file}>{system.name}</option>}
+          {[...namesOf(system.systems)].map(([file, name]) => (
+            <option key={file} value={file}>
+              {name}
+            </option>
+          ))}
+        </select>
+      </label>
+      {wanted !== undefined && (
+        <Question text={`The edits of ${edits.file} are not saved. Open ${wanted} without them?`} name="Discard edits" yes={() => open(wanted)} close={() => want(undefined)} />
+      )}
+    </>
+  );
+}
+
+/** The mark of rtgen: two ports and the wire between them. */
+function Mark() {
+  return (
+    <svg className="mark" viewBox="0 0 32 32" width="26" height="26" aria-hidden>
+      <rect x="1" y="1" width="30" height="30" rx="8" fill="var(--accent)" />
+      <path d="M9 11h6c4 0 2 10 6 10h2" fill="none" stroke="var(--on-accent)" strokeWidth="2.6" strokeLinecap="round" />
+      <path d="M5 7l6 4-6 4z M21 17l6 4-6 4z" fill="var(--on-accent)" />
+    </svg>
+  );
+}
+
+export function Head(props: { page: Page; full: boolean; adding: boolean; add: (shown: boolean) => void; ask: (what: "commands" | "keys") => void }) {
+  const { page, full, adding, add, ask } = props;
+  const { system } = page;
+  const past = system?.time.past ?? false;
+  const { undo = "", redo = "" } = system?.edits ?? {};
+  const link = page.link === "live" && past ? (system?.time.kind === "CLOCK_RECORDING" ? "recording" : "looking back") : page.link;
+  return (
+    <header>
+      <Mark />
+      <div className="name">
+        <h1 title={system?.name}>{system?.name || "rtgen"}</h1>
+        {system?.doc && <p title={system.doc}>{system.doc}</p>}
+      </div>
+      {system && (
+        <>
+          {system.systems.length > 1 && <Systems system={system} full={full} />}
+          <Save edits={system.edits} full={full} />
+          <div className="toolbar" role="group" aria-label="Edits">
+            <IconButton icon={Undo2} label="Undo" tip={undo ? `Undo: ${undo}` : "Undo"} keys="Ctrl Z" disabled={!full || undo === ""} onClick={() => store.order({ case: "undone", value: true })} />
+            <IconButton icon={Redo2} label="Redo" tip={redo ? `Redo: ${redo}` : "Redo"} keys="Ctrl Y" disabled={!full || redo === ""} onClick={() => store.order({ case: "redone", value: true })} />
+            {system.palette.length > 0 && (
+              <Button icon={Plus} aria-pressed={adding} onClick={() => add(!adding)}>
+                Components
+              </Button>
+            )}
+          </div>
+          <div className="group" role="group" aria-label="All components">
+            <Button icon={Play} disabled={!full} aria-label="Activate all" title="Activate all components" onClick={() => store.order({ case: "activated", value: [] })}>
+              All
+            </Button>
+            <IconButton icon={Square} label="Deactivate all" disabled={!full} onClick={() => store.order({ case: "deactivated", value: [] })} />
+            <IconButton icon={RotateCcw} label="Reset all" disabled={!full} onClick={() => store.order({ case: "restored", value: [] })} />
+          </div>
+        </>
+      )}
+      <span className={`link ${page.link}`} role="status">
+        {link}
+        {page.link === "live" && !page.full && ", read only"}
+      </span>
+      <div className="toolbar">
+        <IconButton icon={CommandIcon} look="plain" label="Commands" keys="Ctrl K" onClick={() => ask("commands")} />
+        <IconButton icon={CircleHelp} look="plain" label="Keys" keys="?" onClick={() => ask("keys")} />
+      </div>
+    </header>
+  );
+}

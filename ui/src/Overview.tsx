@@ -1,0 +1,108 @@
+/** What is seen when nothing is selected: how the system does, and what can be done. */
+
+import { Activity, CircleAlert, MousePointerClick, Plus, Spline } from "lucide-react";
+import type { SystemState } from "./protocol/Ui.ts";
+import { stateClass, stateOf, store } from "./store.ts";
+
+/** Wires that lose samples are listed up to this number. */
+const MOST = 12;
+
+export function Overview({ system, select }: { system: SystemState; select: (instance: string) => void }) {
+  const { components, connections, time, plan } = system;
+  const { flows, statistics, traffic } = { ...store.page, traffic: store.traffic };
+  const states = new Map<string, { of: string; instances: string[] }>();
+  for (const each of components) {
+    const name = stateOf(each);
+    states.set(name, { of: stateClass(each), instances: [...(states.get(name)?.instances ?? []), each.instance] });
+  }
+  const failed = components.filter((each) => stateOf(each) === "ERROR" || each.silent);
+  const losing = connections.filter((each) => (flows.get(each.name)?.lost ?? 0n) > 0n).sort((a, b) => Number(flows.get(b.name)!.lost - flows.get(a.name)!.lost));
+  const late = components.filter((each) => (statistics.get(each.instance)?.overruns ?? 0n) > 0n);
+  const next = plan.find((each) => each.time > time.now);
+  const chosen = (instance: string) => (
+    <button type="button" className="link plain" onClick={() => select(instance)}>
+      {instance}
+    </button>
+  );
+  return (
+    <div className="overview">
+      {system.doc && <p>{system.doc}</p>}
+      <section aria-label="Components by state" className="card">
+        <h2>
+          {components.length} components, {connections.length} connections
+        </h2>
+        {!components.length && <p>The system has no components yet.</p>}
+        <p className="toolbar">
+          {[...states].map(([name, { of, instances }]) => (
+            <span key={name} className={`state ${of}`} title={instances.join("\n")}>
+              {instances.length} {name}
+            </span>
+          ))}
+        </p>
+        {failed.map((each) => (
+          <p key={each.instance} className="reason">
+            <CircleAlert size={14} aria-hidden /> {chosen(each.instance)} {each.silent || each.reason}
+          </p>
+        ))}
+        {late.length > 0 && (
+          <p>
+            Late:{" "}
+            {late.map((each) => (
+              <span key={each.instance}>
+                {chosen(each.instance)} {String(statistics.get(each.instance)!.overruns)} overruns{" "}
+              </span>
+            ))}
+          </p>
+        )}
+      </section>
+      <section aria-label="Lost samples" className="card">
+        <h2>{losing.length ? `${losing.length} connections lose samples` : "No connection loses samples"}</h2>
+        <ul className="plainlist">
+          {losing.slice(0, MOST).map((each) => (
+            <li key={each.name}>
+              {chosen(each.target.instance)} <bdi>{`${each.source.instance}.${each.source.port} to ${each.target.instance}.${each.target.port}`}</bdi>
+              <small className="late">{flows.get(each.name)!.details}</small>
+            </li>
+          ))}
+        </ul>
+      </section>
+      {system.buses.length > 0 && (
+        <section aria-label="Buses" className="card">
+          <h2>Buses</h2>
+          {system.buses.map((bus) => {
+            const load = traffic.loads.get(bus.name)?.at(-1)?.load;
+            return (
+              <p key={bus.name}>
+                <bdi>{bus.name}</bdi>: {bus.nodes.length} nodes{load !== undefined && `, load ${(100 * load).toFixed(1)} %`}
+                {bus.computed_load >= 0 && `, computed ${(100 * bus.computed_load).toFixed(1)} %`}
+              </p>
+            );
+          })}
+        </section>
+      )}
+      {next && (
+        <section aria-label="Next event" className="card">
+          <h2>Next on the timeline</h2>
+          <p>
+            <time>{next.time.toFixed(3)} s</time> {next.kind} <bdi>{next.text}</bdi>
+          </p>
+        </section>
+      )}
+      <section aria-label="What can be done" className="card hints">
+        <h2>What can be done</h2>
+        <p>
+          <MousePointerClick size={14} aria-hidden /> <span>Press a box for its values, parameters and services.</span>
+        </p>
+        <p>
+          <Spline size={14} aria-hidden /> <span>Drag from port to port to connect; press a wire and Delete to cut it.</span>
+        </p>
+        <p>
+          <Plus size={14} aria-hidden /> <span>Components adds one: press it, or drag it to its place.</span>
+        </p>
+        <p>
+          <Activity size={14} aria-hidden /> <span><kbd>Space</kbd> plays, <kbd>.</kbd> steps, <kbd>Ctrl K</kbd> finds everything, <kbd>?</kbd> shows all keys.</span>
+        </p>
+      </section>
+    </div>
+  );
+}

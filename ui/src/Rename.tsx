@@ -1,0 +1,115 @@
+/** Renames an instance, or what a definition names; shows what changes before it does. */
+
+import { useEffect, useState } from "react";
+import { Button } from "./kit/Button.tsx";
+import { Dialog } from "./kit/Dialog.tsx";
+import type { FileChange, Rename as Asked, SystemState } from "./protocol/Ui.ts";
+import { store } from "./store.ts";
+
+/** Changes of more files are folded. */
+const MOST_OPEN = 20;
+
+type Subject = Pick<Asked, "kind" | "part"> & { name: string; label: string };
+
+export function Rename({ system, instance, close, select }: { system: SystemState; instance: string; close: () => void; select: (instance: string) => void }) {
+  const component = system.components.find((each) => each.instance === instance);
+  const subjects: Subject[] = component
+    ? [
+        { kind: "RENAME_INSTANCE", part: "", name: instance, label: `instance ${instance}` },
+        { kind: "RENAME_COMPONENT", part: "", name: component.type, label: `component ${component.type}` },
+        ...component.ports.map((each): Subject => ({ kind: "RENAME_PORT", part: each.name, name: each.name, label: `port ${each.name}` })),
+        ...component.parameters.map((each): Subject => ({ kind: "RENAME_PARAMETER", part: each.name, name: each.name, label: `parameter ${each.name}` })),
+      ]
+    : [];
+  const [chosen, choose] = useState(0);
+  const [name, setName] = useState(instance);
+  const [changes, show] = useState<readonly FileChange[]>();
+  const [refused, refuse] = useState("");
+  const [busy, wait] = useState(false);
+  const subject = subjects[chosen];
+  useEffect(() => {
+    show(undefined);
+    refuse("");
+  }, [chosen, name]);
+  if (!subject) return null;
+  const order = async (carried_out: boolean) => {
+    wait(true);
+    const { kind, part } = subject;
+    const result = await store.ask({ case: "renamed", value: { kind, part, instance, name: name.trim(), carried_out } });
+    wait(false);
+    if (!result.done) {
+      refuse([result.message, result.hint].filter(Boolean).join("\n"));
+      return;
+    }
+    show(result.renamed);
+    if (!carried_out) return;
+    if (kind === "RENAME_INSTANCE") select(name.trim());
+    close();
+  };
+  const isNew = name.trim() !== "" && name.trim() !== subject.name;
+  return (
+    <Dialog title="Rename" close={close} className="rename">
+      <form
+        onSubmit={(e) => {
+          e.preventDefault();
+          if (isNew && !busy) void order(changes !== undefined);
+        }}
+      >
+        <label>
+          What
+          <select
+            aria-label="What is renamed"
+            value={chosen}
+            onChange={(e) => {
+              choose(Number(e.target.value));
+              setName(subjects[Number(e.target.value)]!.name);
+            }}
+          >
+            {subjects.map((each, i) => (
+              <option key={each.label} value={i}>
+                {each.label}
+              </option>
+            ))}
+          </select>
+        </label>
+        <label>
+          New name
+          <input autoFocus value={name} aria-invalid={refused !== ""} onFocus={(e) => e.target.select()} onChange={(e) => setName(e.target.value)} />
+        </label>
+        {refused && (
+          <p className="reason" role="alert">
+            {refused}
+          </p>
+        )}
+        {changes && (
+          <section aria-label="What changes" className="changes" tabIndex={0}>
+            <p>
+              {changes.length === 1 ? "One file changes" : `${changes.length} files change`}, what is generated from them follows, and the run begins again. Undo takes it back.
+            </p>
+            {changes.map((each) => (
+              <details key={each.file} open={changes.length <= MOST_OPEN}>
+                <summary>
+                  {each.file}
+                  {each.moved_to && ` becomes ${each.moved_to}`}
+                </summary>
+                <pre>
+                  {each.lines.split("\n").map((line, i) => (
+                    <span key={i} className={line.startsWith("+") ? "added" : line.startsWith("-") ? "gone" : "near"}>
+                      {`${line}\n`}
+                    </span>
+                  ))}
+                </pre>
+              </details>
+            ))}
+          </section>
+        )}
+        <div className="answers">
+          <Button onClick={close}>Cancel</Button>
+          <Button type="submit" look="primary" disabled={!isNew || busy}>
+            {changes ? "Rename" : "Show what changes"}
+          </Button>
+        </div>
+      </form>
+    </Dialog>
+  );
+}

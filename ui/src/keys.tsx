@@ -1,0 +1,81 @@
+/** The keys of the page, and a window that shows them. */
+
+import { useEffect } from "react";
+import { Dialog } from "./kit/Dialog.tsx";
+import type { SystemState } from "./protocol/Ui.ts";
+import { store } from "./store.ts";
+
+const SHOWN: readonly (readonly [string, readonly (readonly [string, string])[]])[] = [
+  ["Page", [["Ctrl K", "find a command, a component, a view"], ["?", "this list"], ["Ctrl Z", "undo"], ["Ctrl Y", "redo"], ["Tab", "next control"]]],
+  ["Time", [["Space", "play or pause"], [".", "step to the next instant"], [",", "look back by one step"], ["L", "back to the present"], ["← →", "on the time line: look at another time"]]],
+  ["Wiring", [["Enter", "select the box or the wire that has the focus"], ["F2", "rename what is selected"], ["Shift F10", "menu of the box or the wire"], ["Delete", "remove the box, cut the wire"], ["Arrows", "move the box, at the places of the file"]]],
+];
+
+export function Keys({ close }: { close: () => void }) {
+  return (
+    <Dialog title="Keys" close={close}>
+      <div className="keys">
+        {SHOWN.map(([part, keys]) => (
+          <div key={part} className="part">
+            <h3>{part}</h3>
+            <dl>
+              {keys.map(([key, what]) => (
+                <div key={key}>
+                  <dt>
+                    <kbd>{key}</kbd>
+                  </dt>
+                  <dd>{what}</dd>
+                </div>
+              ))}
+            </dl>
+          </div>
+        ))}
+      </div>
+    </Dialog>
+  );
+}
+
+/** Whether keys are for a field, or for an open window. */
+const isTyping = (e: KeyboardEvent): boolean => (e.target as HTMLElement).matches("input, textarea, select, option") || document.querySelector("[role=dialog], [role=alertdialog]") !== null;
+
+interface Bindings {
+  keys: () => void;
+  commands: () => void;
+  rename: () => void;
+}
+
+/** Binds the keys of the whole page; fields have their own undo. */
+export function useKeys(system: SystemState | undefined, full: boolean, { keys, commands, rename }: Bindings): void {
+  const time = system?.time;
+  const [now, first, simulated, playing, past] = [time?.now ?? 0, time?.first ?? 0, time?.kind === "CLOCK_SIMULATED", time?.playing ?? false, time?.past ?? false];
+  useEffect(() => {
+    const onKeyDown = (e: KeyboardEvent) => {
+      const key = e.key.toLowerCase();
+      const held = e.ctrlKey || e.metaKey;
+      const done = (act: () => void) => {
+        e.preventDefault();
+        act();
+      };
+      if (held && !e.altKey && key === "k") return done(commands);
+      if (isTyping(e)) return;
+      if (held && !e.altKey) {
+        if (!full || (key !== "z" && key !== "y")) return;
+        const undo = key === "z" && !e.shiftKey;
+        return done(() => void store.order(undo ? { case: "undone", value: true } : { case: "redone", value: true }));
+      }
+      if (held || e.altKey) return;
+      if (e.key === "?") return done(keys);
+      if (e.key === "F2" && full) return done(rename);
+      const onButton = (e.target as HTMLElement).closest("button, summary, [role=tab], .react-flow__node, .react-flow__edge, .stick") !== null;
+      if (e.key === " " && !onButton && simulated && full) return done(() => void store.order(playing ? { case: "paused", value: true } : { case: "played", value: true }));
+      if (e.key === "." && simulated && full && !playing) return done(() => void store.order({ case: "step", value: 0 }));
+      if (e.key === ",") return done(() => void store.look(Math.max(first, now - STEP_BACK)));
+      if (key === "l" && past) return done(() => void store.look(-1));
+    };
+    window.addEventListener("keydown", onKeyDown);
+    return () => window.removeEventListener("keydown", onKeyDown);
+  }, [full, simulated, playing, past, now, first, keys, commands, rename]);
+}
+
+/** The step by which one looks back [s]. */
+const STEP_BACK = 0.1;
