@@ -21,6 +21,11 @@ DISCOVERY_TYPE: Final = "rmw_dds_common/msg/ParticipantEntitiesInfo"
 GID_SIZE: Final = 16
 """Length of a middleware identifier in octets (Jazzy)."""
 
+MAINTAINER: Final = re.compile(
+    r"\s*(?P<name>[^<>]+?)\s*<(?P<email>[^<>\s]+@[^<>\s]+)>\s*"
+)
+"""A maintainer of a package: `NAME <EMAIL>`."""
+
 MAX_NAME_LENGTH: Final = 248
 """Maximum length of a fully qualified name: DDS allows 255 characters with prefix and suffix."""
 _PART: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -17,10 +16,6 @@ from rtgen.facts.ros_transforms import STATIC
 
 if TYPE_CHECKING:
     from rtgen.compiler.project.file import Settings
-
-
-MAINTAINER = re.compile(r"\s*(?P<name>[^<>]+?)\s*<(?P<email>[^<>\s]+@[^<>\s]+)>\s*")
-"""A maintainer: `NAME <EMAIL>`."""
 
 
 class TopicEntry(msgspec.Struct, frozen=True, kw_only=True):

@@ -12,7 +12,7 @@ import msgspec
 from rtgen.compiler.diagnostics import ToolError
 from rtgen.compiler.kit.toml_text import TomlError, parse
 from rtgen.compiler.project import Project, shown
-from rtgen.compiler.project.ros2 import MAINTAINER
+from rtgen.facts import ros_names
 from rtgen.facts.files import UnreadableError, is_file, read_file
 
 _NUMBERS: Final = re.compile(r"\d+")
@@ -46,7 +46,7 @@ def package_facts(project: Project) -> Facts:
     table = _table(project.root / "pyproject.toml").get("project", {})
     table = table if isinstance(table, dict) else {}
     name = _text(table, "name") or project.root.name
-    own = MAINTAINER.fullmatch(project.ros2.maintainer or "")
+    own = ros_names.MAINTAINER.fullmatch(project.ros2.maintainer or "")
     people = (Person(own["name"], own["email"]),) if own else tuple(_people(table))
     license_ = project.ros2.license or _license(table)
     missing = [] if people else ["maintainer"]
