@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from functools import partial
 from pathlib import Path
 from random import Random
@@ -11,6 +12,7 @@ from typing import Any
 import pytest
 from boards import MOTOR, SERVER, joined
 from random_signatures import SPAN, Sample, plain, sample
+from ros2_peers import DISTRIBUTIONS, installation
 from seeds import cases
 
 from rtgen.compiler.backends import Options
@@ -246,6 +248,29 @@ def test_hashes_of_drawn_signatures() -> None:
             assert type_hash(made.model, struct) == store.hash_rihs01(name), name
             compared += 1
     assert compared > 20
+
+
+@pytest.mark.peer
+@pytest.mark.parametrize("distribution", DISTRIBUTIONS)
+def test_hashes_of_rosidl(distribution: str, tmp_path: Path) -> None:
+    """The hashes of services, too, equal those that rosidl computes of the files."""
+    made = [
+        of_board(board_of(sample(Random(number))), f"robots{place}")
+        for place, number in enumerate(cases(30, least=4))
+    ]
+    made = [each for each in made if each.texts]
+    for each in made:
+        for name, text in each.texts.items():
+            file = tmp_path / name
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text)
+    packages = [next(iter(each.texts)).partition("/")[0] for each in made]
+    oracle = Path(__file__).parents[2] / "ros2" / "rosidl_hashes.py"
+    output = installation(distribution).output(oracle, str(tmp_path), *packages)
+    hashes = json.loads(output)["hashes"]
+    own = {name: each.hashes[name] for each in made for name in each.hashes}
+    assert {name: hashes[name] for name in own} == own
+    assert sum("/srv/" in name for name in own) >= 4
 
 
 def _has_fields(text: str) -> bool:
