@@ -21,10 +21,14 @@ from refrobots.canopen.manager import CanopenManager
 from refrobots.components.epos_drive_proxy import EposDriveProxy
 from rtgen.compiler import compilation
 from rtgen.compiler.project import load
-from rtgen.ros2.devices import RosDevice, devices
+from rtgen.compiler.typemap.canopen.ports import Quantity
+from rtgen.facts.canopen import DataType
+from rtgen.ros2.devices import RosDevice, devices, message_of
 from rtgen.runtime import RTC_OK, RealClock, System
+from rtgen.runtime.library.rtc import Time
 from rtgen.runtime.ros2.managed import EVENT_INFO, INTERFACES
-from rtgen.runtime.ros2.network import RosNode, RosService
+from rtgen.runtime.ros2.network import RosNode, RosService, RosTopic
+from rtgen.runtime.ros2.objects import of_message, to_message
 from rtgen.runtime.ros2.parameters import Kind
 from rtgen.runtime.ros2.types import decoded, encoded, made
 from rtgen.tools.running.ros2_classes import message_classes
@@ -63,6 +67,41 @@ def test_names_and_messages(nodes: list[RosDevice]) -> None:
     assert "target_velocity" not in parameters
     assert parameters["profile_acceleration"].kind == "u32"
     assert parameters["device_type"].kind == "u32"
+
+
+VALUES = {
+    DataType.BOOLEAN: (True, False),
+    DataType.INTEGER8: (-128, 127),
+    DataType.UNSIGNED8: (0, 255),
+    DataType.INTEGER24: (-(1 << 23), 5),
+    DataType.UNSIGNED32: (0, (1 << 32) - 1),
+    DataType.INTEGER64: (-(1 << 63), 1),
+    DataType.UNSIGNED64: ((1 << 64) - 1,),
+    DataType.REAL32: (0.5, -1e30),
+    DataType.REAL64: (0.1, -1e300),
+    DataType.VISIBLE_CHAR: ("a", "\xff", "\0"),
+    DataType.VISIBLE_STRING: ("", "drive 24/5"),
+    DataType.UNICODE_STRING: ("", "表"),
+    DataType.OCTET_STRING: (b"", b"\x00\xff"),
+    DataType.DOMAIN: (b"abc",),
+    DataType.TIME_OF_DAY: (Time(0, 0), Time((1 << 31) - 1, 999_999_999)),
+    DataType.TIME_DIFFERENCE: (Time(5, 7),),
+}
+
+
+@pytest.mark.parametrize("type_", VALUES, ids=lambda each: each.name)
+def test_values_of_all_types(type_: DataType, nodes: list[RosDevice]) -> None:
+    [drive] = {id(n.node.kind): n.node.kind for n in nodes}.values()
+    variable = replace(next(iter(drive.device.variables)), data_type=type_)
+    name = message_of(Quantity("x", variable))
+    topic = RosTopic("/x", message_classes(name)[name])
+    for value in VALUES[type_]:
+        octets = encoded(to_message(topic, value))
+        message = decoded(topic.type, octets)
+        back = of_message(topic, message, value)
+        assert type(back) is type(value)
+        single = type_ is DataType.REAL32
+        assert back == (pytest.approx(value, rel=1e-6) if single else value)
 
 
 @pytest.fixture

@@ -112,7 +112,7 @@ class _Outlet:
         status = PORT_OK
         for topic, attribute, publish in self._topics:
             try:
-                publish(encoded(_message(topic, getattr(sample, attribute))))
+                publish(encoded(to_message(topic, getattr(sample, attribute))))
             except (CdrError, Ros2Error, ValueError) as error:
                 log.warning("%s: %s", topic.name, error)
                 status = PortStatus.PORT_ERROR
@@ -145,7 +145,7 @@ class _Inlet:
             message = decoded(topic.type, octets)
             with self._lock:
                 sample = port.type()
-                value = _value(topic, message, getattr(sample, attribute))
+                value = of_message(topic, message, getattr(sample, attribute))
                 values = {**self._values, attribute: value}
                 for name, each in values.items():
                     setattr(sample, name, each)
@@ -166,7 +166,8 @@ class _Inlet:
         self._connector.detach()
 
 
-def _message(topic: RosTopic, value: Any) -> Any:
+def to_message(topic: RosTopic, value: Any) -> Any:
+    """Return the message with the value of an object, as samples of proxies have it."""
     descriptor = topic.type._descriptor_
     if topic.type_name in _TIMES:
         return made(descriptor, {"sec": value.sec, "nanosec": value.nsec})
@@ -175,7 +176,7 @@ def _message(topic: RosTopic, value: Any) -> Any:
     return made(descriptor, {"data": value})
 
 
-def _value(topic: RosTopic, message: Any, former: Any) -> Any:
+def of_message(topic: RosTopic, message: Any, former: Any) -> Any:
     """Return the value of a message; a time has the type of the former one."""
     if topic.type_name in _TIMES:
         return type(former)(message.sec, message.nanosec)
