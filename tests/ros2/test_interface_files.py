@@ -45,6 +45,7 @@ module Lab {
     struct Matrix { double m[2][2]; };
     struct Maybe { @optional long x; };
     struct Clash { long aB; long a_b; };
+    struct Words { long class; long from; };
     exception Broken {};
     interface Arm {
         double move(in path_point where, inout long speed, out string text);
@@ -82,12 +83,14 @@ def test_read_back(tmp_path: Path) -> None:
             "ros2/lab/msg/PathPoint.msg",
             "ros2/lab/msg/Route.msg",
         ),
-        "ros2/lab/msg/Letter.msg",
+        *("ros2/lab/msg/Letter.msg", "ros2/lab/msg/Words.msg"),
         *("ros2/lab/srv/ArmMove.srv", "ros2/lab/srv/ArmStop.srv"),
     }
     result = load(paths, root=tmp_path)
     assert not result.diagnostics
     own = api.compile(IDL)
+    words = (tmp_path / "ros2/lab/msg/Words.msg").read_text()
+    assert words == "int32 class_value\nint32 from_value\n"
     point = own.find(("Lab", "path_point"))
     back = result.model.find(("lab", "msg", "PathPoint"))
     assert isinstance(point, Struct)
@@ -220,7 +223,7 @@ def test_names_of_ros2(tmp_path: Path) -> None:
             "msg::Cased::aB has no form in ROS 2, which does not have the name aB: "
             "lab::msg::Cased is left out",
             "msg::Worded::class has no form in ROS 2, which does not have the name class, "
-            "a word of C++: lab::msg::Worded is left out",
+            "a word of C++ or Python: lab::msg::Worded is left out",
             "srv::Lost has no form in ROS 2, which does not have srv files without Lost_Response",
         )
     ]

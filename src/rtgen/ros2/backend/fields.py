@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import keyword
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 from typing import Final, NamedTuple
 
 from rtgen.compiler.model import (
@@ -92,13 +92,14 @@ def package_of(name: ScopedName) -> str:
     return name[0] if is_interface(name) else package_name(name[:-1])
 
 
-def refusal(name: str) -> str | None:
-    """Return why ROS 2 cannot have a field of a valid form; None if it can."""
-    if name in _KEYWORDS:
-        return f"the name {name}, a word of C++"
-    if keyword.iskeyword(name):
-        return f"the name {name}, a word of Python"
-    return None
+def is_reserved(name: str) -> bool:
+    """Return whether a field of this name is not compiled, as rosidl generates C, C++, Python."""
+    return name in _KEYWORDS or keyword.iskeyword(name)
+
+
+def free_name(name: str, taken: Container[str] = ()) -> str:
+    """Return a name of a field; `_value` follows a keyword, and a name of `taken`."""
+    return f"{name}_value" if is_reserved(name) or name in taken else name
 
 
 class Form(NamedTuple):

@@ -22,7 +22,8 @@ from rtgen.ros2.backend.fields import (
     InexpressibleError,
     field_name,
     form_of,
-    refusal,
+    free_name,
+    is_reserved,
 )
 from rtgen.ros2.backend.literals import comment, literal
 from rtgen.ros2.rosidl.lowering import FILLER
@@ -74,13 +75,16 @@ class Lines:
         self._names.add(name)
 
     def _field(self, member: Member) -> Iterator[str]:
-        name = member.name if self._exact else field_name(member.name)
+        name = member.name
+        if not self._exact:
+            name = free_name(field_name(name))
         if not FIELD_NAME.fullmatch(name):
             raise PlacedError(member.span, f"the name {member.name}", member.name)
         self._take(name, member, member.name)
         try:
-            if (why := refusal(name)) is not None:
-                raise InexpressibleError(why)
+            if is_reserved(name):
+                what = f"the name {name}, a word of C++ or Python"
+                raise InexpressibleError(what)
             if member.optional:
                 raise InexpressibleError("optional members")
             form = self._form(member.type)

@@ -5,8 +5,6 @@ Unlike at service ports, no number loses its sign: an `int8_t` is an `int8`, cha
 
 from __future__ import annotations
 
-import keyword
-import re
 from collections.abc import Callable, Iterable, Mapping
 from typing import Final
 
@@ -22,7 +20,7 @@ from rtgen.compiler.layouts.tdr import (
 )
 from rtgen.compiler.typemap.tecs.idl import Widths
 from rtgen.facts.tdr import Scalar
-from rtgen.ros2.backend.fields import InexpressibleError, field_name
+from rtgen.ros2.backend.fields import InexpressibleError, field_name, free_name
 
 _SCALARS: Final[Mapping[Scalar, str]] = {
     Scalar.BOOL: "bool",
@@ -42,19 +40,6 @@ _SCALARS: Final[Mapping[Scalar, str]] = {
     Scalar.FLOAT32: "float32",
     Scalar.DOUBLE64: "float64",
 }
-_FURTHER_KEYWORDS: Final = frozenset(
-    re.findall(
-        r"\w+",
-        "alignas alignof and_eq asm auto bitand bitor bool case catch char compl const constexpr "
-        "const_cast decltype default delete do double dynamic_cast enum explicit export extern "
-        "false float friend goto inline int long mutable namespace new noexcept not_eq nullptr "
-        "operator or_eq private protected public register reinterpret_cast requires restrict "
-        "short signed sizeof static static_assert static_cast struct switch template this "
-        "thread_local throw true typedef typeid typename union unsigned using virtual void "
-        "volatile wchar_t xor xor_eq",
-    )
-)
-"""Keywords of C and C++ that are none of Python's: rosidl generates all three."""
 
 
 def item_type(item: Item, widths: Widths, reference: Callable[[Record], str]) -> str:
@@ -79,14 +64,7 @@ def field_names(names: Iterable[str], taken: Iterable[str]) -> dict[str, str]:
     fields: dict[str, str] = {}
     reserved = {*taken}
     for name in names:
-        field = field_name(name)
-        if (
-            field in reserved
-            or keyword.iskeyword(field)
-            or field.capitalize() in keyword.kwlist
-            or field in _FURTHER_KEYWORDS
-        ):
-            field += "_value"
+        field = free_name(field_name(name), reserved)
         if field in fields.values():
             raise InexpressibleError(f"the name {name} beside the others")
         if not field[:1].isalpha():
