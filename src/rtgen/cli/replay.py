@@ -68,10 +68,11 @@ def replay(
     recording: RecordingOptions,
     shown_failures: FailureOptions,
 ) -> int:
-    """Replay a run that `rtgen run --record` has recorded, in simulated time.
+    """Replay a run that `rtgen run --record` has recorded, or a bag of ROS 2, in simulated time.
 
     With --into, the components of SYSTEM run, and the recorded samples of the other components
-    reach their InPorts over the recorded connections. The initial states, parameters and timeline
+    reach their InPorts over the recorded connections; the messages of a bag reach those that
+    [ros2.topics] binds to its topics. The initial states, parameters and timeline
     of the components are those of SYSTEM. Exit code 1: a component ended in ERROR, or its code
     raised an exception.
     """

@@ -173,7 +173,7 @@ def with_recording(command: Callable[..., int]) -> Callable[..., int]:
             "--record",
             "recorded",
             metavar="FILE.mcap",
-            help="Record samples, states, frames, calls as MCAP.",
+            help="Record all events as MCAP; with --ros2, topics as a bag.",
         ),
         click.option(
             "--compression",

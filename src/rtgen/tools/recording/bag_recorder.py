@@ -9,7 +9,9 @@ from functools import partial
 from typing import Any
 
 from rtgen.facts.ros_qos import Durability, Profile, Reliability
+from rtgen.runtime.failures import log
 from rtgen.runtime.ros2.network import OnMessage, RosTopic
+from rtgen.runtime.ros2.types import ros_name
 from rtgen.runtime.system.system import System
 from rtgen.tools.recording.bag_writer import BagWriter
 from rtgen.tools.recording.recorder import clock_of
@@ -57,7 +59,12 @@ class BagRecorder:
         if is_hidden(topic.name):
             return None
         ends = self._ends.setdefault(topic.name, _Ends(topic.type))
-        if ends.type is not topic.type:
+        if ros_name(ends.type) != ros_name(topic.type):
+            log.warning(
+                "%s has messages of two types; the bag has those of %s",
+                topic.name,
+                ros_name(ends.type),
+            )
             return None
         if sent:
             ends.offered.append(profile)
