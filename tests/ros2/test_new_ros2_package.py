@@ -226,3 +226,17 @@ def test_names(name: str, hint: str | None) -> None:
     assert finding.code == "NEW0001"
     assert hint is None or finding.hint == hint
     ros_package_name("rover_2", {"lab_msgs"})
+
+
+def test_boards_and_devices(rover: Path) -> None:
+    """The services of boards are a package; types of descriptions of devices are none."""
+    assert run(["new", "board", "Lamp"]) == 0
+    assert run(["new", "device", "Motor"]) == 0
+    assert run(["new", "ros2-package", "rover_ros"]) == 0
+    packages = {each.name for each in (rover / "ros2").iterdir()}
+    boards = {each.name for each in (rover / "generated/ros2").iterdir()}
+    assert boards
+    assert packages == {"lab", "lab_msgs", "rover_ros", *boards}
+    for board in boards:
+        assert below(rover / "ros2" / board) >= {"CMakeLists.txt", "package.xml", "srv"}
+        assert "service_msgs" in texts(rover / "ros2" / board / "package.xml", "depend")

@@ -18,7 +18,7 @@ from rtgen.facts.encodings import digest
 from rtgen.facts.files import MAX_BYTES, read_file, read_start
 from rtgen.facts.ros import interface_beside
 
-_LIBRARY = "rtgen/"
+LIBRARY = "rtgen/"
 """How the keys of files that come with rtgen begin."""
 _MAX_NAMES = 3
 
@@ -57,7 +57,7 @@ def _lies_elsewhere(project: Project, key: str) -> bool:
 def _changed(project: Project, before: Mapping[str, str]) -> Iterator[str]:
     """Yield the keys of definitions that are changed, new or missing."""
     for key, sha256 in before.items():
-        if key.startswith(_LIBRARY) or key == FILE_NAME:
+        if key.startswith(LIBRARY) or key == FILE_NAME:
             continue
         try:
             if digest(read_file(project.root / key)) != sha256:

@@ -14,10 +14,12 @@ import msgspec
 from rtgen.compiler.diagnostics import Diagnostic, InputError, Severity
 from rtgen.compiler.model import Model
 from rtgen.compiler.project import FILE_NAME, Project, output, shown
+from rtgen.compiler.project.changed_inputs import LIBRARY
 from rtgen.compiler.systems.reading import read_file
 from rtgen.compiler.typemap.python.names import module_name
 from rtgen.facts import ros_names
-from rtgen.facts.ros import is_interface
+from rtgen.facts.idl_files import IDL_SUFFIXES
+from rtgen.facts.ros import INTERFACE_SUFFIXES, is_interface
 from rtgen.ros2.backend.backend import FOLDER as GENERATED
 from rtgen.ros2.backend.packages import InterfaceText, interface_texts
 from rtgen.tools.scaffold.names import ros_package_name
@@ -67,9 +69,9 @@ def packages(
     the project's folder.
     """
     texts, findings = interface_texts(model)
-    by_package: dict[str, list[InterfaceText]] = {}
-    for each in [*texts, *_of_boards(project, model)]:
-        by_package.setdefault(each.package, []).append(each)
+    by_package = _own_packages([*texts, *_of_boards(project, model)])
+    keys = {file.name: file.key for file in model.files}
+    findings = [d for d in findings if d.span is None or _is_own(keys[d.span.file])]
     _require_order(by_package)
     written = {
         package: files
@@ -90,6 +92,32 @@ def packages(
     missing = " and no ".join(facts.missing)
     existing = [package for package in by_package if package not in written]
     return Packages(files, [*written, name], existing, findings, missing)
+
+
+def _is_own(key: str) -> bool:
+    """Return whether a file declares types of the project: not a library, nor a description of a
+    device.
+    """
+    is_definition = key.endswith((*IDL_SUFFIXES, *INTERFACE_SUFFIXES))
+    return not key or (is_definition and not key.startswith(LIBRARY))
+
+
+def _own_packages(
+    texts: Iterable[InterfaceText],
+) -> dict[str, list[InterfaceText]]:
+    """Return the files of the project's packages, and of those that they need."""
+    packages: dict[str, list[InterfaceText]] = {}
+    for each in texts:
+        packages.setdefault(each.package, []).append(each)
+    own: set[str] = set()
+    waiting = {each.package for each in texts if _is_own(each.key)}
+    while waiting:
+        own |= waiting
+        needed = {
+            p for name in waiting for each in packages[name] for p in each.packages
+        }
+        waiting = (needed & packages.keys()) - own
+    return {name: files for name, files in packages.items() if name in own}
 
 
 def _of_boards(project: Project, model: Model) -> Iterator[InterfaceText]:
