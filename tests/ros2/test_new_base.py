@@ -42,7 +42,12 @@ def free_port() -> int:
 @pytest.mark.peer
 @pytest.mark.waits
 @pytest.mark.parametrize(
-    ("source", "kind"), [(EDS, "stamped"), (EDS, "plain"), (CDL, "stamped")]
+    ("source", "kind"),
+    [
+        (EDS, "stamped"),
+        pytest.param(EDS, "plain", marks=pytest.mark.nightly),
+        pytest.param(CDL, "stamped", marks=pytest.mark.nightly),
+    ],
 )
 def test_a_base_is_driven_by_rclpy(
     source: Path, kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -128,7 +133,7 @@ def test_two_descriptions_and_no_ros2(
     assert "Missing option '--ros2'" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("source", [EDS, CDL])
+@pytest.mark.parametrize("source", [pytest.param(EDS, marks=pytest.mark.nightly), CDL])
 def test_what_it_makes_is_sound(
     source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -173,6 +178,7 @@ cell tUser User { [through(RTCPlugin,"")] cBase = Base.eBase; };
 """
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("shape", SHAPES)
 def test_boards_of_other_shapes(
     shape: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
