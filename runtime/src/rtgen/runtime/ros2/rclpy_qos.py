@@ -14,6 +14,10 @@ from rtgen.runtime.ros2.qos import Own, Peers
 
 _MAX_PUBLISHERS: Final = 1024
 """Maximum number of publishers of a topic whose messages are counted."""
+_LOOKS: Final = 5
+"""How often ends of a topic are compared, one a second, after one was found that does not fit."""
+_UNKNOWN: Final = "_NODE_NAME_UNKNOWN_"
+"""What rmw says before it knows the node of an end (rmw_dds_common)."""
 _READER = rclpy_implementation.rcl_subscription_event_type_t
 _WRITER = rclpy_implementation.rcl_publisher_event_type_t
 OF_SUBSCRIPTION: Final = {
@@ -51,6 +55,7 @@ class Status:
         self._events: dict[str, Any] = {}
         self._totals = dict.fromkeys(types, 0)
         self._not_alive = 0
+        self._looks = 0
         for name, type_ in types.items():
             try:
                 with handle:
@@ -80,19 +85,27 @@ class Status:
         """See `qos.End`."""
         before = self._totals["unfit"]
         if self.total("unfit") != before:
+            self._looks = _LOOKS
+        if self._looks:
+            self._looks -= 1
             for other in self._others():
                 self._compare(other)
 
     def _compare(self, other: Any) -> None:
-        """Compare another end of the topic, unless its QoS has values that rmw does not name."""
+        """Compare another end of the topic, unless its QoS has values that rmw does not name.
+
+        The name of its node may come later.
+        """
         try:
             profile = _profile(other.qos_profile)
         except ValueError:
             return
-        name = f"{other.node_namespace.rstrip('/')}/{other.node_name}"
-        gid = bytes(other.endpoint_gid)
-        if other.topic_type == self._type_name:
-            self._peers.compare(self._topic, self._own, gid, profile, lambda: name)
+        is_named = other.node_name != _UNKNOWN
+        if other.topic_type == self._type_name and (is_named or not self._looks):
+            name = f"{other.node_namespace.rstrip('/')}/{other.node_name}"
+            node = name if is_named else None
+            gid = bytes(other.endpoint_gid)
+            self._peers.compare(self._topic, self._own, gid, profile, lambda: node)
 
     def close(self) -> None:
         """Ask no more; the totals stay."""
