@@ -33,9 +33,17 @@ LIBRARIES = frozenset(
         *("jinja2", "kiwisolver", "lark", "lsprotocol", "lz4", "markdown_it"),
         *("markupsafe", "matplotlib", "mcap", "mdurl", "mpl_toolkits", "msgspec"),
         *("numpy", "packaging", "pcpp", "pint", "platformdirs", "pycparser", "pygame"),
-        *("pygls", "pygments", "pylab", "pyparsing", "rich", "rich_click", "serial"),
-        *("six", "starlette", "tombi", "typing_extensions", "uvicorn", "uvloop"),
-        *("watchfiles", "websockets", "wrapt", "yaml", "zenoh", "zstandard"),
+        *("pygls", "pygments", "pylab", "pyparsing", "rclpy", "rich", "rich_click"),
+        *(
+            "serial",
+            "six",
+            "starlette",
+            "tombi",
+            "typing_extensions",
+            "uvicorn",
+            "uvloop",
+        ),
+        *("watchfiles", "websockets", "wrapt", "xxhash", "yaml", "zenoh", "zstandard"),
     }
 )
 """rtgen, and the modules of its requirements, those of its extras included."""
