@@ -21,13 +21,19 @@ from rtgen.tools.running.plan import Plan
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A project with the systems `bench` and `other`."""
+    """A project with the systems `bench` and `other`, and without the table of a new one."""
     folder = tmp_path_factory.mktemp("made")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         assert run(["new", "project", "bench", "-q"]) == 0
         patch.chdir("bench")
         assert run(["new", "system", "other", "Scaler", "-q"]) == 0
+        assert run(["run", "-q"]) == 0
+        settings = Path("rtgen.toml")
+        head, mark, table = settings.read_text().partition("\n[run]\n")
+        assert mark
+        assert table == 'system = "systems/bench.xml"\nuntil = "10"\n'
+        settings.write_text(head)
     return folder / "bench"
 
 

@@ -52,6 +52,8 @@ def project(console: Console, name: str, source: str | None) -> int:
             model = model_of(created)
             twice = [starters.FIRST] * 2
             writing.write(starters.system(forms, place, model, twice)[0])
+            settings = starters.project_settings(forms, place, complete=True)
+            settings.path.write_text(settings.text, encoding="utf-8")
         generate(console, load(folder))
     console.say(f"{shown(target)}: created; see {shown(target / 'README.md')}")
     return OK

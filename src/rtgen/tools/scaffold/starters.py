@@ -185,7 +185,6 @@ def project(name: Names, package: str, root: Path) -> list[File]:
     files = files_of(
         "project",
         {
-            root / FILE_NAME: "rtgen.toml",
             root / "pyproject.toml": "pyproject.toml",
             root / "README.md": "README.md",
             root / ".gitignore": "gitignore.txt",
@@ -196,7 +195,16 @@ def project(name: Names, package: str, root: Path) -> list[File]:
         name=name.given,
         system=name.module,
     )
-    return [*files, *component(names(FIRST), place)]
+    settings = project_settings(name, place, complete=False)
+    return [*files, settings, *component(names(FIRST), place)]
+
+
+def project_settings(name: Names, place: Place, *, complete: bool) -> File:
+    """Return the rtgen.toml of a project; `complete`: with the run of its system."""
+    files = {place.root / FILE_NAME: "rtgen.toml"}
+    values = {"name": name.given, "system": name.module, "complete": complete}
+    [file] = files_of("project", files, **place.values, **values)
+    return file
 
 
 def new_place(package: str, root: Path) -> Place:
