@@ -6,6 +6,14 @@ import { TABS } from "./Panel.tsx";
 import type { Command as Order, Component, SystemState } from "./protocol/Ui.ts";
 import { stateOf, store } from "./store.ts";
 
+/** How well a name has all words of a search: best at its beginning, then at that of its words; 0: not. */
+function rank(name: string, search: string): number {
+  const [text, words] = [name.toLowerCase(), search.toLowerCase().trim().split(/\s+/)];
+  if (!words.every((word) => text.includes(word))) return 0;
+  if (text.startsWith(words[0]!)) return 1;
+  return words.every((word) => text.includes(` ${word}`)) ? 0.8 : 0.5;
+}
+
 interface Props {
   system: SystemState;
   full: boolean;
@@ -37,7 +45,7 @@ export function Commands({ system, full, component, close, select, open, add, he
   );
   const order = (name: string, asked: Order, keys = "", more = "") => item(name, () => void store.order(asked), keys, more);
   return (
-    <Command.Dialog open onOpenChange={(shown) => shown || close()} label="Find a command" overlayClassName="veil" contentClassName="dialog commands" loop>
+    <Command.Dialog open onOpenChange={(shown) => shown || close()} label="Find a command" overlayClassName="veil" contentClassName="dialog commands" filter={rank} loop>
       <Command.Input placeholder="Command, component, view, system" />
       <Command.List>
         <Command.Empty>Nothing has this name.</Command.Empty>

@@ -149,13 +149,15 @@ function WireLine({ id, data, selected, interactionWidth, ...ends }: EdgeProps<W
   );
 }
 
+const MAP = { width: 160, height: 110 };
+
 /** A map of the whole wiring, while a part of it is out of sight. */
 function Whole({ corners: [start, end], room }: { corners: [Point, Point]; room: string }) {
   const { x, y, zoom } = useViewport();
   const [wide = 0, high = 0] = room.split("x").map(Number);
   const isSeen = start.x * zoom + x > -1 && start.y * zoom + y > -1 && end.x * zoom + x < wide + 1 && end.y * zoom + y < high + 1;
   if (isSeen || wide < ROOM_FOR_MAP) return null;
-  return <MiniMap<Shown> pannable zoomable ariaLabel="Map of the wiring" nodeClassName={(node) => (node.type === "component" ? stateClass(node.data.component) : "bus")} />;
+  return <MiniMap<Shown> position="top-right" style={MAP} pannable zoomable ariaLabel="Map of the wiring" nodeClassName={(node) => (node.type === "component" ? stateClass(node.data.component) : "bus")} />;
 }
 
 const edgeTypes = { wire: WireLine };

@@ -16,8 +16,8 @@ export const WIDEST = 320;
 const PADDING = 24;
 /** Scale of places by RT System Editor, whose boxes are narrower. */
 const SPREAD = 1.5;
-/** Minimum zoom, at which names can still be told from each other. */
-const SMALLEST = 0.5;
+/** Minimum zoom, at which names have 9 px. */
+const SMALLEST = 0.75;
 const MARGIN = 16;
 /** Space for the buttons of the view. */
 const LEFT = 52;
