@@ -170,7 +170,7 @@ export function Panel(props: {
           </p>
           {system.beside && store.page.beside.has(component.instance) && <p>beside: {store.page.beside.get(component.instance)}</p>}
           {component.silent && <p className="reason">{component.silent}</p>}
-          {(component.reason || statistics?.impaired) && <p className="reason">{component.reason || statistics?.impaired}</p>}
+          {(component.reason || statistics?.impaired) && <p className={stateOf(component) === "FINISHED" ? "" : "reason"}>{component.reason || statistics?.impaired}</p>}
           <div className="buttons">
             {!component.place && (
               <IconButton icon={Pencil} label={`Rename ${component.instance}`} keys="F2" disabled={!full} onClick={() => rename(component.instance)} />

@@ -645,6 +645,8 @@ class Session:
         self.publish(ui.Event.of_reported(notice))
 
     def _failed(self, failure: Failure) -> None:
+        if failure.error is None and failure.instance in self._finishing:
+            return  # The change of state says that it has finished, and why.
         what = failure.reason if failure.error is None else described(failure.error)
         self.notice("error", failure.instance, f"{failure.callback}: {what}")
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from ui_bench import ROOT, Bench, Page, whole
 
 from rtgen.cli import run as rtgen
-from rtgen.runtime import ACTIVE_STATE
+from rtgen.runtime import ACTIVE_STATE, RTC_ERROR
 from rtgen.ui.protocol import ui
 
 INTERCHANGE = ROOT / "specs/experiments/interchange"
@@ -192,6 +193,19 @@ def test_calls_and_planned_ends_are_said(
         (2.0, "connect", "A0.velocity to R0.velocity"),
     ]
     assert state.plan[-1].source == ui.PortAddress(instance="A0", port="velocity")
+    page = bench.page()
+    for instance in ("A0", "B0"):
+        component: Any = bench.session.system.component(instance)
+        component.on_execute = lambda ec_id: RTC_ERROR
+        page.ask("activated", [instance])
+    page.done("step", 1.0)
+    failed = [
+        event.reported.instance
+        for event in page.seen
+        if event.discriminator is ui.EventKind.EVENT_NOTICE
+        and event.reported.kind == "error"
+    ]
+    assert failed == ["A0"]
     bench.close()
 
 
