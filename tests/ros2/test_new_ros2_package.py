@@ -192,6 +192,29 @@ def test_interfaces_of_others(rover: Path) -> None:
     assert "lab_msgs" in texts(rover / "ros2/lab/package.xml", "depend")
 
 
+def test_the_system_of_a_run(rover: Path) -> None:
+    text = (rover / "rtgen.toml").read_text()
+    text = text.replace(', "systems"', "") + '[run]\nsystem = "drives"\n'
+    (rover / "rtgen.toml").write_text(text)
+    assert run(["new", "ros2-package", "rover_ros"]) == 2
+    (rover / "systems").rename(rover / "drives")
+    (rover / "drives/two_drives.xml").rename(rover / "drives/system.xml")
+    assert run(["new", "ros2-package", "rover_ros"]) == 0
+    assert (rover / "ros2/rover_ros/launch/drives.launch.py").is_file()
+    assert (rover / "ros2/rover_ros/project/drives/system.xml").is_file()
+
+
+def test_components_that_stay_inactive(
+    rover: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    del rover
+    for options, states in (([], {"ACTIVE"}), (["--inactive"], {"INACTIVE"})):
+        assert run(["run", "systems/two_drives.xml", "--until", "0.1", *options]) == 0
+        rows = re.findall(r"^(?:Left0|Right0) +(\w+)", capsys.readouterr().out, re.M)
+        assert len(rows) == 2
+        assert {*rows} == states
+
+
 def test_nothing_half_written(rover: Path) -> None:
     (rover / "idl/drive.idl").write_text("struct {")
     assert run(["new", "ros2-package", "rover_ros"]) == 2

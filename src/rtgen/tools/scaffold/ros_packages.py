@@ -13,7 +13,13 @@ import msgspec
 
 from rtgen.compiler.diagnostics import Diagnostic, InputError, Severity
 from rtgen.compiler.model import Model
-from rtgen.compiler.project import FILE_NAME, Project, output, shown
+from rtgen.compiler.project import (
+    FILE_NAME,
+    Project,
+    load_run_table,
+    output,
+    shown,
+)
 from rtgen.compiler.project.changed_inputs import LIBRARY
 from rtgen.compiler.systems.reading import read_file
 from rtgen.compiler.typemap.python.names import module_name
@@ -63,10 +69,10 @@ def packages(
 ) -> Packages:
     """Return the packages of a project, below `folder`; `name` is that of the systems' package.
 
-    `systems` are launched, by default those of the project. Packages of interfaces that exist are
-    left as they are. Raises InputError for a name that ROS 2
-    does not allow, for packages that need each other, without a system, and for files outside of
-    the project's folder.
+    `systems` are launched, by default those of the project, else that of `[run]`. Packages of
+    interfaces that exist are left as they are. Raises InputError for a name that ROS 2 does not
+    allow, for packages that need each other, without a system, and for files outside of the
+    project's folder; ToolError for a `pyproject.toml` that is not TOML.
     """
     texts, findings = interface_texts(model)
     by_package = _own_packages([*texts, *_of_boards(project, model)])
@@ -193,7 +199,9 @@ def _link(path: Path, target: Path) -> Link:
 def _launched(project: Project, systems: Sequence[Path]) -> list[LaunchedSystem]:
     """Return the systems, which have different names. Raises InputError."""
     launched: dict[str, LaunchedSystem] = {}
-    for path in systems or project.systems:
+    of_run = load_run_table().system
+    default = project.systems or ([of_run] if of_run else [])
+    for path in systems or default:
         file = path / "system.xml" if path.is_dir() else path
         profile, diagnostics, _ = read_file(file)
         if profile is None:
@@ -209,7 +217,7 @@ def _launched(project: Project, systems: Sequence[Path]) -> list[LaunchedSystem]
         managed = nodes if project.ros2.managed_nodes else ()
         launched[name] = LaunchedSystem(name, _below(project, path), managed)
     if not launched:
-        message = "[sources] paths names no system to launch"
+        message = "neither [sources] paths nor [run] names a system to launch"
         hint = "rtgen new system NAME makes one; --system FILE names one"
         raise InputError([NO_SYSTEM.at(None, message, hint=hint)])
     return [*launched.values()]
