@@ -6,8 +6,10 @@ The system runs as users run it, `rtgen run --ros2 NETWORK`; over rclpy in the i
 from __future__ import annotations
 
 import json
+import os
 import random
 import socket
+import subprocess
 import sys
 import time
 from collections.abc import Iterator
@@ -20,7 +22,7 @@ from typing import Any, NamedTuple
 import media
 import pytest
 from own_peer import Classes, OwnPeer
-from patience import until
+from patience import PATIENCE, until
 from random_values import Values, told
 from rclpy_node import Events, node
 from ros2_peers import Installation, installation
@@ -299,6 +301,14 @@ def test_an_action_of_the_system(lab: Lab) -> None:
     for goal in others:
         numbers = NUMBERS[: goals[goal] + 1]
         assert lab.peer.event("result", goal)[1:] == [SUCCEEDED, numbers]
+    states = f"{action[0]}/_action/status", "action_msgs/msg/GoalStatusArray"
+    lab.peer.do("subscribe", *states, 1, "states")
+    [_, message] = lab.peer.event("message", "states")
+    ends = {
+        bytes(each["goal_info"]["goal_id"]["uuid"]).hex(): each["status"]
+        for each in message["status_list"]
+    }
+    assert [ends[goal] for goal in goals] == [CANCELED, *[SUCCEEDED] * 4]
 
 
 def finish(lab: Lab, own: bool) -> None:
@@ -500,3 +510,44 @@ def test_types_are_described(lab: Lab) -> None:
     described = response["type_description"]["type_description"]
     assert described["type_name"] == name
     assert [field["name"] for field in described["fields"]] == ["data"]
+
+
+CALLS = Path(__file__).with_name("network_calls.py")
+
+
+@pytest.mark.parametrize(
+    "beside",
+    [
+        Beside("rclpy", "jazzy"),
+        pytest.param(Beside("rclpy", "kilted"), marks=pytest.mark.nightly),
+        Beside("dds", None),
+        Beside("zenoh", None),
+    ],
+    ids=str,
+)
+def test_calls_that_fail(beside: Beside) -> None:
+    environment = {**os.environ, "ROS_DOMAIN_ID": str(media.own_domain())}
+    python = sys.executable
+    if beside.distribution is not None:
+        ros2 = installation(beside.distribution)
+        python, environment = ros2.python, ros2.environment(media.own_domain())
+    else:
+        library = {"dds": "cyclonedds", "zenoh": "zenoh"}[beside.network]
+        pytest.importorskip(library, reason=f"{library} is not installed")
+    done = subprocess.run(
+        [python, str(CALLS), beside.network],
+        env=environment,
+        stdout=subprocess.PIPE,
+        text=True,
+        check=True,
+        timeout=PATIENCE,
+    )
+    assert json.loads(done.stdout) == {
+        "nobody serves": "ObjectNotExist",
+        "no response": "CallTimeout",
+        "late": "CallTimeout",
+        "after a late one": "in time",
+        "in another order": ["0", "1", "2", "3", "4"],
+        "the run ends": "CallEnded",
+        "the server is lost": "CommunicationFailure",
+    }

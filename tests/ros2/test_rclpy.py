@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
 import sys
 from collections.abc import Callable, Mapping
@@ -17,7 +16,6 @@ from rtgen.cli import run as rtgen
 
 pytestmark = [pytest.mark.peer, pytest.mark.waits]
 
-CALLS = Path(__file__).with_name("rclpy_calls.py")
 NO_VARIABLES: Mapping[str, str] = {}
 SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
 <rts:RtsProfile rts:id="RTSystem:me:s:1.0.0" rts:version="0.2"
@@ -176,19 +174,6 @@ def test_dds_is_taken_where_rclpy_is_not(run: Callable[..., Any]) -> None:
     assert done.returncode == 3
     assert "rclpy, which cannot be imported" in done.stderr
     assert "setup.bash" in done.stderr
-
-
-def test_calls_that_fail(ros2: Installation) -> None:
-    output = ros2.output(CALLS, domain=media.own_domain())
-    assert json.loads(output) == {
-        "nobody serves": "ObjectNotExist",
-        "no response": "CallTimeout",
-        "late": "CallTimeout",
-        "after a late one": "in time",
-        "in another order": ["0", "1", "2", "3", "4"],
-        "the run ends": "CallEnded",
-        "the server is lost": "CommunicationFailure",
-    }
 
 
 def test_errors_of_rclpy_are_reported(run: Callable[..., Any]) -> None:
