@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import threading
+import time
 from typing import Any
 
 from subject import Basics
-from subject.action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
-from subject.action_msgs.srv import CancelGoal_Response
 from subject.components.counter import CounterBase
 from subject.test_msgs import action
 from subject.test_msgs.srv import BasicTypes_Response
 
 from rtgen.runtime import RTC_OK, ReturnCode_t
+from rtgen.runtime.ros2.goals import GoalHandle, GoalServer
 
-EXECUTING, CANCELING, SUCCEEDED, CANCELED = 2, 3, 4, 5
 FINISH = "finish"
 """A request with this text lets all goals succeed, which wait for it."""
 
@@ -34,76 +32,34 @@ class Repeating(Basics):
         )
 
 
-class Goal:
-    """A goal with its state."""
+class Goals(GoalServer):
+    """Accepts positive orders. Goals wait until they are to finish."""
 
-    def __init__(self, info: GoalInfo, order: int) -> None:
-        self.info, self.order = info, order
-        self.status = EXECUTING
-        self.sequence = [0, 1]
-        self.ending = threading.Event()
-        self.done = threading.Event()
+    def __init__(self, component: Any) -> None:
+        super().__init__(component, "count", limit=100)
+        self._finished: set[bytes] = set()
 
+    def accept(self, goal: Any) -> bool:
+        """Accept positive orders."""
+        return bool(goal.order > 0)
 
-class Goals(action.Fibonacci):
-    """Accepts positive orders."""
-
-    def __init__(self, events: Any) -> None:
-        self._events = events
-        self._lock = threading.Lock()
-        self._goals: dict[bytes, Goal] = {}
-
-    def send_goal(self, request: Any) -> Any:
-        """Execute the goal in a thread of its own."""
-        order = request.goal.order
-        response = action.Fibonacci_SendGoal_Response(accepted=order > 0)
-        if order > 0:
-            goal = Goal(GoalInfo(request.goal_id, response.stamp), order)
-            with self._lock:
-                self._goals[bytes(request.goal_id.uuid)] = goal
-            threading.Thread(target=self._execute, args=(goal,), daemon=True).start()
-        return response
-
-    def _execute(self, goal: Goal) -> None:
-        self._tell()
-        while len(goal.sequence) <= goal.order:
-            goal.sequence.append(goal.sequence[-1] + goal.sequence[-2])
-            feedback = action.Fibonacci_Feedback(list(goal.sequence))
-            self._events.feedback(
-                action.Fibonacci_FeedbackMessage(goal.info.goal_id, feedback)
-            )
-        goal.ending.wait()
-        goal.status = CANCELED if goal.status == CANCELING else SUCCEEDED
-        self._tell()
-        goal.done.set()
-
-    def _tell(self) -> None:
-        with self._lock:
-            states = [
-                GoalStatus(goal.info, goal.status) for goal in self._goals.values()
-            ]
-        self._events.status(GoalStatusArray(states))
-
-    def cancel_goal(self, request: Any) -> Any:
-        """Cancel one goal that is executed."""
-        goal = self._goals.get(bytes(request.goal_info.goal_id.uuid))
-        if goal is None or goal.done.is_set():
-            return CancelGoal_Response(1)
-        goal.status = CANCELING
-        goal.ending.set()
-        return CancelGoal_Response(0, [goal.info])
-
-    def get_result(self, request: Any) -> Any:
-        """Wait for the end of a goal."""
-        goal = self._goals[bytes(request.goal_id.uuid)]
-        goal.done.wait()
-        result = action.Fibonacci_Result(goal.sequence)
-        return action.Fibonacci_GetResult_Response(goal.status, result)
+    def execute(self, goal: GoalHandle) -> Any:
+        """Count, with feedback."""
+        sequence = [0, 1]
+        while len(sequence) <= goal.goal.order:
+            sequence.append(sequence[-1] + sequence[-2])
+            goal.publish_feedback(action.Fibonacci_Feedback(list(sequence)))
+        while goal.id not in self._finished:
+            if goal.is_cancel_requested:
+                goal.canceled()
+                return action.Fibonacci_Result(sequence)
+            time.sleep(0.005)
+        goal.succeed()
+        return action.Fibonacci_Result(sequence)
 
     def finish(self) -> None:
         """Let all goals succeed."""
-        for goal in list(self._goals.values()):
-            goal.ending.set()
+        self._finished.update(goal.id for goal in self.goals)
 
 
 class Counter(CounterBase):
@@ -111,17 +67,10 @@ class Counter(CounterBase):
 
     def on_initialize(self) -> ReturnCode_t:
         """The servants exist from the start."""
-        self.served = Goals(self.events)
-        self.basics.set_servant(Repeating(self.served))
-        self.goals.set_servant(self.served)
+        self.basics.set_servant(Repeating(Goals(self)))
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
         """Say so."""
         self.log.warning("the counter counts")
-        return RTC_OK
-
-    def on_deactivated(self, ec_id: int) -> ReturnCode_t:
-        """No call waits for a goal."""
-        self.served.finish()
         return RTC_OK

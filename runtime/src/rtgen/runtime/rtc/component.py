@@ -411,6 +411,16 @@ class Component:
     def _at_end_of_cycle(self, call: Callable[[], None]) -> None:
         self._deferred_calls.append(call)
 
+    def _put_before(self, callback: str, action: Callable[[], None]) -> None:
+        """Call an action before a callback from now on."""
+        inside: Callable[[int], ReturnCode_t] = getattr(self, callback)
+
+        def outside(ec_id: int) -> ReturnCode_t:
+            action()
+            return inside(ec_id)
+
+        setattr(self, callback, outside)
+
     def _run_deferred_calls(self) -> None:
         calls = self._deferred_calls
         for _ in range(len(calls)):
