@@ -137,7 +137,7 @@ class GoalClient:
         try:
             goal.accepted = bool(self._call("send_goal", with_goal).accepted)
             if goal.accepted:
-                goal.status = GoalStatus.ACCEPTED
+                self._advance(goal, GoalStatus.ACCEPTED)
                 response = self._call("get_result", named)
                 goal.status, goal.result = GoalStatus(response.status), response.result
         except ServiceError as error:
@@ -187,8 +187,13 @@ class GoalClient:
         for each in message.status_list:
             with self._lock:
                 goal = self._goals.get(bytes(each.goal_info.goal_id.uuid))
-            if goal is not None and goal.status < each.status <= GoalStatus.ABORTED:
-                goal.status = GoalStatus(each.status)
+            if goal is not None and each.status <= GoalStatus.ABORTED:
+                self._advance(goal, GoalStatus(each.status))
+
+    def _advance(self, goal: ClientGoal, status: GoalStatus) -> None:
+        """Set a state that may have been overtaken by a later one."""
+        with self._lock:
+            goal.status = max(goal.status, status)
 
     def _in_tick(self, name: str, function: Callable[[], None]) -> None:
         """Call a user's function at the end of the next tick."""
