@@ -11,6 +11,7 @@ EXAMPLES = {
     "can": "rtgen can monitor --interface socketcan --channel can0",
     "new project": "rtgen new project my-robot",
     "new component": "rtgen new component Arm",
+    "new base": "rtgen new base Rover drive.eds --ros2",
     "new device": "rtgen new device Drive",
     "new board": "rtgen new board Lamp",
     "new ros2-package": "rtgen new ros2-package rover_ros",

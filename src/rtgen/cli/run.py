@@ -143,8 +143,7 @@ def run(
     """Run a system on the embedded runtime.
 
     SYSTEM is an RtsProfile, or a folder with system.xml and perhaps timeline.toml; it and options
-    that are missing are those of `[run]` in rtgen.toml. With --ros2 it may be left out: then the
-    boards of the project alone are served.
+    that are missing are those of `[run]` in rtgen.toml; no system and --ros2: its boards alone.
     Exit code 1: the end was not reached, a component ended in ERROR, or its code raised; 130:
     interrupted. --csv and --plot INSTANCE.PORT[.MEMBER] may be repeated.
     """

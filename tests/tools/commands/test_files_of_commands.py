@@ -151,6 +151,10 @@ ROWS: Mapping[str, tuple[Row, ...]] = {
     "check output": (Row("check definitions/scaler.idl -o @", kind="name"),),
     "docs paths": (Row("docs @ -o site", *CDL), Row("docs @ -o site", *SYSTEM)),
     "docs folder": (Row("docs -o @", kind="folder"),),
+    "new base drives": (
+        Row("new base Fresh @ --ros2", *EDS),
+        Row("new base Fresh @ --ros2", *CDL),
+    ),
     "diff versions": (
         Row("diff @ definitions/scaler.idl", *IDL),
         Row("diff definitions/motor.eds @", *EDS),

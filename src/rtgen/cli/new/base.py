@@ -20,7 +20,7 @@ from rtgen.tools.kit.exits import BAD_INPUT, OK
     nargs=-1,
     required=True,
     metavar="EDS...|CDL",
-    type=click.Path(path_type=Path, exists=True, dir_okay=False),
+    type=click.Path(path_type=Path),
 )
 @click.option("--ros2", "is_ros2", is_flag=True, help="Serve it as a node of ROS 2.")
 @click.option("--twist", is_flag=True, help="/cmd_vel is a Twist, not a TwistStamped.")

@@ -196,12 +196,12 @@ def _kinds(paths: Sequence[Path]) -> list[_Kind]:
     kinds: list[_Kind] = []
     findings: list[Diagnostic] = []
     for path, side in zip(paths, SIDES, strict=False):
-        data = read_start(path, _MOST_OCTETS)
-        if any(kind.data == data for kind in kinds):
-            continue
         read = eds.load([path], root=path.parent)
         findings += [d for d in read.diagnostics if has_errors([d])]
-        if has_errors(findings):
+        if has_errors(read.diagnostics):
+            continue
+        data = read_start(path, _MOST_OCTETS)
+        if any(kind.data == data for kind in kinds):
             continue
         [device] = read.model.devices
         findings += _lacking(device)
