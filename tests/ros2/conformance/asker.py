@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 import threading
+import time
 from queue import SimpleQueue
 from typing import Any
-from uuid import uuid4
 
 from subject.action_msgs.msg import GoalInfo
 from subject.action_msgs.srv import CancelGoal_Request
@@ -17,24 +17,32 @@ from subject.test_msgs.srv import BasicTypes_Request
 from subject.unique_identifier_msgs.msg import UUID
 
 from rtgen.runtime import RTC_OK, ReturnCode_t, ServiceError
+from rtgen.runtime.ros2.goal_clients import ClientGoal, GoalClient
 
 
-class Events(action.Fibonacci_Events):
+class Asking(GoalClient):
     """Tells feedback and states."""
 
-    def __init__(self, told: SimpleQueue[Any]) -> None:
+    def __init__(self, component: Any, told: SimpleQueue[Any]) -> None:
+        super().__init__(component, "count", limit=100)
         self._told = told
 
-    def feedback(self, message: Any) -> None:
+    def on_feedback(self, goal: ClientGoal, feedback: Any) -> None:
         """Tell the numbers so far of a goal."""
-        goal = bytes(message.goal_id.uuid).hex()
-        self._told.put(["feedback", goal, list(message.feedback.sequence)])
+        self._told.put(["feedback", goal.id.hex(), list(feedback.sequence)])
 
-    def status(self, message: Any) -> None:
-        """Tell the state of each goal."""
+    def _take_status(self, message: Any) -> None:
+        """Tell the state of each goal, also of one that has ended."""
+        super()._take_status(message)
         for each in message.status_list:
             goal = bytes(each.goal_info.goal_id.uuid).hex()
             self._told.put(["status", goal, each.status])
+
+    def on_result(self, goal: ClientGoal) -> None:
+        """Tell the result of a goal, none of one that is rejected."""
+        numbers = list(goal.result.sequence) if goal.accepted else None
+        status = int(goal.status) if goal.accepted else None
+        self._told.put(["goal", goal.id.hex(), status, numbers])
 
 
 class Asker(AskerBase):
@@ -43,7 +51,7 @@ class Asker(AskerBase):
     def on_initialize(self) -> ReturnCode_t:
         """What is told waits for the next cycle."""
         self.results: SimpleQueue[Any] = SimpleQueue()
-        self.events.set_servant(Events(self.results))
+        self.client = Asking(self, self.results)
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
@@ -57,7 +65,8 @@ class Asker(AskerBase):
 
     def _do(self, task: str, *arguments: Any) -> None:
         try:
-            self.results.put([task, *getattr(self, f"do_{task}")(*arguments)])
+            word = "accepted" if task == "goal" else task
+            self.results.put([word, *getattr(self, f"do_{task}")(*arguments)])
         except ServiceError as error:
             self.results.put(["failed", task, str(error)])
 
@@ -72,16 +81,13 @@ class Asker(AskerBase):
         return [{m: getattr(response, m) for m in values}]
 
     def do_goal(self, order: int) -> Any:
-        """Send a goal; return its identity, whether it is accepted, and its result."""
-        goal = UUID(uuid4().bytes)
-        name = bytes(goal.uuid).hex()
-        request = action.Fibonacci_SendGoal_Request(goal, action.Fibonacci_Goal(order))
-        accepted = self.goals.send_goal(request).accepted
-        self.results.put(["accepted", name, accepted])
-        if not accepted:
-            return name, None, None
-        end = self.goals.get_result(action.Fibonacci_GetResult_Request(goal))
-        return name, end.status, list(end.result.sequence)
+        """Send a goal; return its identity, and whether it is accepted."""
+        goal = self.client.send(action.Fibonacci_Goal(order))
+        while goal.accepted is None and not goal.has_ended:
+            time.sleep(0.002)
+        if goal.error is not None:
+            raise goal.error
+        return goal.id.hex(), goal.accepted
 
     def do_cancel(self, name: str) -> Any:
         """Cancel a goal; return the code and how many are cancelled."""
