@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from msgspec.structs import replace
 
 from rtgen.facts import port_fitting
-from rtgen.facts.connector_properties import EMBEDDED_DATA, PROFILE_ATTRIBUTES
+from rtgen.facts.connector_properties import PROFILE_ATTRIBUTES, embedded_data
 from rtgen.facts.port_fitting import StatedInterface, StatedPort
 from rtgen.ui.protocol import ui
 
@@ -111,7 +111,7 @@ def restored(properties: Sequence[ui.Value]) -> list[ui.Value]:
     return [
         each
         for each in properties
-        if each.name in EMBEDDED_DATA or each.name in PROFILE_ATTRIBUTES
+        if each.name in embedded_data() or each.name in PROFILE_ATTRIBUTES
     ]
 
 

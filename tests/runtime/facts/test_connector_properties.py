@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from rtgen.compiler.diagnostics import Span
 from rtgen.compiler.model import Connection, PortReference, System
 from rtgen.compiler.systems.checks import check_properties
-from rtgen.facts.connector_properties import DATA, SERVICE, is_foreign
+from rtgen.facts.connector_properties import SERVICE, is_foreign, stated_data
 from rtgen.runtime.errors import ConnectorPropertyError
 from rtgen.runtime.ports import connector_properties as runtime
 from rtgen.runtime.services.connectors import read_properties
@@ -53,7 +53,7 @@ def connected(properties: Mapping[str, str], *, service: bool) -> bool:
     return True
 
 
-@pytest.mark.parametrize("key", [*DATA, *SERVICE])
+@pytest.mark.parametrize("key", [*stated_data(), *SERVICE])
 def test_both_take_the_same(key: str) -> None:
     for text in TEXTS:
         properties = {key: text}

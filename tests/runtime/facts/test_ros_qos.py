@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rtgen.facts.connector_properties import DATA, STATED_DATA, violation
+from rtgen.facts.connector_properties import stated_data, violation
 from rtgen.facts.ros_qos import (
     PROFILES,
     Durability,
@@ -212,8 +212,8 @@ def in_cpp(name: str) -> str:
 def test_own_properties_are_for_both_ends(policy: str) -> None:
     text, value = OWN[policy]
     key = f"dataport.ros2.{policy}"
-    assert violation(STATED_DATA, key, text) is None
-    assert violation(STATED_DATA, key, "?") is not None
+    assert violation(stated_data(), key, text) is None
+    assert violation(stated_data(), key, "?") is not None
     expected = Profile()._replace(**{policy: value})
     assert profiles({key: text}) == (expected, expected)
 
@@ -225,12 +225,14 @@ def test_words_of_the_transports_in_python(transport: str, policy: str) -> None:
     expected = Profile()._replace(**{policy: value})
     for node, place in (("writer_qos", 0), ("reader_qos", 1)):
         stated = {f"dataport.{transport}.{node}.{k}": t for k, t in words.items()}
-        assert [violation(DATA, k, t) for k, t in stated.items()] == [None] * len(words)
+        assert [violation(stated_data(), k, t) for k, t in stated.items()] == [
+            None
+        ] * len(words)
         both = [Profile(), Profile()]
         both[place] = expected
         assert list(profiles(stated)) == both
         for key in stated:
-            assert violation(DATA, key, "?") is not None
+            assert violation(stated_data(), key, "?") is not None
 
 
 @pytest.mark.parametrize("policy", POLICIES)
@@ -240,7 +242,9 @@ def test_words_of_the_transport_in_cpp(policy: str) -> None:
     for node, place in (("publisher", 0), ("subscriber", 1)):
         at = f"dataport.fast-rtps.{node}"
         stated = {f"{at}.{in_cpp(k)}": t for k, t in words.items()}
-        assert [violation(DATA, k, t) for k, t in stated.items()] == [None] * len(words)
+        assert [violation(stated_data(), k, t) for k, t in stated.items()] == [
+            None
+        ] * len(words)
         both = [Profile(), Profile()]
         both[place] = expected
         assert list(profiles(stated)) == both
@@ -260,7 +264,7 @@ def test_words_of_the_transport_in_cpp(policy: str) -> None:
 )
 def test_what_leaves_a_policy_as_it_is(stated: dict[str, str]) -> None:
     properties = {f"dataport.ros2.reader_qos.{k}": t for k, t in stated.items()}
-    assert all(violation(DATA, k, t) is None for k, t in properties.items())
+    assert all(violation(stated_data(), k, t) is None for k, t in properties.items())
     assert profiles(properties) == (Profile(), Profile())
     assert not list(problems(properties))
 

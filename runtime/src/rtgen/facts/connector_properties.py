@@ -6,14 +6,11 @@ RTC 1.0 leaves them to implementations.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from enum import StrEnum
+from functools import cache
 from math import isfinite
 from typing import Final, TypeAlias
-
-from rtgen.facts import ros_qos_words
-from rtgen.facts.adapter_constants import parsed
-from rtgen.facts.ros_marshaling import parse as parse_marshaling
 
 PROFILE_ATTRIBUTES: Final[Mapping[str, str]] = {
     "dataport.dataflow_type": "dataflowType",
@@ -103,7 +100,14 @@ _INTEGER = re.compile(r"[0-9]{1,18}")
 IGNORED: Final = (_ADDRESS_PREFIX, "rtgen.")
 """Prefixes of properties that the embedded runtime ignores: addresses, and other targets."""
 
-Check: TypeAlias = ros_qos_words.Check
+TOPIC_TRANSPORTS: Final = (
+    *("ros2", "fast-rtps", "opensplice", "cyclone-dds", "rti-connext-dds"),
+    *("rti-connext-dds-micro", "iceoryx"),
+)
+"""Names of OpenRTM-aist's transports that publish topics, in `dataport.interface_type`."""
+
+Check: TypeAlias = Callable[[str], str | None]
+"""Function that returns the expected form of an invalid property text; None for a valid one."""
 
 
 def _one_of(*words: str) -> Check:
@@ -142,11 +146,16 @@ def _byte_orders(text: str) -> str | None:
 
 
 def _marshaling(text: str) -> str | None:
-    is_valid = text == "cdr" or parse_marshaling(text) is not None
-    return None if is_valid else "cdr or ros2:PACKAGE/TYPE"
+    if text == "cdr":
+        return None
+    from rtgen.facts.ros_marshaling import parse
+
+    return None if parse(text) else "cdr or ros2:PACKAGE/TYPE"
 
 
 def _constants(text: str) -> str | None:
+    from rtgen.facts.adapter_constants import parsed
+
     try:
         parsed(text)
     except ValueError:
@@ -170,7 +179,7 @@ _BUFFER_PROPERTIES: Mapping[str, Check] = {
 DATA: Final[Mapping[str, Check]] = {
     "dataport.interface_type": _one_of(
         *("corba_cdr", "direct", "shared_memory", "data_service", "csp_channel"),
-        *ros_qos_words.TRANSPORTS,
+        *TOPIC_TRANSPORTS,
     ),
     "dataport.dataflow_type": _one_of(*Dataflow, "duplex"),
     _SUBSCRIPTION_TYPE: _one_of(*Subscription),
@@ -184,7 +193,6 @@ DATA: Final[Mapping[str, Check]] = {
         for end in _ENDS
         for key, check in _BUFFER_PROPERTIES.items()
     },
-    **ros_qos_words.CHECKS,
     ROS_SET: _constants,
     "dataport.serializer.cdr.endian": _byte_orders,
     **{f"dataport.{end}marshaling_type": _marshaling for end in _ENDS},
@@ -192,7 +200,7 @@ DATA: Final[Mapping[str, Check]] = {
     "dataport.fan_out": _integer(1),
     "dataport.allow_dup_connection": _flag,
 }
-"""The properties of data connectors in OpenRTM."""
+"""The properties of data connectors in OpenRTM, without those of topics."""
 
 QOS: Final[Mapping[str, Check]] = {
     "dataport.qos.reliability": _one_of("reliable", "best_effort"),
@@ -205,16 +213,29 @@ QOS: Final[Mapping[str, Check]] = {
 }
 """Quality of service between processes, named as in DDS 1.4, 2.2.3."""
 
-STATED_DATA: Final[Mapping[str, Check]] = {**DATA, **QOS}
-"""The properties of data connectors that a system file can have."""
-
-EMBEDDED_DATA: Final[Mapping[str, Check]] = {
-    **STATED_DATA,
+PLAIN_DATA: Final[Mapping[str, Check]] = {
+    **DATA,
+    **QOS,
     "dataport.dataflow_type": _one_of(*Dataflow),
 }
-"""The properties of data connectors in the embedded runtime: no `duplex`, but QoS between
-processes.
+"""The properties of data connectors in the embedded runtime, without those of topics: no `duplex`,
+but QoS between processes.
 """
+
+
+@cache
+def stated_data() -> Mapping[str, Check]:
+    """Return the properties of data connectors that a system file can have."""
+    from rtgen.facts.ros_qos_words import CHECKS
+
+    return {**DATA, **CHECKS, **QOS}
+
+
+@cache
+def embedded_data() -> Mapping[str, Check]:
+    """Return the properties of data connectors in the embedded runtime."""
+    return {**stated_data(), **PLAIN_DATA}
+
 
 SERVICE: Final[Mapping[str, Check]] = {
     STRICTNESS: _one_of("strict", "best_effort"),

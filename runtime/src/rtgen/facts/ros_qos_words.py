@@ -13,8 +13,9 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from enum import IntEnum
 from functools import cache, partial
 from math import inf
-from typing import Any, Final, NamedTuple, TypeAlias
+from typing import Any, Final, NamedTuple
 
+from rtgen.facts.connector_properties import TOPIC_TRANSPORTS, Check
 from rtgen.facts.ros_qos import (
     PROFILES,
     SECOND,
@@ -116,15 +117,6 @@ WHY: Final = {
 }
 """Why a word that `contradiction` returns has no effect, and what to do."""
 
-TRANSPORTS: Final = (
-    *("ros2", "fast-rtps", "opensplice", "cyclone-dds", "rti-connext-dds"),
-    *("rti-connext-dds-micro", "iceoryx"),
-)
-"""Names of OpenRTM-aist's transports that publish topics, in `dataport.interface_type`."""
-
-Check: TypeAlias = Callable[[str], str | None]
-"""Function that returns the expected form of an invalid property text; None for a valid one."""
-
 
 class Statement(NamedTuple):
     """A value that a property states of the publisher, the subscription, or of both (None)."""
@@ -186,7 +178,7 @@ def _depth(text: str) -> Any:
 
 
 def _openrtm() -> Iterator[tuple[str, _Property]]:
-    for transport in TRANSPORTS:
+    for transport in TOPIC_TRANSPORTS:
         for node, _, writes in _NODES:
             at = f"dataport.{transport}.{node}"
             yield from _node(at, f"{at}.history", "sec", writes=writes)
@@ -245,11 +237,11 @@ CHECKS: Final[Mapping[str, Check]] = {
         for key, each in _PROPERTIES.items()
         if not key.startswith(_BETWEEN_PROCESSES)
     },
-    **{f"dataport.{name}.topic": _any for name in TRANSPORTS},
+    **{f"dataport.{name}.topic": _any for name in TOPIC_TRANSPORTS},
     **{f"dataport.fast-rtps.{node}.name": _any for _, node, _ in _NODES},
     **{
         f"dataport.{name}.{node}.avoid_ros_namespace_conventions": _any
-        for name in TRANSPORTS
+        for name in TOPIC_TRANSPORTS
         for node, _, _ in _NODES
     },
 }
@@ -260,7 +252,7 @@ prefixes, have no effect.
 
 def topic_of(properties: Mapping[str, str]) -> str | None:
     """Return the topic that a connector states."""
-    stated = (properties.get(f"dataport.{name}.topic", "") for name in TRANSPORTS)
+    stated = (properties.get(f"dataport.{name}.topic", "") for name in TOPIC_TRANSPORTS)
     return next((text.strip() for text in stated if text.strip()), None)
 
 

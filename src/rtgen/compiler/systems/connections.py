@@ -203,7 +203,7 @@ def _properties(connection: Connection) -> Iterator[Diagnostic]:
     table = (
         connector_properties.SERVICE
         if connection.service
-        else connector_properties.STATED_DATA
+        else connector_properties.stated_data()
     )
     for written, text in connection.properties:
         key = written.removeprefix(OVERRIDE)

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 
 import msgspec
 
-from rtgen.facts import ros_qos_words
 from rtgen.facts.connector_properties import (
-    EMBEDDED_DATA,
     IGNORED,
+    MARSHALING,
+    PLAIN_DATA,
     PUSH_RATE,
     Check,
     Dataflow,
@@ -17,6 +17,7 @@ from rtgen.facts.connector_properties import (
     FullPolicy,
     PushPolicy,
     Subscription,
+    embedded_data,
     is_contradictory,
     lacks_push_rate,
     subscriptions,
@@ -50,7 +51,8 @@ def parse(properties: Mapping[str, str]) -> ConnectorSettings:
     ConnectorPropertyError.
     """
     texts = {key: str(value).strip() for key, value in properties.items()}
-    check(texts, EMBEDDED_DATA)
+    is_plain = MARSHALING not in texts and texts.keys() <= PLAIN_DATA.keys()
+    check(texts, PLAIN_DATA if is_plain else embedded_data())
     meant = subscriptions(texts)
     if is_contradictory(texts):
         stated = " and ".join(f"{key} = {texts[key]}" for key in meant)
@@ -61,8 +63,11 @@ def parse(properties: Mapping[str, str]) -> ConnectorSettings:
         raise ConnectorPropertyError(
             f"subscription 'periodic' needs the property {PUSH_RATE!r}"
         )
-    for _, problem, hint in ros_qos_words.problems(texts):
-        raise ConnectorPropertyError(f"connector properties: {problem}; {hint}")
+    if not is_plain:
+        from rtgen.facts.ros_qos_words import problems
+
+        for _, problem, hint in problems(texts):
+            raise ConnectorPropertyError(f"connector properties: {problem}; {hint}")
     subscription = next(iter(meant.values()), Subscription.FLUSH)
     periodic = subscription is Subscription.PERIODIC
     push_policy = texts.get("dataport.publisher.push_policy", PushPolicy.NEW)

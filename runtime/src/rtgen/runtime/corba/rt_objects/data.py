@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import omniORB
 from omniORB import CORBA
 
-from rtgen.facts.connector_properties import EMBEDDED_DATA, Dataflow
+from rtgen.facts.connector_properties import Dataflow, embedded_data
 from rtgen.facts.port_fitting import is_same_type
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.corba.faults import is_silent, is_timeout
@@ -75,7 +75,7 @@ def settings_of(properties: Mapping[str, str], type_: type[DataType]) -> dict[st
     stated = properties.get(_TYPE, descriptor.repository_id).strip()
     if not is_same_type(stated, descriptor.repository_id):
         raise PortTypeError(f"samples of type {stated}, not {descriptor.repository_id}")
-    kept = {key: text for key, text in properties.items() if key in EMBEDDED_DATA}
+    kept = {key: text for key, text in properties.items() if key in embedded_data()}
     kept.pop(_TYPE, None)
     for key in ("dataport.dataflow_type", "dataport.subscription_type"):
         if key in kept:
