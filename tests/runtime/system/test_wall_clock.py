@@ -21,10 +21,8 @@ STAMP = "a stamp for other machines"
 
 READERS = {
     "ui/stored_tokens.py _read": "the age of a file",
-    "runtime/ros2/life_cycle.py LifeCycle.changed": STAMP,
-    "runtime/ros2/managed.py _ManagedNode.on_parameter": STAMP,
     "runtime/ros2/zenoh.py AttachedService._on_query.respond": STAMP,
-    "runtime/ros2/zenoh.py _Attachments.next": STAMP,
+    "runtime/ros2/zenoh_topics.py Attachments.next": STAMP,
     "runtime/timing/clocks.py RealClock.__init__": "set once",
     "runtime/timing/steady.py": "set once",
 }

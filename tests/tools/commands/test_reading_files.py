@@ -59,6 +59,7 @@ WRITERS = {
     "compiler/project/output.py _sync_folder",
     "compiler/project/output.py _write_whole",
     "runtime/rtc/checkpoints.py CheckpointFile.__init__",
+    "tools/renaming/journal.py _locked",
     "tools/renaming/plan.py _write",
     "tools/scaffold/writing.py added",
     "ui/documents/storing.py _create",

@@ -13,6 +13,7 @@ from rtgen.cli.new.base import base as base
 from rtgen.cli.new.base import generate
 from rtgen.cli.options import with_console
 from rtgen.compiler.project import Project, load, shown
+from rtgen.facts.files import write_atomically
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import OK
 
@@ -53,7 +54,7 @@ def project(console: Console, name: str, source: str | None) -> int:
             twice = [starters.FIRST] * 2
             writing.write(starters.system(forms, place, model, twice)[0])
             settings = starters.project_settings(forms, place, complete=True)
-            settings.path.write_text(settings.text, encoding="utf-8")
+            write_atomically(settings.path, settings.text.encode())
         generate(console, load(folder))
     console.say(f"{shown(target)}: created; see {shown(target / 'README.md')}")
     return OK

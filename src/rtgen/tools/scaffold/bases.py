@@ -30,7 +30,7 @@ from rtgen.compiler.typemap.canopen.names import module_name as device_module
 from rtgen.compiler.typemap.canopen.ports import DevicePorts
 from rtgen.compiler.typemap.python.names import module_name
 from rtgen.facts.canopen import TPDO_COMMUNICATION
-from rtgen.facts.files import read_start
+from rtgen.facts.files import read_start, write_atomically
 from rtgen.tools.scaffold import writing
 from rtgen.tools.scaffold.names import Names, project_names
 from rtgen.tools.scaffold.rules import NO_DRIVE
@@ -83,7 +83,7 @@ def create(
         writing.write([*files, settings])
         for kind in kinds:
             copy = folder / "definitions" / f"{kind.file}.eds"
-            copy.write_bytes(kind.data)
+            write_atomically(copy, kind.data)
         (folder / "systems").mkdir()
         writing.write(_parts(forms, load(folder), kinds, stamped))
         writing.write(_systems(forms, load(folder)))

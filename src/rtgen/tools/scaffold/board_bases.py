@@ -25,7 +25,7 @@ from rtgen.compiler.model import (
 from rtgen.compiler.project import OUTPUT, Project, load
 from rtgen.facts import opaque_rpc as facts
 from rtgen.facts.connector_properties import OWN_PORT
-from rtgen.facts.files import read_start
+from rtgen.facts.files import read_start, write_atomically
 from rtgen.tools.scaffold import writing
 from rtgen.tools.scaffold.board_drives import BoardDrive, drive_of
 from rtgen.tools.scaffold.names import Names, project_names
@@ -69,7 +69,7 @@ def create(
         for each, data in beside.items():
             copy = place.definitions / each
             copy.parent.mkdir(parents=True, exist_ok=True)
-            copy.write_bytes(data)
+            write_atomically(copy, data)
         writing.write([*first, *files_of("base", settings, complete=False, **values)])
         model = _model(load(folder))
         drive = drive_of(list(boards(model)))

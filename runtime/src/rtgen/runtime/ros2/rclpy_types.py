@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import importlib
-import json
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
+import msgspec
+
+from rtgen.facts.files import UnreadableError, is_file, read_file
 from rtgen.runtime.distribution.medium import MediumError
 from rtgen.runtime.failures import log
 
@@ -18,6 +20,17 @@ _OF_ACTIONS: Final = {
     "FeedbackMessage": "FeedbackMessage",
 }
 """Attributes of an action's `Impl` by suffixes; others are attributes of its class."""
+
+
+class _TypeHash(msgspec.Struct):
+    type_name: str
+    hash_string: str
+
+
+class _Described(msgspec.Struct):
+    """The file of an interface, `share/PACKAGE/msg/NAME.json` (rosidl, type description)."""
+
+    type_hashes: list[_TypeHash]
 
 
 def installed(name: str, type_hash: str) -> Any:
@@ -76,8 +89,10 @@ def _hashes(module: Path, place: str) -> dict[str, str]:
     """Return the hashes in an interface's file below the `share` folder beside a module."""
     for folder in module.parents:
         file = folder / "share" / place
-        if file.is_file():
-            content = json.loads(file.read_text(encoding="utf-8"))
-            hashes = content["type_hashes"]
-            return {each["type_name"]: each["hash_string"] for each in hashes}
+        if is_file(file):
+            try:
+                described = msgspec.json.decode(read_file(file), type=_Described)
+            except (UnreadableError, msgspec.DecodeError) as error:
+                raise MediumError(f"{file} cannot be read: {error}") from error
+            return {each.type_name: each.hash_string for each in described.type_hashes}
     return {}
