@@ -2,27 +2,63 @@
 
 from __future__ import annotations
 
+import importlib
 import threading
 from collections.abc import Iterator
 from contextlib import ExitStack
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import pytest
-from action_ends import generated
 from patience import until
 
+from rtgen.cli import run as rtgen
 from rtgen.runtime import RTC_OK, RealClock, SimulatedClock, System
 from rtgen.runtime.ros2.goal_clients import ClientGoal, GoalClient
 from rtgen.runtime.ros2.goals import GoalHandle, GoalServer, GoalStatus
 from rtgen.runtime.services.servants import ServiceError
 
 MS = 1_000_000
+IDL = """
+#include "lab/action/Go.idl"
+component Mover {
+    @port("go") provides lab::action::Go goals;
+    @port("go") uses lab::action::Go_Events events;
+    provides lab::action::Go alone;
+};
+component Asker {
+    @port("go") uses lab::action::Go goals;
+    @port("go") provides lab::action::Go_Events events;
+    provides lab::action::Go_Events other;
+};
+"""
+PACKAGES = (
+    *("lab.action", "action_msgs.srv", "action_msgs.msg", "unique_identifier_msgs.msg"),
+    *("components.mover", "components.asker"),
+)
 
 
 @pytest.fixture(scope="module")
-def go(tmp_path_factory: pytest.TempPathFactory) -> ModuleType:
-    return generated(tmp_path_factory.mktemp("goals"))
+def go(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ModuleType]:
+    """Import the package generated from the action and the components."""
+    folder = tmp_path_factory.mktemp("goals")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        Path("lab/action").mkdir(parents=True)
+        Path("lab/action/Go.action").write_text(
+            "float64 x\n---\nbool done\n---\nfloat64 left\n"
+        )
+        Path("t.idl").write_text(IDL)
+        Path("rtgen.toml").write_text(
+            '[sources]\npaths = ["t.idl", "lab"]\n[output]\npackage = "goals_go"\n'
+        )
+        assert rtgen(["generate", "-q", "--no-cache"]) == 0
+        patch.syspath_prepend(str(folder / "generated"))
+        package = importlib.import_module("goals_go")
+        for name in PACKAGES:
+            importlib.import_module(f"goals_go.{name}")
+        yield package
 
 
 class Moving(GoalServer):
@@ -217,8 +253,8 @@ def test_errors_of_the_functions_of_a_client_are_reported(ends: Ends) -> None:
 
 def request(ends: Ends, name: str, id_: bytes, stamp: tuple[int, int] = (0, 0)) -> Any:
     """Return the response of a cancellation."""
-    from ros_go.action_msgs.msg import GoalInfo
-    from ros_go.action_msgs.srv import CancelGoal_Request
+    from goals_go.action_msgs.msg import GoalInfo
+    from goals_go.action_msgs.srv import CancelGoal_Request
 
     info = GoalInfo()
     info.goal_id.uuid = id_

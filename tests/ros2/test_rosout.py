@@ -1,4 +1,4 @@
-"""`Component.log`: printed and recorded by runs, on `/rosout` with ROS 2."""
+"""`Component.logger`: printed and recorded by runs, on `/rosout` with ROS 2."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ class Talk(Component):
     profile = ComponentProfile("Talk", rate=10.0)
 
     def on_activated(self, ec_id):
-        self.log.debug("volts: %d", 12)
-        self.log.info("begins with %s", "all")
-        self.log.warning("low")
+        self.logger.debug("volts: %d", 12)
+        self.logger.info("begins with %s", "all")
+        self.logger.warning("low")
         return RTC_OK
 
     def on_execute(self, ec_id):
-        self.log.error("again")
+        self.logger.error("again")
         return RTC_OK
 """
 
@@ -90,12 +90,12 @@ def test_lines_are_bounded_and_can_be_sent() -> None:
     component = Component("T0")
     lines: list[Any] = []
     component._clock.traffic.watch(lines.append)
-    component.log.warning("x" * 100_000)
-    component.log.warning("a\0b\udc80")
+    component.logger.warning("x" * 100_000)
+    component.logger.warning("a\0b\udc80")
     try:
         raise OSError("no device")
     except OSError:
-        component.log.exception("cannot open")
+        component.logger.exception("cannot open")
     assert all(isinstance(line, LogLine) for line in lines)
     assert len(lines[0].text) < 11_000
     assert lines[1].text == "ab?"
@@ -107,10 +107,10 @@ def test_instances_of_two_systems_do_not_share_a_logger() -> None:
     lines: list[Any] = []
     first, second = Component("T0"), Component("T0")
     first._clock.traffic.watch(lines.append)
-    second.log.error("of the second")
-    first.log.error("of the first")
+    second.logger.error("of the second")
+    first.logger.error("of the first")
     assert [line.text for line in lines] == ["of the first"]
-    assert first.log.name == "rtgen.components.T0"
+    assert first.logger.name == "rtgen.components.T0"
 
 
 class _Network:
@@ -144,9 +144,9 @@ def test_rosout(level: int, told: int) -> None:
     nodes = ManagedNodes(
         network, system, {"T0": "T0"}, message_classes(*INTERFACES), "/lab"
     )
-    component.log.setLevel(logging.NOTSET + 1)
+    component.logger.setLevel(logging.NOTSET + 1)
     system.run(1_500_000_000)
-    component.log.log(level, "text %d", 1)
+    component.logger.log(level, "text %d", 1)
     [(topic, line)] = [each for each in network.sent if each[0].name == "/rosout"]
     assert topic.node == "T0"
     assert (line.name, line.msg, line.level) == ("lab.T0", "text 1", told)
@@ -155,7 +155,7 @@ def test_rosout(level: int, told: int) -> None:
     assert line.file == __file__
     assert line.line > 0
     nodes.close()
-    component.log.error("after the end")
+    component.logger.error("after the end")
     assert len([1 for topic, _ in network.sent if topic.name == "/rosout"]) == 1
 
 

@@ -72,5 +72,5 @@ class Counter(CounterBase):
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
         """Say so."""
-        self.log.warning("the counter counts")
+        self.logger.warning("the counter counts")
         return RTC_OK

@@ -162,7 +162,7 @@ class GoalClient:
             try:
                 self._call("cancel_goal", named)
             except ServiceError as error:
-                self._component.log.debug("a goal cannot be canceled: %s", error)
+                self._component.logger.debug("a goal cannot be canceled: %s", error)
 
         self._start(call, goal)
 

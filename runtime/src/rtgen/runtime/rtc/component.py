@@ -259,7 +259,7 @@ class Component:
         return self._clock.now()
 
     @cached_property
-    def log(self) -> logging.Logger:
+    def logger(self) -> logging.Logger:
         """The component's logger.
 
         `rtgen run` prints and records its lines from INFO on, those of DEBUG with `-v`; with ROS 2

@@ -1,4 +1,4 @@
-"""Loggers of components, `Component.log`."""
+"""Loggers of components, `Component.logger`."""
 
 from __future__ import annotations
 

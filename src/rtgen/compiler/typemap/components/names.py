@@ -28,7 +28,7 @@ COMPONENT_NAMES = frozenset(
         "instance_name",
         "is_active",
         "is_alive",
-        "log",
+        "logger",
         "lost",
         "network",
         "now",
