@@ -392,17 +392,20 @@ def test_a_lost_process_fails_nobody_who_can_do_without_it(
     assert here.system.state("a") is runtime.LifeCycleState.ACTIVE_STATE
 
 
-@pytest.mark.parametrize("is_planned", [True, False])
+@pytest.mark.parametrize("end", ["system", "transport", "killed"])
 def test_a_process_that_ends_as_planned_is_not_reported_as_lost(
     pair: tuple[Process, Process],
-    is_planned: bool,
+    end: str,
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     here, there = pair
     caplog.set_level(NOTE)
     here.ready()
     until(lambda: here.transport.peers.is_elsewhere("b"))
-    if is_planned:
+    is_planned = end != "killed"
+    if end == "system":
+        there.system.close()
+    elif end == "transport":
         there.transport.close()
     else:
         there.medium.close()

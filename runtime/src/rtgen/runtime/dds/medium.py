@@ -255,7 +255,8 @@ class DdsMedium(DdsEngine):
 
     def announce(self, name: str) -> Token:
         """See `Medium`."""
-        return self._keep(_Once(self._presences.announce(check_name(name))))
+        with entities.reported(name):
+            return self._keep(_Once(self._presences.announce(check_name(name))))
 
     def watch(self, prefix: str, on_change: OnChange) -> Token:
         """See `Medium`."""

@@ -22,7 +22,7 @@ class Presence(Enum):
     """The presence of an instance of another process."""
 
     LOST = "is lost: its process ended or is out of reach"
-    ENDED = "has ended with its process"
+    ENDED = "has ended"
     BACK = "is there again"
 
 
@@ -49,8 +49,8 @@ class Peers:
         self._changed = threading.Condition()
         self._present: dict[str, list[str]] = {}
         self._lost: set[str] = set()
-        self._ending: set[str] = set()
-        """Processes that have announced their end."""
+        self._ending: set[tuple[str, str]] = set()
+        """Instances of processes that have announced their end."""
         self._descriptions: dict[str, Description] = {}
         self._silent: dict[str, float] = {}
         self._askers: dict[str, control.Asker] = {}
@@ -125,9 +125,12 @@ class Peers:
             return
         instance, process = presence
         if process.endswith(names.ENDING):
+            ended = (instance, process.removesuffix(names.ENDING))
             if present:
-                self._ending.add(process.removesuffix(names.ENDING))
+                self._ending.add(ended)
             return
+        if present:
+            self._ending.discard(presence)
         with self._changed:
             before = self._present.get(instance, [])
             after = [p for p in before if p != process] + [process] * present
@@ -144,7 +147,7 @@ class Peers:
         if process == self._process:
             return  # Its own presence ends and returns with the engine's link to a router.
         if not after and before:
-            is_ended = process in self._ending
+            is_ended = presence in self._ending
             self._notify(instance, Presence.ENDED if is_ended else Presence.LOST)
         elif after and was_lost:
             self._notify(instance, Presence.BACK)

@@ -20,7 +20,7 @@ from rtgen.runtime.distribution.data import (
     SendingConnector,
 )
 from rtgen.runtime.distribution.descriptions import DataPort
-from rtgen.runtime.distribution.medium import Medium, MediumError
+from rtgen.runtime.distribution.medium import Medium, MediumError, Token
 from rtgen.runtime.distribution.names import ending_name, presence_name
 from rtgen.runtime.distribution.peers import Peers, Presence
 from rtgen.runtime.distribution.qos import fails_on_loss
@@ -82,6 +82,8 @@ class DistributedTransport(Closable):
         self._data: list[SendingConnector | ReceivingConnector] = []
         self._failing: dict[str, tuple[str, str]] = {}
         """By connection: the component that fails, and the instance whose loss makes it fail."""
+        self._endings: dict[str, Token] = {}
+        """The announcements of the ends of instances."""
         self._system: System | None = None
         self._closing = threading.Lock()
         try:
@@ -96,8 +98,7 @@ class DistributedTransport(Closable):
         """Withdraw everything, and close the medium. A second call has no effect."""
         with self._closing:
             for instance in self._published:
-                with suppress(MediumError):
-                    self._medium.announce(ending_name(instance, self._process))
+                self._announce_end(instance)
             for published in self._published.values():
                 published.close()
             self._published.clear()
@@ -120,6 +121,9 @@ class DistributedTransport(Closable):
         assert isinstance(component, Component)
         instance = component.instance_name
         published = self._published[instance] = _Published(component)
+        ending = self._endings.pop(instance, None)
+        if ending is not None:
+            ending.close()
         medium = self._medium
         try:
             with _reported():
@@ -151,7 +155,15 @@ class DistributedTransport(Closable):
         """Withdraw a component, its presence first."""
         published = self._published.pop(component.instance_name, None)
         if published is not None:
+            self._announce_end(component.instance_name)
             published.close()
+
+    def _announce_end(self, instance: str) -> None:
+        """Tell other processes that an instance is not lost, but ends."""
+        if instance not in self._endings:
+            with suppress(MediumError):
+                name = ending_name(instance, self._process)
+                self._endings[instance] = self._medium.announce(name)
 
     def carrier_of(self, interface: Any, provider: Provider[Any]) -> Carrier:
         """Return the provider itself: calls within a process do not leave it."""
