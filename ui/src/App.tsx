@@ -29,6 +29,7 @@ export function App() {
   const [tab, open] = useState<Tab>("Values");
   const [adding, setAdding] = useState(() => sessionStorage.getItem(PALETTE) === "open");
   const [asked, ask] = useState<"commands" | "keys">();
+  const [wire, inspect] = useState("");
   const [renaming, rename] = useState<string>();
   const openFromWiring = useCallback((view: Tab) => {
     open(view);
@@ -83,6 +84,7 @@ export function App() {
           select={select}
           open={openFromWiring}
           rename={rename}
+          inspect={inspect}
           add={addFromWiring}
         />
       ),
@@ -102,6 +104,8 @@ export function App() {
           tab={tab}
           open={open}
           rename={rename}
+          connection={system.connections.find((each) => each.name === wire)}
+          inspect={inspect}
         />
       ),
     });

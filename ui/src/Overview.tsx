@@ -7,7 +7,7 @@ import { stateClass, stateOf, store } from "./store.ts";
 /** Wires that lose samples are listed up to this number. */
 const MOST = 12;
 
-export function Overview({ system, select }: { system: SystemState; select: (instance: string) => void }) {
+export function Overview({ system, select, inspect }: { system: SystemState; select: (instance: string) => void; inspect: (connection: string) => void }) {
   const { components, connections, time, plan } = system;
   const { flows, statistics, traffic } = { ...store.page, traffic: store.traffic };
   const states = new Map<string, { of: string; instances: string[] }>();
@@ -60,7 +60,9 @@ export function Overview({ system, select }: { system: SystemState; select: (ins
         <ul className="plainlist">
           {losing.slice(0, MOST).map((each) => (
             <li key={each.name}>
-              {chosen(each.target.instance)} <bdi>{`${each.source.instance}.${each.source.port} to ${each.target.instance}.${each.target.port}`}</bdi>
+              <button type="button" className="link plain" onClick={() => inspect(each.name)}>
+                <bdi>{`${each.source.instance}.${each.source.port} to ${each.target.instance}.${each.target.port}`}</bdi>
+              </button>
               <small className="late">{flows.get(each.name)!.details}</small>
             </li>
           ))}

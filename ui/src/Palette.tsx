@@ -44,7 +44,7 @@ export function Palette(props: { system: SystemState; full: boolean; selected: s
           {grouped(found).map(([category, entries]) => (
             <details key={category} open>
               <summary>
-                {category} <small>{entries.length}</small>
+                <bdi>{category}</bdi> <small>{entries.length}</small>
               </summary>
               <ul>
                 {entries.map((entry) => (

@@ -8,11 +8,12 @@ import { Connections } from "./Connections.tsx";
 import { Drive } from "./Drive.tsx";
 import { MapView } from "./MapView.tsx";
 import { Plot, Span, curvesOf, inPlots, ofUnits, overlaid } from "./Plot.tsx";
-import type { Channel, Component, SystemState } from "./protocol/Ui.ts";
+import type { Channel, Component, Connection, SystemState } from "./protocol/Ui.ts";
 import { Services } from "./Services.tsx";
 import { Pencil } from "lucide-react";
 import { IconButton } from "./kit/Button.tsx";
 import { Tabs } from "./kit/Tabs.tsx";
+import { Inspector } from "./Inspector.tsx";
 import { Overview } from "./Overview.tsx";
 import type { Line, Statistics } from "./store.ts";
 import { leaves, stateClass, stateOf, store } from "./store.ts";
@@ -143,10 +144,13 @@ export function Panel(props: {
   tab: Tab;
   open: (tab: Tab) => void;
   rename: (instance: string) => void;
+  connection: Connection | undefined;
+  inspect: (connection: string) => void;
 }) {
-  const { system, component, statistics, lines, full, select, tab, open, rename } = props;
+  const { system, component, statistics, lines, full, select, tab, open, rename, connection, inspect } = props;
   return (
     <aside className="panel" aria-label="Component">
+      {connection && <Inspector system={system} connection={connection} full={full} close={() => inspect("")} select={select} />}
       <label>
         Component
         <select value={component?.instance ?? ""} onChange={(e) => select(e.target.value)}>
@@ -201,7 +205,7 @@ export function Panel(props: {
         ) : tab === "Boards" ? (
           <Board />
         ) : !component ? (
-          <Overview system={system} select={select} />
+          <Overview system={system} select={select} inspect={inspect} />
         ) : tab === "Values" ? (
           <Values key={component.instance} system={system} component={component} full={full} />
         ) : tab === "Connections" ? (

@@ -1,7 +1,7 @@
 /** The graph of components and connections, changed by mouse and by keyboard. */
 
-import { Background, BaseEdge, ControlButton, Controls, EdgeLabelRenderer, Handle, MiniMap, Position, ReactFlow, getSmoothStepPath, useNodesState, useViewport } from "@xyflow/react";
-import { LayoutGrid, Plus } from "lucide-react";
+import { Background, BaseEdge, ControlButton, Controls, EdgeLabelRenderer, Handle, MiniMap, Position, ReactFlow, getSmoothStepPath, useNodesState } from "@xyflow/react";
+import { LayoutGrid, Map as MapIcon, Plus } from "lucide-react";
 import type { Connection as Drawn, Edge, EdgeProps, Node, NodeProps, ReactFlowInstance } from "@xyflow/react";
 import type { CSSProperties } from "react";
 import { memo, useCallback, useEffect, useLayoutEffect, useMemo, useRef, useState } from "react";
@@ -64,7 +64,7 @@ function PortRow({ component, port, fits, isOpen }: { component: Component; port
     <div className={`port ${kind} ${mark} ${isOpen ? "open" : ""} ${service && !provided ? "socket" : ""}`} title={title}>
       {kind !== "out" && <Handle type="target" position={Position.Left} {...names} />}
       <span>{port.name}</span>
-      <small>{typeOf(port)}</small>
+      <small title={[typeOf(port), title].join("\n")}>{typeOf(port)}</small>
       {kind === "out" && <Handle type="source" position={Position.Right} {...names} />}
       {service && <Handle type="source" position={Position.Right} {...names} />}
     </div>
@@ -151,21 +151,10 @@ function WireLine({ id, data, selected, interactionWidth, ...ends }: EdgeProps<W
 
 const MAP = { width: 160, height: 110 };
 
-/** A map of the whole wiring, while a part of it is out of sight. */
-function Whole({ corners: [start, end], room }: { corners: [Point, Point]; room: string }) {
-  const { x, y, zoom } = useViewport();
-  const [wide = 0, high = 0] = room.split("x").map(Number);
-  const isSeen = start.x * zoom + x > -1 && start.y * zoom + y > -1 && end.x * zoom + x < wide + 1 && end.y * zoom + y < high + 1;
-  if (isSeen || wide < ROOM_FOR_MAP) return null;
-  return <MiniMap<Shown> position="top-right" style={MAP} pannable zoomable ariaLabel="Map of the wiring" nodeClassName={(node) => (node.type === "component" ? stateClass(node.data.component) : "bus")} />;
-}
-
 const edgeTypes = { wire: WireLine };
 const NONE: ReadonlySet<string> = new Set();
 /** The name of a connection that the timeline will make, which no connection has. */
 const plannedName = (number: number): string => `\0${number}`;
-/** The least width of a view with a map of the whole [px]. */
-const ROOM_FOR_MAP = 640;
 /** Wires are routed in parts of this duration, between which the page goes on [ms]. */
 const PART = 8;
 /** Distance between the lines of two nodes of a bus [px]. */
@@ -188,9 +177,10 @@ export const Wiring = memo(function Wiring(props: {
   select: (instance: string) => void;
   open: (tab: Tab) => void;
   rename: (instance: string) => void;
+  inspect: (connection: string) => void;
   add: () => void;
 }) {
-  const { file, components, connections, buses, planned, flows, full, statistics, selected, select, open, rename, add } = props;
+  const { file, components, connections, buses, planned, flows, full, statistics, selected, select, open, rename, inspect, add } = props;
   const [nodes, setNodes, onNodesChange] = useNodesState<Shown>([]);
   const [arrangement, setArrangement] = useState<Arrangement & { shape: string }>();
   const [arranged, setArranged] = useState(() => sessionStorage.getItem(ARRANGED) !== "no");
@@ -203,6 +193,7 @@ export const Wiring = memo(function Wiring(props: {
   const [fits, setFits] = useState<ReadonlyMap<string, Fit>>();
   const [misfit, ask] = useState<Misfit>();
   const [menu, setMenu] = useState<Place & { edge: boolean }>();
+  const [mapped, showMap] = useState(false);
   const drags = useRef(0);
   /** Places of boxes moved by arrow keys, until they are stored. */
   const steered = useRef(new Map<string, Point>());
@@ -501,14 +492,15 @@ export const Wiring = memo(function Wiring(props: {
             for (const each of changes) if (each.type === "position" && each.position && !each.dragging) steered.current.set(each.id, each.position);
             onNodesChange(changes);
           }}
-          onEdgesChange={(changes) =>
+          onEdgesChange={(changes) => {
+            for (const each of changes) if (each.type === "select" && each.selected) inspect(nameOf(each.id));
             pick((before) => {
               const after = new Set(before);
               for (const each of changes)
                 if (each.type === "select") after[each.selected ? "add" : "delete"](each.id);
               return after;
-            })
-          }
+            });
+          }}
           onBeforeDelete={async ({ nodes: gone, edges: cut }) => {
             // The events of the server remove them from the page.
             if (gone.length) for (const each of gone) await store.order({ case: "removed", value: nameOf(each.id) });
@@ -554,8 +546,13 @@ export const Wiring = memo(function Wiring(props: {
             >
               <LayoutGrid aria-hidden />
             </ControlButton>
+            <ControlButton aria-pressed={mapped} aria-label="Small map" title="A small map of the whole wiring, by which the view is moved" onClick={() => showMap(!mapped)}>
+              <MapIcon aria-hidden />
+            </ControlButton>
           </Controls>
-          {places && <Whole corners={places.corners} room={room} />}
+          {mapped && (
+            <MiniMap<Shown> position="top-right" style={MAP} pannable zoomable ariaLabel="Map of the wiring" nodeClassName={(node) => (node.type === "component" ? stateClass(node.data.component) : "bus")} />
+          )}
         </ReactFlow>
         </OpenBuses.Provider>
       )}

@@ -88,11 +88,35 @@ def test_the_overview_says_which_connection_loses_samples_and_why(
     page.get_by_role("button", name="Pause").click()
     page.get_by_label("Speed").select_option("1")
     page.locator(".health.lossy").get_by_text(re.compile(r"\d+ lost")).wait_for()
-    lost.get_by_role("button", name="Controller0").click()
+    lost.get_by_role("button", name="Heater0.temperature to").click()
+    wire = page.get_by_role("region", name="Connection", exact=True)
+    wire.get_by_text(re.compile(r"^\d+ samples lost: \d+ overwritten")).wait_for()
+    wire.get_by_text("Heating::Temperature").wait_for()
+    wire.get_by_role("row", name="subscription flush").wait_for()
+    assert violations(page) == []
+    wire.get_by_role("button", name="Controller0").click()
     page.get_by_role("combobox", name="Component").filter(
         has=page.locator("option:checked", has_text="Controller0")
     ).wait_for()
+    wire.get_by_role("button", name="Close the connection").click()
+    wire.wait_for(state="detached")
     select(page, "")
+
+
+def test_a_connection_is_looked_at_and_cut_by_keyboard(
+    page: Any, session: Session
+) -> None:
+    edge = page.locator('.react-flow__edge[aria-label*="Controller0.power"]')
+    edge.focus()
+    page.keyboard.press("Enter")
+    wire = page.get_by_role("region", name="Connection", exact=True)
+    wire.get_by_text("Heating::Power").wait_for()
+    before = len(session.system.connectors)
+    wire.get_by_role("button", name="Cut").press("Enter")
+    until(page, lambda: len(session.system.connectors) == before - 1)
+    wire.wait_for(state="detached")
+    page.get_by_role("button", name="Undo", disabled=False).press("Enter")
+    until(page, lambda: len(session.system.connectors) == before)
 
 
 def test_commands_are_found_by_their_names(page: Any, session: Session) -> None:
@@ -253,6 +277,17 @@ def test_wires_go_around_boxes(page: Any) -> None:
         page.locator(".wiring[aria-busy=false]").wait_for()
         until(page, lambda: page.evaluate(COVERED) == [])
         page.get_by_role("button", name="Arranged").click()
+
+
+def test_a_small_map_shows_the_whole_wiring(page: Any) -> None:
+    button = page.get_by_role("button", name="Small map")
+    whole = page.get_by_role("img", name="Map of the wiring")
+    button.press("Enter")
+    whole.wait_for()
+    assert whole.locator(".STATE_ACTIVE, .STATE_INACTIVE").count() == 2
+    assert violations(page) == []
+    button.click()
+    whole.wait_for(state="detached")
 
 
 def test_a_page_has_no_flaw_for_axe(page: Any) -> None:

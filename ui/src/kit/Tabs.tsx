@@ -1,7 +1,7 @@
-/** Views of which one is shown; arrow keys change it. */
+/** Views of which one is shown; arrow keys change it (ARIA APG). The tab of the view that is shown is the one that Tab reaches, whatever has opened it. */
 
-import { Tabs as Base } from "radix-ui";
 import type { ReactNode } from "react";
+import { useId } from "react";
 
 interface Props<Name extends string> {
   label: string;
@@ -12,18 +12,31 @@ interface Props<Name extends string> {
 }
 
 export function Tabs<Name extends string>({ label, names, shown, show, children }: Props<Name>) {
+  const id = useId();
   return (
-    <Base.Root value={shown} onValueChange={(name) => show(name as Name)}>
-      <Base.List className="tabs" aria-label={label} loop>
+    <>
+      <div
+        role="tablist"
+        aria-label={label}
+        className="tabs"
+        onKeyDown={(e) => {
+          const at = names.indexOf(shown);
+          const next = { ArrowRight: at + 1, ArrowLeft: at - 1, Home: 0, End: -1 }[e.key];
+          if (next === undefined) return;
+          e.preventDefault();
+          show(names.at(next % names.length)!);
+          ([...e.currentTarget.children].at(next % names.length) as HTMLElement).focus();
+        }}
+      >
         {names.map((name) => (
-          <Base.Trigger key={name} value={name}>
+          <button key={name} type="button" role="tab" aria-selected={shown === name} {...(shown === name && { "aria-controls": id })} tabIndex={shown === name ? 0 : -1} onClick={() => show(name)}>
             {name}
-          </Base.Trigger>
+          </button>
         ))}
-      </Base.List>
-      <Base.Content value={shown} tabIndex={-1} aria-label={shown} aria-labelledby={undefined}>
+      </div>
+      <div role="tabpanel" id={id} tabIndex={-1} aria-label={shown}>
         {children}
-      </Base.Content>
-    </Base.Root>
+      </div>
+    </>
   );
 }
