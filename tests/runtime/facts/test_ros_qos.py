@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rtgen.facts.connector_properties import TOPIC_TRANSPORTS, stated_data, violation
+from rtgen.facts.connector_properties import stated_data, violation
 from rtgen.facts.ros_qos import (
     PROFILES,
     Durability,
@@ -33,6 +33,7 @@ from rtgen.facts.ros_qos_words import (
     topic_of,
     value_of,
 )
+from rtgen.facts.topic_properties import TRANSPORTS
 
 WEAKEST = {
     "reliability": (Reliability.BEST_EFFORT, Reliability.RELIABLE),
@@ -218,7 +219,7 @@ def test_own_properties_are_for_both_ends(policy: str) -> None:
 
 
 @pytest.mark.parametrize("policy", POLICIES)
-@pytest.mark.parametrize("transport", TOPIC_TRANSPORTS)
+@pytest.mark.parametrize("transport", TRANSPORTS)
 def test_words_of_the_transports_in_python(transport: str, policy: str) -> None:
     words, value = IN_PYTHON[policy]
     expected = Profile()._replace(**{policy: value})
@@ -320,5 +321,5 @@ def test_qos_between_processes_is_that_of_a_connector_that_is_a_topic() -> None:
 
 def test_the_topic_by_any_transport() -> None:
     assert topic_of({}) is None
-    for transport in TOPIC_TRANSPORTS:
+    for transport in TRANSPORTS:
         assert topic_of({f"dataport.{transport}.topic": " /x "}) == "/x"

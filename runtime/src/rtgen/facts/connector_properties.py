@@ -6,11 +6,13 @@ RTC 1.0 leaves them to implementations.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from enum import StrEnum
 from functools import cache
 from math import isfinite
-from typing import Final, TypeAlias
+from typing import Final
+
+from rtgen.facts.topic_properties import TRANSPORTS, Check
 
 PROFILE_ATTRIBUTES: Final[Mapping[str, str]] = {
     "dataport.dataflow_type": "dataflowType",
@@ -100,15 +102,6 @@ _INTEGER = re.compile(r"[0-9]{1,18}")
 IGNORED: Final = (_ADDRESS_PREFIX, "rtgen.")
 """Prefixes of properties that the embedded runtime ignores: addresses, and other targets."""
 
-TOPIC_TRANSPORTS: Final = (
-    *("ros2", "fast-rtps", "opensplice", "cyclone-dds", "rti-connext-dds"),
-    *("rti-connext-dds-micro", "iceoryx"),
-)
-"""Names of OpenRTM-aist's transports that publish topics, in `dataport.interface_type`."""
-
-Check: TypeAlias = Callable[[str], str | None]
-"""Function that returns the expected form of an invalid property text; None for a valid one."""
-
 
 def _one_of(*words: str) -> Check:
     expectation = " or ".join(words)
@@ -179,7 +172,7 @@ _BUFFER_PROPERTIES: Mapping[str, Check] = {
 DATA: Final[Mapping[str, Check]] = {
     "dataport.interface_type": _one_of(
         *("corba_cdr", "direct", "shared_memory", "data_service", "csp_channel"),
-        *TOPIC_TRANSPORTS,
+        *TRANSPORTS,
     ),
     "dataport.dataflow_type": _one_of(*Dataflow, "duplex"),
     _SUBSCRIPTION_TYPE: _one_of(*Subscription),

@@ -15,7 +15,6 @@ from functools import cache, partial
 from math import inf
 from typing import Any, Final, NamedTuple
 
-from rtgen.facts.connector_properties import TOPIC_TRANSPORTS, Check
 from rtgen.facts.ros_qos import (
     PROFILES,
     SECOND,
@@ -28,6 +27,7 @@ from rtgen.facts.ros_qos import (
     values_of,
     word,
 )
+from rtgen.facts.topic_properties import TRANSPORTS, Check
 
 MAX_DEPTH: Final = 1_000_000
 _MAX_SECONDS: Final = (1 << 31) - 1
@@ -178,7 +178,7 @@ def _depth(text: str) -> Any:
 
 
 def _openrtm() -> Iterator[tuple[str, _Property]]:
-    for transport in TOPIC_TRANSPORTS:
+    for transport in TRANSPORTS:
         for node, _, writes in _NODES:
             at = f"dataport.{transport}.{node}"
             yield from _node(at, f"{at}.history", "sec", writes=writes)
@@ -237,11 +237,11 @@ CHECKS: Final[Mapping[str, Check]] = {
         for key, each in _PROPERTIES.items()
         if not key.startswith(_BETWEEN_PROCESSES)
     },
-    **{f"dataport.{name}.topic": _any for name in TOPIC_TRANSPORTS},
+    **{f"dataport.{name}.topic": _any for name in TRANSPORTS},
     **{f"dataport.fast-rtps.{node}.name": _any for _, node, _ in _NODES},
     **{
         f"dataport.{name}.{node}.avoid_ros_namespace_conventions": _any
-        for name in TOPIC_TRANSPORTS
+        for name in TRANSPORTS
         for node, _, _ in _NODES
     },
 }
@@ -252,7 +252,7 @@ prefixes, have no effect.
 
 def topic_of(properties: Mapping[str, str]) -> str | None:
     """Return the topic that a connector states."""
-    stated = (properties.get(f"dataport.{name}.topic", "") for name in TOPIC_TRANSPORTS)
+    stated = (properties.get(f"dataport.{name}.topic", "") for name in TRANSPORTS)
     return next((text.strip() for text in stated if text.strip()), None)
 
 

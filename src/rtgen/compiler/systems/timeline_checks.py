@@ -79,7 +79,10 @@ def _of_plan(
     yield from timeline_calls.findings(plan.steps, system, components)
     yield from _values(plan.steps, system, components)
     [named] = as_defined([replace(system, connections=tuple(links))], models)
-    yield from connections.findings(named, components)
+    # Connections of the same ports are made one after the other: `skipped` has those in vain.
+    ends = definitions_of(named, components)
+    for connection in named.connections:
+        yield from connections.judged(connection, ends)
 
 
 def new_connections(

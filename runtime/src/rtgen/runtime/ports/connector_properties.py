@@ -11,7 +11,6 @@ from rtgen.facts.connector_properties import (
     MARSHALING,
     PLAIN_DATA,
     PUSH_RATE,
-    Check,
     Dataflow,
     EmptyPolicy,
     FullPolicy,
@@ -23,6 +22,7 @@ from rtgen.facts.connector_properties import (
     subscriptions,
     violation,
 )
+from rtgen.facts.topic_properties import Check
 from rtgen.runtime.errors import ConnectorPropertyError
 from rtgen.runtime.ports.buffers import BufferSettings
 
