@@ -155,6 +155,10 @@ ROWS: Mapping[str, tuple[Row, ...]] = {
         Row("new base Fresh @ --ros2", *EDS),
         Row("new base Fresh @ --ros2", *CDL),
     ),
+    "new ros2-package systems": (Row("new ros2-package fresh --system @", *SYSTEM),),
+    "new ros2-package folder": (
+        Row("new ros2-package fresh --folder @", kind="folder"),
+    ),
     "diff versions": (
         Row("diff @ definitions/scaler.idl", *IDL),
         Row("diff definitions/motor.eds @", *EDS),

@@ -12,6 +12,8 @@ from rtgen.tools.running.texts import duration, name_of
 
 _Counts: TypeAlias = WeakKeyDictionary[runtime.DataConnector[Any], int]
 
+_DEADLINE = "dataport.qos.deadline"
+
 
 class Losses:
     """Counts the samples that components could not read because they were not ACTIVE."""
@@ -48,8 +50,9 @@ class Losses:
                     why = self._why(instance, state, connector)
                     yield f"{port}: {connector.lost} samples of {connector.source} lost: {why}"
                 if missed := connector.missed_deadlines:
-                    within = f"within the deadline of {connector.deadline} s"
-                    yield f"{port}: no sample of {connector.source} {within}, {missed} times"
+                    key = _DEADLINE if _DEADLINE in connector.properties else "deadline"
+                    within = f"within {connector.deadline} s, {missed} times: {key}"
+                    yield f"{port}: no sample of {connector.source} {within}"
             if port.lost_when_cut:
                 yield (
                     f"{port}: {port.lost_when_cut} samples lost on connections that were cut"

@@ -143,14 +143,9 @@ class Components(msgspec.Struct, eq=False):
         others: list[Port] | list[ConfigurationParameter],
     ) -> bool:
         for other in others:
-            clash = _shared_name(new, other)
-            if clash or _slot(new) == _slot(other):
+            if _slot(new) == _slot(other):
                 related = [Related(other.span, "declared here")]
                 message = f"{new.name} is declared twice"
-                if clash:
-                    message = (
-                        f"{clash} is the name of a data port and of a service port"
-                    )
                 self._report(
                     rules.DUPLICATE_PORT.at(
                         new.span, message, related=related, hint="rename one of them"
@@ -337,19 +332,6 @@ def _text_form(initial: InitialValue) -> ConstantValue | None:
         return parameter_texts.text_of(items)
     except ValueError:
         return None
-
-
-def _shared_name(
-    new: Port | ConfigurationParameter, other: Port | ConfigurationParameter
-) -> str | None:
-    """Return the name that a data port and a service port have, if it is one."""
-    if isinstance(new, Port) and isinstance(other, Port):
-        names = [
-            each.name if each.kind in _DATA else each.port for each in (new, other)
-        ]
-        if names[0] == names[1] and (new.kind in _DATA) != (other.kind in _DATA):
-            return names[0]
-    return None
 
 
 def _slot(item: Port | ConfigurationParameter) -> tuple[str, ...]:
